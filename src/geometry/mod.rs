@@ -1,0 +1,16 @@
+//! Pure mathematics on `glam`: no ECS, no GPU.
+
+pub mod aabb;
+pub mod cone;
+pub mod edge_mesh;
+pub mod frustum;
+pub mod light_hull;
+pub mod plane_set;
+pub mod sphere;
+
+pub use aabb::Aabb;
+pub use cone::Cone;
+pub use frustum::Frustum;
+pub use light_hull::LightHull;
+pub use plane_set::{Plane, PlaneSet};
+pub use sphere::Sphere;

@@ -1,0 +1,30 @@
+//! Components that a user spawns, and where they come from.
+//!
+//! | component | says |
+//! | --- | --- |
+//! | [`SceneMesh`], [`SceneMaterials`] | what an entity looks like |
+//! | [`ShadowCaster`], [`ShadowReceiver`] | which part it takes in shadows |
+//! | [`SelectionLayers`] | which lights select it ([`LightSelection`]) |
+//! | [`Light`] | a light; its shadow technique is a component of [`techniques`](crate::techniques) beside it |
+//! | [`Camera`] | the view |
+//! | [`Skin`], [`MorphWeights`] | a mesh that is posed each frame into [`PosedMesh`] |
+//! | [`WorldBounds`] | written by us: where it is |
+
+pub mod animation;
+pub mod bounds;
+pub mod camera;
+pub mod caster;
+#[cfg(feature = "gltf")]
+pub mod gltf_import;
+pub mod light;
+pub mod material;
+pub mod mesh;
+pub mod pose;
+
+pub use bounds::{LocalBounds, WorldBounds};
+pub use camera::Camera;
+pub use caster::{SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use light::{Light, LightError, LightKind, LightSelection};
+pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot};
+pub use mesh::{MeshData, SceneMesh, Submesh};
+pub use pose::{MorphWeights, PosedMesh, Skin};
