@@ -23,7 +23,7 @@ pub mod pose;
 
 pub use bounds::{LocalBounds, WorldBounds};
 pub use camera::Camera;
-pub use caster::{SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot};
 pub use mesh::{MeshData, SceneMesh, Submesh};
