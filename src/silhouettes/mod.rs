@@ -1,1 +1,25 @@
-//! Silhouettes.
+//! Silhouettes: which triangles of a caster face a light, and the contour between those that do and those that
+//! do not. Pure functions on flat arrays; buffers are the caller's and are reused, so a steady frame allocates
+//! nothing.
+//!
+//! ```text
+//! EdgeMesh + positions ──► FacingPlanes ──► FacingBits ──► Contour ──► Loops
+//!    once a mesh         once a pose    └──── once a (light, caster) ─────┘
+//! ```
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `planes` | a plane a triangle and bounds a cluster |
+//! | `facing` | a bit a triangle, 64 at a time |
+//! | `contour` | signed edges and cap triangles |
+//! | `loops` | the contour as closed loops |
+
+mod contour;
+mod facing;
+mod loops;
+mod planes;
+
+pub use contour::{CapMode, Contour, extract_caps, extract_contour, extract_edges};
+pub use facing::{FacingBits, classify, classify_scalar};
+pub use loops::{LoopError, Loops, link_loops};
+pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};

@@ -1,0 +1,303 @@
+//! [`EdgeMesh::build`].
+
+use glam::Vec3;
+
+use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, Seam};
+use super::order::{Item, cluster_order};
+use super::{EdgeMeshError, weld::weld};
+use crate::conventions::CLUSTER_TRIANGLES;
+
+/// What an [`EdgeMesh`] is built from.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct EdgeMeshInput<'a> {
+    /// All vertices of the mesh, across its submeshes.
+    pub positions: &'a [Vec3],
+    /// Three a triangle.
+    pub indices: &'a [u32],
+    /// One a vertex: vertices with different keys (other joints, weights or morph targets) never weld, as
+    /// a pose may part them.
+    pub pose_keys: Option<&'a [u32]>,
+    /// `None` welds positions that are bit-exactly equal (−0 is 0). `Some` welds the vertices in each cube of
+    /// this width, metres: a whole vertex moves to where the lowest of them is, so caps may leave the surface
+    /// that is drawn by up to √3 of it.
+    pub weld_epsilon: Option<f32>,
+}
+
+/// A triangle's edge, turned to run from its lower to its higher vertex.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct HalfEdge {
+    low: u32,
+    high: u32,
+    /// Triangle · 2 + whether it traverses the edge from high to low.
+    side: u32,
+}
+
+impl HalfEdge {
+    fn triangle(self) -> u32 {
+        self.side >> 1
+    }
+}
+
+impl EdgeMesh {
+    /// Welds, finds the edges and clusters the triangles. O(n log n); the same input gives the same mesh.
+    ///
+    /// Triangles that collapse in welding or have a position that is not finite are left out and counted
+    /// ([`EdgeMesh::report`]); those of no area but distinct corners stay. No triangles make an empty mesh.
+    ///
+    /// # Errors
+    /// [`EdgeMeshError`] if the input is not a mesh.
+    pub fn build(input: EdgeMeshInput<'_>) -> Result<Self, EdgeMeshError> {
+        validate(&input)?;
+        let mut mesh = Self {
+            vertex_count: input.positions.len(),
+            ..Self::default()
+        };
+        let (triangles, report) = welded_triangles(&input);
+        mesh.report = report;
+        let half_edges = sorted_half_edges(&triangles);
+        let is_closed = closed_triangles(triangles.len(), &half_edges);
+        let slots = mesh.place_triangles(input.positions, &triangles, &is_closed);
+        mesh.place_edges(&half_edges, &slots);
+        Ok(mesh)
+    }
+
+    /// Orders and clusters the triangles, closed ones first; returns the slot of each.
+    fn place_triangles(
+        &mut self,
+        positions: &[Vec3],
+        triangles: &[[u32; 3]],
+        is_closed: &[bool],
+    ) -> Vec<u32> {
+        let mut slots = vec![0; triangles.len()];
+        for closed in [true, false] {
+            let mut items: Vec<Item> = (0u32..)
+                .zip(triangles)
+                .filter(|&(triangle, _)| is_closed[triangle as usize] == closed)
+                .map(|(triangle, corners)| sortable(positions, triangle, corners))
+                .collect();
+            cluster_order(&mut items);
+            for cluster in items.chunks(CLUSTER_TRIANGLES) {
+                let first_slot = (self.clusters.len() * CLUSTER_TRIANGLES) as u32;
+                self.clusters.push(Cluster {
+                    first_triangle: self.corners.len() as u32,
+                    triangle_count: cluster.len() as u32,
+                    first_edge: 0,
+                    edge_count: 0,
+                });
+                for (slot, item) in (first_slot..).zip(cluster) {
+                    slots[item.triangle as usize] = slot;
+                    self.corners.push(triangles[item.triangle as usize]);
+                }
+            }
+            if closed {
+                self.closed_cluster_count = self.clusters.len();
+            }
+        }
+        slots
+    }
+
+    /// Sorts the edges by kind and, within it, by the clusters that they lie in.
+    fn place_edges(&mut self, half_edges: &[HalfEdge], slots: &[u32]) {
+        let slot_of = |half: &HalfEdge| slots[half.triangle() as usize];
+        let mut regular = Vec::with_capacity(half_edges.len() / 2);
+        let mut boundary = Vec::new();
+        for edge in edges_of(half_edges) {
+            let vertices = [edge[0].low, edge[0].high];
+            match edge {
+                [a] => boundary.push((slot_of(a), directed(vertices, a.side & 1 != 0))),
+                [a, b] if (a.side ^ b.side) & 1 != 0 => {
+                    // The lower slot comes first, and the edge runs as its triangle does.
+                    let (first, second) = if slot_of(a) < slot_of(b) { (a, b) } else { (b, a) };
+                    let vertices = directed(vertices, first.side & 1 != 0);
+                    regular.push((slot_of(first), slot_of(second), vertices));
+                }
+                _ => {
+                    self.irregular_vertices.push(vertices);
+                    self.irregular_starts.push(self.irregular_sides.len() as u32);
+                    self.irregular_sides.extend(
+                        edge.iter()
+                            .map(|half| EdgeSide::new(slot_of(half), half.side & 1 != 0)),
+                    );
+                }
+            }
+        }
+        self.irregular_starts.push(self.irregular_sides.len() as u32);
+        boundary.sort_unstable();
+        (self.boundary_slots, self.boundary_vertices) = boundary.into_iter().unzip();
+        self.place_regular_edges(regular);
+    }
+
+    fn place_regular_edges(&mut self, mut regular: Vec<(u32, u32, [u32; 2])>) {
+        let cluster_of = |slot: u32| slot / CLUSTER_TRIANGLES as u32;
+        // Inside of clusters first; then by cluster pair.
+        regular.sort_unstable_by_key(|&(a, b, vertices)| {
+            let (cluster_a, cluster_b) = (cluster_of(a), cluster_of(b));
+            (cluster_a != cluster_b, cluster_a, cluster_b, a, b, vertices)
+        });
+        for (edge, (slot_a, slot_b, vertices)) in (0u32..).zip(regular) {
+            let clusters = [cluster_of(slot_a), cluster_of(slot_b)];
+            self.regular_vertices.push(vertices);
+            self.regular_lanes
+                .push([slot_a, slot_b].map(|slot| (slot % CLUSTER_TRIANGLES as u32) as u8));
+            if clusters[0] == clusters[1] {
+                let cluster = &mut self.clusters[clusters[0] as usize];
+                if cluster.edge_count == 0 {
+                    cluster.first_edge = edge;
+                }
+                cluster.edge_count += 1;
+            } else if let Some(seam) = self.seams.last_mut().filter(|seam| seam.clusters == clusters) {
+                seam.edge_count += 1;
+            } else {
+                self.seams.push(Seam {
+                    clusters,
+                    first_edge: edge,
+                    edge_count: 1,
+                });
+            }
+        }
+        // An edge joins triangles into one piece, so both clusters of a seam are of one kind.
+        let closed = self.closed_cluster_count as u32;
+        self.closed_seam_count = self.seams.partition_point(|seam| seam.clusters[0] < closed);
+    }
+}
+
+fn validate(input: &EdgeMeshInput<'_>) -> Result<(), EdgeMeshError> {
+    let vertex_count = input.positions.len();
+    let index_count = input.indices.len();
+    // Slots are padded by less than a cluster at the end of the closed and of the open part.
+    if !fits(vertex_count) || !fits(index_count) {
+        return Err(EdgeMeshError::TooLarge {
+            vertex_count,
+            index_count,
+        });
+    }
+    if let Some(keys) = input.pose_keys
+        && keys.len() != vertex_count
+    {
+        return Err(EdgeMeshError::PoseKeyCount {
+            key_count: keys.len(),
+            vertex_count,
+        });
+    }
+    if let Some(epsilon) = input.weld_epsilon
+        && !(epsilon > 0.0 && epsilon.is_finite())
+    {
+        return Err(EdgeMeshError::WeldEpsilon(epsilon));
+    }
+    if let Some(corner) = input.indices.iter().position(|&i| i as usize >= vertex_count) {
+        return Err(EdgeMeshError::IndexOutOfRange {
+            triangle: corner / 3,
+            index: input.indices[corner],
+            vertex_count,
+        });
+    }
+    if !index_count.is_multiple_of(3) {
+        return Err(EdgeMeshError::IncompleteTriangle {
+            index_count,
+            triangle: index_count / 3,
+        });
+    }
+    Ok(())
+}
+
+fn fits(count: usize) -> bool {
+    count <= u32::MAX as usize - 2 * CLUSTER_TRIANGLES
+}
+
+fn welded_triangles(input: &EdgeMeshInput<'_>) -> (Vec<[u32; 3]>, EdgeMeshReport) {
+    let welded = weld(input.positions, input.pose_keys, input.weld_epsilon);
+    let mut report = EdgeMeshReport::default();
+    let mut triangles = Vec::with_capacity(input.indices.len() / 3);
+    for corner in input.indices.chunks_exact(3) {
+        let [a, b, c] = [corner[0], corner[1], corner[2]];
+        if ![a, b, c].iter().all(|&i| input.positions[i as usize].is_finite()) {
+            report.non_finite_triangles += 1;
+            continue;
+        }
+        let [a, b, c] = [a, b, c].map(|i| welded[i as usize]);
+        if a == b || b == c || c == a {
+            report.collapsed_triangles += 1;
+            continue;
+        }
+        triangles.push([a, b, c]);
+    }
+    (triangles, report)
+}
+
+fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
+    let mut half_edges: Vec<HalfEdge> = (0u32..)
+        .zip(triangles)
+        .flat_map(|(triangle, &[a, b, c])| {
+            [(a, b), (b, c), (c, a)].map(|(from, to)| HalfEdge {
+                low: from.min(to),
+                high: from.max(to),
+                side: triangle << 1 | u32::from(from > to),
+            })
+        })
+        .collect();
+    half_edges.sort_unstable();
+    half_edges
+}
+
+/// The half edges of each edge in turn.
+fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
+    half_edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high))
+}
+
+/// Whether each triangle's piece is closed.
+fn closed_triangles(triangle_count: usize, half_edges: &[HalfEdge]) -> Vec<bool> {
+    let mut parents: Vec<u32> = (0..triangle_count as u32).collect();
+    for edge in edges_of(half_edges) {
+        for pair in edge.windows(2) {
+            let a = root(&mut parents, pair[0].triangle());
+            let b = root(&mut parents, pair[1].triangle());
+            parents[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut piece_is_closed = vec![true; triangle_count];
+    for edge in edges_of(half_edges) {
+        let reversed = edge.iter().filter(|half| half.side & 1 != 0).count();
+        if reversed * 2 != edge.len() {
+            piece_is_closed[root(&mut parents, edge[0].triangle()) as usize] = false;
+        }
+    }
+    (0..triangle_count as u32)
+        .map(|triangle| piece_is_closed[root(&mut parents, triangle) as usize])
+        .collect()
+}
+
+/// The lowest triangle of a piece; halves the path on the way.
+fn root(parents: &mut [u32], mut triangle: u32) -> u32 {
+    while parents[triangle as usize] != triangle {
+        let grandparent = parents[parents[triangle as usize] as usize];
+        parents[triangle as usize] = grandparent;
+        triangle = grandparent;
+    }
+    triangle
+}
+
+fn directed([low, high]: [u32; 2], reversed: bool) -> [u32; 2] {
+    if reversed { [high, low] } else { [low, high] }
+}
+
+fn sortable(positions: &[Vec3], triangle: u32, corners: &[u32; 3]) -> Item {
+    let [a, b, c] = corners.map(|i| positions[i as usize]);
+    let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+    Item {
+        // Thirds first: the sum of finite numbers may overflow.
+        centroid: a / 3.0 + b / 3.0 + c / 3.0,
+        normal: ab.cross(ac).normalize_or_zero().as_vec3(),
+        triangle,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_beyond_32_bits_do_not_fit() {
+        assert!(fits(0) && fits(1 << 31));
+        assert!(!fits(u32::MAX as usize) && !fits(1 << 40));
+    }
+}

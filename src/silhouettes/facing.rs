@@ -1,0 +1,147 @@
+//! A bit per triangle: whether its front is towards the light.
+
+use glam::Vec4;
+use wide::f32x8;
+
+use super::planes::{Certainty, FacingPlanes, PlaneBlock};
+use crate::conventions::CLUSTER_TRIANGLES;
+use crate::geometry::edge_mesh::EdgeMesh;
+
+/// Which triangles face a light: a word a cluster, a bit a slot.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FacingBits {
+    words: Vec<u64>,
+    /// [`HAS_BACK`] and [`HAS_FACING`] of each cluster: a byte, so that all of them stay in the first cache while
+    /// seams ask for them in any order.
+    states: Vec<u8>,
+    tested_clusters: usize,
+}
+
+/// The cluster has a triangle that does not face the light.
+pub(super) const HAS_BACK: u8 = 1;
+/// The cluster has a triangle that faces the light.
+pub(super) const HAS_FACING: u8 = 2;
+/// The cluster has both.
+pub(super) const MIXED: u8 = HAS_BACK | HAS_FACING;
+
+impl FacingBits {
+    /// One word a cluster; bits beyond the cluster's triangles are 0.
+    pub fn words(&self) -> &[u64] {
+        &self.words
+    }
+
+    pub(super) fn states(&self) -> &[u8] {
+        &self.states
+    }
+
+    /// Whether the triangle in `slot` faces the light.
+    pub fn is_facing(&self, slot: usize) -> bool {
+        self.words[slot / CLUSTER_TRIANGLES] >> (slot % CLUSTER_TRIANGLES) & 1 != 0
+    }
+
+    /// Clusters with triangles of both kinds.
+    pub fn mixed_cluster_count(&self) -> usize {
+        self.states.iter().filter(|&&state| state == MIXED).count()
+    }
+
+    /// Clusters whose bounds did not decide, so that every triangle was tested.
+    pub fn tested_cluster_count(&self) -> usize {
+        self.tested_clusters
+    }
+
+    /// Bits chosen by the caller, a word a cluster of `mesh`. The contour is closed for any choice.
+    pub fn from_words(mesh: &EdgeMesh, words: impl IntoIterator<Item = u64>) -> Self {
+        let mut bits = Self::default();
+        for (cluster, word) in mesh.clusters().iter().zip(words) {
+            bits.push(word & cluster.full_word(), cluster.full_word());
+        }
+        bits
+    }
+
+    fn clear(&mut self) {
+        self.words.clear();
+        self.states.clear();
+        self.tested_clusters = 0;
+    }
+
+    fn push(&mut self, word: u64, full_word: u64) {
+        let has_facing = u8::from(word != 0) * HAS_FACING;
+        let has_back = u8::from(word != full_word) * HAS_BACK;
+        self.words.push(word);
+        self.states.push(has_facing | has_back);
+    }
+}
+
+/// For each triangle, whether the light lies strictly in front of its plane. On the plane counts as not facing, and
+/// so does NaN. `light_local` is a position with `w = 1` or, with `w = 0`, the direction towards the light.
+///
+/// Any answer leaves the contour closed, so rounding may turn only triangles that are edge-on to the light.
+/// Without planes of this mesh there are no bits, and nothing will be cast.
+///
+/// Cost: each cluster's bounds, and the triangles of those that they leave open. The bits are those of
+/// [`classify_scalar`], to the last. Idea of culling by bounds: The Dark Mod; ours uses normal cones.
+pub fn classify(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4, bits: &mut FacingBits) {
+    bits.clear();
+    if planes.blocks.len() != mesh.clusters().len() {
+        return;
+    }
+    bits.words.reserve(planes.blocks.len());
+    bits.states.reserve(planes.blocks.len());
+    if planes.bounds.is_empty() {
+        for (cluster, block) in mesh.clusters().iter().zip(&planes.blocks) {
+            bits.push(facing_word(block, light_local), cluster.full_word());
+        }
+        bits.tested_clusters = planes.blocks.len();
+        return;
+    }
+    let clusters = mesh.clusters().iter().zip(&planes.blocks).zip(&planes.bounds);
+    for ((cluster, block), bounds) in clusters {
+        let full_word = cluster.full_word();
+        let word = match bounds.certainty(light_local) {
+            Certainty::AllFacing => full_word,
+            Certainty::NoneFacing => 0,
+            Certainty::Unknown => {
+                bits.tested_clusters += 1;
+                facing_word(block, light_local)
+            }
+        };
+        bits.push(word, full_word);
+    }
+}
+
+/// Twin of [`classify`] that tests one triangle after the other.
+pub fn classify_scalar(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4, bits: &mut FacingBits) {
+    bits.clear();
+    if planes.blocks.len() != mesh.clusters().len() {
+        return;
+    }
+    let l = light_local;
+    for (cluster, block) in mesh.clusters().iter().zip(&planes.blocks) {
+        let mut word = 0;
+        for lane in 0..cluster.triangle_count as usize {
+            // The order of the sum is that of `facing_word`.
+            let value =
+                block.x[lane] * l.x + block.y[lane] * l.y + block.z[lane] * l.z + block.offset[lane] * l.w;
+            word |= u64::from(value > 0.0) << lane;
+        }
+        bits.push(word, cluster.full_word());
+    }
+    bits.tested_clusters = planes.blocks.len();
+}
+
+/// No fused multiply-add: a frame is the same on every machine, and equal to the twin's.
+fn facing_word(block: &PlaneBlock, light_local: Vec4) -> u64 {
+    let [x, y, z, w] = light_local.to_array().map(f32x8::splat);
+    let (xs, ys) = (block.x.as_chunks::<8>().0, block.y.as_chunks::<8>().0);
+    let (zs, offsets) = (block.z.as_chunks::<8>().0, block.offset.as_chunks::<8>().0);
+    let mut word = 0;
+    for i in 0..CLUSTER_TRIANGLES / 8 {
+        let value = f32x8::new(xs[i]) * x
+            + f32x8::new(ys[i]) * y
+            + f32x8::new(zs[i]) * z
+            + f32x8::new(offsets[i]) * w;
+        let byte = value.simd_gt(f32x8::ZERO).to_bitmask();
+        word |= u64::from(byte) << (i * 8);
+    }
+    word
+}

@@ -1,0 +1,209 @@
+//! The plane of every triangle, and what bounds those of a cluster.
+
+use glam::{DVec3, Vec3, Vec4};
+
+use crate::conventions::CLUSTER_TRIANGLES;
+use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
+
+/// The planes of one cluster: `x·p + y·p + z·p + offset` is positive on a triangle's front. Unit normals; a
+/// triangle of no area and the padding of a short cluster have zeros, so that they never face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PlaneBlock {
+    pub x: [f32; CLUSTER_TRIANGLES],
+    pub y: [f32; CLUSTER_TRIANGLES],
+    pub z: [f32; CLUSTER_TRIANGLES],
+    pub offset: [f32; CLUSTER_TRIANGLES],
+}
+
+/// Planes of an [`EdgeMesh`] in one pose, by slot.
+#[derive(Clone, Debug, Default)]
+pub struct FacingPlanes {
+    pub(super) blocks: Vec<PlaneBlock>,
+    /// One a cluster, or none at all.
+    pub(super) bounds: Vec<ClusterBounds>,
+}
+
+/// What a light's side of all planes of a cluster can be told from: a cone of normals, taken apart along and
+/// across its axis, and how far the planes are from the cluster's centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ClusterBounds {
+    center: Vec3,
+    axis: Vec3,
+    /// Least and largest `axis · normal`.
+    along: [f32; 2],
+    /// Largest length of a normal's part across the axis.
+    across: f32,
+    /// Least and largest signed distance of the centre. The least is −∞ if some triangle never faces.
+    offset: [f32; 2],
+    /// Bounds the terms that rounding errors are relative to.
+    magnitude: f32,
+}
+
+/// What [`ClusterBounds`] can tell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Certainty {
+    AllFacing,
+    NoneFacing,
+    Unknown,
+}
+
+const EMPTY_BLOCK: PlaneBlock = PlaneBlock {
+    x: [0.0; CLUSTER_TRIANGLES],
+    y: [0.0; CLUSTER_TRIANGLES],
+    z: [0.0; CLUSTER_TRIANGLES],
+    offset: [0.0; CLUSTER_TRIANGLES],
+};
+
+/// Computes planes and cluster bounds of a mesh that keeps its pose.
+///
+/// `positions` are those that the mesh was built from or a pose of them. With fewer than
+/// [`EdgeMesh::vertex_count`] there are no planes, and nothing will be cast.
+pub fn compute_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
+    compute_posed_planes(mesh, positions, planes);
+    for (cluster, block) in mesh.clusters().iter().zip(&planes.blocks) {
+        planes
+            .bounds
+            .push(ClusterBounds::of(mesh, cluster, positions, block));
+    }
+}
+
+/// As [`compute_planes`], but without cluster bounds: [`classify`](super::classify) then looks at every triangle.
+/// Cheaper for a pose that lasts one frame, unless many lights see it.
+pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
+    planes.bounds.clear();
+    if positions.len() < mesh.vertex_count() {
+        planes.blocks.clear();
+        return;
+    }
+    planes.blocks.resize(mesh.clusters().len(), EMPTY_BLOCK);
+    for (cluster, block) in mesh.clusters().iter().zip(&mut planes.blocks) {
+        let corners = &mesh.corners()[cluster.triangles()];
+        for (lane, corners) in corners.iter().enumerate().take(CLUSTER_TRIANGLES) {
+            let plane = plane_of(corners.map(|i| positions[i as usize]));
+            block.x[lane] = plane.x;
+            block.y[lane] = plane.y;
+            block.z[lane] = plane.z;
+            block.offset[lane] = plane.w;
+        }
+        // The mesh may be another than last time.
+        for lane in corners.len()..CLUSTER_TRIANGLES {
+            block.x[lane] = 0.0;
+            block.y[lane] = 0.0;
+            block.z[lane] = 0.0;
+            block.offset[lane] = 0.0;
+        }
+    }
+}
+
+/// Unit normal and offset; zero for a triangle of no area. In `f64`, where neither tiny triangles underflow nor
+/// distant ones lose their offset, and rounded once.
+fn plane_of([a, b, c]: [Vec3; 3]) -> Vec4 {
+    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+    let normal = (b - a).cross(c - a);
+    let length_sq = normal.length_squared();
+    if length_sq > 0.0 {
+        let normal = normal * (1.0 / length_sq.sqrt());
+        normal.extend(-normal.dot(a)).as_vec4()
+    } else if length_sq == 0.0 {
+        Vec4::ZERO
+    } else {
+        Vec4::NAN
+    }
+}
+
+impl FacingPlanes {
+    /// Memory for each triangle of `mesh`, with its cluster's share of bounds.
+    pub fn bytes_per_triangle(&self, mesh: &EdgeMesh) -> f64 {
+        let bytes = size_of_val(&self.blocks[..]) + size_of_val(&self.bounds[..]);
+        bytes as f64 / mesh.triangle_count().max(1) as f64
+    }
+
+    /// Plane of a slot: normal and offset.
+    pub fn plane(&self, slot: usize) -> Vec4 {
+        let (block, lane) = (&self.blocks[slot / CLUSTER_TRIANGLES], slot % CLUSTER_TRIANGLES);
+        Vec4::new(block.x[lane], block.y[lane], block.z[lane], block.offset[lane])
+    }
+}
+
+impl ClusterBounds {
+    /// Bounds of the planes as rounded, since those are what the test of a triangle sees.
+    fn of(mesh: &EdgeMesh, cluster: &Cluster, positions: &[Vec3], block: &PlaneBlock) -> Self {
+        let corners = mesh.corners()[cluster.triangles()].as_flattened();
+        let (low, high) = corners
+            .iter()
+            .map(|&i| positions[i as usize])
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
+                (low.min(p), high.max(p))
+            });
+        let center = (low * 0.5 + high * 0.5).as_dvec3();
+        let planes = || {
+            (0..cluster.triangle_count as usize).map(|lane| {
+                let normal = Vec3::new(block.x[lane], block.y[lane], block.z[lane]);
+                (normal.as_dvec3(), f64::from(block.offset[lane]))
+            })
+        };
+        let axis: DVec3 = planes().map(|(normal, _)| normal).sum();
+        let axis = axis.normalize_or_zero().as_vec3().as_dvec3();
+        let mut along = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut offset = [f64::INFINITY, f64::NEG_INFINITY];
+        let (mut across, mut magnitude) = (0.0f64, 0.0f64);
+        let mut some_never_face = false;
+        for (normal, distance) in planes() {
+            // A triangle that never faces is no obstacle to "none faces" and rules out "all face".
+            if normal == DVec3::ZERO {
+                some_never_face = true;
+                continue;
+            }
+            let parallel = axis.dot(normal);
+            let center_distance = normal.dot(center) + distance;
+            along = [along[0].min(parallel), along[1].max(parallel)];
+            offset = [offset[0].min(center_distance), offset[1].max(center_distance)];
+            across = across.max((normal - axis * parallel).length());
+            magnitude = magnitude.max(distance.abs());
+            // `min` and `max` would lose a NaN.
+            some_never_face |= !center_distance.is_finite();
+        }
+        if along[0] > along[1] {
+            (along, offset) = ([0.0; 2], [0.0; 2]);
+        }
+        if some_never_face {
+            offset[0] = f64::NEG_INFINITY;
+        }
+        Self {
+            center: center.as_vec3(),
+            axis: axis.as_vec3(),
+            along: along.map(|value| value as f32),
+            across: across as f32,
+            offset: offset.map(|value| value as f32),
+            magnitude: (magnitude + 2.0 * center.abs().element_sum()) as f32,
+        }
+    }
+
+    /// Whether all triangles face the light, or none does, so surely that the test of each, with its rounding
+    /// errors, would say the same.
+    ///
+    /// With `v` from the centre to the light, a plane's value is `n·v + w·offset`; `n·v` splits along the axis
+    /// into `(n·axis)(axis·v)` and across it into at most `across · |v − axis (axis·v)|`. Tighter than a sphere and
+    /// a cone's half-angle, without special cases: offsets replace the radius, and no angle can exceed π.
+    pub(super) fn certainty(&self, light_local: Vec4) -> Certainty {
+        let w = light_local.w;
+        let v = light_local.truncate() - self.center * w;
+        let t = self.axis.dot(v);
+        let across = self.across * (v - self.axis * t).length();
+        let (a, b) = (self.along[0] * t, self.along[1] * t);
+        // A dozen roundings here and four in the test of a triangle, each at most 2⁻²⁴ of the terms.
+        const ROUNDING: f32 = 32.0 / (1 << 24) as f32;
+        let terms = light_local.truncate().abs().element_sum() + w.abs() * self.magnitude;
+        let margin = ROUNDING * terms + f32::MIN_POSITIVE;
+        // With NaN or ∞ − ∞ anywhere, or w < 0, where least and largest would trade places, nothing is certain.
+        if !(w >= 0.0) {
+            Certainty::Unknown
+        } else if a.min(b) - across + w * self.offset[0] > margin {
+            Certainty::AllFacing
+        } else if a.max(b) + across + w * self.offset[1] < -margin {
+            Certainty::NoneFacing
+        } else {
+            Certainty::Unknown
+        }
+    }
+}
