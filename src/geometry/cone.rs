@@ -1,6 +1,6 @@
 //! Circular cone with a spherical end: what a spot light reaches.
 
-use glam::{Vec3, Vec4};
+use glam::{DVec4, Vec3};
 
 use super::{Aabb, Sphere};
 
@@ -18,15 +18,18 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// How far the cone reaches from its apex along a unit vector, metres: exact, 0 or more.
+    /// How far the cone reaches from its apex along a unit vector, metres; 0 or more. Exact but for rounding, which stays
+    /// below a millionth of the range.
     pub fn extent(&self, direction: Vec3) -> f32 {
         let angle = direction.dot(self.axis).clamp(-1.0, 1.0).acos();
         let beyond = (angle - self.half_angle).max(0.0);
-        if beyond >= std::f32::consts::FRAC_PI_2 {
-            0.0
-        } else {
-            self.range * beyond.cos()
+        // `acos` errs by up to 4e-4 rad near 0 and π. With a finite range the cosine hardly sees it; an infinite one
+        // would turn it into all or nothing.
+        if self.range == f32::INFINITY {
+            let reaches = beyond < std::f32::consts::FRAC_PI_2 + 1e-3;
+            return if reaches { f32::INFINITY } else { 0.0 };
         }
+        self.range * beyond.cos().max(0.0)
     }
 
     /// The box around the cone; infinite on the sides where the cone is.
@@ -45,21 +48,20 @@ impl Cone {
     /// Homogeneous corners of the pyramid around the cone, apex first: oriented along the axis, so tighter than
     /// [`Cone::aabb`] for a narrow cone. Infinite range gives directions (`w = 0`). `None` for half-angles above
     /// 1.2 rad, where the pyramid's base is so wide that it bounds nothing.
-    pub fn bounding_points(&self) -> Option<[Vec4; 5]> {
+    pub fn bounding_points(&self) -> Option<[DVec4; 5]> {
         if self.half_angle > 1.2 {
             return None;
         }
-        let (x, y) = self.axis.any_orthonormal_pair();
-        let slope = self.half_angle.tan() * (1.0 + 1e-5);
-        let mut points = [self.apex.extend(1.0); 5];
-        for (point, (sx, sy)) in
-            points[1..]
-                .iter_mut()
-                .zip([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
-        {
-            let ray = self.axis + (x * sx + y * sy) * slope;
+        let (apex, axis) = (self.apex.as_dvec3(), self.axis.as_dvec3());
+        let (x, y) = axis.any_orthonormal_pair();
+        // Larger by more than `axis` and the angle, both `f32`, can err.
+        let slope = f64::from(self.half_angle).tan() * (1.0 + 1e-5) + 1e-6;
+        let mut points = [apex.extend(1.0); 5];
+        let signs = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        for (point, (sx, sy)) in points[1..].iter_mut().zip(signs) {
+            let ray = axis + (x * sx + y * sy) * slope;
             *point = if self.range.is_finite() {
-                (self.apex + ray * (self.range * (1.0 + 1e-5))).extend(1.0)
+                (apex + ray * (f64::from(self.range) * (1.0 + 1e-5))).extend(1.0)
             } else {
                 ray.extend(0.0)
             };
