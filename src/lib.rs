@@ -63,7 +63,9 @@ pub mod techniques;
 pub mod prelude {
     pub use crate::plugin::{AntumbraPlugin, AntumbraSystems};
     #[cfg(feature = "render")]
-    pub use crate::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures, frame::FrameOutputs};
+    pub use crate::render::{
+        RenderContext, RenderSettings, Renderer, RequestedFeatures, frame::FrameOutputs,
+    };
     pub use crate::scene::{
         AlphaMode, Camera, FaceCulling, Light, LightKind, LightSelection, Material, MeshData, SceneMaterials,
         SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,

@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleBuildSettings, ScheduleLabel};
+use bevy_transform::TransformSystems;
 use bevy_transform::prelude::TransformPlugin;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
-use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets::{self, SeenInto, seen_into};
@@ -148,7 +148,11 @@ pub fn standalone_schedule() -> Schedule {
     });
     schedule.configure_sets(TransformSystems::Propagate.before(AntumbraSystems::UpdateBounds));
     schedule.add_systems(
-        (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms)
+        (
+            mark_dirty_trees,
+            propagate_parent_transforms,
+            sync_simple_transforms,
+        )
             .chain()
             .in_set(TransformSystems::Propagate),
     );

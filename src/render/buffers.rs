@@ -22,12 +22,7 @@ impl GrowingBuffer {
         }
     }
 
-    fn create(
-        context: &RenderContext,
-        label: &str,
-        usage: wgpu::BufferUsages,
-        size: u64,
-    ) -> wgpu::Buffer {
+    fn create(context: &RenderContext, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
         context.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
             size,

@@ -90,7 +90,8 @@ impl MaterialPool {
             }
         }
         // A texture that only this pool still holds is used by no material.
-        self.textures.retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
+        self.textures
+            .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
     }
 
     /// Index of a material, uploaded if it is new.

@@ -108,7 +108,12 @@ impl MeshPool {
         Some(index as u32)
     }
 
-    fn upload(&mut self, context: &RenderContext, mesh: &Arc<MeshData>, posed: Option<&PosedMesh>) -> GpuMesh {
+    fn upload(
+        &mut self,
+        context: &RenderContext,
+        mesh: &Arc<MeshData>,
+        posed: Option<&PosedMesh>,
+    ) -> GpuMesh {
         let buffer = |label: &str, contents: &[u8], usage| {
             context
                 .device
@@ -121,7 +126,11 @@ impl MeshPool {
         let positions = posed_positions(mesh, posed);
         fill_surface(&mut self.scratch, mesh, posed);
         GpuMesh {
-            positions: buffer("positions", bytemuck::cast_slice(positions), wgpu::BufferUsages::VERTEX),
+            positions: buffer(
+                "positions",
+                bytemuck::cast_slice(positions),
+                wgpu::BufferUsages::VERTEX,
+            ),
             surface: buffer(
                 "surface",
                 bytemuck::cast_slice(&self.scratch),

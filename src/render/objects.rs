@@ -81,11 +81,10 @@ impl ObjectTable {
             let first = self.items.len() as u32;
             let mut mesh_index = NO_MESH;
             if let Ok((mesh, object_materials, posed)) = appearance.get(entity) {
-                mesh_index = meshes
-                    .acquire(context, entity, &mesh.0, posed)
-                    .unwrap_or(NO_MESH);
+                mesh_index = meshes.acquire(context, entity, &mesh.0, posed).unwrap_or(NO_MESH);
                 for (submesh, part) in mesh.0.submeshes.iter().enumerate() {
-                    let Some(material) = object_materials.and_then(|materials| materials.0.get(submesh)) else {
+                    let Some(material) = object_materials.and_then(|materials| materials.0.get(submesh))
+                    else {
                         continue;
                     };
                     if part.index_count == 0 || mesh_index == NO_MESH {

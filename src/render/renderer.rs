@@ -243,7 +243,11 @@ impl Renderer {
     }
 
     pub(super) fn resize(&mut self, size: UVec2) -> Result<(), RenderError> {
-        if self.targets.as_ref().is_some_and(|(targets, _)| targets.size == size) {
+        if self
+            .targets
+            .as_ref()
+            .is_some_and(|(targets, _)| targets.size == size)
+        {
             return Ok(());
         }
         self.targets = FrameTargets::new(&self.context, size)?.map(|targets| {

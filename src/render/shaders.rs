@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Mutex;
 
 use naga_oil::compose::{
-    ComposableModuleDescriptor, Composer, NagaModuleDescriptor, ShaderLanguage, ShaderType,
+    ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderLanguage, ShaderType,
 };
 
 use super::RenderError;
@@ -53,17 +53,15 @@ impl Shaders {
     pub fn new() -> Result<Self, RenderError> {
         let mut composer = Composer::default();
         for (path, source) in COMMON {
-            composer
+            let added = composer
                 .add_composable_module(ComposableModuleDescriptor {
                     source,
                     file_path: path,
                     language: ShaderLanguage::Wgsl,
                     ..Default::default()
                 })
-                .map_err(|error| RenderError::Shader {
-                    name: path.to_owned(),
-                    reason: error.emit_to_string(&composer),
-                })?;
+                .map(|_| ());
+            added.map_err(|error| shader_error(path, &error, &composer))?;
         }
         Ok(Self {
             composer: Mutex::new(composer),
@@ -74,23 +72,19 @@ impl Shaders {
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
-    pub fn compose(&self, path: &str, source: &str) -> Result<naga_oil::compose::NagaModule, RenderError> {
+    pub fn compose(&self, path: &str, source: &str) -> Result<wgpu::naga::Module, RenderError> {
         // A poisoned composer has lost nothing: each composition starts from the common modules.
         let mut composer = self
             .composer
             .lock()
             .unwrap_or_else(std::sync::PoisonError::into_inner);
-        composer
-            .make_naga_module(NagaModuleDescriptor {
-                source,
-                file_path: path,
-                shader_type: ShaderType::Wgsl,
-                ..Default::default()
-            })
-            .map_err(|error| RenderError::Shader {
-                name: path.to_owned(),
-                reason: error.emit_to_string(&composer),
-            })
+        let module = composer.make_naga_module(NagaModuleDescriptor {
+            source,
+            file_path: path,
+            shader_type: ShaderType::Wgsl,
+            ..Default::default()
+        });
+        module.map_err(|error| shader_error(path, &error, &composer))
     }
 
     /// A wgpu module of one of [`PASSES`].
@@ -98,17 +92,25 @@ impl Shaders {
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place, or says that there is no such file.
     pub fn module(&self, device: &wgpu::Device, path: &str) -> Result<wgpu::ShaderModule, RenderError> {
-        let (_, source) = PASSES
-            .iter()
-            .find(|(name, _)| *name == path)
-            .ok_or_else(|| RenderError::Shader {
-                name: path.to_owned(),
-                reason: "there is no such file".to_owned(),
-            })?;
+        let (_, source) =
+            PASSES
+                .iter()
+                .find(|(name, _)| *name == path)
+                .ok_or_else(|| RenderError::Shader {
+                    name: path.to_owned(),
+                    reason: "there is no such file".to_owned(),
+                })?;
         let module = self.compose(path, source)?;
         Ok(device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(path),
             source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
         }))
+    }
+}
+
+fn shader_error(path: &str, error: &ComposerError, composer: &Composer) -> RenderError {
+    RenderError::Shader {
+        name: path.to_owned(),
+        reason: error.emit_to_string(composer),
     }
 }

@@ -6,14 +6,14 @@ use glam::UVec2;
 
 use super::bind_groups::LIGHT_STRIDE;
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
+use super::gpu_types;
 use super::lights::light_constants;
 use super::nodes::blended::BlendedDraw;
 use super::objects::NO_MESH;
 use super::renderer::{ActiveLight, FrameData, Renderer};
 use super::technique::PrepareInput;
-use super::gpu_types;
-use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
 use crate::scene::FaceCulling;
+use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View, ViewportSize, VisibleSet};
 
 /// Uploads meshes, materials and matrices that changed, sizes the targets, and forgets the last frame's draws.
@@ -97,7 +97,7 @@ pub fn prepare_techniques(world: &mut World) {
         let renderer = &mut *renderer;
         let mirrored_view = world
             .resource::<View>()
-            .current
+            .data
             .as_ref()
             .is_some_and(|view| view.mirrored);
         let input = PrepareInput {

@@ -31,6 +31,7 @@ pub mod lights;
 pub mod objects;
 pub mod scissor;
 pub mod screen;
+pub mod seen_into;
 pub mod shadow;
 pub mod view;
 pub mod visible;
@@ -49,6 +50,7 @@ pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, co
 pub use objects::{Objects, collect_objects};
 pub use scissor::ScissorRect;
 pub use screen::{Projector, ScreenBounds, ScreenExtents, project_visible};
+pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use shadow::collect_shadow_sets;
 pub use view::{View, ViewData, ViewportSize, collect_view};
 pub use visible::{VisibleSet, collect_visible_set};

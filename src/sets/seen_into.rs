@@ -38,7 +38,10 @@ pub fn collect_seen_into(
         see_through.objects.grow(objects.len());
         for (object, &entity) in objects.entities.iter().enumerate() {
             let opaque = materials.get(entity).is_ok_and(|materials| {
-                materials.0.iter().all(|material| material.alpha_mode == AlphaMode::Opaque)
+                materials
+                    .0
+                    .iter()
+                    .all(|material| material.alpha_mode == AlphaMode::Opaque)
             });
             see_through.objects.set(object, !opaque);
         }

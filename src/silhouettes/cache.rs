@@ -66,7 +66,10 @@ pub struct Silhouettes {
 impl Silhouettes {
     /// The silhouettes in a light; `None` if it never needed any.
     pub fn of_light(&self, light: Entity) -> Option<&LightSilhouettes> {
-        let at = self.lights.binary_search_by_key(&light, |entry| entry.light).ok()?;
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
         Some(&self.lights[at])
     }
 

@@ -145,7 +145,10 @@ impl ContourPool {
 
     /// Where the silhouette in a light's slot stands.
     pub fn get(&self, light: Entity, slot: usize) -> Option<PooledContour> {
-        let at = self.lights.binary_search_by_key(&light, |entry| entry.light).ok()?;
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
         let slot = self.lights[at].slots.get(slot)?;
         (slot.revision != 0).then_some(slot.place)
     }
@@ -188,7 +191,9 @@ impl ContourPool {
         let known = silhouettes.lights();
         let (edges, caps) = (&mut self.edges, &mut self.caps);
         self.lights.retain_mut(|entry| {
-            let kept = known.binary_search_by_key(&entry.light, |light| light.light).is_ok();
+            let kept = known
+                .binary_search_by_key(&entry.light, |light| light.light)
+                .is_ok();
             if !kept {
                 for slot in &mut entry.slots {
                     edges.free(slot.edges.take());
@@ -198,7 +203,10 @@ impl ContourPool {
             kept
         });
         for light in known {
-            if let Err(at) = self.lights.binary_search_by_key(&light.light, |entry| entry.light) {
+            if let Err(at) = self
+                .lights
+                .binary_search_by_key(&light.light, |entry| entry.light)
+            {
                 self.lights.insert(
                     at,
                     LightSlots {

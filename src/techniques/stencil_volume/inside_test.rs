@@ -32,7 +32,11 @@ impl OcclusionPyramid {
             .normalize_or_zero();
         let to_light = light_world.truncate() - center * light_world.w;
         let height = normal.dot(to_light);
-        let scale = if light_world.w == 0.0 { to_light.length() } else { size };
+        let scale = if light_world.w == 0.0 {
+            to_light.length()
+        } else {
+            size
+        };
         if !(height.abs() > FLAT * scale) {
             return Self::default();
         }
@@ -98,8 +102,14 @@ mod tests {
         let pyramid = OcclusionPyramid::new(&NEAR, light);
         assert!(!pyramid.excludes(&cube(Vec3::new(0.0, 5.0, 5.0), 0.5)));
         assert!(!pyramid.excludes(&cube(Vec3::new(0.0, 0.0, -0.1), 0.01)));
-        assert!(pyramid.excludes(&cube(Vec3::new(0.0, 0.0, -5.0), 0.5)), "behind the viewport");
-        assert!(pyramid.excludes(&cube(Vec3::new(0.0, 12.0, 12.0), 0.5)), "beyond the light");
+        assert!(
+            pyramid.excludes(&cube(Vec3::new(0.0, 0.0, -5.0), 0.5)),
+            "behind the viewport"
+        );
+        assert!(
+            pyramid.excludes(&cube(Vec3::new(0.0, 12.0, 12.0), 0.5)),
+            "beyond the light"
+        );
         assert!(pyramid.excludes(&cube(Vec3::new(5.0, 5.0, 5.0), 0.5)), "beside");
     }
 

@@ -68,7 +68,10 @@ pub struct StencilVolumes {
 impl StencilVolumes {
     /// The volumes in a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightVolumes> {
-        let at = self.lights.binary_search_by_key(&light, |entry| entry.light).ok()?;
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
         Some(&self.lights[at])
     }
 }
@@ -88,10 +91,7 @@ pub fn build_stencil_volumes(
     components: Query<&StencilVolume>,
     casters: Query<&CasterEdges>,
 ) {
-    let StencilVolumes {
-        lights: out,
-        spare,
-    } = &mut *volumes;
+    let StencilVolumes { lights: out, spare } = &mut *volumes;
     spare.extend(out.drain(..).map(|light| light.casters));
     let Some(view) = &view.data else {
         return;
@@ -169,9 +169,8 @@ fn cull_parts(
     let planes = &view.frustum.planes;
     volume.sides = !planes.excludes_points(&corners);
     volume.near_cap &= !planes.excludes_points(&corners[..8]);
-    volume.far_cap = point.w != 0.0
-        && !(volume.depth_pass && to_infinity)
-        && !planes.excludes_points(&corners[8..]);
+    volume.far_cap =
+        point.w != 0.0 && !(volume.depth_pass && to_infinity) && !planes.excludes_points(&corners[8..]);
     if !(volume.sides || volume.near_cap || volume.far_cap) {
         return None;
     }
