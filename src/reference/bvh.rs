@@ -8,9 +8,10 @@ use smallvec::SmallVec;
 
 use super::ray::Ray;
 
-/// Grows boxes for each ray by this share of the largest coordinate in play. The intersection moves a corner
-/// by 4 roundings of its distance from the origin at most (4 · 2⁻⁵³ · 2); 2⁻⁴⁸ leaves a factor of 4.
-const GROWTH: f64 = 1.0 / (1u64 << 48) as f64;
+/// Grows boxes for each ray by this share of the largest coordinate in play, so that no box misses a triangle
+/// that the intersection hits by its own rounding. That moves a corner by 10 roundings (10 · 2⁻⁵³) of the
+/// largest coordinate at most; 2⁻⁴⁶ leaves a factor of 12.
+const GROWTH: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// Rounding of the slab test's three operations. Source: Ize 2013, "Robust BVH Ray Traversal".
 const FAR_ROUNDING: f64 = 1.0 + 4.0 * f64::EPSILON;

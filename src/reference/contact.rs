@@ -9,7 +9,8 @@ use glam::DVec3;
 /// of 600, and is 9 picometres at 10 m: far below any gap that `f32` positions can express there.
 const TOUCHING: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// Rounding of a triangle's normal, in units of the product of its edges: 8 roundings. Matters for slivers.
+/// Rounding of a triangle's normal, in units of the product of its edges: twice the 8 roundings (8 · 2⁻⁵³) that
+/// two edges and their cross product take. Matters for slivers alone.
 const NORMAL_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// Whether `point` lies on the triangle's plane, up to rounding ([`TOUCHING`]).

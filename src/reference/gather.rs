@@ -1,6 +1,7 @@
 //! From the entities of a world to triangles.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
@@ -11,16 +12,17 @@ use crate::scene::{
 };
 
 /// What of an entity the judge looks at.
-type ObjectParts<'w> = (
-    Entity,
-    &'w SceneMesh,
-    Option<&'w PosedMesh>,
-    &'w GlobalTransform,
-    Option<&'w SceneMaterials>,
-    Option<&'w SelectionLayers>,
-    Has<ShadowCaster>,
-    Has<ShadowReceiver>,
-);
+#[derive(QueryData)]
+struct Object {
+    entity: Entity,
+    mesh: &'static SceneMesh,
+    posed: Option<&'static PosedMesh>,
+    transform: &'static GlobalTransform,
+    materials: Option<&'static SceneMaterials>,
+    layers: Option<&'static SelectionLayers>,
+    blocks: Has<ShadowCaster>,
+    receives: Has<ShadowReceiver>,
+}
 
 impl RayScene {
     /// The triangles of every [`SceneMesh`] entity, posed where it has a [`PosedMesh`] that is not empty.
@@ -30,13 +32,13 @@ impl RayScene {
     /// are left out, as the renderer does; triangles that are not finite or name a vertex that is not there are
     /// dropped and counted. Reads `GlobalTransform` as it is: propagate first.
     pub fn from_world(world: &mut World) -> Self {
-        let mut query = world.query::<ObjectParts>();
+        let mut query = world.query::<Object>();
         let mut objects: Vec<_> = query.iter(world).collect();
-        objects.sort_unstable_by_key(|object| object.0);
+        objects.sort_unstable_by_key(|object| object.entity);
         let mut triangles = Vec::new();
         let mut missing_count = 0;
         for object in objects {
-            missing_count += push_triangles(object, &mut triangles);
+            missing_count += push_triangles(&object, &mut triangles);
         }
         let mut scene = Self::from_scene_triangles(triangles);
         scene.add_dropped(missing_count);
@@ -45,35 +47,25 @@ impl RayScene {
 }
 
 /// Appends an object's triangles; returns how many name vertices that are not there.
-fn push_triangles(
-    (entity, mesh, posed, transform, materials, layers, blocks, receives): (
-        Entity,
-        &SceneMesh,
-        Option<&PosedMesh>,
-        &GlobalTransform,
-        Option<&SceneMaterials>,
-        Option<&SelectionLayers>,
-        bool,
-        bool,
-    ),
-    triangles: &mut Vec<SceneTriangle>,
-) -> usize {
-    if !is_usable_transform(transform) || !(blocks || materials.is_some()) {
+fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> usize {
+    let is_drawn = object.materials.is_some();
+    if !is_usable_transform(object.transform) || !(object.blocks || is_drawn) {
         return 0;
     }
-    let mesh = &*mesh.0;
-    let positions = posed
+    let mesh = &*object.mesh.0;
+    let positions = object
+        .posed
         .map(|posed| &posed.positions)
         .filter(|positions| !positions.is_empty())
         .unwrap_or(&mesh.positions);
-    let affine = transform.affine();
+    let affine = object.transform.affine();
     // In f64 from here: products of two f32 are exact, and a far translation costs no precision.
     let world_from_local = DAffine3::from_mat3_translation(
         DMat3::from_cols_array(&affine.matrix3.to_cols_array().map(f64::from)),
         Vec3::from(affine.translation).as_dvec3(),
     );
     let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
-    let looks = triangle_looks(mesh, materials);
+    let looks = triangle_looks(mesh, object.materials);
     let mut missing_count = 0;
     for (index, triangle) in mesh.indices.chunks_exact(3).enumerate() {
         let corner =
@@ -85,12 +77,12 @@ fn push_triangles(
         let [a, b, c] = [a, b, c].map(|p| world_from_local.transform_point3(p));
         triangles.push(SceneTriangle {
             corners: if is_mirrored { [a, c, b] } else { [a, b, c] },
-            entity: Some(entity),
+            entity: Some(object.entity),
             source_index: index as u32,
-            layers: layers.copied().unwrap_or_default().0,
+            layers: object.layers.copied().unwrap_or_default().0,
             is_primary: looks[index].is_drawn,
-            blocks,
-            receives,
+            blocks: object.blocks,
+            receives: object.receives,
             is_double_sided: looks[index].is_double_sided,
         });
     }
