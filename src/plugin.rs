@@ -5,9 +5,9 @@ use std::time::{Duration, Instant};
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{ScheduleBuildSettings, ScheduleLabel};
-use bevy_transform::TransformSystems;
 use bevy_transform::prelude::TransformPlugin;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
+use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets::{self, SeenInto, seen_into};
@@ -113,6 +113,7 @@ pub struct AntumbraSchedule;
 
 /// Inserts the resources that the systems need, those that are missing.
 pub fn init_resources(world: &mut World) {
+    world.init_resource::<StaticTransformOptimizations>(); // what `TransformPlugin` would do
     sets::init_set_resources(world);
     world.init_resource::<SeenInto>();
     world.init_resource::<seen_into::SeeThrough>();

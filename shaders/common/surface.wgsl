@@ -73,8 +73,8 @@ fn surface_vertex(in: VertexIn) -> Fragment {
 }
 
 fn slot_uv(slot: Slot, uv: vec4f) -> vec2f {
-    let set = select(uv.xy, uv.zw, slot.uv_set == 1u);
-    return mat2x2f(slot.uv_matrix.xy, slot.uv_matrix.zw) * set + slot.uv_offset;
+    let coordinates = select(uv.xy, uv.zw, slot.uv_set == 1u);
+    return mat2x2f(slot.uv_matrix.xy, slot.uv_matrix.zw) * coordinates + slot.uv_offset;
 }
 
 // Linear RGBA; the alpha of opaque materials is 1.
