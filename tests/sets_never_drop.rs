@@ -430,7 +430,7 @@ fn statistics(name: &str, world: &World) -> String {
 }
 
 #[test]
-fn rooms_need_a_third_of_their_casters() {
+fn rooms_need_a_third_of_the_casters_in_range() {
     let scene = rooms(1, 10);
     let (world, _) = run(&scene);
     println!("{}", statistics("rooms 10×10", &world));

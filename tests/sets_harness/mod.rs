@@ -203,10 +203,11 @@ pub fn random_scene(seed: u64) -> Scene {
 /// A storey of rooms with walls, crates and a lamp each: boxes as interiors have them.
 pub fn rooms(seed: u64, side: usize) -> Scene {
     let mut random = Random(seed);
-    let eye = DVec3::new(2.0, 1.6, 2.0);
+    let middle = side as f64 * 3.0;
+    let eye = DVec3::new(middle + 1.0, 1.6, middle + 1.0);
     let mut scene = Scene {
         camera: Camera::default(),
-        world_from_camera: transform(eye, look(DVec3::new(1.0, -0.1, 0.8)), Vec3::ONE),
+        world_from_camera: transform(eye, look(DVec3::new(1.0, -0.1, 0.3)), Vec3::ONE),
         things: Vec::new(),
         lights: Vec::new(),
     };
