@@ -80,6 +80,50 @@ fn brute_force_finds_a_caster_that_is_taken_out() {
 }
 
 #[test]
+fn brute_force_finds_every_other_loss() {
+    let spoil: [(&str, fn(&mut World)); 5] = [
+        ("not in F or V", |world| {
+            world.resource_mut::<FrustumSet>().set.clear()
+        }),
+        ("not in L", |world| each_light(world, |light| light.l.clear())),
+        ("not in I", |world| each_light(world, |light| light.i.clear())),
+        ("pixel", |world| {
+            each_light(world, |light| {
+                if let Some(scissor) = &mut light.scissor {
+                    scissor.width = scissor.width.div_ceil(2);
+                }
+            })
+        }),
+        ("depth", |world| {
+            each_light(world, |light| {
+                if let Some(depth) = &mut light.depth_bounds {
+                    depth.depth_min = depth.depth_max.midpoint(depth.depth_min);
+                }
+            })
+        }),
+    ];
+    for (name, spoil) in spoil {
+        let found = (0..8).map(|seed| {
+            let scene = random_scene(seed);
+            let (mut world, _) = run(&scene);
+            spoil(&mut world);
+            let wrong = judge(&scene, &world, seed).wrong;
+            wrong.iter().filter(|line| line.contains(name)).count()
+        });
+        let found: usize = found.sum();
+        assert!(found > 100, "{found} found of {name}");
+    }
+}
+
+fn each_light(world: &mut World, spoil: fn(&mut FrameLight)) {
+    world
+        .resource_mut::<FrameLights>()
+        .lights
+        .iter_mut()
+        .for_each(spoil);
+}
+
+#[test]
 fn sets_do_not_depend_on_spawn_order() {
     for seed in 0..32u64 {
         let scene = random_scene(seed);
@@ -191,6 +235,39 @@ fn casters_that_cannot_reach_the_view_are_left_out() {
     assert_eq!(ids(&world, &light.s), [0, 1]);
     assert_eq!(light.l.count_ones(..), 5);
     assert_eq!(ids(&world, &light.i), [0]);
+}
+
+#[test]
+fn spots_and_rectangles_leave_out_what_is_beside_and_behind() {
+    let things = vec![
+        thing(Vec3::new(0.0, 0.0, -10.0), 1.0),   // ahead
+        thing(Vec3::new(3.0, 0.0, -10.0), 0.5),   // in the half-space, outside the cone
+        thing(Vec3::new(0.0, 0.0, 3.0), 1.0),     // behind
+        thing(Vec3::new(0.0, 0.0, -25.0), 1.0),   // out of range
+        thing(Vec3::new(2.05, 2.05, -10.0), 0.5), // the corner of its box would be inside a square of the cone's size
+    ];
+    let kind = LightKind::Spot {
+        inner_angle: 0.1,
+        outer_angle: 0.2,
+    };
+    let spot = Light {
+        kind,
+        ..Light::point(Vec3::ONE, 1.0, 20.0)
+    };
+    let kind = LightKind::Rect {
+        width: 1.0,
+        height: 1.0,
+    };
+    let rect = Light { kind, ..spot.clone() };
+    let (world, _) = run(&simple(things, vec![(spot, Vec3::ZERO), (rect, Vec3::ZERO)]));
+    for light in &world.resource::<FrameLights>().lights {
+        let expected = if matches!(light.light.kind, LightKind::Spot { .. }) {
+            vec![0]
+        } else {
+            vec![0, 1, 4]
+        };
+        assert_eq!(ids(&world, &light.l), expected, "{:?}", light.light.kind);
+    }
 }
 
 #[test]
