@@ -81,7 +81,8 @@ fn brute_force_finds_a_caster_that_is_taken_out() {
 
 #[test]
 fn brute_force_finds_every_other_loss() {
-    let spoil: [(&str, fn(&mut World)); 5] = [
+    type Spoil = (&'static str, fn(&mut World));
+    let spoil: [Spoil; 5] = [
         ("not in F or V", |world| {
             world.resource_mut::<FrustumSet>().set.clear()
         }),
@@ -403,7 +404,7 @@ fn bad_cameras_give_no_view_and_strange_ones_lose_nothing() {
         let (world, _) = run(&scene);
         assert!(is_empty(&world), "{camera:?}");
     }
-    for (vertical_fov, near) in [(1e-5, 1e-6), (3.1415, 1e-6), (1e-5, 1e6), (3.1415, 5.0)] {
+    for (vertical_fov, near) in [(1e-5, 1e-6), (3.1, 1e-6), (1e-5, 1e6), (3.1, 5.0)] {
         let mut scene = simple(things.clone(), vec![lamp()]);
         let aspect = 1e-3;
         scene.camera = Camera {
@@ -415,6 +416,18 @@ fn bad_cameras_give_no_view_and_strange_ones_lose_nothing() {
         let wrong = judge(&scene, &world, 1).wrong;
         assert!(wrong.is_empty(), "{vertical_fov} {near}: {}", wrong[0]);
     }
+}
+
+#[test]
+fn the_first_usable_camera_is_the_view() {
+    let (mut world, mut schedule) = run(&simple(vec![], vec![]));
+    let first = world.resource::<View>().data.as_ref().unwrap().camera;
+    world.spawn((Camera::default(), GlobalTransform::from_xyz(1.0, 0.0, 0.0)));
+    schedule.run(&mut world);
+    assert_eq!(world.resource::<View>().data.as_ref().unwrap().camera, first);
+    world.get_mut::<Camera>(first).unwrap().near = f32::NAN;
+    schedule.run(&mut world);
+    assert_eq!(world.resource::<View>().data.as_ref().unwrap().eye, DVec3::X);
 }
 
 #[test]

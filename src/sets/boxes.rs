@@ -59,21 +59,18 @@ impl Boxes {
         }
     }
 
-    /// Stores the padded box, or marks it absent if it is empty. Says whether that changed anything.
-    pub fn set(&mut self, index: usize, aabb: &Aabb) -> bool {
+    /// Stores the padded box, or marks it absent if it is empty.
+    pub fn set(&mut self, index: usize, aabb: &Aabb) {
         let (center, half) = if aabb.is_empty() {
             (Vec3::ZERO, Vec3::splat(ABSENT))
         } else {
             let padded = aabb.padded();
             (padded.center(), padded.half_size())
         };
-        let mut changed = false;
         for axis in 0..3 {
-            let (c, h) = (&mut self.center[axis][index], &mut self.half[axis][index]);
-            changed |= *c != center[axis] || *h != half[axis];
-            (*c, *h) = (center[axis], half[axis]);
+            self.center[axis][index] = center[axis];
+            self.half[axis][index] = half[axis];
         }
-        changed
     }
 
     /// Centre and half size, in `f64`.
@@ -124,8 +121,8 @@ impl Boxes {
         let radius_sq = f32x8::splat(ball.radius * ball.radius * (1.0 + 8.0 * f32::EPSILON));
         self.test(word, candidates, |lanes| {
             let mut distance_sq = f32x8::ZERO;
-            for axis in 0..3 {
-                let beyond = (lanes.center[axis] - center[axis]).abs() - lanes.half[axis];
+            for ((box_center, half), ball_center) in lanes.center.iter().zip(&lanes.half).zip(&center) {
+                let beyond = (*box_center - *ball_center).abs() - *half;
                 let beyond = beyond.fast_max(f32x8::ZERO);
                 distance_sq += beyond * beyond;
             }
