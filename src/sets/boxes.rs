@@ -75,15 +75,13 @@ impl Boxes {
 
     /// Centre and half size, in `f64`.
     pub fn center_half(&self, index: usize) -> (DVec3, DVec3) {
-        let read =
-            |arrays: &[Vec<f32>; 3]| DVec3::from_array([0, 1, 2].map(|axis| f64::from(arrays[axis][index])));
-        (read(&self.center), read(&self.half))
+        let (center, half) = self.load(index);
+        (center.as_dvec3(), half.as_dvec3())
     }
 
     /// The padded box; empty if absent.
     pub fn get(&self, index: usize) -> Aabb {
-        let read = |arrays: &[Vec<f32>; 3]| Vec3::from_array([0, 1, 2].map(|axis| arrays[axis][index]));
-        let (center, half) = (read(&self.center), read(&self.half));
+        let (center, half) = self.load(index);
         if half.x < 0.0 {
             return Aabb::EMPTY;
         }
@@ -91,6 +89,14 @@ impl Boxes {
             min: center - half,
             max: center + half,
         }
+    }
+
+    #[inline]
+    fn load(&self, index: usize) -> (Vec3, Vec3) {
+        let [cx, cy, cz] = &self.center;
+        let [hx, hy, hz] = &self.half;
+        let center = Vec3::new(cx[index], cy[index], cz[index]);
+        (center, Vec3::new(hx[index], hy[index], hz[index]))
     }
 
     /// Bits of the boxes of a word, among `candidates`, that no plane excludes.

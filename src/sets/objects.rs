@@ -39,6 +39,8 @@ pub struct Objects {
     pub left_out: usize,
     /// Index of each entity, by the entity's own index; `u32::MAX` for none. An array, since entity indices are dense.
     index_of: Vec<u32>,
+    /// Layers that all objects are on; all if there are no objects.
+    pub(super) common_layers: u32,
     /// Rows of the last rebuild, kept for their allocation.
     rows: Vec<Row>,
     counts: Counts,
@@ -117,6 +119,10 @@ impl Objects {
         self.flags_generation += 1;
         self.layers.clear();
         self.layers.extend(self.rows.iter().map(|row| row.layers));
+        self.common_layers = self
+            .layers
+            .iter()
+            .fold(u32::MAX, |common, layers| common & layers);
         for set in [
             &mut self.present,
             &mut self.casters,
