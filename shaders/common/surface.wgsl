@@ -5,7 +5,7 @@
 
 #import antumbra::view::{clip_position, relative_position, relative_vector, relative_normal}
 
-struct Slot {                       // mirror: render::gpu_types::MaterialSlot
+struct Slot {                       // mirror: render::gpu_types::Slot
     uv_matrix: vec4f,               // columns of the 2×2 part
     uv_offset: vec2f,
     uv_set: u32,                    // 0 or 1
