@@ -144,7 +144,7 @@ fn comparison_finds_a_moved_renamed_missing_and_grown_field() {
     };
     assert!(spoilt(|m| m.fields[2].1 += 4).contains("at 24"));
     assert!(spoilt(|m| m.fields[2].0 = "thickness").contains("thickness"));
-    assert!(spoilt(|m| drop(m.fields.pop())).contains("members"));
+    assert!(spoilt(|m| m.fields.truncate(1)).contains("members"));
     assert!(spoilt(|m| m.size += 16).contains("bytes"));
     assert!(spoilt(|m| m.name = "Blocker").contains("no such struct"));
     let view = compose("passes/ambient.wgsl");

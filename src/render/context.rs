@@ -88,12 +88,12 @@ pub struct RenderContext {
 }
 
 impl RenderContext {
-    /// A device of its own, without a window.
+    /// A device of its own, without a window. wgpu's environment variables (`WGPU_BACKEND` and so on) are heard.
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].
     pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = instance
             .request_adapter(&wgpu::RequestAdapterOptions {
                 power_preference: wgpu::PowerPreference::HighPerformance,
