@@ -1,1 +1,226 @@
-//! Stub.
+//! How much smaller than F and L the sets I and S are, in scenes as games have them, seen by somebody who stands inside.
+//!
+//! `ANTUMBRA_MODELS=folder cargo test --features reference --test set_sizes -- --nocapture` prints the table. That no
+//! caster which S leaves out changes a pixel is the claim of `reference_match` and `sets_never_drop`, not of this file.
+
+mod harness;
+
+use antumbra::geometry::Aabb;
+use antumbra::prelude::*;
+use antumbra::reference::{Ray, RayScene};
+use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
+use antumbra::sets::{FrustumSet, Objects, VisibleSet};
+use bevy_transform::prelude::Transform;
+use glam::{DVec3, UVec2, Vec3};
+use harness::models_folder;
+use harness::support::stage::Stage;
+
+const SIZE: UVec2 = UVec2::new(640, 360);
+const CAMERAS: usize = 24;
+
+/// Eyes above the floor, metres.
+const EYE_HEIGHT: f64 = 1.6;
+
+/// Sums over cameras and lights.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    frames: usize,
+    pairs: usize,
+    f: usize,
+    v: usize,
+    l: usize,
+    i: usize,
+    s: usize,
+}
+
+/// Mean set sizes.
+#[derive(Clone, Copy, Debug)]
+struct Means {
+    f: f64,
+    v: f64,
+    l: f64,
+    i: f64,
+    s: f64,
+}
+
+impl Means {
+    /// F and L over I, then over S.
+    fn ratios(&self) -> [f64; 4] {
+        [self.f / self.i, self.l / self.i, self.f / self.s, self.l / self.s]
+    }
+}
+
+impl Sums {
+    /// Counts a light of a frame in which F and V have these sizes.
+    fn add(&mut self, [f, v]: [usize; 2], light: &antumbra::sets::FrameLight) {
+        self.pairs += 1;
+        self.f += f;
+        self.v += v;
+        self.l += light.l.count_ones(..);
+        self.i += light.i.count_ones(..);
+        self.s += light.s.count_ones(..);
+    }
+
+    fn means(&self) -> Means {
+        assert!(self.pairs > 0, "nothing was counted");
+        let mean = |sum: usize| sum as f64 / self.pairs as f64;
+        Means {
+            f: mean(self.f),
+            v: mean(self.v),
+            l: mean(self.l),
+            i: mean(self.i),
+            s: mean(self.s),
+        }
+    }
+}
+
+/// Sums over all lights (one that is skipped counts with I = S = 0), and over those that are not skipped.
+#[derive(Clone, Copy, Debug, Default)]
+struct Measured {
+    objects: usize,
+    all: Sums,
+    shining: Sums,
+}
+
+/// Which lights a scene has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Lights {
+    /// Its own.
+    Own,
+    /// Point lights of this range, metres, a camera's height above the floor, in place of its own.
+    Points { count: usize, range: f32 },
+}
+
+/// A low-discrepancy sequence in the unit cube.
+/// Source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R3).
+fn spread(index: usize) -> [f64; 3] {
+    const G: f64 = 1.220_744_084_605_759_5;
+    [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G)].map(|step| (0.5 + step * index as f64).fract())
+}
+
+/// Points over the floors of a scene where somebody can stand, in a fixed order.
+fn standing_points(scene: &RayScene, bounds: Aabb, count: usize, height: f64) -> Vec<DVec3> {
+    let (min, size) = (bounds.min.as_dvec3(), bounds.size().as_dvec3());
+    let hit = |origin: DVec3, direction: DVec3, reach: f64| {
+        scene.closest_hit(&Ray { origin, direction }, 1e-4, reach, |_| true)
+    };
+    (1..100_000)
+        .filter_map(|index| {
+            let from = min + size * DVec3::from(spread(index));
+            let floor = hit(from, DVec3::NEG_Y, f64::INFINITY)?;
+            let corners = scene.triangles()[floor.triangle as usize].corners;
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+            let foot = from - DVec3::Y * floor.t;
+            let is_free = [DVec3::Y, DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z]
+                .into_iter()
+                .all(|side| hit(foot + DVec3::Y * height * 0.99, side, 0.25).is_none());
+            let clear = hit(foot + DVec3::Y * 1e-3, DVec3::Y, height).is_none();
+            (normal.y.abs() > 0.9 && is_free && clear).then_some(foot + DVec3::Y * height)
+        })
+        .take(count)
+        .collect()
+}
+
+fn measure(path: &std::path::Path, lights: Lights) -> Measured {
+    let mut stage = Stage::empty(SIZE, Camera::default(), Transform::IDENTITY);
+    let loaded = load_gltf(path).expect("the model loads");
+    let spawned = spawn_scene(&mut stage.world, &loaded, None).expect("the model spawns");
+    for &camera in &spawned.cameras {
+        stage.world.entity_mut(camera).remove::<Camera>();
+    }
+    stage.schedule.run(&mut stage.world);
+    let bounds = stage.scene_bounds();
+    let scene = RayScene::from_world(&mut stage.world);
+    match lights {
+        Lights::Own => {
+            for &light in &spawned.lights {
+                stage.world.entity_mut(light).insert(StencilVolume::default());
+            }
+        }
+        Lights::Points { count, range } => {
+            for &light in &spawned.lights {
+                stage.world.entity_mut(light).remove::<Light>();
+            }
+            let points = standing_points(&scene, bounds, CAMERAS + count, 2.5);
+            for point in points.into_iter().skip(CAMERAS) {
+                let at = Transform::from_translation(point.as_vec3());
+                let light = Light::point(Vec3::ONE, 60.0, range);
+                stage.spawn_light(light, at, Some(StencilVolume::default()));
+            }
+        }
+    }
+    let eyes = standing_points(&scene, bounds, CAMERAS, EYE_HEIGHT);
+    assert_eq!(eyes.len(), CAMERAS, "{}: nowhere to stand", path.display());
+    let mut measured = Measured::default();
+    for (index, eye) in eyes.into_iter().enumerate() {
+        // A golden angle between one and the next: all directions alike.
+        let turn = index as f32 * 2.399_963_2;
+        let look = Vec3::new(turn.cos(), -0.05, turn.sin());
+        let view = Transform::from_translation(eye.as_vec3()).looking_to(look, Vec3::Y);
+        let camera = Camera {
+            vertical_fov: 60f32.to_radians(),
+            ..Camera::default()
+        };
+        stage.world.entity_mut(stage.camera).insert((camera, view));
+        stage.schedule.run(&mut stage.world);
+        let world = &stage.world;
+        let f = world.resource::<FrustumSet>().set.count_ones(..);
+        let v = world.resource::<VisibleSet>().set.count_ones(..);
+        measured.objects = world.resource::<Objects>().len();
+        measured.all.frames += 1;
+        for light in &world.resource::<FrameLights>().lights {
+            measured.all.add([f, v], light);
+            if !light.is_skipped() {
+                measured.shining.add([f, v], light);
+            }
+        }
+    }
+    measured
+}
+
+fn print(name: &str, measured: &Measured) {
+    for (which, sums) in [("all", measured.all), ("shining", measured.shining)] {
+        let means = sums.means();
+        let ratios = means.ratios();
+        println!(
+            "{name:<22} {which:<8} {:>7} {:>6} {:>7.1} {:>7.1} {:>7.1} {:>7.1} {:>7.1}  {:>6.2} {:>6.2} {:>6.2} {:>6.2}",
+            measured.objects,
+            sums.pairs,
+            means.f,
+            means.v,
+            means.l,
+            means.i,
+            means.s,
+            ratios[0],
+            ratios[1],
+            ratios[2],
+            ratios[3],
+        );
+    }
+}
+
+#[test]
+fn illumination_and_shadow_sets_are_small() {
+    let Some(folder) = models_folder("illumination_and_shadow_sets_are_small") else {
+        return;
+    };
+    println!(
+        "{:<22} {:<8} {:>7} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7}  {:>6} {:>6} {:>6} {:>6}",
+        "scene", "lights", "objects", "pairs", "|F|", "|V|", "|L|", "|I|", "|S|", "F/I", "L/I", "F/S", "L/S"
+    );
+    let points = |range| Lights::Points { count: 16, range };
+    let rows = [
+        ("dungeon_A", "look/d-scenes/dungeon_A.glb", Lights::Own),
+        ("interior", "copy/d-scenes/interior.glb", Lights::Own),
+        ("town_A", "look/d-scenes/town_A.glb", Lights::Own),
+        ("dungeon_A + 16 points", "look/d-scenes/dungeon_A.glb", points(8.0)),
+        ("town_A + 16 points", "look/d-scenes/town_A.glb", points(8.0)),
+        ("interior + 16 points", "copy/d-scenes/interior.glb", points(3.0)),
+    ]
+    .map(|(name, file, lights)| {
+        let measured = measure(&folder.join(file), lights);
+        print(name, &measured);
+        (name, measured)
+    });
+    let _ = rows;
+}
