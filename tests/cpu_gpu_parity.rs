@@ -51,7 +51,10 @@ impl Case {
         let light = self.light_local.truncate().abs();
         let from_light = self.position_local.abs() * self.light_local.w + light;
         let local = (light + from_light * self.extrusion.max(1.0)).extend(1.0);
-        let columns = self.clip_from_local.to_cols_array_2d().map(|column| Vec4::from(column).abs());
+        let columns = self
+            .clip_from_local
+            .to_cols_array_2d()
+            .map(|column| Vec4::from(column).abs());
         let sum = Mat4::from_cols(columns[0], columns[1], columns[2], columns[3]) * local;
         sum * (8.0 * f32::EPSILON)
     }
@@ -96,14 +99,19 @@ fn cases() -> Vec<Case> {
                 clip_from_local: if index % 5 < 2 {
                     Mat4::IDENTITY
                 } else {
-                    let turn = Quat::from_euler(glam::EulerRot::XYZ, random.unit() * 6.0, random.unit() * 6.0, 0.3);
+                    let turn =
+                        Quat::from_euler(glam::EulerRot::XYZ, random.unit() * 6.0, random.unit() * 6.0, 0.3);
                     projection * Mat4::from_rotation_translation(turn, random.vec(size))
                 },
             }
         })
         .collect();
     // A vertex exactly at the light, at the origin, and the light at the origin.
-    for (light, position) in [(Vec3::ONE, Vec3::ONE), (Vec3::ONE, Vec3::ZERO), (Vec3::ZERO, Vec3::X)] {
+    for (light, position) in [
+        (Vec3::ONE, Vec3::ONE),
+        (Vec3::ONE, Vec3::ZERO),
+        (Vec3::ZERO, Vec3::X),
+    ] {
         for extrusion in [TO_INFINITY, 1.0, 1000.0] {
             cases.push(Case {
                 light_local: light.extend(1.0),
@@ -184,7 +192,11 @@ fn on_gpu(context: &RenderContext, cases: &[Case], spoil: impl Fn(&str) -> Strin
             entries: &entries,
         })
     };
-    let layouts = [layout(&[(1, true)]), layout(&[(0, true)]), layout(&[(0, true), (1, false)])];
+    let layouts = [
+        layout(&[(1, true)]),
+        layout(&[(0, true)]),
+        layout(&[(0, true), (1, false)]),
+    ];
     let group = |layout, buffers: &[(u32, &wgpu::Buffer)]| {
         let entries: Vec<_> = buffers
             .iter()

@@ -74,19 +74,43 @@ fn the_checker_finds_what_it_must() {
             .collect::<Vec<_>>()
     };
     assert_eq!(layer("sets/a.rs", "use crate::render::Renderer;"), ["render"]);
-    assert_eq!(layer("sets/a.rs", "use crate::{scene::Light, plugin};"), ["plugin"]);
     assert_eq!(
-        layer("sets/a.rs", "use crate::{scene::{Light, silhouettes}, techniques::{a, b}};"),
+        layer("sets/a.rs", "use crate::{scene::Light, plugin};"),
+        ["plugin"]
+    );
+    assert_eq!(
+        layer(
+            "sets/a.rs",
+            "use crate::{scene::{Light, silhouettes}, techniques::{a, b}};"
+        ),
         ["techniques"]
     );
-    assert_eq!(layer("geometry/mesh/a.rs", "fn f() { super::super::super::sets::g() }"), ["sets"]);
-    assert_eq!(layer("render/mod.rs", "use super::techniques::X;"), ["techniques"]);
-    assert_eq!(layer("reference/a.rs", "use crate::silhouettes::X;"), ["silhouettes"]);
-    assert_eq!(layer("scene/a.rs", "let x = \"\\\"\"; use crate::sets::X;"), ["sets"]);
+    assert_eq!(
+        layer("geometry/mesh/a.rs", "fn f() { super::super::super::sets::g() }"),
+        ["sets"]
+    );
+    assert_eq!(
+        layer("render/mod.rs", "use super::techniques::X;"),
+        ["techniques"]
+    );
+    assert_eq!(
+        layer("reference/a.rs", "use crate::silhouettes::X;"),
+        ["silhouettes"]
+    );
+    assert_eq!(
+        layer("scene/a.rs", "let x = \"\\\"\"; use crate::sets::X;"),
+        ["sets"]
+    );
 
     let none: [&str; 0] = [];
-    assert_eq!(layer("sets/a.rs", "/// See [`x`](crate::render).\n/* crate::plugin */"), none);
-    assert_eq!(layer("sets/a.rs", "let x = \"crate::render\"; use crate::scene::A;"), none);
+    assert_eq!(
+        layer("sets/a.rs", "/// See [`x`](crate::render).\n/* crate::plugin */"),
+        none
+    );
+    assert_eq!(
+        layer("sets/a.rs", "let x = \"crate::render\"; use crate::scene::A;"),
+        none
+    );
     assert_eq!(layer("sets/a/b.rs", "use super::super::view::A;"), none);
     assert_eq!(layer("lib.rs", "pub use crate::plugin::A;"), none);
 
@@ -133,7 +157,8 @@ fn sources() -> Vec<(PathBuf, String)> {
     let mut open = vec![root.clone()];
     let mut found = Vec::new();
     while let Some(folder) = open.pop() {
-        let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        let entries =
+            std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
         for entry in entries {
             let path = entry.expect("a folder entry").path();
             if path.is_dir() {

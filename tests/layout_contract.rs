@@ -89,7 +89,11 @@ fn difference(mirror: &Mirror, module: &naga::Module) -> Option<String> {
         return Some(format!("{name}: {} has no such struct", mirror.pass));
     };
     if members.len() != mirror.fields.len() {
-        return Some(format!("{name}: {} members, Rust has {}", members.len(), mirror.fields.len()));
+        return Some(format!(
+            "{name}: {} members, Rust has {}",
+            members.len(),
+            mirror.fields.len()
+        ));
     }
     for (member, (field, offset)) in members.iter().zip(&mirror.fields) {
         let known = member.name.as_deref().unwrap_or_default();
@@ -109,7 +113,10 @@ fn difference(mirror: &Mirror, module: &naga::Module) -> Option<String> {
             _ => None,
         });
         if stride != Some(mirror.size) {
-            return Some(format!("{name}: array stride {stride:?}, Rust has {}", mirror.size));
+            return Some(format!(
+                "{name}: array stride {stride:?}, Rust has {}",
+                mirror.size
+            ));
         }
     }
     None
@@ -150,7 +157,11 @@ fn comparison_finds_a_moved_renamed_missing_and_grown_field() {
     let view = compose("passes/ambient.wgsl");
     let mut not_an_array = mirrors().swap_remove(0);
     not_an_array.in_array = true;
-    assert!(difference(&not_an_array, &view).expect("found").contains("stride"));
+    assert!(
+        difference(&not_an_array, &view)
+            .expect("found")
+            .contains("stride")
+    );
 }
 
 /// Every struct that a shader says is mirrored is one that this test compares, and the other way round.
@@ -165,7 +176,10 @@ fn every_mirror_is_compared() {
             };
             let name = name.trim_end();
             assert!(known.contains(&name), "{path}: {name} is not compared");
-            assert!(line.contains(&format!("struct {name}")), "{path}: {line}: says {name}");
+            assert!(
+                line.contains(&format!("struct {name}")),
+                "{path}: {line}: says {name}"
+            );
             named.push(name);
         }
     }

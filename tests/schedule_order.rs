@@ -84,7 +84,12 @@ fn spawn(world: &mut World, part: &Part, meshes: &[Arc<MeshData>; 2]) {
                 _ => {}
             }
             let down = at.looking_at(Vec3::new(1.0, 0.0, 0.5), Vec3::Y);
-            world.spawn((Name::new(format!("light {index}")), light, StencilVolume::default(), down));
+            world.spawn((
+                Name::new(format!("light {index}")),
+                light,
+                StencilVolume::default(),
+                down,
+            ));
         }
         Part::Object(index) => {
             let mut entity = world.spawn((
@@ -119,12 +124,17 @@ struct Snapshot {
 }
 
 fn name(world: &World, entity: Entity) -> String {
-    world.get::<Name>(entity).map_or_else(String::new, |name| name.to_string())
+    world
+        .get::<Name>(entity)
+        .map_or_else(String::new, |name| name.to_string())
 }
 
 fn names(world: &World, set: &FixedBitSet) -> Vec<String> {
     let objects = world.resource::<Objects>();
-    let mut names: Vec<String> = set.ones().map(|index| name(world, objects.entities[index])).collect();
+    let mut names: Vec<String> = set
+        .ones()
+        .map(|index| name(world, objects.entities[index]))
+        .collect();
     names.sort();
     names
 }
@@ -208,7 +218,10 @@ fn shuffled_spawn_order_gives_the_same_sets_and_volumes() {
     let expected = frames(0, 0.0);
     for (frame, snapshot) in expected.iter().enumerate() {
         let casters: usize = snapshot.volumes.values().map(BTreeMap::len).sum();
-        assert!(casters > 50, "frame {frame} has only {casters} volumes to compare");
+        assert!(
+            casters > 50,
+            "frame {frame} has only {casters} volumes to compare"
+        );
         assert!(snapshot.sets["F"].len() > 40, "frame {frame} sees too little");
     }
     assert_ne!(expected[0], expected[1], "the move shows");

@@ -33,7 +33,10 @@ fn every_pass_composes_and_validates() {
 
 #[test]
 fn validation_finds_bad_shaders() {
-    let unknown = compose("bad.wgsl", "#import antumbra::view::no_such\nfn f() { no_such(); }");
+    let unknown = compose(
+        "bad.wgsl",
+        "#import antumbra::view::no_such\nfn f() { no_such(); }",
+    );
     assert!(unknown.is_err(), "an unknown import is found");
     let error = compose("bad.wgsl", "fn f() -> f32 { return 1u; }").and_then(|module| validate(&module));
     assert!(error.is_err(), "a wrong type is found");
@@ -57,7 +60,10 @@ fn common_files_have_no_entry_points() {
         for stage in ["@vertex", "@fragment", "@compute"] {
             assert!(!source.contains(stage), "{path} has {stage}");
         }
-        assert!(source.contains("#define_import_path"), "{path} cannot be imported");
+        assert!(
+            source.contains("#define_import_path"),
+            "{path} cannot be imported"
+        );
     }
 }
 
@@ -71,7 +77,11 @@ fn every_file_is_listed_once_and_every_listed_file_exists() {
             path.to_string_lossy().replace('\\', "/")
         })
         .collect();
-    let listed: Vec<String> = COMMON.iter().chain(&PASSES).map(|(path, _)| (*path).to_owned()).collect();
+    let listed: Vec<String> = COMMON
+        .iter()
+        .chain(&PASSES)
+        .map(|(path, _)| (*path).to_owned())
+        .collect();
     let set: BTreeSet<String> = listed.iter().cloned().collect();
     assert_eq!(set.len(), listed.len(), "a file is listed twice");
     assert_eq!(there, set);
@@ -124,15 +134,27 @@ fn rust_names_entry_points_that_exist_and_none_is_unused() {
         }
         for entry in entries {
             named += 1;
-            let found = files.iter().any(|file| entry_points(file).is_some_and(|all| all.contains(&entry)));
-            assert!(found, "{}: entry point {entry} is in none of {files:?}", path.display());
+            let found = files
+                .iter()
+                .any(|file| entry_points(file).is_some_and(|all| all.contains(&entry)));
+            assert!(
+                found,
+                "{}: entry point {entry} is in none of {files:?}",
+                path.display()
+            );
         }
         sources.push_str(&source);
     }
-    assert!(named >= 6, "only {named} entry points are named: the reader is broken");
+    assert!(
+        named >= 6,
+        "only {named} entry points are named: the reader is broken"
+    );
     for (path, _) in PASSES {
         for entry in entry_points(path).unwrap_or_default() {
-            assert!(sources.contains(&format!("\"{entry}\"")), "{path}: nobody uses {entry}");
+            assert!(
+                sources.contains(&format!("\"{entry}\"")),
+                "{path}: nobody uses {entry}"
+            );
         }
     }
 }
@@ -140,7 +162,10 @@ fn rust_names_entry_points_that_exist_and_none_is_unused() {
 #[test]
 fn the_reader_of_names_finds_them() {
     let source = r#"x = shaders.module(d, "passes/a.wgsl")?; y { entry_point: Some("vertex"), } // `b.wgsl`"#;
-    assert_eq!(named_by(source), (vec!["vertex".to_owned()], vec!["passes/a.wgsl".to_owned()]));
+    assert_eq!(
+        named_by(source),
+        (vec!["vertex".to_owned()], vec!["passes/a.wgsl".to_owned()])
+    );
     assert_eq!(entry_points("passes/none.wgsl"), None);
     assert_eq!(
         entry_points("passes/tonemap.wgsl"),
@@ -152,7 +177,8 @@ fn files_below(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_owned()];
     while let Some(folder) = open.pop() {
-        let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        let entries =
+            std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
         for entry in entries {
             let path = entry.expect("a folder entry").path();
             if path.is_dir() {
