@@ -152,10 +152,10 @@ fn main() {
     }
 }
 
-fn spawn(stage: &mut Stage, mesh: Arc<MeshData>, color: Vec3, transform: Transform) {
+fn spawn(stage: &mut Stage, mesh: Arc<MeshData>, material: &Arc<Material>, transform: Transform) {
     stage.world.spawn((
         SceneMesh(mesh),
-        SceneMaterials([Arc::new(Material::matte(color))].into()),
+        SceneMaterials([material.clone()].into()),
         (ShadowCaster, ShadowReceiver),
         transform,
     ));
@@ -170,6 +170,7 @@ fn field(size: UVec2) -> Bench {
     };
     let view = Transform::from_xyz(0.0, 6.0, 16.0).looking_at(Vec3::ZERO, Vec3::Y);
     let mut stage = Stage::empty(size, camera, view);
+    let material = Arc::new(Material::matte(Vec3::splat(0.5)));
     let ball = Arc::new(MeshData::icosphere(0.3, 3));
     let cube = Arc::new(MeshData::cuboid(Vec3::splat(0.25)));
     for i in 0..400 {
@@ -178,14 +179,14 @@ fn field(size: UVec2) -> Bench {
         spawn(
             &mut stage,
             mesh.clone(),
-            Vec3::splat(0.6),
+            &material,
             Transform::from_xyz(x, 0.4, z),
         );
     }
     spawn(
         &mut stage,
         Arc::new(MeshData::plane(20.0)),
-        Vec3::splat(0.4),
+        &material,
         Transform::default(),
     );
     for i in 0..8 {
