@@ -150,6 +150,24 @@ fn print_row(workload: &Workload, budget: Duration) {
         .map(FacingBits::mixed_cluster_count)
         .sum::<usize>() as f64
         / 48.0;
+    if std::env::var_os("DBG").is_some() {
+        let c: usize = lights
+            .iter()
+            .zip(&all_bits)
+            .map(|(_, b)| {
+                extract_edges(&mesh, positions, b, MODE, &mut contour);
+                contour.edges.len()
+            })
+            .sum();
+        println!(
+            "out edges {} of {} boundary {} irregular {} seams {}",
+            c / 48,
+            mesh.edge_count(),
+            mesh.boundary_slots().len(),
+            mesh.irregular_vertices().len(),
+            mesh.seams().len()
+        );
+    }
     let planes_bytes = planes.bytes_per_triangle(&mesh);
     let posed_ns = median_ns(budget, |_| compute_posed_planes(&mesh, positions, &mut planes));
     let bounds_ns = median_ns(budget, |_| compute_planes(&mesh, positions, &mut planes)) - posed_ns;

@@ -47,7 +47,8 @@ impl Contour {
         self.caps_away_start = 0;
     }
 
-    fn push_edge(&mut self, positions: &[Vec3], [a, b]: [u32; 2]) {
+    fn push_edge(&mut self, positions: &[Vec3], [a, b]: [u32; 2], is_forward: bool) {
+        let (a, b) = if is_forward { (a, b) } else { (b, a) };
         self.edges.push([positions[a as usize], positions[b as usize]]);
         self.edge_vertices.push([a, b]);
     }
@@ -100,7 +101,7 @@ pub fn extract_edges(
         }
     }
     for (i, seam) in mesh.seams().iter().enumerate() {
-        let [a, b] = seam.clusters.map(|cluster| cluster as usize);
+        let (a, b) = (seam.clusters[0] as usize, seam.clusters[1] as usize);
         if states[a] | states[b] == MIXED {
             let copies = copies(i < mesh.closed_seam_count());
             push_unlike(
@@ -113,9 +114,8 @@ pub fn extract_edges(
             );
         }
     }
-    for (&slot, &[a, b]) in mesh.boundary_slots().iter().zip(mesh.boundary_vertices()) {
-        let is_facing = facing.is_facing(slot as usize);
-        contour.push_edge(positions, if is_facing { [a, b] } else { [b, a] });
+    for (&slot, &edge) in mesh.boundary_slots().iter().zip(mesh.boundary_vertices()) {
+        contour.push_edge(positions, edge, facing.is_facing(slot as usize));
     }
     push_irregular(mesh, positions, facing, mode, contour);
 }
@@ -143,10 +143,9 @@ fn push_unlike(
             hit_count += ((words[0] >> first ^ words[1] >> second) & 1) as usize;
         }
         for &hit in &hits[..hit_count] {
-            let [a, b] = vertices[hit as usize];
             let is_facing = words[0] >> lanes[hit as usize][0] & 1 != 0;
             for _ in 0..copies {
-                contour.push_edge(positions, if is_facing { [a, b] } else { [b, a] });
+                contour.push_edge(positions, vertices[hit as usize], is_facing);
             }
         }
     }
@@ -160,7 +159,7 @@ fn push_irregular(
     contour: &mut Contour,
 ) {
     let closed_slots = mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
-    for (edge, &[a, b]) in mesh.irregular_vertices().iter().enumerate() {
+    for (edge, &vertices) in mesh.irregular_vertices().iter().enumerate() {
         let multiplicity: i32 = mesh
             .irregular_sides(edge)
             .iter()
@@ -175,7 +174,7 @@ fn push_irregular(
             })
             .sum();
         for _ in 0..multiplicity.unsigned_abs() {
-            contour.push_edge(positions, if multiplicity > 0 { [a, b] } else { [b, a] });
+            contour.push_edge(positions, vertices, multiplicity > 0);
         }
     }
 }
