@@ -13,7 +13,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use antumbra::conventions::CLUSTER_TRIANGLES;
-use antumbra::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput, Seam};
+use antumbra::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput};
 use antumbra::silhouettes::{
     CapMode, Contour, FacingBits, FacingPlanes, classify, classify_scalar, compute_planes,
     compute_posed_planes, extract_caps, extract_contour, extract_edges,
@@ -36,10 +36,7 @@ const MODE: CapMode = CapMode::ClosedBackFacing;
 fn main() {
     let is_short = std::env::args().any(|argument| argument == "--short");
     let budget = Duration::from_millis(if is_short { 10 } else { 300 });
-    println!(
-        "{}",
-        HEAD[0].map(|text| format!("{text:>8}")).join("").trim_start()
-    );
+    println!("{}", HEAD[0].map(|text| format!("{text:>8}")).join(""));
     println!("{}", HEAD[1].map(|text| format!("{text:>8}")).join(""));
     let sizes: &[_] = if is_short {
         &[("1k", 3), ("20k", 5)]
@@ -150,24 +147,6 @@ fn print_row(workload: &Workload, budget: Duration) {
         .map(FacingBits::mixed_cluster_count)
         .sum::<usize>() as f64
         / 48.0;
-    if std::env::var_os("DBG").is_some() {
-        let c: usize = lights
-            .iter()
-            .zip(&all_bits)
-            .map(|(_, b)| {
-                extract_edges(&mesh, positions, b, MODE, &mut contour);
-                contour.edges.len()
-            })
-            .sum();
-        println!(
-            "out edges {} of {} boundary {} irregular {} seams {}",
-            c / 48,
-            mesh.edge_count(),
-            mesh.boundary_slots().len(),
-            mesh.irregular_vertices().len(),
-            mesh.seams().len()
-        );
-    }
     let planes_bytes = planes.bytes_per_triangle(&mesh);
     let posed_ns = median_ns(budget, |_| compute_posed_planes(&mesh, positions, &mut planes));
     let bounds_ns = median_ns(budget, |_| compute_planes(&mesh, positions, &mut planes)) - posed_ns;
@@ -277,7 +256,7 @@ fn touched_bytes(mesh: &EdgeMesh, planes: &FacingPlanes, positions: &[Vec3], bit
     let bounds = (planes.bytes_per_triangle(mesh) * mesh.triangle_count() as f64) as usize
         - cluster_count * CLUSTER_TRIANGLES * 16;
     let words = cluster_count * (8 + 1 + 16) * 3;
-    let edges = size_of::<Seam>() * mesh.seams().len() + (tested_edges + tested_seams) as usize * 2;
+    let edges = size_of_val(mesh.seams()) + (tested_edges + tested_seams) as usize * 2;
     let found = contour.edges.len() * (8 + 24 + 24 + 8) + mesh.boundary_slots().len() * 4;
     let caps = contour.caps.len() * 4 * 2;
     (blocks + bounds + words + edges + found + caps) as f64

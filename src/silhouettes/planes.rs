@@ -79,7 +79,6 @@ pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut Fa
     for (cluster, block) in mesh.clusters().iter().zip(&mut planes.blocks) {
         let corners = &mesh.corners()[cluster.triangles()];
         for (lane, corners) in corners.iter().enumerate().take(CLUSTER_TRIANGLES) {
-            // Not `map`: on arrays it is not inlined, and took half of this function's time.
             let &[a, b, c] = corners;
             let plane = plane_of(
                 positions[a as usize],
@@ -201,8 +200,8 @@ impl ClusterBounds {
         const ROUNDING: f32 = 32.0 / (1 << 24) as f32;
         let terms = light_local.truncate().abs().element_sum() + w.abs() * self.magnitude;
         let margin = ROUNDING * terms + f32::MIN_POSITIVE;
-        // With NaN or ∞ − ∞ anywhere, or w < 0, where least and largest would trade places, nothing is certain.
-        if !(w >= 0.0) {
+        // NaN and ∞ − ∞ fail both comparisons. With w < 0 least and largest offset would trade places.
+        if w < 0.0 {
             Certainty::Unknown
         } else if a.min(b) - across + w * self.offset[0] > margin {
             Certainty::AllFacing
