@@ -1,4 +1,51 @@
-//! Data-oriented shadows and lighting for `bevy_ecs` + `wgpu`.
+//! Data-oriented shadows and lighting for game engines on `bevy_ecs` and `wgpu`.
+//!
+//! Each light chooses its own shadow technique; all techniques share one set of visibility sets, one silhouette
+//! extractor, one visibility contract and one light pass.
+//!
+//! # The frame, as data flow
+//!
+//! ```text
+//! scene components ──► bounds ──► sets F V L I S ──► hull, scissor, depth bounds ──► silhouettes ──► technique geometry
+//!   (ECS entities)      SoA          bitsets               per light                   per light×caster     per light
+//!                                                                                                             │
+//!        ambient + depth (V) ◄────────────────────────────── GPU prepare ◄────────────────────────────────────┘
+//!             │
+//!             └─► for each light of the frame: mark visibility (S) ─► add its light (I), blend ONE ONE ─► tonemap
+//! ```
+//!
+//! The sets of [`AntumbraSystems`](plugin::AntumbraSystems) are the arrows of the upper row; [`render::frame`] is the
+//! lower row, a call a pass.
+//!
+//! # The map
+//!
+//! Arrows point one way: a later folder may use an earlier one, never back (`tests/layers.rs` holds it).
+//!
+//! | folder | holds |
+//! | --- | --- |
+//! | [`conventions`] | handedness, depth, units, and the constants that WGSL has too |
+//! | [`geometry`] | mathematics on `glam`: bounds, planes, frustum, light hull, edge meshes; no ECS |
+//! | [`scene`] | components that a user spawns; glTF import, poses, animation |
+//! | [`sets`] | who is seen, lit and casts: F, V, L, I, S, scissors, depth bounds |
+//! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
+//! | [`reference`] | ray-cast visibility, slow and exact: the judge of the others (feature `reference`) |
+//! | [`render`] | all of wgpu that no technique owns (feature `render`) |
+//! | [`techniques`] | one folder each: component, CPU geometry, recorder |
+//! | [`plugin`] | system sets, schedules, registration |
+//!
+//! `shaders/` mirrors the Rust files: `passes/<node>.wgsl` for `render/nodes/<node>.rs`,
+//! `techniques/<technique>/<pass>.wgsl` for `techniques/<technique>/`, and `common/` for what both import.
+//!
+//! # Features
+//!
+//! | feature | default | gives |
+//! | --- | --- | --- |
+//! | `render` | yes | the wgpu renderer |
+//! | `gltf` | yes | import of glTF 2.0 scenes |
+//! | `reference` | no | ray-cast truth on the CPU |
+//! | `profile` | no | GPU timers |
+//!
+//! Without any, the ECS core remains: sets, silhouettes and shadow volumes as flat arrays.
 
 pub mod conventions;
 pub mod geometry;
@@ -11,3 +58,18 @@ pub mod scene;
 pub mod sets;
 pub mod silhouettes;
 pub mod techniques;
+
+/// What most users name.
+pub mod prelude {
+    pub use crate::plugin::{AntumbraPlugin, AntumbraSystems};
+    #[cfg(feature = "render")]
+    pub use crate::render::{
+        RenderContext, RenderSettings, Renderer, RequestedFeatures, frame::FrameOutputs,
+    };
+    pub use crate::scene::{
+        AlphaMode, Camera, FaceCulling, Light, LightKind, LightSelection, Material, MeshData, SceneMaterials,
+        SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+    };
+    pub use crate::sets::{FrameLights, ViewportSize};
+    pub use crate::techniques::StencilVolume;
+}

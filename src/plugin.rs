@@ -1,6 +1,18 @@
 //! System sets, schedules, registration: the one file that knows every system.
 
+use std::time::{Duration, Instant};
+
+use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{ScheduleBuildSettings, ScheduleLabel};
+use bevy_transform::TransformSystems;
+use bevy_transform::prelude::TransformPlugin;
+use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
+
+use crate::scene::{FaceCulling, bounds, pose};
+use crate::sets::{self, SeenInto, seen_into};
+use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
+use crate::techniques::stencil_volume::{StencilVolumes, volumes};
 
 /// What is true after each stage of a frame. Chained in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,6 +27,198 @@ pub enum AntumbraSystems {
     BuildTechniques,
     /// After this set the GPU holds all that the frame draws.
     PrepareGpu,
-    /// After this set the frame is drawn.
-    Render,
+}
+
+impl AntumbraSystems {
+    /// All sets in their order.
+    pub const ALL: [Self; 5] = [
+        Self::UpdateBounds,
+        Self::CollectSets,
+        Self::BuildSilhouettes,
+        Self::BuildTechniques,
+        Self::PrepareGpu,
+    ];
+
+    /// For statistics, in snake case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::UpdateBounds => "update_bounds",
+            Self::CollectSets => "collect_sets",
+            Self::BuildSilhouettes => "build_silhouettes",
+            Self::BuildTechniques => "build_techniques",
+            Self::PrepareGpu => "prepare_gpu",
+        }
+    }
+}
+
+/// CPU time of each set in the last frame.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct SetTimes {
+    /// By the order of [`AntumbraSystems::ALL`].
+    pub durations: [Duration; 5],
+    last: Option<Instant>,
+}
+
+/// Adds the systems to an [`App`], in `PostUpdate` after transforms are propagated.
+///
+/// Adds [`TransformPlugin`] if the app does not have it; add this plugin after plugins that bring it. A
+/// [`Renderer`](crate::render::Renderer) is a resource that the app inserts when it has a device; without one the CPU
+/// side runs alone.
+///
+/// ```
+/// use antumbra::prelude::*;
+/// use bevy_app::App;
+/// use bevy_transform::prelude::Transform;
+/// use std::sync::Arc;
+///
+/// let mut app = App::new();
+/// app.add_plugins(AntumbraPlugin);
+/// app.insert_resource(ViewportSize(glam::UVec2::new(320, 180)));
+/// app.world_mut().spawn((
+///     SceneMesh(Arc::new(MeshData::icosphere(1.0, 3))),
+///     SceneMaterials([Arc::new(Material::matte(glam::Vec3::ONE))].into()),
+///     (ShadowCaster, ShadowReceiver),
+/// ));
+/// app.world_mut().spawn((Camera::default(), Transform::from_xyz(0.0, 0.0, 5.0)));
+/// app.world_mut().spawn((
+///     Light::point(glam::Vec3::ONE, 100.0, 20.0),
+///     StencilVolume::default(),
+///     Transform::from_xyz(0.0, 3.0, 3.0),
+/// ));
+/// app.update();
+///
+/// let lights = app.world().resource::<FrameLights>();
+/// assert_eq!(lights.lights[0].i.count_ones(..), 1, "the sphere is lit");
+/// assert_eq!(lights.lights[0].s.count_ones(..), 1, "and may cast on itself");
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AntumbraPlugin;
+
+impl Plugin for AntumbraPlugin {
+    fn build(&self, app: &mut App) {
+        if !app.is_plugin_added::<TransformPlugin>() {
+            app.add_plugins(TransformPlugin);
+        }
+        init_resources(app.world_mut());
+        app.edit_schedule(PostUpdate, |schedule| {
+            add_systems(schedule);
+            schedule.configure_sets(AntumbraSystems::UpdateBounds.after(TransformSystems::Propagate));
+        });
+    }
+}
+
+/// The label of [`standalone_schedule`].
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct AntumbraSchedule;
+
+/// Inserts the resources that the systems need, those that are missing.
+pub fn init_resources(world: &mut World) {
+    sets::init_set_resources(world);
+    world.init_resource::<SeenInto>();
+    world.init_resource::<seen_into::SeeThrough>();
+    world.init_resource::<FaceCulling>();
+    world.init_resource::<CasterMeshes>();
+    world.init_resource::<Silhouettes>();
+    world.init_resource::<StencilVolumes>();
+    world.init_resource::<SetTimes>();
+}
+
+/// A schedule of transform propagation and all systems of the crate, for an engine that has no `App`.
+///
+/// ```
+/// use antumbra::plugin::{init_resources, standalone_schedule};
+/// use antumbra::prelude::*;
+/// use bevy_ecs::prelude::*;
+/// use bevy_transform::prelude::Transform;
+///
+/// let mut world = World::new();
+/// init_resources(&mut world);
+/// world.insert_resource(ViewportSize(glam::UVec2::new(320, 180)));
+/// world.spawn((Camera::default(), Transform::from_xyz(0.0, 1.0, 5.0)));
+///
+/// let mut schedule = standalone_schedule();
+/// schedule.run(&mut world); // once a frame
+/// assert!(world.resource::<antumbra::sets::View>().data.is_some());
+/// ```
+pub fn standalone_schedule() -> Schedule {
+    let mut schedule = Schedule::new(AntumbraSchedule);
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: bevy_ecs::schedule::LogLevel::Ignore,
+        ..Default::default()
+    });
+    schedule.configure_sets(TransformSystems::Propagate.before(AntumbraSystems::UpdateBounds));
+    schedule.add_systems(
+        (
+            mark_dirty_trees,
+            propagate_parent_transforms,
+            sync_simple_transforms,
+        )
+            .chain()
+            .in_set(TransformSystems::Propagate),
+    );
+    add_systems(&mut schedule);
+    schedule
+}
+
+/// Adds all systems of the crate to a schedule, in the chained sets [`AntumbraSystems`]. Transforms must have been
+/// propagated before [`AntumbraSystems::UpdateBounds`].
+pub fn add_systems(schedule: &mut Schedule) {
+    let [update, collect, silhouettes, techniques, prepare] = AntumbraSystems::ALL;
+    schedule.configure_sets((update, collect, silhouettes, techniques, prepare).chain());
+    schedule.add_systems((
+        (
+            pose::pose_meshes,
+            bounds::update_local_bounds,
+            bounds::update_world_bounds,
+        )
+            .chain()
+            .in_set(update),
+        (sets::collect_sets(), seen_into::collect_seen_into)
+            .chain()
+            .in_set(collect),
+        (
+            casters::build_caster_edges,
+            casters::update_posed_planes,
+            cache::build_silhouettes,
+        )
+            .chain()
+            .in_set(silhouettes),
+        volumes::build_stencil_volumes.in_set(techniques),
+    ));
+    #[cfg(feature = "render")]
+    {
+        use crate::render::{Renderer, systems};
+        schedule.add_systems(
+            (
+                systems::prepare_objects,
+                systems::prepare_techniques,
+                systems::prepare_draws,
+            )
+                .chain()
+                .run_if(resource_exists::<Renderer>)
+                .in_set(prepare),
+        );
+    }
+    schedule.add_systems(begin_times.before(update));
+    for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
+        let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
+        let system = stamp.after(set);
+        match AntumbraSystems::ALL.get(index + 1) {
+            Some(next) => schedule.add_systems(system.before(*next)),
+            None => schedule.add_systems(system),
+        };
+    }
+}
+
+fn begin_times(mut times: ResMut<SetTimes>) {
+    times.last = Some(Instant::now());
+}
+
+impl SetTimes {
+    fn stamp(&mut self, index: usize) {
+        let now = Instant::now();
+        if let Some(last) = self.last.replace(now) {
+            self.durations[index] = now - last;
+        }
+    }
 }

@@ -107,4 +107,21 @@ impl Aabb {
     pub fn intersects(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
+
+    /// The box grown by what a plane, sphere or cone test in `f32` can lose to rounding: eight epsilons of each
+    /// coordinate, and 1e-10 of the largest. Coordinates beyond ±1e15 m are brought to that, so that an infinite
+    /// box stays a box that squares without overflow. Empty stays empty.
+    pub fn padded(&self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        const LIMIT: Vec3 = Vec3::splat(1e15);
+        let (min, max) = (self.min.clamp(-LIMIT, LIMIT), self.max.clamp(-LIMIT, LIMIT));
+        let size = min.abs().max(max.abs());
+        let pad = size * (8.0 * f32::EPSILON) + Vec3::splat(size.max_element() * 1e-10);
+        Self {
+            min: min - pad,
+            max: max + pad,
+        }
+    }
 }

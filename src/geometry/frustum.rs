@@ -1,5 +1,197 @@
 //! View frustum with its far plane at infinity.
 
-/// The view frustum.
+use glam::{DVec3, DVec4, Vec4};
+
+use super::light_hull::{HalfSpace, SolidEdge};
+use super::{Plane, PlaneSet};
+
+/// What a perspective view sees, as a camera says it: world space, `f64` so that a camera far from the origin
+/// keeps its shape. The three axes need neither unit length nor right angles; a left-handed triple is a
+/// mirrored view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrustumShape {
+    /// Apex, metres.
+    pub eye: DVec3,
+    /// Towards the right of the picture.
+    pub right: DVec3,
+    /// Towards the top of the picture.
+    pub up: DVec3,
+    /// Into the picture.
+    pub forward: DVec3,
+    /// Half the picture's width at `forward`, in lengths of `right`.
+    pub half_right: f64,
+    /// Half the picture's height at `forward`, in lengths of `up`.
+    pub half_up: f64,
+    /// Near plane, in lengths of `forward`.
+    pub near: f64,
+}
+
+/// The view frustum of a reversed infinite projection: five planes, and "the plane at infinity" as a sixth face
+/// that bounds nothing but makes the edge count of [`LightHull`](super::LightHull) work.
+///
+/// Corner `i` has bit 0 set on the right and bit 1 on top; 0–3 are on the near plane (`w = 1`), 4–7 are the
+/// directions in which the far corners lie (`w = 0`).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frustum {}
+pub struct Frustum {
+    /// World space, in the order [`Frustum::NEAR`], `LEFT`, `RIGHT`, `BOTTOM`, `TOP`.
+    pub planes: PlaneSet,
+    /// World space, homogeneous.
+    pub corners: [Vec4; 8],
+    shape: FrustumShape,
+    /// The planes relative to the eye.
+    half_spaces: [HalfSpace; 5],
+    /// The corners relative to the eye; directions have unit length.
+    corners_eye: [DVec4; 8],
+}
+
+impl Frustum {
+    /// Index of the near plane.
+    pub const NEAR: usize = 0;
+    /// Index of the left plane.
+    pub const LEFT: usize = 1;
+    /// Index of the right plane.
+    pub const RIGHT: usize = 2;
+    /// Index of the bottom plane.
+    pub const BOTTOM: usize = 3;
+    /// Index of the top plane.
+    pub const TOP: usize = 4;
+    /// Index that stands for the plane at infinity, which has no entry in [`Frustum::planes`].
+    pub const INFINITY: usize = 5;
+
+    /// Each edge with its two planes; it runs counter-clockwise around the first plane seen from outside, so
+    /// clockwise around the second. In a mirrored view the two change places.
+    ///
+    /// Source: O'Rorke 2004, "Managing Visibility for Per-Pixel Lighting", GPU Gems ch. 15, §15.4.4.
+    pub const EDGES: [SolidEdge; 12] = [
+        SolidEdge::new(0, 1, Self::NEAR, Self::BOTTOM),
+        SolidEdge::new(1, 3, Self::NEAR, Self::RIGHT),
+        SolidEdge::new(3, 2, Self::NEAR, Self::TOP),
+        SolidEdge::new(2, 0, Self::NEAR, Self::LEFT),
+        SolidEdge::new(0, 4, Self::BOTTOM, Self::LEFT),
+        SolidEdge::new(1, 5, Self::RIGHT, Self::BOTTOM),
+        SolidEdge::new(3, 7, Self::TOP, Self::RIGHT),
+        SolidEdge::new(2, 6, Self::LEFT, Self::TOP),
+        SolidEdge::new(4, 5, Self::BOTTOM, Self::INFINITY),
+        SolidEdge::new(5, 7, Self::RIGHT, Self::INFINITY),
+        SolidEdge::new(7, 6, Self::TOP, Self::INFINITY),
+        SolidEdge::new(6, 4, Self::LEFT, Self::INFINITY),
+    ];
+
+    /// The frustum of a view; `None` if the numbers do not span one (not finite, flat, no field of view).
+    pub fn new(shape: &FrustumShape) -> Option<Self> {
+        let FrustumShape {
+            eye,
+            right,
+            up,
+            forward,
+            half_right,
+            half_up,
+            near,
+        } = *shape;
+        if !(eye.is_finite() && half_right > 0.0 && half_up > 0.0 && near > 0.0) {
+            return None;
+        }
+        let rays: [DVec3; 4] = std::array::from_fn(|i| {
+            let x = if i & 1 == 0 { -half_right } else { half_right };
+            let y = if i & 2 == 0 { -half_up } else { half_up };
+            forward + right * x + up * y
+        });
+        // The forward axis is a mean of the four rays, so it lies strictly inside every plane but the near one.
+        let side = |a: usize, b: usize| {
+            let normal = rays[a].cross(rays[b]).try_normalize()?;
+            let towards = normal.dot(forward);
+            (towards != 0.0).then(|| HalfSpace {
+                normal: normal * towards.signum(),
+                offset: 0.0,
+            })
+        };
+        let front = right.cross(up).try_normalize()?;
+        let depth = front.dot(forward);
+        if !(depth.is_finite() && depth != 0.0) {
+            return None;
+        }
+        let half_spaces = [
+            HalfSpace {
+                normal: front * depth.signum(),
+                offset: -depth.abs() * near,
+            },
+            side(0, 2)?,
+            side(1, 3)?,
+            side(0, 1)?,
+            side(2, 3)?,
+        ];
+        let mut corners_eye = [DVec4::ZERO; 8];
+        for (i, ray) in rays.iter().enumerate() {
+            corners_eye[i] = (*ray * near).extend(1.0);
+            corners_eye[i + 4] = ray.try_normalize()?.extend(0.0);
+        }
+        let usable = half_spaces
+            .iter()
+            .all(|h| h.normal.is_finite() && h.offset.is_finite())
+            && corners_eye.iter().all(|corner| corner.is_finite());
+        usable.then(|| Self {
+            planes: PlaneSet {
+                planes: half_spaces.iter().map(|h| h.to_world(eye)).collect(),
+            },
+            corners: corners_eye.map(|corner| (corner + eye.extend(0.0) * corner.w).as_vec4()),
+            shape: *shape,
+            half_spaces,
+            corners_eye,
+        })
+    }
+
+    /// What it was made from.
+    pub fn shape(&self) -> &FrustumShape {
+        &self.shape
+    }
+
+    /// Apex, metres, world space.
+    pub fn eye(&self) -> DVec3 {
+        self.shape.eye
+    }
+
+    /// Whether the view shows the world mirrored.
+    pub fn is_mirrored(&self) -> bool {
+        // A camera looks along −Z, so right × up points backwards in an ordinary view.
+        self.shape.right.cross(self.shape.up).dot(self.shape.forward) > 0.0
+    }
+
+    /// Corners of the near rectangle, world space; indices as the corners of the frustum.
+    pub fn near_corners(&self) -> [DVec3; 4] {
+        std::array::from_fn(|i| self.corners_eye[i].truncate() + self.shape.eye)
+    }
+
+    /// Whether a point (`w = 1`) or direction (`w = 0`) of world space lies inside or on the border.
+    pub fn contains(&self, point: DVec4) -> bool {
+        let point_eye = point - self.shape.eye.extend(0.0) * point.w;
+        self.half_spaces.iter().all(|half| half.side(point_eye) >= 0.0)
+    }
+
+    /// The planes relative to the eye, as [`Frustum::planes`] but exact.
+    pub(super) fn half_spaces(&self) -> &[HalfSpace; 5] {
+        &self.half_spaces
+    }
+
+    /// The corners relative to the eye.
+    pub(super) fn corners_eye(&self) -> &[DVec4; 8] {
+        &self.corners_eye
+    }
+}
+
+impl HalfSpace {
+    /// This half-space, given relative to `origin`, as a plane of world space in `f32`, moved outward by what
+    /// rounding can lose.
+    ///
+    /// A test `n·c + |n|·h + d ≥ 0` in `f32` errs by less than nine roundings (2⁻²⁴ each) of the sum of its terms'
+    /// magnitudes: the normal's own rounding, the products, the additions. Eight epsilons (2⁻²³ each) of `d` are
+    /// given here, eight of the box's coordinates by [`Aabb::padded`](super::Aabb::padded). The second term covers
+    /// the `f64` construction, whose planes lean by at most 1e-11 rad.
+    pub(super) fn to_world(self, origin: DVec3) -> Plane {
+        let offset = self.offset - self.normal.dot(origin);
+        let slack = 8.0 * f64::from(f32::EPSILON) * offset.abs() + 1e-10 * origin.abs().max_element();
+        Plane {
+            normal: self.normal.as_vec3(),
+            offset: (offset + slack) as f32,
+        }
+    }
+}

@@ -1,5 +1,266 @@
-//! Convex hull of light and view frustum.
+//! Convex hull of a light and a convex solid: outside it no caster can throw a shadow into the solid.
 
-/// Convex hull of light and view frustum.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LightHull {}
+use glam::{DVec3, DVec4};
+
+use super::{Aabb, Frustum, PlaneSet};
+
+/// A half-space in `f64`, relative to some origin near the solid: inside is `normal · p + offset ≥ 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct HalfSpace {
+    pub(super) normal: DVec3,
+    pub(super) offset: f64,
+}
+
+impl HalfSpace {
+    /// Signed distance of a point (`w = 1`), slope of a direction (`w = 0`).
+    pub(super) fn side(&self, point: DVec4) -> f64 {
+        self.normal.dot(point.truncate()) + self.offset * point.w
+    }
+}
+
+/// An edge of a convex solid: from its first corner to its second it runs counter-clockwise around its first plane
+/// seen from outside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SolidEdge {
+    /// Indices of the two ends.
+    pub corners: [usize; 2],
+    /// Indices of the two planes that meet here.
+    pub planes: [usize; 2],
+}
+
+impl SolidEdge {
+    pub(super) const fn new(from: usize, to: usize, left: usize, right: usize) -> Self {
+        Self {
+            corners: [from, to],
+            planes: [left, right],
+        }
+    }
+}
+
+/// Where light comes from: a homogeneous point, and how far the light extends around it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emitter {
+    /// World space; `w = 1` the centre, `w = 0` the unit direction towards a light at infinity.
+    pub point: DVec4,
+    /// Half the sides of a rectangle, as vectors; zero for other lights.
+    pub half_sides: [DVec3; 2],
+    /// Radius of a sphere, metres; zero for other lights.
+    pub radius: f64,
+}
+
+impl Emitter {
+    /// A light without extent.
+    pub fn point(point: DVec4) -> Self {
+        Self {
+            point,
+            half_sides: [DVec3::ZERO; 2],
+            radius: 0.0,
+        }
+    }
+
+    /// How far the light reaches from its centre along a unit vector, metres.
+    pub fn extent(&self, direction: DVec3) -> f64 {
+        let [a, b] = self.half_sides;
+        direction.dot(a).abs() + direction.dot(b).abs() + self.radius
+    }
+
+    /// Radius of the sphere around all of the light, metres.
+    pub fn bounding_radius(&self) -> f64 {
+        let [a, b] = self.half_sides;
+        (a + b).length().max((a - b).length()) + self.radius
+    }
+}
+
+/// Convex hull of a light and a convex solid, in world space.
+///
+/// It never excludes what matters: each of its planes is a supporting plane, pushed out until all corners of the solid
+/// and all of the light are inside, so even a plane whose construction was ill-conditioned only makes it larger.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightHull {
+    /// The bounding planes, moved outward by what `f32` rounding can lose for boxes that are
+    /// [padded](Aabb::padded).
+    pub planes: PlaneSet,
+    /// Whether all of the light lies in the solid; the hull is then the solid itself.
+    pub inside: bool,
+}
+
+impl LightHull {
+    /// The hull of a light and the view frustum.
+    pub fn of_frustum(frustum: &Frustum, light: &Emitter) -> Self {
+        hull(
+            &Solid {
+                origin: frustum.eye(),
+                planes: frustum.half_spaces(),
+                corners: frustum.corners_eye(),
+                edges: &Frustum::EDGES,
+                mirrored: frustum.is_mirrored(),
+            },
+            light,
+        )
+    }
+
+    /// The hull of a light and a box. An empty box gives the hull that excludes nothing.
+    pub fn of_aabb(aabb: &Aabb, light: &Emitter) -> Self {
+        if aabb.is_empty() || !aabb.min.is_finite() || !aabb.max.is_finite() {
+            return Self::default();
+        }
+        let origin = aabb.center().as_dvec3();
+        let (min, max) = (aabb.min.as_dvec3() - origin, aabb.max.as_dvec3() - origin);
+        let planes: [HalfSpace; 6] = std::array::from_fn(|i| {
+            let (axis, upper) = (i / 2, i % 2 == 1);
+            let mut normal = DVec3::ZERO;
+            normal[axis] = if upper { -1.0 } else { 1.0 };
+            HalfSpace {
+                normal,
+                offset: if upper { max[axis] } else { -min[axis] },
+            }
+        });
+        let corners: [DVec4; 8] = std::array::from_fn(|i| {
+            DVec3::select(glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min).extend(1.0)
+        });
+        hull(
+            &Solid {
+                origin,
+                planes: &planes,
+                corners: &corners,
+                edges: &AABB_EDGES,
+                mirrored: false,
+            },
+            light,
+        )
+    }
+}
+
+/// Edges of a box whose corner `i` has bit `k` set at the upper end of axis `k` and whose plane `2k + 1` is the upper
+/// one of axis `k`.
+const AABB_EDGES: [SolidEdge; 12] = {
+    let mut edges = [SolidEdge::new(0, 0, 0, 0); 12];
+    let mut i = 0;
+    while i < 12 {
+        let axis = i / 4;
+        let (b, c) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (upper_b, upper_c) = (i & 1, (i >> 1) & 1);
+        let from = (upper_b << b) | (upper_c << c);
+        let to = from | (1 << axis);
+        // Along +axis the edge runs counter-clockwise around face b where both faces are on like ends.
+        edges[i] = if upper_b == upper_c {
+            SolidEdge::new(from, to, 2 * b + upper_b, 2 * c + upper_c)
+        } else {
+            SolidEdge::new(from, to, 2 * c + upper_c, 2 * b + upper_b)
+        };
+        i += 1;
+    }
+    edges
+};
+
+/// A convex solid, relative to `origin`. Plane indices of the edges past the end of `planes` are the plane at infinity,
+/// whose inside holds every light.
+struct Solid<'a> {
+    origin: DVec3,
+    planes: &'a [HalfSpace],
+    corners: &'a [DVec4],
+    edges: &'a [SolidEdge],
+    mirrored: bool,
+}
+
+/// Below this sine an edge and the light do not span a plane: its normal would err by more than 1e-11.
+const MIN_SINE: f64 = 1e-4;
+
+/// A light outside a plane by less than this part of its distance counts as on it: the plane, pushed out to hold the
+/// light, is the better of two bounds that hardly differ.
+const ON_PLANE: f64 = 1e-6;
+
+/// Adds a light to a convex solid: planes that have the light inside stay; an edge between such a plane and one that
+/// has it outside is a silhouette edge and gives the plane through it and the light.
+///
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; Everitt & Kilgard 2003, "Optimized Stencil Shadow Volumes". New
+/// here: homogeneous corners and lights (far plane and sun at infinity), lights with an extent, and that each plane
+/// is moved to support what it must hold.
+fn hull(solid: &Solid<'_>, light: &Emitter) -> LightHull {
+    let mut result = LightHull {
+        planes: PlaneSet::default(),
+        inside: true,
+    };
+    let at_infinity = light.point.w == 0.0;
+    let center = light.point - solid.origin.extend(0.0) * light.point.w;
+    let distance = center.truncate().length();
+    let mut outside = [false; 8];
+    for (i, plane) in solid.planes.iter().enumerate() {
+        let side = plane.side(center);
+        let nearly = if at_infinity {
+            0.0
+        } else {
+            ON_PLANE * (distance + plane.offset.abs())
+        };
+        let extent = if at_infinity {
+            0.0
+        } else {
+            light.extent(plane.normal)
+        };
+        result.inside &= side >= extent;
+        outside[i] = side < -nearly;
+        if !outside[i] {
+            push_supporting(&mut result, solid, plane.normal, center, light);
+        }
+    }
+    for edge in solid.edges {
+        let [first, second] = edge.planes.map(|plane| outside[plane]);
+        if first == second {
+            continue;
+        }
+        let [a, b] = edge.corners.map(|corner| solid.corners[corner]);
+        let normal = match (a.w, b.w) {
+            // An edge of the plane at infinity: the plane through the light parallel to the side plane. With the
+            // light at infinity too it would be the plane at infinity.
+            (0.0, 0.0) if at_infinity => continue,
+            (0.0, 0.0) => {
+                let side_plane = edge.planes[usize::from(!first)];
+                solid.planes[side_plane].normal
+            }
+            _ => {
+                // `a` is the finite end of an edge that leaves to infinity, by the order of the corners.
+                let along = if b.w == 0.0 {
+                    b.truncate()
+                } else {
+                    (b - a).truncate()
+                };
+                let to_light = center.truncate() - a.truncate() * center.w;
+                let normal = to_light.cross(along);
+                let lengths = to_light.length() * along.length();
+                if normal.length() < MIN_SINE * lengths || lengths == 0.0 {
+                    continue;
+                }
+                let sign = if first != solid.mirrored { 1.0 } else { -1.0 };
+                normal.normalize() * sign
+            }
+        };
+        push_supporting(&mut result, solid, normal, center, light);
+    }
+    result
+}
+
+/// Adds the plane with this normal that supports solid and light; nothing if they have no bound on that side.
+fn push_supporting(
+    hull: &mut LightHull,
+    solid: &Solid<'_>,
+    normal: DVec3,
+    light_center: DVec4,
+    light: &Emitter,
+) {
+    let mut offset = f64::NEG_INFINITY;
+    let lights = std::iter::once((light_center, light.extent(normal)));
+    for (point, extent) in solid.corners.iter().map(|&corner| (corner, 0.0)).chain(lights) {
+        let along = normal.dot(point.truncate());
+        if point.w == 0.0 {
+            if along < -1e-11 {
+                return;
+            }
+        } else {
+            offset = offset.max(extent - along);
+        }
+    }
+    if normal.is_finite() && offset.is_finite() {
+        let half_space = HalfSpace { normal, offset };
+        hull.planes.planes.push(half_space.to_world(solid.origin));
+    }
+}

@@ -10,7 +10,7 @@ pub mod sphere;
 
 pub use aabb::Aabb;
 pub use cone::Cone;
-pub use frustum::Frustum;
-pub use light_hull::LightHull;
+pub use frustum::{Frustum, FrustumShape};
+pub use light_hull::{Emitter, LightHull, SolidEdge};
 pub use plane_set::{Plane, PlaneSet};
 pub use sphere::Sphere;

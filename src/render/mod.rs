@@ -1,1 +1,31 @@
-//! The wgpu renderer.
+//! All of wgpu that no technique owns.
+//!
+//! What lives long ([`RenderContext`], [`Shaders`], pipelines, pools) is apart from what a frame changes
+//! ([`Renderer::prepare`] fills it, [`frame`] reads it). Passes are recorded by [`nodes`] in the order that
+//! [`frame`] lists.
+
+pub mod bind_groups;
+pub mod buffers;
+pub mod context;
+pub mod draw_list;
+pub mod frame;
+pub mod gpu_types;
+pub mod lights;
+pub mod materials;
+pub mod meshes;
+pub mod mipmaps;
+pub mod nodes;
+pub mod objects;
+pub mod pipelines;
+pub mod readback;
+pub mod renderer;
+pub mod shaders;
+pub mod systems;
+pub mod targets;
+pub mod technique;
+pub mod timings;
+
+pub use context::{RenderContext, RenderError, RequestedFeatures};
+pub use renderer::{RenderSettings, Renderer};
+pub use shaders::Shaders;
+pub use targets::FrameTargets;

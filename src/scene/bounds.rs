@@ -36,7 +36,8 @@ pub fn is_usable_transform(transform: &GlobalTransform) -> bool {
 
 /// Recomputes [`LocalBounds`] of meshes that were added, exchanged or posed.
 ///
-/// Set: `UpdateBounds`. Cost: the vertices of changed meshes.
+/// Set: `UpdateBounds`, after [`pose_meshes`](super::pose::pose_meshes). A mesh that is not posed yet has the
+/// bounds of its rest pose. Cost: the vertices of changed meshes.
 pub fn update_local_bounds(
     mut meshes: Query<
         (&SceneMesh, Option<&PosedMesh>, &mut LocalBounds),
@@ -44,7 +45,10 @@ pub fn update_local_bounds(
     >,
 ) {
     for (mesh, posed, mut bounds) in &mut meshes {
-        let positions = posed.map_or(&mesh.0.positions, |posed| &posed.positions);
+        let posed = posed
+            .map(|posed| &posed.positions)
+            .filter(|posed| posed.len() == mesh.0.positions.len());
+        let positions = posed.unwrap_or(&mesh.0.positions);
         let aabb = if mesh.0.indices.is_empty() {
             Aabb::EMPTY
         } else {

@@ -20,3 +20,13 @@ impl Default for SelectionLayers {
         Self(1)
     }
 }
+
+/// Which faces of surfaces are drawn. Shadows do not depend on it: any triangle blocks light, whichever way it faces.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FaceCulling {
+    /// Materials that are not double-sided show their front faces only.
+    #[default]
+    SingleSided,
+    /// Every surface is seen from both sides.
+    None,
+}

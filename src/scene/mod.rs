@@ -9,6 +9,8 @@
 //! | [`Camera`] | the view |
 //! | [`Skin`], [`MorphWeights`] | a mesh that is posed each frame into [`PosedMesh`] |
 //! | [`WorldBounds`] | written by us: where it is |
+//!
+//! Scenes come from code or from glTF files (`gltf_import`), clips of theirs move them ([`animation`]).
 
 pub mod animation;
 pub mod bounds;
@@ -21,10 +23,11 @@ pub mod material;
 pub mod mesh;
 pub mod pose;
 
+pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds};
 pub use camera::Camera;
-pub use caster::{SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use light::{Light, LightError, LightKind, LightSelection};
-pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot};
-pub use mesh::{MeshData, SceneMesh, Submesh};
+pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
+pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use pose::{MorphWeights, PosedMesh, Skin};

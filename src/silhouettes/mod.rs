@@ -14,11 +14,15 @@
 //! | `contour` | signed edges and cap triangles |
 //! | `loops` | the contour as closed loops |
 
+pub mod cache;
+pub mod casters;
 mod contour;
 mod facing;
 mod loops;
 mod planes;
 
+pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
+pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
 pub use contour::{CapMode, Contour, extract_caps, extract_contour, extract_edges};
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use loops::{LoopError, Loops, link_loops};

@@ -1,0 +1,102 @@
+//! Turns a shot file into a picture, per-light visibility and statistics.
+//!
+//! ```sh
+//! cargo run --release --example render -- SHOT.json --out DIR
+//! ```
+//!
+//! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is one
+//! line on stderr that names the file and the element, exit status 1, and nothing is written.
+
+mod support;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use antumbra::prelude::*;
+use clap::Parser;
+use support::shot::Shot;
+use support::stage::{Stage, one_line};
+use support::{picture, stats};
+
+/// Renders a shot file.
+#[derive(Parser)]
+struct Arguments {
+    /// The shot file.
+    shot: PathBuf,
+    /// Folder for the results; made if it is not there.
+    #[arg(long)]
+    out: PathBuf,
+    /// Factor on radiance before the tonemap.
+    #[arg(long, default_value_t = 1.0)]
+    exposure: f32,
+    /// Shows only the front faces of materials that are not double-sided. Without it every surface is seen from both
+    /// sides, as it blocks light from both.
+    #[arg(long)]
+    cull_back_faces: bool,
+    /// Draws the shadow volumes over the picture: depth-pass blue and green, depth-fail orange and magenta.
+    #[arg(long)]
+    show_volumes: bool,
+    /// Asks the device for nothing beyond WebGPU's baseline.
+    #[arg(long)]
+    baseline: bool,
+}
+
+fn main() -> ExitCode {
+    match render(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(line) => {
+            eprintln!("{}", line.replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn render(arguments: &Arguments) -> Result<(), String> {
+    let shot = Shot::load(&arguments.shot)?;
+    if shot.size.contains(&0) {
+        return Err(format!(
+            "{}: size: {:?} has no pixels",
+            arguments.shot.display(),
+            shot.size
+        ));
+    }
+    let mut stage = Stage::of_shot(&shot)?;
+    stage.world.insert_resource(if arguments.cull_back_faces {
+        FaceCulling::SingleSided
+    } else {
+        FaceCulling::None
+    });
+    let requested = if arguments.baseline {
+        RequestedFeatures::BASELINE
+    } else {
+        RequestedFeatures {
+            timestamps: true,
+            ..Default::default()
+        }
+    };
+    let in_shot =
+        |error: antumbra::render::RenderError| format!("{}: {}", arguments.shot.display(), one_line(&error));
+    let context = pollster::block_on(RenderContext::headless(requested)).map_err(in_shot)?;
+    let settings = RenderSettings {
+        ambient: shot.ambient.into(),
+        exposure: arguments.exposure,
+        debug_volumes: arguments.show_volumes,
+        ..Default::default()
+    };
+    stage.add_renderer(context, settings).map_err(in_shot)?;
+    let rendered = stage.render().map_err(in_shot)?;
+    let stats = stats::collect(&mut stage, &rendered);
+
+    let out = &arguments.out;
+    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    picture::write_png(&out.join("image.png"), rendered.size, &rendered.picture)?;
+    picture::write_rgb_exr(&out.join("image.exr"), rendered.size, &rendered.radiance)?;
+    for (light, visibility) in rendered.visibility.iter().enumerate() {
+        let path = out.join(format!("light{light}.visibility.exr"));
+        picture::write_channel_exr(&path, rendered.size, visibility)?;
+    }
+    let path = out.join("stats.json");
+    let text =
+        serde_json::to_string_pretty(&stats).map_err(|error| format!("{}: {error}", path.display()))?;
+    std::fs::write(&path, text).map_err(|error| format!("{}: {error}", path.display()))
+}

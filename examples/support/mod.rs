@@ -1,0 +1,8 @@
+//! What the examples and tests share: shot files, a stage to render them on, and pictures on disk.
+
+#![allow(dead_code, reason = "each example and test uses a part")]
+
+pub mod picture;
+pub mod shot;
+pub mod stage;
+pub mod stats;

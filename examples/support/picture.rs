@@ -1,0 +1,51 @@
+//! Pictures on disk.
+
+use std::path::Path;
+
+use glam::UVec2;
+use image::{ImageBuffer, Rgba};
+
+/// Writes sRGB RGBA as PNG.
+///
+/// # Errors
+/// One line that names the file.
+pub fn write_png(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), String> {
+    let image: ImageBuffer<Rgba<u8>, _> = ImageBuffer::from_raw(size.x, size.y, rgba8)
+        .ok_or_else(|| format!("{}: not {size} pixels", path.display()))?;
+    image
+        .save(path)
+        .map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Writes linear RGB (of RGBA rows) as OpenEXR.
+///
+/// # Errors
+/// One line that names the file.
+pub fn write_rgb_exr(path: &Path, size: UVec2, rgba: &[f32]) -> Result<(), String> {
+    exr::prelude::write_rgb_file(path, size.x as usize, size.y as usize, |x, y| {
+        let at = 4 * (y * size.x as usize + x);
+        (rgba[at], rgba[at + 1], rgba[at + 2])
+    })
+    .map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Writes one float channel, `Y`, as OpenEXR.
+///
+/// # Errors
+/// One line that names the file.
+pub fn write_channel_exr(path: &Path, size: UVec2, values: &[f32]) -> Result<(), String> {
+    use exr::prelude::*;
+    let channel = AnyChannels::sort(smallvec::smallvec![AnyChannel::new(
+        "Y",
+        FlatSamples::F32(values.to_vec())
+    )]);
+    Image::from_layer(Layer::new(
+        (size.x as usize, size.y as usize),
+        LayerAttributes::default(),
+        Encoding::FAST_LOSSLESS,
+        channel,
+    ))
+    .write()
+    .to_file(path)
+    .map_err(|error| format!("{}: {error}", path.display()))
+}

@@ -1,0 +1,347 @@
+//! A world with a scene, a camera and lights, and a renderer that draws it headlessly.
+
+use std::path::Path;
+
+use antumbra::geometry::Aabb;
+use antumbra::plugin::{init_resources, standalone_schedule};
+use antumbra::prelude::*;
+use antumbra::render::pipelines::VISIBILITY_FORMAT;
+use antumbra::render::readback::{TexelRows, read_texture};
+use antumbra::render::targets::create_target;
+use antumbra::render::timings::PassTime;
+use antumbra::render::{RenderError, frame::FrameOutputs};
+use antumbra::scene::WorldBounds;
+use antumbra::scene::animation::apply_animation;
+use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::{UVec2, Vec3};
+
+use super::shot::{Shot, ShotCamera};
+
+/// Format of the picture.
+pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+/// A world and the schedule that runs a frame of it.
+pub struct Stage {
+    /// Everything.
+    pub world: World,
+    /// Run once a frame.
+    pub schedule: Schedule,
+    /// The camera.
+    pub camera: Entity,
+    /// Lights in the order of the shot.
+    pub lights: Vec<Entity>,
+}
+
+impl Stage {
+    /// A world without a scene, seen by a camera.
+    pub fn empty(size: UVec2, camera: Camera, transform: Transform) -> Self {
+        let mut world = World::new();
+        init_resources(&mut world);
+        world.insert_resource(ViewportSize(size));
+        let camera = world.spawn((camera, transform)).id();
+        Self {
+            world,
+            schedule: standalone_schedule(),
+            camera,
+            lights: Vec::new(),
+        }
+    }
+
+    /// The stage of a shot file, without a renderer yet.
+    ///
+    /// # Errors
+    /// One line that names the file and the element.
+    pub fn of_shot(shot: &Shot) -> Result<Self, String> {
+        let file = shot.scene.display();
+        let loaded = load_gltf(&shot.scene).map_err(|error| one_line(&error))?;
+        let size = shot.size();
+        let mut stage = Self::empty(size, Camera::default(), Transform::IDENTITY);
+        let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
+        if let Some(animation) = shot.animation {
+            stage.pose(&loaded, &spawned, animation.clip, animation.time)?;
+        }
+        // Only the shot's camera looks.
+        for &camera in &spawned.cameras {
+            stage.world.entity_mut(camera).remove::<Camera>();
+        }
+        stage.world.entity_mut(stage.camera).remove::<Camera>();
+        stage.schedule.run(&mut stage.world);
+        let (camera, transform) = match &shot.camera {
+            Some(camera) => (camera.camera(size), camera.transform()?),
+            None => stage.choose_camera(&loaded, &spawned, size),
+        };
+        stage.world.entity_mut(stage.camera).insert((camera, transform));
+        match &shot.lights {
+            Some(lights) => {
+                for &light in &spawned.lights {
+                    stage.world.entity_mut(light).remove::<Light>();
+                }
+                for light in lights {
+                    let parts = light.parts()?;
+                    stage.spawn_light(parts.light, parts.transform, parts.shadow);
+                }
+            }
+            None => {
+                for &light in &spawned.lights {
+                    stage.world.entity_mut(light).insert(StencilVolume::default());
+                    stage.lights.push(light);
+                }
+            }
+        }
+        if stage.object_count() == 0 {
+            eprintln!("{file}: nothing to draw");
+        }
+        Ok(stage)
+    }
+
+    fn pose(
+        &mut self,
+        loaded: &LoadedGltf,
+        spawned: &SpawnedScene,
+        clip: usize,
+        time: f32,
+    ) -> Result<(), String> {
+        let clip_data = loaded.clips.get(clip).ok_or_else(|| {
+            format!(
+                "{}: animation.clip {clip}: the scene has {} clips",
+                loaded.file.display(),
+                loaded.clips.len()
+            )
+        })?;
+        apply_animation(&mut self.world, spawned, clip_data, time);
+        Ok(())
+    }
+
+    /// Spawns a light behind those that are there.
+    pub fn spawn_light(
+        &mut self,
+        light: Light,
+        transform: Transform,
+        shadow: Option<StencilVolume>,
+    ) -> Entity {
+        let mut entity = self.world.spawn((light, transform));
+        if let Some(shadow) = shadow {
+            entity.insert(shadow);
+        }
+        let entity = entity.id();
+        self.lights.push(entity);
+        entity
+    }
+
+    /// Number of objects with a mesh.
+    pub fn object_count(&mut self) -> usize {
+        self.world.query::<&SceneMesh>().iter(&self.world).count()
+    }
+
+    /// Bounds of everything that is drawn; of the last frame that ran.
+    pub fn scene_bounds(&mut self) -> Aabb {
+        self.world
+            .query::<&WorldBounds>()
+            .iter(&self.world)
+            .fold(Aabb::EMPTY, |all, bounds| all.union(bounds.0))
+    }
+
+    fn choose_camera(
+        &mut self,
+        loaded: &LoadedGltf,
+        spawned: &SpawnedScene,
+        size: UVec2,
+    ) -> (Camera, Transform) {
+        let aspect = size.x as f32 / size.y.max(1) as f32;
+        let first = spawned.cameras.first().and_then(|&entity| {
+            let node = spawned
+                .nodes
+                .nodes
+                .iter()
+                .position(|node| *node == Some(entity))?;
+            let camera = loaded
+                .cameras
+                .get(loaded.nodes[node].camera?)
+                .copied()
+                .flatten()?;
+            let transform = self
+                .world
+                .get::<bevy_transform::prelude::GlobalTransform>(entity)?
+                .compute_transform();
+            Some((Camera { aspect, ..camera }, transform))
+        });
+        first.unwrap_or_else(|| framing_camera(self.scene_bounds(), aspect))
+    }
+
+    /// Gives the stage a device.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn add_renderer(
+        &mut self,
+        context: RenderContext,
+        settings: RenderSettings,
+    ) -> Result<(), RenderError> {
+        let mut renderer = Renderer::new(context)?;
+        renderer.settings = settings;
+        self.world.insert_resource(renderer);
+        Ok(())
+    }
+
+    /// Indices of the stage's lights in this frame's `FrameLights`; `None` for lights that cannot shine.
+    pub fn light_indices(&self) -> Vec<Option<usize>> {
+        let frame = self.world.resource::<FrameLights>();
+        self.lights
+            .iter()
+            .map(|light| frame.lights.iter().position(|entry| entry.entity == *light))
+            .collect()
+    }
+
+    /// Runs a frame and reads back all that it shows.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn render(&mut self) -> Result<Rendered, RenderError> {
+        self.schedule.run(&mut self.world);
+        let indices = self.light_indices();
+        let light_count = self.world.resource::<FrameLights>().lights.len();
+        let size = self.world.resource::<ViewportSize>().0;
+        let mut renderer = self.world.resource_mut::<Renderer>();
+        if let Some(failure) = renderer.take_failure() {
+            return Err(failure);
+        }
+        if size.min_element() == 0 {
+            return Ok(Rendered::nothing(size, indices.len()));
+        }
+        renderer.prepare_output(PICTURE_FORMAT);
+        let context = renderer.context().clone();
+        let picture = create_target(&context, "picture", size, PICTURE_FORMAT)?;
+        let masks = (0..light_count)
+            .map(|_| create_target(&context, "visibility", size, VISIBILITY_FORMAT))
+            .collect::<Result<Vec<_>, _>>()?;
+        let views: Vec<_> = masks
+            .iter()
+            .map(|mask| mask.create_view(&Default::default()))
+            .collect();
+        let mut encoder = context.device.create_command_encoder(&Default::default());
+        let picture_view = picture.create_view(&Default::default());
+        renderer.record(
+            &mut encoder,
+            &FrameOutputs {
+                picture: Some(&picture_view),
+                visibility: &views,
+            },
+        );
+        context.queue.submit([encoder.finish()]);
+        let all = wgpu::TextureAspect::All;
+        let visibility = indices
+            .iter()
+            .map(|index| match index {
+                Some(index) => {
+                    let rows = read_texture(&context, &masks[*index], all, "visibility")?;
+                    Ok(rows.bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect())
+                }
+                None => Ok(vec![1.0; size.element_product() as usize]),
+            })
+            .collect::<Result<Vec<Vec<f32>>, RenderError>>()?;
+        let has_view = renderer.targets().is_some();
+        let radiance = match renderer.targets() {
+            Some(targets) => halves(&read_texture(&context, &targets.radiance, all, "radiance")?),
+            None => vec![0.0; 4 * size.element_product() as usize],
+        };
+        Ok(Rendered {
+            size,
+            picture: read_texture(&context, &picture, all, "picture")?.bytes,
+            radiance,
+            visibility,
+            pass_times: if has_view {
+                renderer.timings().read(&context)?
+            } else {
+                Vec::new()
+            },
+        })
+    }
+}
+
+/// What a frame shows.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Pixels.
+    pub size: UVec2,
+    /// sRGB RGBA, tonemapped.
+    pub picture: Vec<u8>,
+    /// Linear RGBA.
+    pub radiance: Vec<f32>,
+    /// By the stage's lights.
+    pub visibility: Vec<Vec<f32>>,
+    /// GPU times, if the device has timers.
+    pub pass_times: Vec<PassTime>,
+}
+
+impl Rendered {
+    fn nothing(size: UVec2, lights: usize) -> Self {
+        Self {
+            size,
+            picture: Vec::new(),
+            radiance: Vec::new(),
+            visibility: vec![Vec::new(); lights],
+            pass_times: Vec::new(),
+        }
+    }
+}
+
+fn halves(rows: &TexelRows) -> Vec<f32> {
+    rows.bytes
+        .chunks_exact(2)
+        .map(|bytes| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32())
+        .collect()
+}
+
+/// A camera that sees all of a box from its front, right and above.
+pub fn framing_camera(bounds: Aabb, aspect: f32) -> (Camera, Transform) {
+    let (center, radius) = if bounds.is_empty() {
+        (Vec3::ZERO, 1.0)
+    } else {
+        (bounds.center(), bounds.half_size().length().max(1e-3))
+    };
+    let vertical_fov = std::f32::consts::FRAC_PI_4;
+    let narrow = (vertical_fov * 0.5).tan() * aspect.min(1.0);
+    let distance = radius / narrow.atan().sin();
+    let eye = center + Vec3::new(0.5, 0.45, 0.9).normalize() * distance;
+    let camera = Camera {
+        vertical_fov,
+        near: (distance - radius).max(distance * 1e-3) * 0.5,
+        aspect,
+    };
+    (
+        camera,
+        Transform::from_translation(eye).looking_at(center, Vec3::Y),
+    )
+}
+
+/// An error as one line.
+pub fn one_line(error: &dyn std::error::Error) -> String {
+    let mut line = error.to_string().replace('\n', " ");
+    let mut source = error.source();
+    while let Some(inner) = source {
+        let text = inner.to_string();
+        if !line.contains(&text) {
+            line = format!("{line}: {}", text.replace('\n', " "));
+        }
+        source = inner.source();
+    }
+    line
+}
+
+/// A camera of a shot, for scenes made in code.
+pub fn look(eye: [f32; 3], target: [f32; 3]) -> ShotCamera {
+    ShotCamera {
+        eye,
+        target,
+        up: [0.0, 1.0, 0.0],
+        vfov_deg: 45.0,
+        near: 0.1,
+    }
+}
+
+/// Whether a file is there, for messages.
+pub fn exists(path: &Path) -> bool {
+    path.is_file()
+}

@@ -1,0 +1,55 @@
+// View and objects: bind group 0 of every scene pass.
+// Host    src/render/bind_groups.rs, src/render/gpu_types.rs
+// Spaces  local; relative: world axes, origin at the eye, so that positions stay exact far from the world's
+//         origin; clip: reversed infinite depth
+#define_import_path antumbra::view
+
+struct View {                       // mirror: render::gpu_types::View
+    ambient: vec4f,                 // linear RGB radiance; w unused
+}
+
+struct Object {                     // mirror: render::gpu_types::Object
+    clip_from_local: mat4x4f,
+    relative_from_local_x: vec4f,   // rows of the affine matrix
+    relative_from_local_y: vec4f,
+    relative_from_local_z: vec4f,
+    handedness: vec4f,              // x: sign of the determinant; yzw unused
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<storage, read> objects: array<Object>;
+
+// The one way from local to clip space: passes must agree on depth to the last bit.
+fn clip_position(object: u32, position_local: vec3f) -> vec4f {
+    return objects[object].clip_from_local * vec4f(position_local, 1.0);
+}
+
+fn relative_position(object: u32, position_local: vec3f) -> vec3f {
+    let p = vec4f(position_local, 1.0);
+    return vec3f(
+        dot(objects[object].relative_from_local_x, p),
+        dot(objects[object].relative_from_local_y, p),
+        dot(objects[object].relative_from_local_z, p),
+    );
+}
+
+fn relative_vector(object: u32, vector_local: vec3f) -> vec3f {
+    return vec3f(
+        dot(objects[object].relative_from_local_x.xyz, vector_local),
+        dot(objects[object].relative_from_local_y.xyz, vector_local),
+        dot(objects[object].relative_from_local_z.xyz, vector_local),
+    );
+}
+
+// Normals go by the cofactor matrix: right for any scale, and mirroring keeps them outward.
+fn relative_normal(object: u32, normal_local: vec3f) -> vec3f {
+    let x = objects[object].relative_from_local_x.xyz;
+    let y = objects[object].relative_from_local_y.xyz;
+    let z = objects[object].relative_from_local_z.xyz;
+    let n = vec3f(
+        dot(cross(y, z), normal_local),
+        dot(cross(z, x), normal_local),
+        dot(cross(x, y), normal_local),
+    );
+    return n * objects[object].handedness.x;
+}

@@ -1,0 +1,25 @@
+// What one light adds to the surfaces of its set I.
+// Host    src/render/nodes/light_accumulate.rs
+// Groups  0 view, 1 light, 2 material
+#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
+#import antumbra::light::incidence
+#import antumbra::brdf::reflect
+
+override BLENDED: bool = false;
+
+@vertex
+fn vertex(in: VertexIn) -> Fragment {
+    return surface_vertex(in);
+}
+
+@fragment
+fn fragment(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    let color = base_color(in);
+    let mr = metallic_roughness(in);
+    let normal = shading_normal(in, front_facing);
+    let arriving = incidence(in.position_relative);
+    let to_eye = normalize(-in.position_relative);
+    let reflected = reflect(color.rgb, mr.x, mr.y, normal, to_eye, arriving.towards);
+    let alpha = select(1.0, color.a, BLENDED);
+    return vec4f(reflected * arriving.irradiance * alpha, 0.0);
+}

@@ -1,0 +1,82 @@
+// Shadow volumes of one light: sides from silhouette edges, near and far caps from the caster's own triangles.
+// Stencil only; the fragment stage is for the debug view.
+// Host    src/techniques/stencil_volume/node.rs
+// Twin    techniques::stencil_volume::extrude, held equal by tests/cpu_gpu_parity.rs
+// Groups  0 view, 2 casters
+// Spaces  in: local (position and light); out: clip
+#import antumbra::view::clip_position
+#import antumbra::view::objects
+
+struct Caster {                     // mirror: render::gpu_types::Caster
+    light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
+    object: u32,
+    extrusion: f32,                 // factor on the distance from the light; 0: to infinity
+    corners_per_edge: u32,          // 6: a quad; 3: all far corners coincide (directional light)
+    padding: u32,
+}
+
+@group(2) @binding(0) var<storage, read> casters: array<Caster>;
+// Six floats an edge: its two ends, local space, directed as the near cap walks it.
+@group(2) @binding(1) var<storage, read> edges: array<f32>;
+
+// Colour of the debug view; alpha 0 in the stencil passes, which have no colour target.
+override DEBUG_FRONT: u32 = 0u;
+override DEBUG_BACK: u32 = 0u;
+
+struct Corner {
+    @builtin(position) @invariant position_clip: vec4f,
+}
+
+// A vertex pushed away from the light: to infinity (w = 0), or by a factor on its distance, which keeps the
+// plane of every side.
+// Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems, listing 9-3 and section 9.6.1.
+fn far_position(caster: Caster, position_local: vec3f) -> vec4f {
+    let from_light = position_local * caster.light_local.w - caster.light_local.xyz;
+    if caster.extrusion > 0.0 {
+        let pushed = caster.light_local.xyz + from_light * caster.extrusion;
+        return clip_position(caster.object, pushed);
+    }
+    return objects[caster.object].clip_from_local * vec4f(from_light, 0.0);
+}
+
+fn edge_end(edge: u32, end: u32) -> vec3f {
+    let first = edge * 6u + end * 3u;
+    return vec3f(edges[first], edges[first + 1u], edges[first + 2u]);
+}
+
+// Vertices of edge e stand at 6 e … (quads) or 3 e … (triangles). Quad: b a a∞, b a∞ b∞; all wind outward.
+@vertex
+fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
+    let caster = casters[instance];
+    let edge = vertex / caster.corners_per_edge;
+    let corner = vertex % caster.corners_per_edge;
+    let is_far = corner == 2u || corner >= 4u;
+    let end = select(0u, 1u, corner == 0u || corner == 3u || corner == 5u);
+    let position_local = edge_end(edge, end);
+    if is_far {
+        return Corner(far_position(caster, position_local));
+    }
+    return Corner(clip_position(caster.object, position_local));
+}
+
+@vertex
+fn near_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32) -> Corner {
+    return Corner(clip_position(casters[instance].object, position_local));
+}
+
+@vertex
+fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32) -> Corner {
+    let caster = casters[instance];
+    return Corner(far_position(caster, position_local));
+}
+
+@fragment
+fn debug(@builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    return unpack4x8unorm(select(DEBUG_BACK, DEBUG_FRONT, front_facing));
+}
+
+// Writes nothing: the colour target's write mask is empty.
+@fragment
+fn no_color() -> @location(0) vec4f {
+    return vec4f(0.0);
+}

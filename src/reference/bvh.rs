@@ -1,0 +1,143 @@
+//! Which triangles a ray may hit: a tree of boxes, walked in `f64`.
+
+use std::ops::Range;
+
+use glam::{DVec3, Vec3};
+use obvhs::{BvhBuildParams, aabb::Aabb as BuildBox, bvh2::builder::build_bvh2};
+use smallvec::SmallVec;
+
+use super::ray::Ray;
+
+/// Grows boxes for each ray by this share of the largest coordinate in play, so that no box misses a triangle
+/// that the intersection hits by its own rounding. That moves a corner by 10 roundings (10 · 2⁻⁵³) of the
+/// largest coordinate at most; 2⁻⁴⁶ leaves a factor of 12.
+const GROWTH: f64 = 1.0 / (1u64 << 46) as f64;
+
+/// Rounding of the slab test's three operations. Source: Ize 2013, "Robust BVH Ray Traversal".
+const FAR_ROUNDING: f64 = 1.0 + 4.0 * f64::EPSILON;
+
+/// Largest inverse of a direction's component: keeps `0 · ∞` out of the slab test.
+const MAX_INVERSE: f64 = 1e300;
+
+/// An inner node: `count` is 0 and its two children are at `first` and `first + 1`. Or a leaf of `count` slots.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    min: Vec3,
+    max: Vec3,
+    first: u32,
+    count: u32,
+}
+
+/// The tree. Leaves hold ranges of *slots*; [`build`](Self::build) says which triangle each slot holds.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Bvh {
+    nodes: Vec<Node>,
+    largest_coordinate: f64,
+}
+
+impl Bvh {
+    /// Builds over triangles with coordinates of at most [`MAX_COORDINATE`](super::MAX_COORDINATE). Also gives
+    /// the order to put the triangles in: slot → index.
+    ///
+    /// `obvhs` builds because its trees are good (PLOC with reinsertion), its nodes are public, so that the walk
+    /// can be ours in `f64`, and it is made of `glam`: `bvh` and `parry3d` bring a second mathematics library,
+    /// the latter a whole collision engine, and `obvhs`'s own walk rounds in `f32`.
+    pub fn build(triangles: &[[DVec3; 3]]) -> (Self, Vec<u32>) {
+        if triangles.is_empty() {
+            return (Self::default(), Vec::new());
+        }
+        let boxes: Vec<BuildBox> = triangles.iter().map(grown_box).collect();
+        let tree = build_bvh2(&boxes, BvhBuildParams::medium_build(), &mut Default::default());
+        let nodes = tree
+            .nodes
+            .iter()
+            .map(|node| Node {
+                min: node.aabb().min.to_array().into(),
+                max: node.aabb().max.to_array().into(),
+                first: node.first_index,
+                count: node.prim_count,
+            })
+            .collect();
+        let largest_coordinate = triangles
+            .as_flattened()
+            .iter()
+            .map(|p| p.abs().max_element())
+            .fold(0.0, f64::max);
+        let bvh = Self {
+            nodes,
+            largest_coordinate,
+        };
+        (bvh, tree.primitive_indices)
+    }
+
+    /// Hands the slots of every leaf that the ray reaches before `t_max` to `visit`, near ones first as far as
+    /// boxes tell. `visit` returns the new `t_max`; −∞ ends the walk.
+    pub fn walk(&self, ray: &Ray, mut t_max: f64, mut visit: impl FnMut(Range<usize>) -> f64) {
+        let slabs = Slabs::new(ray, self.largest_coordinate);
+        let Some(root) = self.nodes.first() else { return };
+        let mut waiting: SmallVec<[(f64, &Node); 64]> = SmallVec::new();
+        waiting.extend(slabs.near(root).map(|near| (near, root)));
+        while let Some((near, node)) = waiting.pop() {
+            if near > t_max {
+                continue;
+            }
+            let first = node.first as usize;
+            if node.count > 0 {
+                t_max = visit(first..first + node.count as usize);
+                if t_max == f64::NEG_INFINITY {
+                    return;
+                }
+                continue;
+            }
+            let [left, right] = [&self.nodes[first], &self.nodes[first + 1]]
+                .map(|child| slabs.near(child).map(|near| (near, child)));
+            match (left, right) {
+                (Some(a), Some(b)) if a.0 <= b.0 => waiting.extend([b, a]),
+                (left, right) => waiting.extend(left.into_iter().chain(right)),
+            }
+        }
+    }
+}
+
+/// The ray as the slab test wants it: its origin moved apart by the growth of the boxes.
+struct Slabs {
+    origin_low: DVec3,
+    origin_high: DVec3,
+    inverse: DVec3,
+}
+
+impl Slabs {
+    fn new(ray: &Ray, largest_coordinate: f64) -> Self {
+        let growth = GROWTH * ray.origin.abs().max_element().max(largest_coordinate);
+        let inverse = DVec3::from_array(ray.direction.to_array().map(|d| {
+            // A zero keeps a sign, so ±MAX_INVERSE: the slab is then all or nothing, as it should.
+            (1.0 / d).clamp(-MAX_INVERSE, MAX_INVERSE)
+        }));
+        Self {
+            origin_low: ray.origin - growth,
+            origin_high: ray.origin + growth,
+            inverse,
+        }
+    }
+
+    /// Where the ray enters the box, 0 if it starts inside; `None` if it misses.
+    ///
+    /// Source: Kay & Kajiya 1986, "Ray Tracing Complex Scenes".
+    fn near(&self, node: &Node) -> Option<f64> {
+        let at_min = (node.min.as_dvec3() - self.origin_high) * self.inverse;
+        let at_max = (node.max.as_dvec3() - self.origin_low) * self.inverse;
+        let near = at_min.min(at_max).max_element().max(0.0);
+        let far = at_min.max(at_max).min_element() * FAR_ROUNDING;
+        (near <= far).then_some(near)
+    }
+}
+
+/// The smallest box in `f32` that holds the triangle, one step larger.
+fn grown_box([a, b, c]: &[DVec3; 3]) -> BuildBox {
+    let min = a.min(*b).min(*c).as_vec3().to_array().map(f32::next_down);
+    let max = a.max(*b).max(*c).as_vec3().to_array().map(f32::next_up);
+    BuildBox {
+        min: min.into(),
+        max: max.into(),
+    }
+}

@@ -1,0 +1,56 @@
+//! The error as a picture.
+
+use glam::UVec2;
+
+use super::error::ReferenceError;
+use super::metrics::{differences, edge_band};
+use super::visibility::VisibilityImage;
+
+/// An 8-bit RGBA picture, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DifferenceImage {
+    /// Pixels.
+    pub size: UVec2,
+    /// Four bytes a pixel.
+    pub rgba8: Vec<u8>,
+}
+
+/// Draws where `got` differs from the truth.
+///
+/// | colour | pixel |
+/// | --- | --- |
+/// | grey | does not count |
+/// | green to red | error 0 to 1, by way of yellow at ½ |
+/// | faint green to red | the same within one pixel of an edge, where a hard shadow is not judged |
+///
+/// Shadow that should be lit and light that should be shadow look alike; brightness follows the truth a little
+/// (shadowed pixels are darker), so that the shape can be told.
+///
+/// # Errors
+/// [`ReferenceError::Size`].
+pub fn difference_image(
+    truth: &VisibilityImage,
+    got: &VisibilityImage,
+) -> Result<DifferenceImage, ReferenceError> {
+    let band = edge_band(truth, 1);
+    let pixels = differences(truth, got)?.zip(truth.values()).zip(band);
+    let rgba8 = pixels.flat_map(|((difference, &truth), in_band)| {
+        let Some(difference) = difference else {
+            return [96, 96, 96, 255];
+        };
+        let error = difference.min(1.0);
+        let brightness = 128.0 + 127.0 * f64::from(truth).max(error).clamp(0.0, 1.0);
+        let strength = if in_band { 0.4 } else { 1.0 };
+        let channel = |share: f64| (brightness * (share.min(1.0) * strength + (1.0 - strength) * 0.5)) as u8;
+        [
+            channel(2.0 * error),
+            channel(2.0 * (1.0 - error)),
+            channel(0.0),
+            255,
+        ]
+    });
+    Ok(DifferenceImage {
+        size: truth.size(),
+        rgba8: rgba8.collect(),
+    })
+}

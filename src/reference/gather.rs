@@ -1,0 +1,115 @@
+//! From the entities of a world to triangles.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_transform::prelude::GlobalTransform;
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+
+use super::ray_scene::{RayScene, SceneTriangle};
+use crate::scene::bounds::is_usable_transform;
+use crate::scene::{
+    AlphaMode, MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+};
+
+/// What of an entity the judge looks at.
+#[derive(QueryData)]
+struct Object {
+    entity: Entity,
+    mesh: &'static SceneMesh,
+    posed: Option<&'static PosedMesh>,
+    transform: &'static GlobalTransform,
+    materials: Option<&'static SceneMaterials>,
+    layers: Option<&'static SelectionLayers>,
+    blocks: Has<ShadowCaster>,
+    receives: Has<ShadowReceiver>,
+}
+
+impl RayScene {
+    /// The triangles of every [`SceneMesh`] entity, posed where it has a [`PosedMesh`] that is not empty.
+    ///
+    /// The camera sees those with [`SceneMaterials`], less submeshes of blended materials; those of
+    /// [`ShadowCaster`]s block; those of [`ShadowReceiver`]s show shadows. Objects whose transform is not usable
+    /// are left out, as the renderer does; triangles that are not finite or name a vertex that is not there are
+    /// dropped and counted. Reads `GlobalTransform` as it is: propagate first.
+    pub fn from_world(world: &mut World) -> Self {
+        let mut query = world.query::<Object>();
+        let mut objects: Vec<_> = query.iter(world).collect();
+        objects.sort_unstable_by_key(|object| object.entity);
+        let mut triangles = Vec::new();
+        let mut missing_count = 0;
+        for object in objects {
+            missing_count += push_triangles(&object, &mut triangles);
+        }
+        let mut scene = Self::from_scene_triangles(triangles);
+        scene.add_dropped(missing_count);
+        scene
+    }
+}
+
+/// Appends an object's triangles; returns how many name vertices that are not there.
+fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> usize {
+    let is_drawn = object.materials.is_some();
+    if !is_usable_transform(object.transform) || !(object.blocks || is_drawn) {
+        return 0;
+    }
+    let mesh = &*object.mesh.0;
+    let positions = object
+        .posed
+        .map(|posed| &posed.positions)
+        .filter(|positions| !positions.is_empty())
+        .unwrap_or(&mesh.positions);
+    let affine = object.transform.affine();
+    // In f64 from here: products of two f32 are exact, and a far translation costs no precision.
+    let world_from_local = DAffine3::from_mat3_translation(
+        DMat3::from_cols_array(&affine.matrix3.to_cols_array().map(f64::from)),
+        Vec3::from(affine.translation).as_dvec3(),
+    );
+    let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
+    let looks = triangle_looks(mesh, object.materials);
+    let mut missing_count = 0;
+    for (index, triangle) in mesh.indices.chunks_exact(3).enumerate() {
+        let corner =
+            |i: usize| -> Option<DVec3> { positions.get(triangle[i] as usize).map(|p: &Vec3| p.as_dvec3()) };
+        let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else {
+            missing_count += 1;
+            continue;
+        };
+        let [a, b, c] = [a, b, c].map(|p| world_from_local.transform_point3(p));
+        triangles.push(SceneTriangle {
+            corners: if is_mirrored { [a, c, b] } else { [a, b, c] },
+            entity: Some(object.entity),
+            source_index: index as u32,
+            layers: object.layers.copied().unwrap_or_default().0,
+            is_primary: looks[index].is_drawn,
+            blocks: object.blocks,
+            receives: object.receives,
+            is_double_sided: looks[index].is_double_sided,
+        });
+    }
+    missing_count
+}
+
+/// How the camera sees a triangle.
+#[derive(Clone, Copy, Default)]
+struct Look {
+    is_drawn: bool,
+    is_double_sided: bool,
+}
+
+/// The look of every triangle. Triangles outside of every submesh, and meshes without materials, are not drawn;
+/// a submesh beyond the last material is drawn opaque and single-sided.
+fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>) -> Vec<Look> {
+    let mut looks = vec![Look::default(); mesh.triangle_count()];
+    let Some(materials) = materials else { return looks };
+    for (index, submesh) in mesh.submeshes.iter().enumerate() {
+        let material = materials.0.get(index);
+        let look = Look {
+            is_drawn: material.is_none_or(|material| material.alpha_mode != AlphaMode::Blend),
+            is_double_sided: material.is_some_and(|material| material.double_sided),
+        };
+        let first = submesh.first_index as usize / 3;
+        let end = first + submesh.index_count as usize / 3;
+        looks[first.min(mesh.triangle_count())..end.min(mesh.triangle_count())].fill(look);
+    }
+    looks
+}

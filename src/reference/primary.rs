@@ -1,0 +1,143 @@
+//! The surface that each pixel shows.
+
+use bevy_transform::prelude::GlobalTransform;
+use glam::{DMat3, DVec3, UVec2, Vec3};
+use rayon::prelude::*;
+
+use super::error::ReferenceError;
+use super::ray::Ray;
+use super::ray_scene::RayScene;
+use crate::scene::Camera;
+
+/// The point of a surface that a pixel's centre shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceHit {
+    /// World space, metres; on the triangle up to rounding.
+    pub position: DVec3,
+    /// Unit normal of the triangle, turned towards the camera.
+    pub normal: DVec3,
+    /// Index into [`RayScene::triangles`].
+    pub triangle: u32,
+    /// From the eye, metres.
+    pub distance: f64,
+    /// Along the camera's −Z, in its units (metres unless it is scaled).
+    pub view_depth: f64,
+}
+
+/// The surface of every pixel, rows from the top; `None` where there is none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HitImage {
+    /// Pixels.
+    pub size: UVec2,
+    /// `size.x · size.y` entries.
+    pub hits: Vec<Option<SurfaceHit>>,
+}
+
+/// Which faces the camera does not see.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PrimaryCulling {
+    /// It sees all.
+    #[default]
+    None,
+    /// It does not see the backs of triangles that are not double-sided. The front is the side from which a
+    /// triangle winds counter-clockwise before a mirroring transform: mirrored objects keep their outside.
+    SingleSided,
+}
+
+/// Rays through the pixel centres (+0.5), rows from the top. Their parameter is the view depth. The picture's
+/// shape is [`Camera::aspect`], not that of `size`.
+///
+/// # Errors
+/// [`ReferenceError::Camera`], [`ReferenceError::CameraTransform`].
+pub fn camera_rays(
+    camera: &Camera,
+    world_from_camera: &GlobalTransform,
+    size: UVec2,
+) -> Result<Vec<Ray>, ReferenceError> {
+    if !camera.is_valid() {
+        return Err(ReferenceError::Camera {
+            vertical_fov: camera.vertical_fov,
+            near: camera.near,
+            aspect: camera.aspect,
+        });
+    }
+    if Camera::view_from_world(world_from_camera).is_none() {
+        return Err(ReferenceError::CameraTransform);
+    }
+    let affine = world_from_camera.affine();
+    let world_from_view = DMat3::from_cols_array(&affine.matrix3.to_cols_array().map(f64::from));
+    let origin = Vec3::from(affine.translation).as_dvec3();
+    let (right, up) = camera.half_extent_at_unit_distance();
+    let rows = 0..size.y;
+    Ok(rows
+        .flat_map(|y| (0..size.x).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let ndc_x = (f64::from(x) + 0.5) / f64::from(size.x) * 2.0 - 1.0;
+            let ndc_y = 1.0 - (f64::from(y) + 0.5) / f64::from(size.y) * 2.0;
+            Ray {
+                origin,
+                direction: world_from_view * DVec3::new(ndc_x * right, ndc_y * up, -1.0),
+            }
+        })
+        .collect())
+}
+
+/// The surface of every pixel, from both sides of every triangle. Nothing nearer than the near plane is seen.
+///
+/// # Errors
+/// Those of [`camera_rays`].
+pub fn primary_hits(
+    scene: &RayScene,
+    camera: &Camera,
+    world_from_camera: &GlobalTransform,
+    size: UVec2,
+) -> Result<HitImage, ReferenceError> {
+    primary_hits_culled(scene, camera, world_from_camera, size, PrimaryCulling::None)
+}
+
+/// [`primary_hits`] with a choice of culling.
+///
+/// # Errors
+/// Those of [`camera_rays`].
+pub fn primary_hits_culled(
+    scene: &RayScene,
+    camera: &Camera,
+    world_from_camera: &GlobalTransform,
+    size: UVec2,
+    culling: PrimaryCulling,
+) -> Result<HitImage, ReferenceError> {
+    let rays = camera_rays(camera, world_from_camera, size)?;
+    let near = f64::from(camera.near);
+    let hits = rays
+        .par_iter()
+        .map(|ray| surface_hit(scene, ray, near, culling))
+        .collect();
+    Ok(HitImage { size, hits })
+}
+
+/// What a ray whose parameter is the view depth shows.
+fn surface_hit(scene: &RayScene, ray: &Ray, near: f64, culling: PrimaryCulling) -> Option<SurfaceHit> {
+    let hit = scene.closest_hit(ray, near, f64::INFINITY, |triangle| {
+        let [a, b, c] = triangle.corners;
+        triangle.is_primary
+            && (culling == PrimaryCulling::None
+                || triangle.is_double_sided
+                || (b - a).cross(c - a).dot(ray.direction) < 0.0)
+    })?;
+    let [a, b, c] = scene.triangles()[hit.triangle as usize].corners;
+    // From the corners, not along the ray: the point then lies on the plane to a few roundings of its
+    // coordinates, however grazing the view.
+    let position = a * hit.barycentric.x + b * hit.barycentric.y + c * hit.barycentric.z;
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    Some(SurfaceHit {
+        position,
+        normal: if normal.dot(ray.direction) < 0.0 {
+            normal
+        } else {
+            -normal
+        },
+        triangle: hit.triangle,
+        distance: position.distance(ray.origin),
+        view_depth: hit.t,
+    })
+}

@@ -1,0 +1,187 @@
+//! The triangles of a world, and the questions that rays ask of them.
+
+use bevy_ecs::entity::Entity;
+use glam::DVec3;
+
+use super::bvh::Bvh;
+use super::contact::touches;
+use super::ray::{Ray, RayHit, ShearedRay};
+use crate::scene::SelectionLayers;
+
+/// Triangles beyond this coordinate are dropped, metres: the tree's areas in `f32` stay finite below it.
+pub const MAX_COORDINATE: f64 = 1e15;
+
+/// A shadow ray to a light at a position ends at this share of the way. A triangle nearer to the light than
+/// 10⁻⁹ of the distance lies at the light and does not block: 4 orders above the rounding of the parameter
+/// (some 2⁻⁵⁰ unless the ray grazes the triangle), 2 below what `f32` positions can tell apart.
+pub const LIGHT_END: f64 = 1.0 - 1e-9;
+
+/// A triangle in world space and what it takes part in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SceneTriangle {
+    /// Metres; counter-clockwise seen from its front, also where the object's transform mirrors.
+    pub corners: [DVec3; 3],
+    /// Where it comes from; `None` for bare triangles.
+    pub entity: Option<Entity>,
+    /// Its place in the mesh's triangles, or in the sequence of bare triangles.
+    pub source_index: u32,
+    /// [`SelectionLayers`] of its entity.
+    pub layers: u32,
+    /// The camera sees it.
+    pub is_primary: bool,
+    /// It blocks light.
+    pub blocks: bool,
+    /// It shows shadows; if not, it sees every light whole.
+    pub receives: bool,
+    /// The camera sees its back too.
+    pub is_double_sided: bool,
+}
+
+/// Triangles ready for rays.
+#[derive(Clone, Debug, Default)]
+pub struct RayScene {
+    triangles: Vec<SceneTriangle>,
+    bvh: Bvh,
+    dropped_count: usize,
+}
+
+impl RayScene {
+    /// A scene of bare triangles: seen from both sides, receiving, blocking, on the default layer.
+    ///
+    /// Triangles that are not finite, or beyond [`MAX_COORDINATE`], are dropped and counted.
+    pub fn from_triangles(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Self {
+        Self::from_scene_triangles((0..).zip(triangles).map(|(source_index, corners)| SceneTriangle {
+            corners,
+            entity: None,
+            source_index,
+            layers: SelectionLayers::default().0,
+            is_primary: true,
+            blocks: true,
+            receives: true,
+            is_double_sided: true,
+        }))
+    }
+
+    /// A scene of triangles with all that they take part in. Drops as [`from_triangles`](Self::from_triangles).
+    pub fn from_scene_triangles(triangles: impl IntoIterator<Item = SceneTriangle>) -> Self {
+        let mut dropped_count = 0;
+        let mut triangles: Vec<SceneTriangle> = triangles
+            .into_iter()
+            .filter(|triangle| {
+                let usable = triangle
+                    .corners
+                    .iter()
+                    .all(|p| p.abs().cmple(DVec3::splat(MAX_COORDINATE)).all());
+                dropped_count += usize::from(!usable);
+                usable
+            })
+            .collect();
+        let corners: Vec<_> = triangles.iter().map(|triangle| triangle.corners).collect();
+        let (bvh, order) = Bvh::build(&corners);
+        triangles = order.iter().map(|&index| triangles[index as usize]).collect();
+        Self {
+            triangles,
+            bvh,
+            dropped_count,
+        }
+    }
+
+    /// The triangles, in the scene's own order; [`RayHit::triangle`] is an index into them.
+    pub fn triangles(&self) -> &[SceneTriangle] {
+        &self.triangles
+    }
+
+    /// How many triangles were not usable.
+    pub fn dropped_count(&self) -> usize {
+        self.dropped_count
+    }
+
+    /// Counts triangles of the world that could not be made at all.
+    pub(super) fn add_dropped(&mut self, count: usize) {
+        self.dropped_count += count;
+    }
+
+    /// The nearest crossing with `t_min ≤ t < t_max` among the triangles that `accept` takes.
+    pub fn closest_hit(
+        &self,
+        ray: &Ray,
+        t_min: f64,
+        mut t_max: f64,
+        accept: impl Fn(&SceneTriangle) -> bool,
+    ) -> Option<RayHit> {
+        let sheared = ShearedRay::new(ray);
+        let mut nearest = None;
+        self.bvh.walk(ray, t_max, |slots| {
+            for slot in slots {
+                let triangle = &self.triangles[slot];
+                if let Some((t, barycentric)) = sheared.intersect(&triangle.corners)
+                    && t >= t_min
+                    && t < t_max
+                    && accept(triangle)
+                {
+                    t_max = t;
+                    nearest = Some(RayHit {
+                        t,
+                        triangle: slot as u32,
+                        barycentric,
+                    });
+                }
+            }
+            t_max
+        });
+        nearest
+    }
+
+    /// Whether something blocks the segment from the surface point to `light_world`.
+    ///
+    /// `receiver` is the triangle that the point lies on, if any; `casts_for` is that of
+    /// [`LightSelection`](crate::scene::LightSelection).
+    pub fn blocks_segment(
+        &self,
+        surface: DVec3,
+        light_world: DVec3,
+        receiver: Option<u32>,
+        casts_for: u32,
+    ) -> bool {
+        let ray = Ray {
+            origin: surface,
+            direction: light_world - surface,
+        };
+        self.is_blocked(&ray, LIGHT_END, receiver, casts_for)
+    }
+
+    /// Whether something blocks the half-line from the surface point along `towards_light`.
+    pub fn blocks_direction(
+        &self,
+        surface: DVec3,
+        towards_light: DVec3,
+        receiver: Option<u32>,
+        casts_for: u32,
+    ) -> bool {
+        let ray = Ray {
+            origin: surface,
+            direction: towards_light,
+        };
+        self.is_blocked(&ray, f64::INFINITY, receiver, casts_for)
+    }
+
+    /// Whether a blocking triangle crosses the ray at `0 < t < t_max` and does not touch its origin.
+    fn is_blocked(&self, ray: &Ray, t_max: f64, receiver: Option<u32>, casts_for: u32) -> bool {
+        let sheared = ShearedRay::new(ray);
+        let mut blocked = false;
+        self.bvh.walk(ray, t_max, |slots| {
+            blocked = slots.into_iter().any(|slot| {
+                let triangle = &self.triangles[slot];
+                triangle.blocks
+                    && triangle.layers & casts_for != 0
+                    && receiver != Some(slot as u32)
+                    && sheared
+                        .intersect(&triangle.corners)
+                        .is_some_and(|(t, _)| t > 0.0 && t < t_max)
+                    && !touches(&triangle.corners, ray.origin)
+            });
+            if blocked { f64::NEG_INFINITY } else { t_max }
+        });
+        blocked
+    }
+}

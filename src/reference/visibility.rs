@@ -1,0 +1,179 @@
+//! Visibility of a light at every pixel.
+
+use glam::{DVec3, UVec2};
+use rayon::prelude::*;
+
+use super::error::ReferenceError;
+use super::light_source::{LightShape, LightSource};
+use super::primary::{HitImage, SurfaceHit};
+use super::ray_scene::RayScene;
+use super::sampling::{SplitMix, strata_per_side, stratified};
+
+/// A visibility per pixel, rows from the top: 1 sees the whole light, 0 none, NaN does not count.
+#[derive(Clone, Debug)]
+pub struct VisibilityImage {
+    size: UVec2,
+    values: Vec<f32>,
+}
+
+impl VisibilityImage {
+    /// An image of given values, such as those that a technique wrote.
+    ///
+    /// # Errors
+    /// [`ReferenceError::ValueCount`].
+    pub fn new(size: UVec2, values: Vec<f32>) -> Result<Self, ReferenceError> {
+        if values.len() as u64 != u64::from(size.x) * u64::from(size.y) {
+            return Err(ReferenceError::ValueCount {
+                size,
+                values: values.len(),
+            });
+        }
+        Ok(Self { size, values })
+    }
+
+    /// Pixels.
+    pub fn size(&self) -> UVec2 {
+        self.size
+    }
+
+    /// One value per pixel, rows from the top.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// Value of a pixel; `None` outside of the image.
+    pub fn get(&self, x: u32, y: u32) -> Option<f32> {
+        (x < self.size.x && y < self.size.y)
+            .then(|| self.values[y as usize * self.size.x as usize + x as usize])
+    }
+
+    /// How many pixels count.
+    pub fn counted(&self) -> usize {
+        self.values.iter().filter(|value| !value.is_nan()).count()
+    }
+}
+
+/// Visibility of the light's centre by one ray a pixel: 0 or 1, NaN where the pixel does not count: no surface,
+/// a surface that the light does not select, or that it does not reach ([`LightSource::reaches`]).
+pub fn hard_visibility(scene: &RayScene, hits: &HitImage, light: &LightSource) -> VisibilityImage {
+    let point = match light.shape {
+        LightShape::Rect { center, .. } | LightShape::Sphere { center, .. } => {
+            LightShape::Point { position: center }
+        }
+        shape => shape,
+    };
+    per_pixel(scene, hits, light, |_, hit| {
+        sampled_visibility(
+            scene,
+            hit,
+            &point,
+            light.selection.casts_for,
+            1,
+            SplitMix::new(0, 0),
+        )
+    })
+}
+
+/// Visible fraction of the light by about `samples` rays a pixel (a square grid of strata, a sample at random
+/// within each); lights that are points get one ray. NaN as in [`hard_visibility`].
+///
+/// Pixels draw their samples independently; a pixel's depend on `seed` and its index alone.
+pub fn soft_visibility(
+    scene: &RayScene,
+    hits: &HitImage,
+    light: &LightSource,
+    samples: u32,
+    seed: u64,
+) -> VisibilityImage {
+    per_pixel(scene, hits, light, |index, hit| {
+        soft_visibility_at(scene, hit, light, samples, seed, index as u64)
+    })
+}
+
+/// Visible fraction of the light from one surface point, whether or not it counts. `stream` tells points apart
+/// that share a seed.
+pub fn soft_visibility_at(
+    scene: &RayScene,
+    hit: &SurfaceHit,
+    light: &LightSource,
+    samples: u32,
+    seed: u64,
+    stream: u64,
+) -> f32 {
+    let side = strata_per_side(samples);
+    let random = SplitMix::new(seed, stream);
+    sampled_visibility(scene, hit, &light.shape, light.selection.casts_for, side, random)
+}
+
+/// Evaluates the pixels that count. Surfaces that do not receive see the whole light.
+fn per_pixel(
+    scene: &RayScene,
+    image: &HitImage,
+    light: &LightSource,
+    visibility: impl Fn(usize, &SurfaceHit) -> f32 + Sync,
+) -> VisibilityImage {
+    let value = |(index, hit): (usize, &Option<SurfaceHit>)| {
+        let Some(hit) = hit else { return f32::NAN };
+        let Some(triangle) = scene.triangles().get(hit.triangle as usize) else {
+            return f32::NAN;
+        };
+        if triangle.layers & light.selection.affects == 0 || !light.reaches(hit) {
+            f32::NAN
+        } else if !triangle.receives {
+            1.0
+        } else {
+            visibility(index, hit)
+        }
+    };
+    VisibilityImage {
+        size: image.size,
+        values: image.hits.par_iter().enumerate().map(value).collect(),
+    }
+}
+
+/// Share of the samples that the surface point sees. Samples on or below its horizon are not seen.
+fn sampled_visibility(
+    scene: &RayScene,
+    hit: &SurfaceHit,
+    shape: &LightShape,
+    casts_for: u32,
+    side: u32,
+    random: SplitMix,
+) -> f32 {
+    let receiver = Some(hit.triangle);
+    let sees = |sample: DVec3| {
+        hit.normal.dot(sample - hit.position) > 0.0
+            && !scene.blocks_segment(hit.position, sample, receiver, casts_for)
+    };
+    let share_seen = |sample: &dyn Fn([f64; 2]) -> DVec3| {
+        let seen = stratified(side, random.clone())
+            .filter(|&uv| sees(sample(uv)))
+            .count();
+        (seen as f64 / (f64::from(side) * f64::from(side))) as f32
+    };
+    match *shape {
+        LightShape::Directional { towards } => {
+            let seen = hit.normal.dot(towards) > 0.0
+                && !scene.blocks_direction(hit.position, towards, receiver, casts_for);
+            f32::from(u8::from(seen))
+        }
+        LightShape::Point { position } | LightShape::Spot { position, .. } => {
+            f32::from(u8::from(sees(position)))
+        }
+        LightShape::Rect {
+            center,
+            half_right,
+            half_up,
+            ..
+        } => share_seen(&|[u, v]| center + half_right * (2.0 * u - 1.0) + half_up * (2.0 * v - 1.0)),
+        LightShape::Sphere { center, radius } => {
+            let towards = (center - hit.position).normalize_or(hit.normal);
+            let (right, up) = towards.any_orthonormal_pair();
+            share_seen(&|[u, v]| {
+                // √ makes the strata equal in area.
+                let (sin, cos) = (v * std::f64::consts::TAU).sin_cos();
+                center + (right * cos + up * sin) * (u.sqrt() * radius)
+            })
+        }
+    }
+}

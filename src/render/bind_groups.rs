@@ -1,0 +1,125 @@
+//! Every bind group layout: 0 view, 1 light, 2 material (or a technique's casters), 3 the pass's own.
+
+use std::num::NonZeroU64;
+
+use super::gpu_types;
+
+/// The layouts shared by passes; built once.
+#[derive(Debug)]
+pub struct BindGroupLayouts {
+    /// Group 0: view and objects.
+    pub view: wgpu::BindGroupLayout,
+    /// Group 1: one light, at a dynamic offset of [`LIGHT_STRIDE`].
+    pub light: wgpu::BindGroupLayout,
+    /// Group 2 of drawn surfaces.
+    pub material: wgpu::BindGroupLayout,
+    /// Group 3 of the tonemap.
+    pub tonemap: wgpu::BindGroupLayout,
+}
+
+/// Bytes between lights; the largest alignment that WebGPU may ask for.
+pub const LIGHT_STRIDE: u64 = 256;
+
+/// A buffer entry of a layout.
+pub fn buffer_entry(
+    binding: u32,
+    visibility: wgpu::ShaderStages,
+    ty: wgpu::BufferBindingType,
+    has_dynamic_offset: bool,
+    size: usize,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility,
+        ty: wgpu::BindingType::Buffer {
+            ty,
+            has_dynamic_offset,
+            min_binding_size: NonZeroU64::new(size as u64),
+        },
+        count: None,
+    }
+}
+
+fn texture_entry(binding: u32, filterable: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+/// Read-only storage.
+pub const STORAGE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
+
+impl BindGroupLayouts {
+    /// Builds them.
+    pub fn new(device: &wgpu::Device) -> Self {
+        use wgpu::{BufferBindingType::Uniform, ShaderStages};
+        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries,
+            })
+        };
+        let mut material = vec![buffer_entry(
+            0,
+            ShaderStages::FRAGMENT,
+            Uniform,
+            false,
+            size_of::<gpu_types::Material>(),
+        )];
+        for slot in 0..5 {
+            material.push(texture_entry(1 + 2 * slot, true));
+            material.push(wgpu::BindGroupLayoutEntry {
+                binding: 2 + 2 * slot,
+                visibility: ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+                count: None,
+            });
+        }
+        Self {
+            view: layout(
+                "view",
+                &[
+                    buffer_entry(
+                        0,
+                        ShaderStages::FRAGMENT,
+                        Uniform,
+                        false,
+                        size_of::<gpu_types::View>(),
+                    ),
+                    buffer_entry(
+                        1,
+                        ShaderStages::VERTEX,
+                        STORAGE,
+                        false,
+                        size_of::<gpu_types::Object>(),
+                    ),
+                ],
+            ),
+            light: layout(
+                "light",
+                &[buffer_entry(
+                    0,
+                    ShaderStages::FRAGMENT,
+                    Uniform,
+                    true,
+                    size_of::<gpu_types::Light>(),
+                )],
+            ),
+            material: layout("material", &material),
+            tonemap: layout(
+                "tonemap",
+                &[
+                    texture_entry(0, false),
+                    buffer_entry(1, ShaderStages::FRAGMENT, Uniform, false, 16),
+                ],
+            ),
+        }
+    }
+}

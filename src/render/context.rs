@@ -1,0 +1,158 @@
+//! The device, each optional feature that is asked for, and what is lost without it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// No driver offers an adapter.
+    #[error("no GPU adapter: {0} (a software Vulkan driver such as Mesa's lavapipe is enough)")]
+    NoAdapter(String),
+    /// The adapter refused a device.
+    #[error("adapter {adapter} gave no device: {reason}")]
+    NoDevice {
+        /// The adapter's name.
+        adapter: String,
+        /// What it said.
+        reason: String,
+    },
+    /// A shader does not compile.
+    #[error("shader {name}: {reason}")]
+    Shader {
+        /// File of the shader.
+        name: String,
+        /// Where and why.
+        reason: String,
+    },
+    /// The device was lost; make a new [`RenderContext`] and [`Renderer`](super::Renderer).
+    #[error("the GPU device was lost")]
+    DeviceLost,
+    /// A result could not be read back.
+    #[error("reading back {what}: {reason}")]
+    Readback {
+        /// The texture or buffer.
+        what: String,
+        /// What wgpu said.
+        reason: String,
+    },
+    /// Something is too large for the device.
+    #[error("{what} needs {needed}, the device allows {limit}")]
+    Limit {
+        /// What is too large.
+        what: &'static str,
+        /// What it needs, bytes or texels.
+        needed: u64,
+        /// What there is.
+        limit: u64,
+    },
+}
+
+/// Which optional features to ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RequestedFeatures {
+    /// `Depth32FloatStencil8`; without it depth has 24 bits, which is coarser far from the near plane.
+    pub float_depth: bool,
+    /// GPU timers per pass; without them no GPU times are reported.
+    pub timestamps: bool,
+}
+
+impl Default for RequestedFeatures {
+    fn default() -> Self {
+        Self {
+            float_depth: true,
+            timestamps: cfg!(feature = "profile"),
+        }
+    }
+}
+
+impl RequestedFeatures {
+    /// Nothing beyond WebGPU's baseline.
+    pub const BASELINE: Self = Self {
+        float_depth: false,
+        timestamps: false,
+    };
+}
+
+/// A device and its queue; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct RenderContext {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name and driver of the adapter, for reports.
+    pub adapter: String,
+    lost: Arc<AtomicBool>,
+}
+
+impl RenderContext {
+    /// A device of its own, without a window.
+    ///
+    /// # Errors
+    /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].
+    pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let adapter = instance
+            .request_adapter(&wgpu::RequestAdapterOptions {
+                power_preference: wgpu::PowerPreference::HighPerformance,
+                ..Default::default()
+            })
+            .await
+            .map_err(|error| RenderError::NoAdapter(error.to_string()))?;
+        let info = adapter.get_info();
+        let mut features = wgpu::Features::empty();
+        if requested.float_depth {
+            features |= wgpu::Features::DEPTH32FLOAT_STENCIL8;
+        }
+        if requested.timestamps {
+            features |= wgpu::Features::TIMESTAMP_QUERY;
+        }
+        let (device, queue) = adapter
+            .request_device(&wgpu::DeviceDescriptor {
+                label: Some("antumbra"),
+                required_features: features & adapter.features(),
+                required_limits: wgpu::Limits::default(),
+                ..Default::default()
+            })
+            .await
+            .map_err(|error| RenderError::NoDevice {
+                adapter: info.name.clone(),
+                reason: error.to_string(),
+            })?;
+        let adapter = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
+        Ok(Self::from_device(device, queue, adapter))
+    }
+
+    /// Renders with an engine's own device. `adapter` is a name for reports.
+    pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, adapter: String) -> Self {
+        let lost = Arc::new(AtomicBool::new(false));
+        let flag = lost.clone();
+        device.set_device_lost_callback(move |_, _| flag.store(true, Ordering::Release));
+        Self {
+            device,
+            queue,
+            adapter,
+            lost,
+        }
+    }
+
+    /// Whether the device is gone; nothing that it held can be used again.
+    pub fn is_lost(&self) -> bool {
+        self.lost.load(Ordering::Acquire)
+    }
+
+    /// The combined depth and stencil format: with 32-bit float depth where the device has it.
+    pub fn depth_stencil_format(&self) -> wgpu::TextureFormat {
+        if self
+            .device
+            .features()
+            .contains(wgpu::Features::DEPTH32FLOAT_STENCIL8)
+        {
+            wgpu::TextureFormat::Depth32FloatStencil8
+        } else {
+            wgpu::TextureFormat::Depth24PlusStencil8
+        }
+    }
+}

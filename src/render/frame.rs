@@ -1,0 +1,227 @@
+//! The frame: its passes in order.
+
+use super::nodes;
+use super::pipelines::SurfacePass;
+use super::renderer::{ActiveLight, Renderer};
+use super::targets::FrameTargets;
+
+/// Where a frame's results go beside the radiance in the renderer's targets.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FrameOutputs<'a> {
+    /// The tonemapped picture; its format must have been prepared ([`Renderer::prepare_output`]).
+    pub picture: Option<&'a wgpu::TextureView>,
+    /// One view of [`VISIBILITY_FORMAT`](super::pipelines::VISIBILITY_FORMAT) for each light of
+    /// [`FrameLights`](crate::sets::FrameLights), or none.
+    pub visibility: &'a [wgpu::TextureView],
+}
+
+impl Renderer {
+    /// Makes what is needed to write pictures of this format. Once, and after [`RenderSettings::exposure`]
+    /// changed.
+    ///
+    /// [`RenderSettings::exposure`]: super::RenderSettings::exposure
+    pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
+        self.tonemap
+            .prepare(&self.context, format, self.settings.exposure);
+    }
+
+    /// Records the prepared frame. Without a view, a size or a device it records nothing.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
+        let Some((targets, tonemap_group)) = &self.targets else {
+            return;
+        };
+        if self.context.is_lost() {
+            return;
+        }
+        self.timings.begin_frame();
+        let resources = self.surface_resources();
+
+        // First, for every later pass tests against its depth.
+        let background = self.settings.background.as_dvec3();
+        nodes::ambient::record(
+            encoder,
+            targets,
+            wgpu::Color {
+                r: background.x,
+                g: background.y,
+                b: background.z,
+                a: 1.0,
+            },
+            &self.view_group,
+            &self.frame.batches[self.frame.ambient.clone()],
+            &resources,
+            &self.timings,
+        );
+
+        // Light by light, so that one stencil serves all of them. One pass for all, unless somebody looks at each.
+        let separate = self.timings.is_active() || !outputs.visibility.is_empty();
+        if separate {
+            self.clear_visibility(encoder, outputs);
+            for light in &self.frame.lights {
+                let label = &self.labels[light.light];
+                {
+                    let mut pass = begin_light_pass(encoder, targets, label, self.timings.pass(label));
+                    self.record_light(&mut pass, light);
+                }
+                self.record_visibility(encoder, targets, light, outputs);
+            }
+        } else if !self.frame.lights.is_empty() {
+            let mut pass = begin_light_pass(encoder, targets, "lights", None);
+            for light in &self.frame.lights {
+                pass.push_debug_group(&self.labels[light.light]);
+                self.record_light(&mut pass, light);
+                pass.pop_debug_group();
+            }
+        }
+
+        // Last of the radiance: blended surfaces stand before all that was lit.
+        if !self.frame.blended.is_empty() || self.settings.debug_volumes {
+            let writes = self.timings.pass("blended");
+            let mut pass = begin_light_pass(encoder, targets, "blended", writes);
+            nodes::blended::record(
+                &mut pass,
+                &self.view_group,
+                &self.light_group,
+                &self.frame.blended,
+                &self.frame.batches,
+                &self.frame.blended_lights,
+                &resources,
+            );
+            if self.settings.debug_volumes {
+                self.record_debug(&mut pass);
+            }
+        }
+
+        if let Some(picture) = outputs.picture {
+            self.tonemap
+                .record(encoder, picture, tonemap_group, self.timings.pass("tonemap"));
+        }
+        self.timings.end_frame(encoder);
+    }
+
+    /// One light: begin its stencil, let its technique mark what it does not see, add it where it does.
+    fn record_light(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
+        let [x, y, width, height] = light.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        if let Some(technique) = light.technique {
+            let (near, far) = light.depth_range;
+            self.light_begin.record(pass, near, far);
+            self.techniques[technique].mark(light.light, pass, &self.record_input());
+        }
+        nodes::light_accumulate::record(
+            pass,
+            &self.view_group,
+            &self.light_group,
+            light.slot,
+            &self.frame.batches[light.batches.clone()],
+            &self.surface_resources(),
+        );
+    }
+
+    fn record_visibility(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        light: &ActiveLight,
+        outputs: &FrameOutputs,
+    ) {
+        let Some(target) = outputs.visibility.get(light.light) else {
+            return;
+        };
+        nodes::visibility::record(
+            encoder,
+            target,
+            &targets.depth_stencil_view,
+            &self.view_group,
+            light.technique.map(|_| light.scissor),
+            &self.frame.batches[light.batches.clone()],
+            &self.surface_resources(),
+        );
+    }
+
+    /// Lights that are skipped have visibility 1 everywhere.
+    fn clear_visibility(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
+        for (index, target) in outputs.visibility.iter().enumerate() {
+            if self.frame.lights.iter().any(|light| light.light == index) {
+                continue;
+            }
+            encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("visibility of a skipped light"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: target,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+        }
+    }
+
+    fn record_debug(&self, pass: &mut wgpu::RenderPass) {
+        for light in &self.frame.lights {
+            let [x, y, width, height] = light.scissor;
+            pass.set_scissor_rect(x, y, width, height);
+            if let Some(technique) = light.technique {
+                self.techniques[technique].debug(light.light, pass, &self.record_input());
+            }
+        }
+    }
+
+    /// Surface passes whose pipelines a frame needs, by batch.
+    pub(super) fn require_pipelines(&mut self) {
+        let Self {
+            frame,
+            pipelines,
+            context,
+            ..
+        } = self;
+        let mut require = |pass, batches: std::ops::Range<usize>| {
+            for batch in &frame.batches[batches] {
+                pipelines.require(context, pass, batch.variant);
+            }
+        };
+        require(SurfacePass::Ambient, frame.ambient.clone());
+        for light in &frame.lights {
+            require(SurfacePass::Light, light.batches.clone());
+            require(SurfacePass::Visibility, light.batches.clone());
+        }
+        for draw in &frame.blended {
+            require(SurfacePass::AmbientBlended, draw.batch..draw.batch + 1);
+            require(SurfacePass::LightBlended, draw.batch..draw.batch + 1);
+        }
+    }
+}
+
+fn begin_light_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    targets: &FrameTargets,
+    label: &str,
+    timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view: &targets.radiance_view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            },
+        })],
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &targets.depth_stencil_view,
+            depth_ops: None,
+            stencil_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            }),
+        }),
+        timestamp_writes,
+        ..Default::default()
+    })
+}

@@ -1,0 +1,44 @@
+//! What the light pass needs of each light.
+
+use glam::{DVec3, Vec3};
+
+use super::gpu_types;
+use crate::scene::LightKind;
+use crate::sets::FrameLight;
+
+/// The shader's view of one light.
+pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light {
+    let point = light.point_world;
+    let point_relative = if point.w == 0.0 {
+        point.as_vec4()
+    } else {
+        (point.truncate() - eye_world).as_vec3().extend(1.0)
+    };
+    let range = light.light.range;
+    let inverse_range_sq = if range.is_finite() && point.w != 0.0 {
+        1.0 / (range * range)
+    } else {
+        0.0
+    };
+    let emission: Vec3 = light.light.color * light.light.intensity;
+    let (scale, offset) = match light.light.kind {
+        LightKind::Spot {
+            inner_angle,
+            outer_angle,
+        } => {
+            // Source: Khronos, KHR_lights_punctual, "Inner and Outer Cone Angles".
+            let scale = 1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-3);
+            (scale, -outer_angle.cos() * scale)
+        }
+        _ => (0.0, 1.0),
+    };
+    gpu_types::Light {
+        point_relative: point_relative.to_array(),
+        emission: emission.extend(inverse_range_sq).to_array(),
+        axis: light
+            .direction
+            .extend(f32::from(matches!(light.light.kind, LightKind::Rect { .. })))
+            .to_array(),
+        cone: [scale, offset, 0.0, 0.0],
+    }
+}

@@ -1,0 +1,188 @@
+//! Meshes on the GPU: one entry for each mesh shared by objects, one for each posed object.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use glam::{Vec2, Vec3, Vec4};
+use wgpu::util::DeviceExt;
+
+use super::{RenderContext, gpu_types::SurfaceVertex};
+use crate::scene::{MeshData, PosedMesh, Submesh};
+
+/// A mesh in buffers.
+#[derive(Debug)]
+pub struct GpuMesh {
+    /// Positions, 12 bytes a vertex; volumes draw their caps from the same buffer.
+    pub positions: wgpu::Buffer,
+    /// [`SurfaceVertex`] each.
+    pub surface: wgpu::Buffer,
+    /// `u32` each.
+    pub indices: wgpu::Buffer,
+    /// One a material.
+    pub submeshes: Vec<Submesh>,
+    source: Arc<MeshData>,
+}
+
+/// What a GPU mesh is the mesh of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    /// All unposed objects with this mesh; the address of the `Arc`'s content, which the entry keeps alive.
+    Shared(usize),
+    /// One posed object.
+    Posed(Entity),
+}
+
+/// The GPU meshes in use, by index.
+#[derive(Debug, Default)]
+pub struct MeshPool {
+    entries: Vec<Option<GpuMesh>>,
+    used: Vec<bool>,
+    by_key: HashMap<Key, u32>,
+    scratch: Vec<SurfaceVertex>,
+    /// Meshes left out because the device allows no buffer of their size.
+    pub oversized: usize,
+}
+
+impl MeshPool {
+    /// The mesh at `index`, if it is in use.
+    pub fn get(&self, index: u32) -> Option<&GpuMesh> {
+        self.entries.get(index as usize)?.as_ref()
+    }
+
+    /// Begins a count of what is in use.
+    pub fn begin(&mut self) {
+        self.used.clear();
+        self.used.resize(self.entries.len(), false);
+        self.oversized = 0;
+    }
+
+    /// Frees what was not asked for since [`MeshPool::begin`].
+    pub fn end(&mut self) {
+        let used = &self.used;
+        self.by_key.retain(|_, index| used[*index as usize]);
+        for (entry, used) in self.entries.iter_mut().zip(used) {
+            if !used {
+                *entry = None;
+            }
+        }
+    }
+
+    /// Index of an object's mesh, uploaded if it is new. `None` for a mesh without triangles or one that the
+    /// device cannot hold.
+    pub fn acquire(
+        &mut self,
+        context: &RenderContext,
+        entity: Entity,
+        mesh: &Arc<MeshData>,
+        posed: Option<&PosedMesh>,
+    ) -> Option<u32> {
+        if mesh.indices.is_empty() || mesh.positions.is_empty() {
+            return None;
+        }
+        let key = match posed {
+            Some(_) => Key::Posed(entity),
+            None => Key::Shared(Arc::as_ptr(mesh) as usize),
+        };
+        if let Some(&index) = self.by_key.get(&key)
+            && let Some(entry) = &self.entries[index as usize]
+            && Arc::ptr_eq(&entry.source, mesh)
+        {
+            self.used[index as usize] = true;
+            return Some(index);
+        }
+        let largest = (mesh.positions.len() * size_of::<SurfaceVertex>()).max(mesh.indices.len() * 4) as u64;
+        if largest > context.device.limits().max_buffer_size {
+            self.oversized += 1;
+            return None;
+        }
+        let entry = self.upload(context, mesh, posed);
+        let index = self.entries.iter().position(Option::is_none).unwrap_or_else(|| {
+            self.entries.push(None);
+            self.used.push(false);
+            self.entries.len() - 1
+        });
+        self.entries[index] = Some(entry);
+        self.used[index] = true;
+        self.by_key.insert(key, index as u32);
+        Some(index as u32)
+    }
+
+    fn upload(
+        &mut self,
+        context: &RenderContext,
+        mesh: &Arc<MeshData>,
+        posed: Option<&PosedMesh>,
+    ) -> GpuMesh {
+        let buffer = |label: &str, contents: &[u8], usage| {
+            context
+                .device
+                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some(&format!("{} {label}", mesh.name)),
+                    contents,
+                    usage: usage | wgpu::BufferUsages::COPY_DST,
+                })
+        };
+        let positions = posed_positions(mesh, posed);
+        fill_surface(&mut self.scratch, mesh, posed);
+        GpuMesh {
+            positions: buffer(
+                "positions",
+                bytemuck::cast_slice(positions),
+                wgpu::BufferUsages::VERTEX,
+            ),
+            surface: buffer(
+                "surface",
+                bytemuck::cast_slice(&self.scratch),
+                wgpu::BufferUsages::VERTEX,
+            ),
+            indices: buffer(
+                "indices",
+                bytemuck::cast_slice(&mesh.indices),
+                wgpu::BufferUsages::INDEX,
+            ),
+            submeshes: mesh.submeshes.clone(),
+            source: mesh.clone(),
+        }
+    }
+
+    /// Writes this frame's pose of one object.
+    pub fn write_pose(&mut self, context: &RenderContext, index: u32, posed: &PosedMesh) {
+        let Some(mesh) = self.entries.get(index as usize).and_then(Option::as_ref) else {
+            return;
+        };
+        let positions = posed_positions(&mesh.source, Some(posed));
+        fill_surface(&mut self.scratch, &mesh.source, Some(posed));
+        context
+            .queue
+            .write_buffer(&mesh.positions, 0, bytemuck::cast_slice(positions));
+        context
+            .queue
+            .write_buffer(&mesh.surface, 0, bytemuck::cast_slice(&self.scratch));
+    }
+}
+
+/// The posed positions once there are any, else the mesh's own.
+fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a [Vec3] {
+    match posed {
+        Some(posed) if posed.positions.len() == mesh.positions.len() => &posed.positions,
+        _ => &mesh.positions,
+    }
+}
+
+fn fill_surface(out: &mut Vec<SurfaceVertex>, mesh: &MeshData, posed: Option<&PosedMesh>) {
+    let posed = posed.filter(|posed| posed.positions.len() == mesh.positions.len());
+    let normals = posed.map_or(&mesh.normals, |posed| &posed.normals);
+    let tangents = posed.map_or(&mesh.tangents, |posed| &posed.tangents);
+    out.clear();
+    out.extend((0..mesh.positions.len()).map(|i| {
+        let uv0 = mesh.uv0.get(i).copied().unwrap_or(Vec2::ZERO);
+        let uv1 = mesh.uv1.get(i).copied().unwrap_or(Vec2::ZERO);
+        SurfaceVertex {
+            normal: normals.get(i).copied().unwrap_or(Vec3::Y).to_array(),
+            tangent: tangents.get(i).copied().unwrap_or(Vec4::ZERO).to_array(),
+            uv: [uv0.x, uv0.y, uv1.x, uv1.y],
+            color: mesh.colors.get(i).copied().unwrap_or(Vec4::ONE).to_array(),
+        }
+    }));
+}

@@ -1,0 +1,27 @@
+//! Adds one light to the surfaces of its set I.
+//!
+//! Shader  `shaders/passes/light_accumulate.wgsl`
+//! Groups  0 view, 1 light, 2 material
+//! Reads   depth (equal), stencil (in bounds and count 0).  Writes  radiance, added
+//! Order   after the technique marked the same light
+
+use super::surfaces::{SurfaceResources, draw_batches};
+use crate::conventions::STENCIL_IN_BOUNDS;
+use crate::render::bind_groups::LIGHT_STRIDE;
+use crate::render::draw_list::Batch;
+use crate::render::pipelines::SurfacePass;
+
+/// Records the draws into the light's pass.
+pub fn record(
+    pass: &mut wgpu::RenderPass,
+    view: &wgpu::BindGroup,
+    lights: &wgpu::BindGroup,
+    light_slot: usize,
+    batches: &[Batch],
+    resources: &SurfaceResources,
+) {
+    pass.set_stencil_reference(STENCIL_IN_BOUNDS);
+    pass.set_bind_group(0, view, &[]);
+    pass.set_bind_group(1, lights, &[light_slot as u32 * LIGHT_STRIDE as u32]);
+    draw_batches(pass, SurfacePass::Light, batches, resources);
+}

@@ -1,0 +1,116 @@
+//! Begins one light: clears the stencil inside the light's scissor and marks the pixels whose depth lies inside
+//! its depth bounds.
+//!
+//! Shader  `shaders/passes/light_begin.wgsl`
+//! Groups  none
+//! Reads   depth.  Writes  stencil: [`STENCIL_IN_BOUNDS`] inside the bounds, 0 outside
+//! Order   before the technique marks the light
+//!
+//! wgpu has no depth-bounds test. One quad at the far bound's depth clears and marks at once: where it passes, the
+//! surface is nearer than the bound and the bit is set, where it fails everything is cleared. A second quad at the
+//! near bound's depth takes the bit back from surfaces before it; it is left out when nothing can be.
+//! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for what the test is to save.
+
+use crate::conventions::{DEPTH_INFINITY, DEPTH_NEAR, STENCIL_IN_BOUNDS};
+use crate::render::targets::RADIANCE_FORMAT;
+use crate::render::{RenderContext, RenderError, Shaders};
+
+/// The pipelines.
+#[derive(Debug)]
+pub struct LightBegin {
+    beyond_far: wgpu::RenderPipeline,
+    before_near: wgpu::RenderPipeline,
+}
+
+impl LightBegin {
+    /// Builds them.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn new(context: &RenderContext, shaders: &Shaders) -> Result<Self, RenderError> {
+        use wgpu::StencilOperation::{Keep, Replace, Zero};
+        let module = shaders.module(&context.device, "passes/light_begin.wgsl")?;
+        let layout = context
+            .device
+            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("light begin"),
+                ..Default::default()
+            });
+        let pipeline = |label, compare, pass_op, depth_fail_op| {
+            let face = wgpu::StencilFaceState {
+                compare: wgpu::CompareFunction::Always,
+                fail_op: Keep,
+                depth_fail_op,
+                pass_op,
+            };
+            context
+                .device
+                .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some(label),
+                    layout: Some(&layout),
+                    vertex: wgpu::VertexState {
+                        module: &module,
+                        entry_point: Some("vertex"),
+                        compilation_options: Default::default(),
+                        buffers: &[],
+                    },
+                    primitive: Default::default(),
+                    depth_stencil: Some(wgpu::DepthStencilState {
+                        format: context.depth_stencil_format(),
+                        depth_write_enabled: Some(false),
+                        depth_compare: Some(compare),
+                        stencil: wgpu::StencilState {
+                            front: face,
+                            back: face,
+                            read_mask: 0xff,
+                            write_mask: 0xff,
+                        },
+                        bias: Default::default(),
+                    }),
+                    multisample: Default::default(),
+                    fragment: Some(no_color(&module)),
+                    multiview_mask: None,
+                    cache: None,
+                })
+        };
+        Ok(Self {
+            beyond_far: pipeline(
+                "light begin: far bound",
+                wgpu::CompareFunction::LessEqual,
+                Replace,
+                Zero,
+            ),
+            before_near: pipeline("light begin: near bound", wgpu::CompareFunction::Less, Zero, Keep),
+        })
+    }
+
+    /// Records the quads; the scissor is set. `near_depth` and `far_depth` are depths, 1 ≥ near ≥ far ≥ 0.
+    pub fn record(&self, pass: &mut wgpu::RenderPass, near_depth: f32, far_depth: f32) {
+        let quad = |pass: &mut wgpu::RenderPass, depth: f32| {
+            let bits = depth.to_bits();
+            pass.draw(0..3, bits..bits + 1);
+        };
+        pass.set_stencil_reference(STENCIL_IN_BOUNDS);
+        pass.set_pipeline(&self.beyond_far);
+        quad(pass, far_depth.clamp(DEPTH_INFINITY, DEPTH_NEAR));
+        if near_depth < DEPTH_NEAR {
+            pass.set_pipeline(&self.before_near);
+            quad(pass, near_depth);
+        }
+    }
+}
+
+/// A fragment state that writes no colour, for stencil passes that share an attachment with the light pass.
+pub fn no_color(module: &wgpu::ShaderModule) -> wgpu::FragmentState<'_> {
+    const TARGETS: &[Option<wgpu::ColorTargetState>] = &[Some(wgpu::ColorTargetState {
+        format: RADIANCE_FORMAT,
+        blend: None,
+        write_mask: wgpu::ColorWrites::empty(),
+    })];
+    wgpu::FragmentState {
+        module,
+        entry_point: Some("no_color"),
+        compilation_options: Default::default(),
+        targets: TARGETS,
+    }
+}

@@ -1,0 +1,9 @@
+//! The passes that no technique owns, one file each; `shaders/passes/` has their other halves.
+
+pub mod ambient;
+pub mod blended;
+pub mod light_accumulate;
+pub mod light_begin;
+pub mod surfaces;
+pub mod tonemap;
+pub mod visibility;

@@ -1,0 +1,250 @@
+//! Pipelines of the passes that draw surfaces, made when a frame first needs them and kept.
+
+use super::bind_groups::BindGroupLayouts;
+use super::draw_list::{VARIANT_COUNT, Variant};
+use super::gpu_types::SurfaceVertex;
+use super::targets::RADIANCE_FORMAT;
+use super::{RenderContext, RenderError, Shaders};
+use crate::conventions::STENCIL_IN_BOUNDS;
+
+/// A pass that draws surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfacePass {
+    /// Ambient and emissive light and depth.
+    Ambient,
+    /// The same for a blended surface, over what is behind.
+    AmbientBlended,
+    /// One light, where the stencil says lit.
+    Light,
+    /// One light on a blended surface.
+    LightBlended,
+    /// Writes 0 where the stencil says shadowed.
+    Visibility,
+}
+
+const PASSES: [SurfacePass; 5] = [
+    SurfacePass::Ambient,
+    SurfacePass::AmbientBlended,
+    SurfacePass::Light,
+    SurfacePass::LightBlended,
+    SurfacePass::Visibility,
+];
+
+/// Format of the visibility picture.
+pub const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+
+/// The vertex buffers of a drawn surface: positions, surface attributes, object index an instance.
+pub const SURFACE_BUFFERS: [wgpu::VertexBufferLayout<'static>; 3] = [
+    wgpu::VertexBufferLayout {
+        array_stride: 12,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+    },
+    wgpu::VertexBufferLayout {
+        array_stride: size_of::<SurfaceVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![1 => Float32x3, 2 => Float32x4, 3 => Float32x4, 4 => Float32x4],
+    },
+    wgpu::VertexBufferLayout {
+        array_stride: 4,
+        step_mode: wgpu::VertexStepMode::Instance,
+        attributes: &wgpu::vertex_attr_array![5 => Uint32],
+    },
+];
+
+/// The cache.
+#[derive(Debug)]
+pub struct SurfacePipelines {
+    ambient: wgpu::ShaderModule,
+    light: wgpu::ShaderModule,
+    visibility: wgpu::ShaderModule,
+    unlit_layout: wgpu::PipelineLayout,
+    lit_layout: wgpu::PipelineLayout,
+    pipelines: Vec<Option<wgpu::RenderPipeline>>,
+    /// Pipelines made so far; does not grow in a steady frame.
+    pub created: usize,
+}
+
+/// A stencil test that leaves the stencil as it is.
+pub fn stencil_test(compare: wgpu::CompareFunction, read_mask: u32) -> wgpu::StencilState {
+    let face = wgpu::StencilFaceState {
+        compare,
+        fail_op: wgpu::StencilOperation::Keep,
+        depth_fail_op: wgpu::StencilOperation::Keep,
+        pass_op: wgpu::StencilOperation::Keep,
+    };
+    wgpu::StencilState {
+        front: face,
+        back: face,
+        read_mask,
+        write_mask: 0,
+    }
+}
+
+impl SurfacePipelines {
+    /// Compiles the shaders; pipelines come later.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn new(
+        context: &RenderContext,
+        shaders: &Shaders,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
+        let layout = |label, light: Option<&wgpu::BindGroupLayout>| {
+            context
+                .device
+                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some(label),
+                    bind_group_layouts: &[Some(&layouts.view), light, Some(&layouts.material)],
+                    immediate_size: 0,
+                })
+        };
+        Ok(Self {
+            ambient: shaders.module(&context.device, "passes/ambient.wgsl")?,
+            light: shaders.module(&context.device, "passes/light_accumulate.wgsl")?,
+            visibility: shaders.module(&context.device, "passes/visibility.wgsl")?,
+            unlit_layout: layout("surface", None),
+            lit_layout: layout("lit surface", Some(&layouts.light)),
+            pipelines: vec![None; PASSES.len() * VARIANT_COUNT],
+            created: 0,
+        })
+    }
+
+    /// The pipeline, if [`SurfacePipelines::require`] has made it.
+    pub fn get(&self, pass: SurfacePass, variant: Variant) -> Option<&wgpu::RenderPipeline> {
+        self.pipelines[slot(pass, variant)].as_ref()
+    }
+
+    /// Makes the pipeline if it does not exist yet.
+    pub fn require(&mut self, context: &RenderContext, pass: SurfacePass, variant: Variant) {
+        let slot = slot(pass, variant);
+        if self.pipelines[slot].is_none() {
+            self.pipelines[slot] = Some(self.create(context, pass, variant));
+            self.created += 1;
+        }
+    }
+
+    fn create(&self, context: &RenderContext, pass: SurfacePass, variant: Variant) -> wgpu::RenderPipeline {
+        use wgpu::CompareFunction::{Equal, Greater, GreaterEqual, Less};
+        let add = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let adding = wgpu::BlendState {
+            color: add,
+            alpha: add,
+        };
+        let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
+        // The in-bounds bit alone has a value greater than it only where shadow volumes were counted.
+        let (module, layout, format, blend, depth_write, depth_compare, stencil) = match pass {
+            SurfacePass::Ambient => (
+                &self.ambient,
+                &self.unlit_layout,
+                RADIANCE_FORMAT,
+                None,
+                true,
+                Greater,
+                Default::default(),
+            ),
+            SurfacePass::AmbientBlended => (
+                &self.ambient,
+                &self.unlit_layout,
+                RADIANCE_FORMAT,
+                Some(over),
+                false,
+                GreaterEqual,
+                Default::default(),
+            ),
+            SurfacePass::Light => (
+                &self.light,
+                &self.lit_layout,
+                RADIANCE_FORMAT,
+                Some(adding),
+                false,
+                Equal,
+                if variant.unshadowed {
+                    Default::default()
+                } else {
+                    stencil_test(Equal, 0xff)
+                },
+            ),
+            SurfacePass::LightBlended => (
+                &self.light,
+                &self.lit_layout,
+                RADIANCE_FORMAT,
+                Some(adding),
+                false,
+                GreaterEqual,
+                Default::default(),
+            ),
+            SurfacePass::Visibility => (
+                &self.visibility,
+                &self.unlit_layout,
+                VISIBILITY_FORMAT,
+                None,
+                false,
+                Equal,
+                stencil_test(Less, 0xff),
+            ),
+        };
+        debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests above rely on the top bit");
+        let blended = matches!(pass, SurfacePass::AmbientBlended | SurfacePass::LightBlended);
+        let constants: &[(&str, f64)] = if blended { &[("BLENDED", 1.0)] } else { &[] };
+        context
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(&format!("{pass:?} {variant:?}")),
+                layout: Some(layout),
+                vertex: wgpu::VertexState {
+                    module,
+                    entry_point: Some("vertex"),
+                    compilation_options: Default::default(),
+                    buffers: &SURFACE_BUFFERS,
+                },
+                primitive: wgpu::PrimitiveState {
+                    front_face: front_face(variant.mirrored),
+                    cull_mode: variant.culled.then_some(wgpu::Face::Back),
+                    ..Default::default()
+                },
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: context.depth_stencil_format(),
+                    depth_write_enabled: Some(depth_write),
+                    depth_compare: Some(depth_compare),
+                    stencil,
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module,
+                    entry_point: Some("fragment"),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants,
+                        ..Default::default()
+                    },
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format,
+                        blend,
+                        write_mask: wgpu::ColorWrites::ALL,
+                    })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+    }
+}
+
+/// How fronts wind on the screen.
+pub fn front_face(mirrored: bool) -> wgpu::FrontFace {
+    if mirrored {
+        wgpu::FrontFace::Cw
+    } else {
+        wgpu::FrontFace::Ccw
+    }
+}
+
+fn slot(pass: SurfacePass, variant: Variant) -> usize {
+    let pass = PASSES.iter().position(|other| *other == pass).unwrap_or(0);
+    pass * VARIANT_COUNT + variant.index()
+}

@@ -1,0 +1,261 @@
+//! Systems of the set `PrepareGpu`: from the frame's sets to buffers and draw lists.
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use glam::UVec2;
+
+use super::bind_groups::LIGHT_STRIDE;
+use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
+use super::gpu_types;
+use super::lights::light_constants;
+use super::nodes::blended::BlendedDraw;
+use super::objects::NO_MESH;
+use super::renderer::{ActiveLight, FrameData, Renderer};
+use super::technique::PrepareInput;
+use crate::scene::FaceCulling;
+use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
+use crate::sets::{FrameLights, Objects, View, ViewportSize, VisibleSet};
+
+/// Uploads meshes, materials and matrices that changed, sizes the targets, and forgets the last frame's draws.
+///
+/// Set: `PrepareGpu`, first. Reads [`Objects`], [`View`]; writes [`Renderer`].
+pub fn prepare_objects(
+    mut renderer: ResMut<Renderer>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    viewport: Res<ViewportSize>,
+    appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
+    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    posed: Query<(Entity, &PosedMesh), Changed<PosedMesh>>,
+    transforms: Query<&GlobalTransform>,
+) {
+    let renderer = renderer.as_mut();
+    renderer.frame.has_view = false;
+    renderer.failure = None;
+    let size = if view.data.is_some() {
+        viewport.0
+    } else {
+        UVec2::ZERO
+    };
+    if let Err(error) = renderer.resize(size) {
+        renderer.failure = Some(error);
+        return;
+    }
+    let rebuilt =
+        renderer.table_generation != Some(objects.layout_generation) || exchanged.iter().next().is_some();
+    if rebuilt {
+        renderer.table.rebuild(
+            &renderer.context,
+            &renderer.layouts.material,
+            &objects,
+            &appearance,
+            &mut renderer.meshes,
+            &mut renderer.materials,
+        );
+        renderer.table_generation = Some(objects.layout_generation);
+    }
+    for (entity, pose) in &posed {
+        if let Some(object) = objects.index_of(entity) {
+            let mesh = renderer.table.mesh[object];
+            if mesh != NO_MESH {
+                renderer.meshes.write_pose(&renderer.context, mesh, pose);
+            }
+        }
+    }
+    let Some(current) = &view.data else {
+        return;
+    };
+    renderer.frame.has_view = true;
+    let still = !rebuilt
+        && renderer.last_clip_from_world == Some(current.clip_from_world)
+        && objects.moved.is_clear();
+    if !still {
+        renderer.table.update_constants(
+            &objects.entities,
+            &transforms,
+            current.clip_from_world,
+            current.eye,
+        );
+        renderer.write_objects();
+        renderer.last_clip_from_world = Some(current.clip_from_world);
+    }
+    let ambient = renderer.settings.ambient;
+    let constants = gpu_types::View {
+        ambient: [ambient.x, ambient.y, ambient.z, 0.0],
+    };
+    renderer
+        .context
+        .queue
+        .write_buffer(&renderer.view_buffer, 0, bytemuck::bytes_of(&constants));
+}
+
+/// Lets every technique upload what its lights need.
+///
+/// Set: `PrepareGpu`, after [`prepare_objects`]. Exclusive: a technique may read anything.
+pub fn prepare_techniques(world: &mut World) {
+    world.resource_scope(|world, mut renderer: Mut<Renderer>| {
+        let renderer = &mut *renderer;
+        let mirrored_view = world
+            .resource::<View>()
+            .data
+            .as_ref()
+            .is_some_and(|view| view.mirrored);
+        let input = PrepareInput {
+            context: &renderer.context,
+            shaders: &renderer.shaders,
+            layouts: &renderer.layouts,
+            table: &renderer.table,
+            mirrored_view,
+            debug_view: renderer.settings.debug_volumes,
+        };
+        for technique in &mut renderer.techniques {
+            if let Err(error) = technique.prepare(world, &input) {
+                renderer.failure.get_or_insert(error);
+            }
+        }
+    });
+}
+
+/// Builds the frame's draw lists and light constants.
+///
+/// Set: `PrepareGpu`, last. Reads the sets; writes [`Renderer`].
+pub fn prepare_draws(
+    mut renderer: ResMut<Renderer>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    visible: Res<VisibleSet>,
+    lights: Res<FrameLights>,
+    face_culling: Res<FaceCulling>,
+) {
+    let renderer = renderer.as_mut();
+    let frame = &mut renderer.frame;
+    frame.batches.clear();
+    frame.instances.clear();
+    frame.lights.clear();
+    frame.blended.clear();
+    frame.blended_lights.clear();
+    frame.light_constants.clear();
+    frame.ambient = 0..0;
+    let Some(current) = view.data.as_ref().filter(|_| renderer.failure.is_none()) else {
+        return;
+    };
+    let input = DrawListInput {
+        table: &renderer.table,
+        receivers: &objects.receivers,
+        mirrored_view: current.mirrored,
+        cull_back_faces: *face_culling == FaceCulling::SingleSided,
+    };
+    renderer.draw_lists.build(
+        &input,
+        &visible.set,
+        ItemFilter::Opaque,
+        false,
+        &mut frame.batches,
+        &mut frame.instances,
+    );
+    frame.ambient = 0..frame.batches.len();
+
+    let [width, height] = current.viewport.to_array();
+    for (index, light) in lights.lights.iter().enumerate() {
+        if renderer.labels.len() <= index {
+            renderer.labels.push(format!("light {index}"));
+        }
+        let Some(scissor) = light.scissor else {
+            continue; // nothing that is visible receives it
+        };
+        let technique = renderer
+            .techniques
+            .iter()
+            .position(|technique| technique.visibility(index).is_some());
+        let first = frame.batches.len();
+        renderer.draw_lists.build(
+            &input,
+            &light.i,
+            ItemFilter::OpaqueLit,
+            technique.is_none(),
+            &mut frame.batches,
+            &mut frame.instances,
+        );
+        let slot = frame.lights.len();
+        let at = frame.light_constants.len();
+        frame.light_constants.resize(at + LIGHT_STRIDE as usize, 0);
+        let constants = light_constants(light, current.eye);
+        frame.light_constants[at..at + size_of::<gpu_types::Light>()]
+            .copy_from_slice(bytemuck::bytes_of(&constants));
+        let bounds = light.depth_bounds.filter(|_| renderer.settings.depth_bounds);
+        frame.lights.push(ActiveLight {
+            light: index,
+            slot,
+            technique,
+            scissor: if renderer.settings.scissor {
+                [scissor.x, scissor.y, scissor.width, scissor.height]
+            } else {
+                [0, 0, width, height]
+            },
+            depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
+            batches: first..frame.batches.len(),
+        });
+    }
+    collect_blended(frame, &input, &visible, &lights, current.mirrored);
+    renderer
+        .instances
+        .write(&renderer.context, bytemuck::cast_slice(&frame.instances));
+    renderer.write_lights();
+    renderer.require_pipelines();
+}
+
+/// Lists blended surfaces of V, farthest first, each with the lights that reach its object.
+fn collect_blended(
+    frame: &mut FrameData,
+    input: &DrawListInput,
+    visible: &VisibleSet,
+    lights: &FrameLights,
+    mirrored_view: bool,
+) {
+    frame.blended_order.clear();
+    for object in visible.set.ones() {
+        if input.table.mesh[object] == NO_MESH || input.table.handedness[object] == 0.0 {
+            continue;
+        }
+        for (item, _) in input
+            .table
+            .items_of(object)
+            .iter()
+            .enumerate()
+            .filter(|(_, item)| item.blended)
+        {
+            let distance = input.table.distance_of(object);
+            // The bits of floats that are not negative sort as the floats do.
+            frame
+                .blended_order
+                .push((!distance.max(0.0).to_bits(), object as u32, item as u32));
+        }
+    }
+    frame.blended_order.sort_unstable();
+    for &(_, object, item) in &frame.blended_order {
+        let part = input.table.items_of(object as usize)[item as usize];
+        let first_light = frame.blended_lights.len();
+        for active in &frame.lights {
+            if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
+                frame.blended_lights.push(active.slot as u32);
+            }
+        }
+        let at = frame.instances.len() as u32;
+        frame.instances.push(object);
+        frame.blended.push(BlendedDraw {
+            batch: frame.batches.len(),
+            lights: first_light..frame.blended_lights.len(),
+        });
+        frame.batches.push(Batch {
+            variant: Variant {
+                mirrored: (input.table.handedness[object as usize] < 0.0) != mirrored_view,
+                culled: input.cull_back_faces && !part.double_sided,
+                unshadowed: true,
+            },
+            material: part.material,
+            mesh: input.table.mesh[object as usize],
+            submesh: part.submesh,
+            instances: at..at + 1,
+        });
+    }
+}

@@ -1,0 +1,69 @@
+//! How a shadow technique joins the frame. A third party implements [`ShadowTechnique`] and hands it to
+//! [`Renderer::add_technique`](super::Renderer::add_technique); nothing here knows the techniques by name.
+
+use bevy_ecs::prelude::World;
+
+use super::bind_groups::BindGroupLayouts;
+use super::meshes::MeshPool;
+use super::objects::ObjectTable;
+use super::{RenderContext, RenderError, Shaders};
+
+/// What a technique leaves of one light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Visibility {
+    /// The stencil counts shadow volumes over [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS): lit
+    /// where the count is 0.
+    Stencil,
+}
+
+/// What a technique may use while it prepares.
+#[derive(Debug)]
+pub struct PrepareInput<'a> {
+    /// The device.
+    pub context: &'a RenderContext,
+    /// Shader composition.
+    pub shaders: &'a Shaders,
+    /// The layouts that passes share.
+    pub layouts: &'a BindGroupLayouts,
+    /// Mesh index and handedness by dense object index.
+    pub table: &'a ObjectTable,
+    /// The view mirrors.
+    pub mirrored_view: bool,
+    /// The light pass will draw the debug view of this technique.
+    pub debug_view: bool,
+}
+
+/// What a technique may use while it records.
+#[derive(Debug)]
+pub struct RecordInput<'a> {
+    /// Group 0.
+    pub view: &'a wgpu::BindGroup,
+    /// Meshes in buffers.
+    pub meshes: &'a MeshPool,
+}
+
+/// The GPU side of a shadow technique.
+pub trait ShadowTechnique: Send + Sync + 'static {
+    /// For labels and statistics, in snake case.
+    fn name(&self) -> &'static str;
+
+    /// Uploads what the frame's lights need. The world holds the sets, silhouettes and the technique's own data.
+    ///
+    /// # Errors
+    /// Whatever the device refuses.
+    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError>;
+
+    /// What this technique will leave for the light at `light` in [`FrameLights`](crate::sets::FrameLights);
+    /// `None` if the light is not its own.
+    fn visibility(&self, light: usize) -> Option<Visibility>;
+
+    /// Marks what one light does not see. The pass has depth (read-only), stencil, and a radiance target that
+    /// must not be written; the scissor is set and the stencil begun.
+    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
+
+    /// Draws the technique's geometry over the picture: its debug view.
+    fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
+
+    /// Draw calls of [`ShadowTechnique::mark`] for one light.
+    fn batch_count(&self, light: usize) -> usize;
+}

@@ -1,0 +1,332 @@
+//! Reading accessors: every bound is checked before a byte is read and before memory is taken.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::path::PathBuf;
+
+use gltf::json::accessor::{ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Root};
+
+use super::{Element, GltfError};
+
+/// Memory that a file of no bytes may decode to: enough for accessors without a view, which are all zeros.
+const BUDGET_BASE_BYTES: u64 = 512 << 20;
+
+/// Decoded bytes for each byte of the file and its buffers. By eye: flat normals take most, about 30 for a triangle of 8-bit
+/// indices over quantised positions.
+const BUDGET_PER_BYTE: u64 = 64;
+
+/// The accessors of a file, and how much memory they may still decode to.
+pub(super) struct Accessors<'a> {
+    pub file: PathBuf,
+    pub root: &'a Root,
+    pub buffers: Vec<Cow<'a, [u8]>>,
+    budget_bytes: Cell<u64>,
+}
+
+/// Elements of one kind in a buffer, in bounds.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+}
+
+/// An accessor after its checks.
+struct Layout<'a> {
+    count: usize,
+    component: ComponentType,
+    width: usize,
+    normalized: bool,
+    /// Absent: all zeros.
+    base: Option<Elements<'a>>,
+    sparse: Option<(Vec<u32>, Elements<'a>)>,
+}
+
+impl<'a> Accessors<'a> {
+    pub fn new(file: PathBuf, root: &'a Root, buffers: Vec<Cow<'a, [u8]>>, file_bytes: usize) -> Self {
+        let stored = file_bytes as u64 + buffers.iter().map(|buffer| buffer.len() as u64).sum::<u64>();
+        let budget_bytes = BUDGET_BASE_BYTES.saturating_add(stored.saturating_mul(BUDGET_PER_BYTE));
+        Self {
+            file,
+            root,
+            buffers,
+            budget_bytes: Cell::new(budget_bytes),
+        }
+    }
+
+    /// An error about an element.
+    pub fn invalid(&self, element: Element, reason: impl Into<String>) -> GltfError {
+        GltfError::Invalid {
+            file: self.file.clone(),
+            element,
+            reason: reason.into(),
+        }
+    }
+
+    /// The item that `element` points to.
+    pub fn get<'l, T, S>(
+        &self,
+        list: &'l [T],
+        index: Index<S>,
+        element: Element,
+        target: &'static str,
+    ) -> Result<&'l T, GltfError> {
+        list.get(index.value()).ok_or_else(|| GltfError::Reference {
+            file: self.file.clone(),
+            element,
+            target,
+            index: index.value(),
+            count: list.len(),
+        })
+    }
+
+    /// Takes memory from the budget before it is allocated.
+    pub fn charge(&self, element: Element, count: usize, bytes_each: usize) -> Result<(), GltfError> {
+        let bytes = (count as u64).saturating_mul(bytes_each as u64);
+        let left = self.budget_bytes.get();
+        let remaining = left.checked_sub(bytes);
+        self.budget_bytes
+            .set(remaining.ok_or_else(|| GltfError::TooLarge {
+                file: self.file.clone(),
+                element,
+                bytes,
+                left,
+            })?);
+        Ok(())
+    }
+
+    /// Number of elements, after no check but that the accessor exists.
+    pub fn count(&self, accessor: usize) -> usize {
+        self.root
+            .accessors
+            .get(accessor)
+            .map_or(0, |accessor| accessor.count.0 as usize)
+    }
+
+    /// Whether the accessor has four components (colours may have three).
+    pub fn is_vec4(&self, accessor: usize) -> bool {
+        self.root
+            .accessors
+            .get(accessor)
+            .is_some_and(|accessor| matches!(accessor.type_, Checked::Valid(Type::Vec4)))
+    }
+
+    /// Elements of `N` numbers; integers become −1..=1 or 0..=1 if normalised, else their value.
+    pub fn read_f32<const N: usize>(&self, accessor: usize) -> Result<Vec<[f32; N]>, GltfError> {
+        let layout = self.layout(accessor, N)?;
+        self.charge(Element::Accessor(accessor), layout.count, 4 * N)?;
+        Ok(layout.collect([0.0; N], |bytes| {
+            let size = layout.component.size();
+            std::array::from_fn(|i| component_f32(&bytes[i * size..], layout.component, layout.normalized))
+        }))
+    }
+
+    /// Elements of `N` unsigned integers: vertex indices, joint indices.
+    pub fn read_u32<const N: usize>(&self, accessor: usize) -> Result<Vec<[u32; N]>, GltfError> {
+        let layout = self.layout(accessor, N)?;
+        use ComponentType::{U8, U16, U32};
+        if !matches!(layout.component, U8 | U16 | U32) {
+            let reason = format!("indices must be unsigned integers, it has {:?}", layout.component);
+            return Err(self.invalid(Element::Accessor(accessor), reason));
+        }
+        self.charge(Element::Accessor(accessor), layout.count, 4 * N)?;
+        Ok(layout.collect([0; N], |bytes| {
+            let size = layout.component.size();
+            std::array::from_fn(|i| component_u32(&bytes[i * size..], layout.component))
+        }))
+    }
+
+    /// Checks everything that reading relies on.
+    fn layout(&self, index: usize, width: usize) -> Result<Layout<'_>, GltfError> {
+        let element = Element::Accessor(index);
+        let invalid = |reason: String| self.invalid(element, reason);
+        let accessor = self
+            .root
+            .accessors
+            .get(index)
+            .ok_or_else(|| GltfError::Reference {
+                file: self.file.clone(),
+                element: Element::File,
+                target: "accessor",
+                index,
+                count: self.root.accessors.len(),
+            })?;
+        let (Checked::Valid(component), Checked::Valid(type_)) = (&accessor.component_type, &accessor.type_)
+        else {
+            return Err(invalid("its type or component type is unknown".to_owned()));
+        };
+        let component = component.0;
+        // matrices of 8 and 16-bit numbers have padded columns; nothing that we read may be one
+        let is_plain =
+            !matches!(type_, Type::Mat2 | Type::Mat3) && (width != 16 || component == ComponentType::F32);
+        if type_.multiplicity() != width || !is_plain {
+            return Err(invalid(format!(
+                "it holds {type_:?} of {component:?}, {width} numbers each are needed here"
+            )));
+        }
+        let count =
+            usize::try_from(accessor.count.0).map_err(|_| invalid("count is too large".to_owned()))?;
+        let size = component.size() * width;
+        let base = accessor
+            .buffer_view
+            .map(|view| {
+                let offset = accessor.byte_offset.map_or(0, |offset| offset.0);
+                self.elements(element, view, offset, count, size, true)
+            })
+            .transpose()?;
+        let sparse = match &accessor.sparse {
+            None => None,
+            Some(sparse) => {
+                let Checked::Valid(index_type) = &sparse.indices.component_type else {
+                    return Err(invalid("its sparse index type is unknown".to_owned()));
+                };
+                let changed = usize::try_from(sparse.count.0)
+                    .ok()
+                    .filter(|&changed| changed <= count)
+                    .ok_or_else(|| {
+                        invalid(format!("{} sparse values for {count} elements", sparse.count.0))
+                    })?;
+                let indices = &sparse.indices;
+                let offset = indices.byte_offset.0;
+                let index_size = index_type.0.size();
+                let places =
+                    self.elements(element, indices.buffer_view, offset, changed, index_size, false)?;
+                let places: Vec<u32> = (0..changed)
+                    .map(|i| component_u32(&places.bytes[i * places.stride..], index_type.0))
+                    .collect();
+                if let Some(outside) = places.iter().find(|&&place| place as usize >= count) {
+                    return Err(invalid(format!(
+                        "sparse index {outside} is out of range, it has {count} elements"
+                    )));
+                }
+                let values = &sparse.values;
+                let values = self.elements(
+                    element,
+                    values.buffer_view,
+                    values.byte_offset.0,
+                    changed,
+                    size,
+                    false,
+                )?;
+                Some((places, values))
+            }
+        };
+        Ok(Layout {
+            count,
+            component,
+            width,
+            normalized: accessor.normalized,
+            base,
+            sparse,
+        })
+    }
+
+    /// The bytes of `count` elements of `size` bytes each, from the start of the first to the end of the last.
+    fn elements(
+        &self,
+        element: Element,
+        view: Index<gltf::json::buffer::View>,
+        offset: u64,
+        count: usize,
+        size: usize,
+        may_be_strided: bool,
+    ) -> Result<Elements<'_>, GltfError> {
+        let bytes = self.view(element, view)?;
+        let stride = match &self.root.buffer_views[view.value()].byte_stride {
+            Some(stride) if may_be_strided && stride.0 != 0 => stride.0,
+            _ => size,
+        };
+        if stride < size {
+            return Err(self.invalid(
+                element,
+                format!("byteStride {stride} is less than its element's {size} bytes"),
+            ));
+        }
+        let length = match count {
+            0 => Some(0),
+            _ => (count - 1)
+                .checked_mul(stride)
+                .and_then(|before| before.checked_add(size)),
+        };
+        let range = usize::try_from(offset)
+            .ok()
+            .zip(length)
+            .and_then(|(offset, length)| {
+                let end = offset.checked_add(length)?;
+                bytes.get(offset..end)
+            });
+        let bytes = range.ok_or_else(|| {
+            let (view, has) = (view.value(), bytes.len());
+            let reason =
+                format!("{count} elements from byte {offset} run past the end of buffer view {view}, which has {has} bytes");
+            self.invalid(element, reason)
+        })?;
+        Ok(Elements { bytes, stride })
+    }
+
+    /// The bytes of a buffer view that `element` refers to.
+    pub fn view(&self, element: Element, index: Index<gltf::json::buffer::View>) -> Result<&[u8], GltfError> {
+        let view = self.get(&self.root.buffer_views, index, element, "buffer view")?;
+        let view_element = Element::BufferView(index.value());
+        let buffer = self.get(&self.buffers, view.buffer, view_element, "buffer")?;
+        let offset = view.byte_offset.map_or(0, |offset| offset.0);
+        let range = offset.checked_add(view.byte_length.0).and_then(|end| {
+            let range = usize::try_from(offset).ok()?..usize::try_from(end).ok()?;
+            buffer.get(range)
+        });
+        range.ok_or_else(|| {
+            let (length, buffer_index, has) = (view.byte_length.0, view.buffer.value(), buffer.len());
+            let reason = format!(
+                "{view_element} ({length} bytes from {offset}) runs past the end of buffer {buffer_index}, which has {has} bytes"
+            );
+            self.invalid(element, reason)
+        })
+    }
+}
+
+impl Layout<'_> {
+    fn collect<T: Copy>(&self, zero: T, read: impl Fn(&[u8]) -> T) -> Vec<T> {
+        let size = self.component.size() * self.width;
+        let at = |elements: &Elements<'_>, i: usize| {
+            let start = i * elements.stride;
+            read(&elements.bytes[start..start + size])
+        };
+        let mut values = match &self.base {
+            Some(base) => (0..self.count).map(|i| at(base, i)).collect(),
+            None => vec![zero; self.count],
+        };
+        if let Some((places, changed)) = &self.sparse {
+            for (i, &place) in places.iter().enumerate() {
+                values[place as usize] = at(changed, i);
+            }
+        }
+        values
+    }
+}
+
+fn component_u32(bytes: &[u8], component: ComponentType) -> u32 {
+    match component {
+        ComponentType::U8 | ComponentType::I8 => u32::from(bytes[0]),
+        ComponentType::U16 | ComponentType::I16 => u32::from(u16::from_le_bytes([bytes[0], bytes[1]])),
+        ComponentType::U32 | ComponentType::F32 => {
+            u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
+        }
+    }
+}
+
+/// Source of the normalisation: glTF 2.0 §3.11, "Animations" (the equations for all accessors).
+fn component_f32(bytes: &[u8], component: ComponentType, normalized: bool) -> f32 {
+    let (value, largest) = match component {
+        ComponentType::I8 => (f32::from(bytes[0] as i8), 127.0),
+        ComponentType::U8 => (f32::from(bytes[0]), 255.0),
+        ComponentType::I16 => (f32::from(i16::from_le_bytes([bytes[0], bytes[1]])), 32767.0),
+        ComponentType::U16 => (f32::from(u16::from_le_bytes([bytes[0], bytes[1]])), 65535.0),
+        ComponentType::U32 => (component_u32(bytes, component) as f32, u32::MAX as f32),
+        ComponentType::F32 => return f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+    };
+    if normalized {
+        (value / largest).max(-1.0)
+    } else {
+        value
+    }
+}

@@ -1,0 +1,105 @@
+//! Where bytes come from: the binary chunk, data URIs and external files.
+
+use std::borrow::Cow;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use gltf::json::Root;
+
+use super::{Element, GltfError};
+
+/// Exporters differ in whether they pad.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// The bytes of every buffer, each exactly `byteLength` long.
+pub(super) fn load<'a>(
+    root: &Root,
+    binary_chunk: Option<&'a [u8]>,
+    base_dir: Option<&Path>,
+    file: &Path,
+) -> Result<Vec<Cow<'a, [u8]>>, GltfError> {
+    let mut buffers = Vec::with_capacity(root.buffers.len());
+    for (index, buffer) in root.buffers.iter().enumerate() {
+        let length = buffer.byte_length.0;
+        let bytes = match (&buffer.uri, binary_chunk) {
+            (Some(uri), _) => read_uri(uri, base_dir, Some(length)).map(Cow::Owned),
+            (None, Some(chunk)) if index == 0 => Ok(Cow::Borrowed(chunk)),
+            (None, _) => Err("it has no URI and there is no binary chunk for it".to_owned()),
+        };
+        let exact = bytes.and_then(|bytes| {
+            let has = bytes.len() as u64;
+            if has < length {
+                return Err(format!("byteLength is {length}, {has} bytes are there"));
+            }
+            Ok(match bytes {
+                Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length as usize]),
+                Cow::Owned(mut bytes) => {
+                    bytes.truncate(length as usize);
+                    Cow::Owned(bytes)
+                }
+            })
+        });
+        buffers.push(exact.map_err(|reason| GltfError::Invalid {
+            file: file.to_owned(),
+            element: Element::Buffer(index),
+            reason,
+        })?);
+    }
+    Ok(buffers)
+}
+
+/// Reads a data URI or a file beside the glTF file, at most `limit` bytes of a file. The error says why not.
+pub(super) fn read_uri(uri: &str, base_dir: Option<&Path>, limit: Option<u64>) -> Result<Vec<u8>, String> {
+    if let Some(data) = uri.strip_prefix("data:") {
+        return decode_data_uri(data);
+    }
+    // a scheme is letters before a colon; one that is not `data` points outside of the file system
+    if let Some((scheme, _)) = uri.split_once(':')
+        && scheme
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+    {
+        return Err(format!("URI scheme {scheme:?} is not supported"));
+    }
+    let Some(base_dir) = base_dir else {
+        return Err(format!("it refers to {uri:?}, but there is no folder to look in"));
+    };
+    let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
+    let mut path = base_dir.join(&*decoded);
+    if !path.exists() && base_dir.join(uri).exists() {
+        path = base_dir.join(uri); // written without encoding, with a percent sign in its name
+    }
+    let read = || -> std::io::Result<Vec<u8>> {
+        // a pipe or a device would never end
+        if !std::fs::metadata(&path)?.is_file() {
+            return Err(std::io::Error::other("not a file"));
+        }
+        let mut bytes = Vec::new();
+        File::open(&path)?
+            .take(limit.unwrap_or(u64::MAX))
+            .read_to_end(&mut bytes)?;
+        Ok(bytes)
+    };
+    read().map_err(|error| format!("cannot read {}: {error}", path.display()))
+}
+
+/// What follows `data:`. Source: RFC 2397.
+fn decode_data_uri(data: &str) -> Result<Vec<u8>, String> {
+    let (head, payload) = data.split_once(',').ok_or("the data URI has no comma")?;
+    let bytes = percent_encoding::percent_decode_str(payload);
+    if head.ends_with(";base64") {
+        let text: Cow<'_, [u8]> = bytes.into();
+        BASE64
+            .decode(&*text)
+            .map_err(|error| format!("the data URI is not base64: {error}"))
+    } else {
+        Ok(bytes.collect())
+    }
+}

@@ -1,0 +1,103 @@
+//! Why a glTF file cannot be loaded. Every variant names the file and the element.
+
+use std::path::PathBuf;
+
+use super::Element;
+
+/// Why a glTF file was not loaded or spawned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum GltfError {
+    /// The file itself cannot be read.
+    #[error("{}: {source}", file.display())]
+    Io {
+        /// The glTF file.
+        file: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The GLB container is broken: wrong magic, version, or a chunk that runs past the end.
+    #[error("{}: GLB container: {reason}", file.display())]
+    Container {
+        /// The glTF file.
+        file: PathBuf,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The JSON is malformed or does not follow the glTF schema.
+    #[error("{}: JSON: {source}", file.display())]
+    Json {
+        /// The glTF file.
+        file: PathBuf,
+        /// Where and why parsing stopped.
+        source: gltf::json::Error,
+    },
+    /// Not glTF 2.
+    #[error("{}: asset version {version:?} is not supported, 2.0 is", file.display())]
+    Version {
+        /// The glTF file.
+        file: PathBuf,
+        /// What `asset.version` or `asset.minVersion` says.
+        version: String,
+    },
+    /// The file cannot be shown without an extension that is not supported.
+    #[error("{}: required extension {extension} is not supported", file.display())]
+    Extension {
+        /// The glTF file.
+        file: PathBuf,
+        /// Name of the extension.
+        extension: String,
+    },
+    /// An index points past the end of the list it is for.
+    #[error("{}: {element}: {target} {index} does not exist, the file has {count}", file.display())]
+    Reference {
+        /// The glTF file.
+        file: PathBuf,
+        /// Who holds the index.
+        element: Element,
+        /// What it should point to.
+        target: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// An element breaks a rule without which it has no meaning.
+    #[error("{}: {element}: {reason}", file.display())]
+    Invalid {
+        /// The glTF file.
+        file: PathBuf,
+        /// The element.
+        element: Element,
+        /// The rule, and what was found.
+        reason: String,
+    },
+    /// A triangle uses a vertex that the primitive does not have.
+    #[error("{}: mesh {mesh} primitive {primitive}: index {index} is out of range, it has {vertex_count} vertices",
+        file.display())]
+    VertexIndex {
+        /// The glTF file.
+        file: PathBuf,
+        /// Index of the mesh.
+        mesh: usize,
+        /// Index of the primitive within the mesh.
+        primitive: usize,
+        /// The vertex index.
+        index: u32,
+        /// Vertices of the primitive.
+        vertex_count: usize,
+    },
+    /// Decoding would take far more memory than the file can honestly need.
+    #[error("{}: {element}: decoding it takes {bytes} bytes, {left} are left of the limit for a file of this size",
+        file.display())]
+    TooLarge {
+        /// The glTF file.
+        file: PathBuf,
+        /// The element.
+        element: Element,
+        /// What it asks for.
+        bytes: u64,
+        /// What is left.
+        left: u64,
+    },
+}

@@ -1,0 +1,171 @@
+//! Metallic-roughness materials.
+
+use std::sync::Arc;
+
+use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
+use gltf::json::extensions::texture::TextureTransform;
+use gltf::json::material::{AlphaMode as JsonAlphaMode, Material as JsonMaterial};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, Texture, Value, deserialize};
+
+use super::accessors::Accessors;
+use super::texture::Textures;
+use super::{Element, GltfError, Report, SkipKind};
+use crate::scene::{AlphaMode, Material, TextureSlot};
+
+/// All materials of the file.
+pub(super) fn load(
+    accessors: &Accessors<'_>,
+    textures: &mut Textures<'_>,
+    report: &mut Report,
+) -> Result<Vec<Arc<Material>>, GltfError> {
+    let mut materials = Vec::with_capacity(accessors.root.materials.len());
+    for (index, material) in accessors.root.materials.iter().enumerate() {
+        let mut import = Import {
+            element: Element::Material(index),
+            textures,
+            report,
+        };
+        materials.push(Arc::new(import.material(material)?));
+    }
+    Ok(materials)
+}
+
+struct Import<'i, 'a> {
+    element: Element,
+    textures: &'i mut Textures<'a>,
+    report: &'i mut Report,
+}
+
+impl Import<'_, '_> {
+    fn material(&mut self, json: &JsonMaterial) -> Result<Material, GltfError> {
+        let pbr = &json.pbr_metallic_roughness;
+        let extensions = json.extensions.as_ref();
+        let strength = extensions
+            .and_then(|extensions| extensions.emissive_strength.as_ref())
+            .map_or(1.0, |strength| strength.emissive_strength.0);
+        let strength = self.number("emissive strength", strength, f32::MAX);
+        let emissive = json
+            .emissive_factor
+            .0
+            .map(|channel| self.number("emissive factor", channel, 1.0));
+        let cutoff = json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
+        let info = |info: &gltf::json::texture::Info| {
+            let transform = info
+                .extensions
+                .as_ref()
+                .and_then(|extensions| extensions.texture_transform.clone());
+            (info.index, info.tex_coord, transform)
+        };
+        Ok(Material {
+            name: json.name.clone().unwrap_or_else(|| self.element.to_string()),
+            base_color: Vec4::from(
+                pbr.base_color_factor
+                    .0
+                    .map(|channel| self.number("base colour factor", channel, 1.0)),
+            ),
+            base_color_texture: self.slot(pbr.base_color_texture.as_ref().map(info))?,
+            metallic: self.number("metallic factor", pbr.metallic_factor.0, 1.0),
+            roughness: self.number("roughness factor", pbr.roughness_factor.0, 1.0),
+            metallic_roughness_texture: self.slot(pbr.metallic_roughness_texture.as_ref().map(info))?,
+            normal_texture: self.slot(json.normal_texture.as_ref().map(|normal| {
+                let others = normal.extensions.as_ref().map(|extensions| &extensions.others);
+                (normal.index, normal.tex_coord, others.and_then(transform_of))
+            }))?,
+            normal_scale: json
+                .normal_texture
+                .as_ref()
+                .map(|normal| normal.scale)
+                .filter(|scale| scale.is_finite())
+                .unwrap_or(1.0),
+            occlusion_texture: self.slot(json.occlusion_texture.as_ref().map(|occlusion| {
+                let others = occlusion.extensions.as_ref().map(|extensions| &extensions.others);
+                (
+                    occlusion.index,
+                    occlusion.tex_coord,
+                    others.and_then(transform_of),
+                )
+            }))?,
+            occlusion_strength: json.occlusion_texture.as_ref().map_or(1.0, |occlusion| {
+                self.number("occlusion strength", occlusion.strength.0, 1.0)
+            }),
+            emissive: (Vec3::from(emissive) * strength).min(Vec3::MAX),
+            emissive_texture: self.slot(json.emissive_texture.as_ref().map(info))?,
+            alpha_mode: match json.alpha_mode {
+                Checked::Valid(JsonAlphaMode::Mask) => {
+                    AlphaMode::Mask(self.number("alpha cutoff", cutoff, f32::MAX))
+                }
+                Checked::Valid(JsonAlphaMode::Blend) => AlphaMode::Blend,
+                Checked::Valid(JsonAlphaMode::Opaque) | Checked::Invalid => AlphaMode::Opaque,
+            },
+            double_sided: json.double_sided,
+            unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
+        })
+    }
+
+    /// `value` if it lies in 0..=`largest`, else the nearest that does, reported.
+    fn number(&mut self, what: &str, value: f32, largest: f32) -> f32 {
+        if (0.0..=largest).contains(&value) {
+            return value;
+        }
+        let clamped = value.clamp(0.0, largest);
+        let clamped = if clamped.is_finite() { clamped } else { 0.0 };
+        self.report.add(
+            SkipKind::MaterialValue,
+            self.element,
+            1,
+            format!("{what} {value} becomes {clamped}"),
+        );
+        clamped
+    }
+
+    fn slot(
+        &mut self,
+        used: Option<(Index<Texture>, u32, Option<TextureTransform>)>,
+    ) -> Result<Option<TextureSlot>, GltfError> {
+        let Some((index, uv_set, transform)) = used else {
+            return Ok(None);
+        };
+        let Some(texture) = self.textures.load(index, self.element, self.report)? else {
+            return Ok(None);
+        };
+        let uv_set = transform
+            .as_ref()
+            .and_then(|transform| transform.tex_coord)
+            .unwrap_or(uv_set);
+        if uv_set > 1 {
+            let reason = format!("TEXCOORD_{uv_set} is not supported, 0 and 1 are");
+            self.report.add(SkipKind::Texture, self.element, 1, reason);
+            return Ok(None);
+        }
+        let uv_transform = transform
+            .map(|transform| texture_affine(&transform))
+            .filter(|uv_transform| uv_transform.is_finite())
+            .unwrap_or(Affine2::IDENTITY);
+        Ok(Some(TextureSlot {
+            texture,
+            uv_set,
+            uv_transform,
+        }))
+    }
+}
+
+/// The transform of a normal or occlusion texture, which `gltf::json` leaves unparsed. One that does not parse
+/// is none.
+fn transform_of<'v>(others: impl IntoIterator<Item = (&'v String, &'v Value)>) -> Option<TextureTransform> {
+    let (_, value) = others
+        .into_iter()
+        .find(|(name, _)| *name == "KHR_texture_transform")?;
+    deserialize::from_value(value.clone()).ok()
+}
+
+/// Scale, then rotate counter-clockwise as seen with v pointing down, then offset.
+///
+/// The matrix printed in the extension's text turns the other way from its words; the words, Khronos' own test
+/// model TextureTransformTest, three.js and Bevy agree on this one.
+fn texture_affine(transform: &TextureTransform) -> Affine2 {
+    Affine2::from_mat2_translation(
+        Mat2::from_angle(-transform.rotation.0) * Mat2::from_diagonal(Vec2::from(transform.scale.0)),
+        Vec2::from(transform.offset.0),
+    )
+}

@@ -1,0 +1,433 @@
+//! Meshes: the primitives of a glTF mesh become the submeshes of one [`MeshData`].
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3, Vec4};
+use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
+use gltf::json::validation::Checked;
+use smallvec::SmallVec;
+
+use super::accessors::Accessors;
+use super::vertices::{self, Vertices, attribute};
+use super::{Element, GltfError, Report, SkipKind};
+use crate::scene::mesh::MorphTarget;
+use crate::scene::{Material, MeshData, Submesh};
+
+/// A mesh and what it is drawn with.
+#[derive(Clone, Debug)]
+pub struct GltfMesh {
+    /// All of its primitives that have triangles.
+    pub data: Arc<MeshData>,
+    /// One for each submesh.
+    pub materials: SmallVec<[Arc<Material>; 1]>,
+    /// Weight of each morph target where a node says nothing else.
+    pub weights: Vec<f32>,
+}
+
+/// All meshes of the file.
+pub(super) fn load(
+    accessors: &Accessors<'_>,
+    materials: &[Arc<Material>],
+    report: &mut Report,
+) -> Result<Vec<GltfMesh>, GltfError> {
+    let default_material = Arc::new(Material {
+        name: "default".to_owned(),
+        ..Material::default()
+    });
+    let mut meshes = Vec::with_capacity(accessors.root.meshes.len());
+    for (index, mesh) in accessors.root.meshes.iter().enumerate() {
+        let data = MeshData {
+            name: mesh
+                .name
+                .clone()
+                .unwrap_or_else(|| Element::Mesh(index).to_string()),
+            ..MeshData::default()
+        };
+        let mut import = Import {
+            accessors,
+            index,
+            report,
+            data,
+            vertex_runs: HashMap::new(),
+        };
+        let mut used_materials = SmallVec::new();
+        for (primitive_index, primitive) in mesh.primitives.iter().enumerate() {
+            if import.primitive(primitive_index, primitive)? {
+                let element = Element::Primitive {
+                    mesh: index,
+                    primitive: primitive_index,
+                };
+                used_materials.push(match primitive.material {
+                    Some(material) => Arc::clone(accessors.get(materials, material, element, "material")?),
+                    None => Arc::clone(&default_material),
+                });
+            }
+        }
+        let mut data = import.data;
+        replace_non_finite_positions(&mut data.positions);
+        let weights = morph_weights(mesh, data.morph_targets.len(), index, report);
+        meshes.push(GltfMesh {
+            data: Arc::new(data),
+            materials: used_materials,
+            weights,
+        });
+    }
+    Ok(meshes)
+}
+
+fn morph_weights(mesh: &Mesh, target_count: usize, index: usize, report: &mut Report) -> Vec<f32> {
+    let mut weights = mesh.weights.clone().unwrap_or_default();
+    if !weights.is_empty() && weights.len() != target_count {
+        let reason = format!(
+            "it has {} weights for {target_count} morph targets",
+            weights.len()
+        );
+        report.add(SkipKind::NodeMesh, Element::Mesh(index), 1, reason);
+    }
+    weights.resize(target_count, 0.0);
+    weights
+}
+
+/// Vertices that no triangle uses any more get a position that bounds and buffers can hold.
+fn replace_non_finite_positions(positions: &mut [Vec3]) {
+    let stand_in = positions
+        .iter()
+        .copied()
+        .find(|position| position.is_finite())
+        .unwrap_or(Vec3::ZERO);
+    for position in positions.iter_mut().filter(|position| !position.is_finite()) {
+        *position = stand_in;
+    }
+}
+
+struct Import<'i, 'a> {
+    accessors: &'i Accessors<'a>,
+    index: usize,
+    report: &'i mut Report,
+    data: MeshData,
+    /// First vertex and count by the accessors they came from: exporters often cut one vertex buffer into
+    /// primitives by index alone.
+    vertex_runs: HashMap<Vec<Option<usize>>, (usize, usize)>,
+}
+
+impl Import<'_, '_> {
+    /// Appends a primitive as a submesh; `false` if it has no triangles.
+    fn primitive(&mut self, primitive_index: usize, primitive: &Primitive) -> Result<bool, GltfError> {
+        let element = Element::Primitive {
+            mesh: self.index,
+            primitive: primitive_index,
+        };
+        let mode = match primitive.mode {
+            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
+            Checked::Valid(mode) => {
+                self.report.add(
+                    SkipKind::DrawMode,
+                    element,
+                    1,
+                    format!("{mode:?} have no surface"),
+                );
+                return Ok(false);
+            }
+            Checked::Invalid => return Err(self.accessors.invalid(element, "its mode is unknown")),
+        };
+        let Some(position_accessor) = attribute(primitive, Semantic::Positions) else {
+            self.report
+                .add(SkipKind::EmptyPrimitive, element, 1, "it has no POSITION");
+            return Ok(false);
+        };
+
+        let has_normals = attribute(primitive, Semantic::Normals).is_some();
+        let key = vertex_key(primitive);
+        let known = self.vertex_runs.get(&key).copied().filter(|_| has_normals);
+        let (fresh, vertex_count) = match known {
+            Some((_, count)) => (None, count),
+            None => {
+                let vertices =
+                    vertices::read(self.accessors, element, primitive, position_accessor, self.report)?;
+                let count = vertices.positions.len();
+                (Some(vertices), count)
+            }
+        };
+
+        let corners = self.corners(element, primitive_index, primitive, vertex_count)?;
+        self.accessors.charge(element, corners.len(), 36)?;
+        let mut triangles = triangulate(mode, &corners);
+        let left_over = if mode == Mode::Triangles {
+            corners.len() % 3
+        } else {
+            0
+        };
+        if left_over > 0 {
+            let reason = format!("{} indices are no whole number of triangles", corners.len());
+            self.report
+                .add(SkipKind::IncompleteTriangle, element, left_over, reason);
+        }
+
+        let known_base = known.map_or(0, |(base, _)| base);
+        let positions = match &fresh {
+            Some(vertices) => &vertices.positions,
+            None => &self.data.positions[known_base..known_base + vertex_count],
+        };
+        let before = triangles.len();
+        triangles.retain(|corners| {
+            corners
+                .iter()
+                .all(|&corner| positions[corner as usize].is_finite())
+        });
+        if triangles.len() < before {
+            let count = before - triangles.len();
+            self.report.add(
+                SkipKind::NonFiniteTriangle,
+                element,
+                count,
+                "a corner is not finite",
+            );
+        }
+        if triangles.is_empty() {
+            self.report
+                .add(SkipKind::EmptyPrimitive, element, 1, "it has no triangles");
+            return Ok(false);
+        }
+
+        let base = match fresh {
+            Some(vertices) if has_normals => {
+                let base = self.append(element, vertices)?;
+                self.vertex_runs.insert(key, (base, vertex_count));
+                base
+            }
+            Some(vertices) => {
+                let flat = split_flat(self.accessors, element, &vertices, &triangles)?;
+                for (triangle, corners) in triangles.iter_mut().enumerate() {
+                    *corners = [0, 1, 2].map(|corner| (triangle * 3 + corner) as u32);
+                }
+                self.append(element, flat)?
+            }
+            None => known_base,
+        };
+        let first_index = self.data.indices.len();
+        // positions fit 32 bits (`append`), so do these sums
+        self.data.indices.extend(
+            triangles
+                .as_flattened()
+                .iter()
+                .map(|&corner| base as u32 + corner),
+        );
+        if self.data.indices.len() > u32::MAX as usize {
+            return Err(self
+                .accessors
+                .invalid(element, "the mesh has more than 2³² indices"));
+        }
+        self.data.submeshes.push(Submesh {
+            first_index: first_index as u32,
+            index_count: (triangles.len() * 3) as u32,
+        });
+        Ok(true)
+    }
+
+    /// Vertex indices in drawing order, all of them in range.
+    fn corners(
+        &self,
+        element: Element,
+        primitive_index: usize,
+        primitive: &Primitive,
+        vertex_count: usize,
+    ) -> Result<Vec<u32>, GltfError> {
+        let Some(accessor) = primitive.indices else {
+            self.accessors.charge(element, vertex_count, 4)?;
+            return Ok((0..vertex_count as u32).collect());
+        };
+        let corners = self.accessors.read_u32::<1>(accessor.value())?.into_flattened();
+        match corners.iter().find(|&&index| index as usize >= vertex_count) {
+            Some(&index) => Err(GltfError::VertexIndex {
+                file: self.accessors.file.clone(),
+                mesh: self.index,
+                primitive: primitive_index,
+                index,
+                vertex_count,
+            }),
+            None => Ok(corners),
+        }
+    }
+
+    /// Appends streams to those of the mesh; where only one of the two has a stream, defaults fill the other.
+    /// Returns the first new vertex.
+    fn append(&mut self, element: Element, new: Vertices) -> Result<usize, GltfError> {
+        let base = self.data.positions.len();
+        let end = base + new.positions.len();
+        if end > u32::MAX as usize {
+            return Err(self
+                .accessors
+                .invalid(element, "the mesh has more than 2³² vertices"));
+        }
+        let join = Join {
+            accessors: self.accessors,
+            element,
+            base,
+            end,
+        };
+        let data = &mut self.data;
+        join.stream(&mut data.positions, Some(new.positions), Vec3::ZERO)?;
+        join.stream(&mut data.normals, new.normals, Vec3::Y)?;
+        join.stream(&mut data.tangents, new.tangents, Vec4::X)?;
+        let [uv0, uv1] = new.uv;
+        join.stream(&mut data.uv0, uv0, Vec2::ZERO)?;
+        join.stream(&mut data.uv1, uv1, Vec2::ZERO)?;
+        join.stream(&mut data.colors, new.colors, Vec4::ONE)?;
+        let (joints, weights) = new.skin.unzip();
+        join.stream(&mut data.joints, joints, [0; 4])?;
+        join.stream(&mut data.joint_weights, weights, Vec4::X)?;
+
+        let mut targets = new.targets;
+        let target_count = targets.len().max(data.morph_targets.len());
+        targets.resize_with(target_count, MorphTarget::default);
+        data.morph_targets.resize_with(target_count, MorphTarget::default);
+        for (target, new) in data.morph_targets.iter_mut().zip(targets) {
+            let present = |stream: Vec<Vec3>| Some(stream).filter(|stream| !stream.is_empty());
+            join.stream(&mut target.positions, present(new.positions), Vec3::ZERO)?;
+            join.stream(&mut target.normals, present(new.normals), Vec3::ZERO)?;
+            join.stream(&mut target.tangents, present(new.tangents), Vec3::ZERO)?;
+        }
+        Ok(base)
+    }
+}
+
+struct Join<'j, 'a> {
+    accessors: &'j Accessors<'a>,
+    element: Element,
+    base: usize,
+    end: usize,
+}
+
+impl Join<'_, '_> {
+    fn stream<T: Clone>(&self, stream: &mut Vec<T>, new: Option<Vec<T>>, fill: T) -> Result<(), GltfError> {
+        if new.is_none() && stream.is_empty() {
+            return Ok(());
+        }
+        self.accessors
+            .charge(self.element, self.end - stream.len(), size_of::<T>())?;
+        stream.resize(self.base, fill.clone());
+        stream.extend(new.into_iter().flatten());
+        stream.resize(self.end, fill);
+        Ok(())
+    }
+}
+
+/// The accessors that a primitive's vertices come from, in a fixed order.
+fn vertex_key(primitive: &Primitive) -> Vec<Option<usize>> {
+    let mut key: Vec<Option<usize>> = Vec::new();
+    for semantic in [
+        Semantic::Positions,
+        Semantic::Normals,
+        Semantic::Tangents,
+        Semantic::TexCoords(0),
+        Semantic::TexCoords(1),
+        Semantic::Colors(0),
+    ] {
+        key.push(attribute(primitive, semantic));
+    }
+    let mut set = 0;
+    while let Some(joints) = attribute(primitive, Semantic::Joints(set)) {
+        key.extend([Some(joints), attribute(primitive, Semantic::Weights(set))]);
+        set += 1;
+    }
+    key.push(None); // parts the joints from the targets
+    for target in primitive.targets.iter().flatten() {
+        key.extend([target.positions, target.normals, target.tangents].map(|a| a.map(|a| a.value())));
+    }
+    key
+}
+
+/// Triangles in the order and winding of glTF 2.0 §3.7.2.1.
+fn triangulate(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
+    match mode {
+        Mode::TriangleStrip => corners
+            .windows(3)
+            .enumerate()
+            .map(|(i, c)| {
+                if i % 2 == 0 {
+                    [c[0], c[1], c[2]]
+                } else {
+                    [c[0], c[2], c[1]]
+                }
+            })
+            .collect(),
+        Mode::TriangleFan => match corners.split_first() {
+            Some((&center, rim)) => rim.windows(2).map(|c| [c[0], c[1], center]).collect(),
+            None => Vec::new(),
+        },
+        _ => corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+    }
+}
+
+/// Gives each triangle vertices of its own with the triangle's normal.
+fn split_flat(
+    accessors: &Accessors<'_>,
+    element: Element,
+    shared: &Vertices,
+    triangles: &[[u32; 3]],
+) -> Result<Vertices, GltfError> {
+    let corners = triangles.as_flattened();
+    let moving = shared
+        .targets
+        .iter()
+        .filter(|target| !target.positions.is_empty())
+        .count();
+    accessors.charge(
+        element,
+        corners.len(),
+        size_of::<[Vec4; 6]>() + moving * size_of::<[Vec3; 2]>(),
+    )?;
+    fn gather<T: Copy>(stream: &[T], corners: &[u32]) -> Vec<T> {
+        corners.iter().map(|&corner| stream[corner as usize]).collect()
+    }
+    let positions = gather(&shared.positions, corners);
+    let normals = flat_normals(&positions);
+    // the target's own normals move smooth ones, which are not there; at weight 1 these are exact
+    let flat_target = |target: &MorphTarget| {
+        if target.positions.is_empty() {
+            return MorphTarget::default();
+        }
+        let deltas = gather(&target.positions, corners);
+        let moved: Vec<Vec3> = positions
+            .iter()
+            .zip(&deltas)
+            .map(|(&position, &delta)| position + delta)
+            .collect();
+        let moved_normals = flat_normals(&moved);
+        MorphTarget {
+            positions: deltas,
+            normals: moved_normals
+                .iter()
+                .zip(&normals)
+                .map(|(&moved, &rest)| moved - rest)
+                .collect(),
+            tangents: Vec::new(),
+        }
+    };
+    Ok(Vertices {
+        tangents: None,
+        uv: [&shared.uv[0], &shared.uv[1]].map(|uv| uv.as_ref().map(|uv| gather(uv, corners))),
+        colors: shared.colors.as_ref().map(|colors| gather(colors, corners)),
+        skin: shared
+            .skin
+            .as_ref()
+            .map(|(joints, weights)| (gather(joints, corners), gather(weights, corners))),
+        targets: shared.targets.iter().map(flat_target).collect(),
+        normals: Some(normals),
+        positions,
+    })
+}
+
+/// The normal of each triangle, once for each of its corners; +Y where it has no area.
+fn flat_normals(positions: &[Vec3]) -> Vec<Vec3> {
+    positions
+        .chunks_exact(3)
+        .flat_map(|c| {
+            [(c[1] - c[0])
+                .cross(c[2] - c[0])
+                .try_normalize()
+                .unwrap_or(Vec3::Y); 3]
+        })
+        .collect()
+}

@@ -1,0 +1,458 @@
+//! The node forest, its transforms, and the lights, cameras and skins that hang on it.
+
+use std::sync::Arc;
+
+use bevy_transform::prelude::Transform;
+use glam::{Mat3, Mat4, Quat, Vec3};
+use gltf::json::extensions::scene::khr_lights_punctual::{Light as JsonLight, Type as LightType};
+use gltf::json::scene::Node;
+use gltf::json::validation::Checked;
+
+use super::accessors::Accessors;
+use super::mesh::GltfMesh;
+use super::{Element, GltfError, Report, SkipKind};
+use crate::scene::{Camera, Light, LightKind, MeshData};
+
+/// Deepest nesting of nodes. Transform propagation and despawning recurse once a level.
+pub const MAX_NODE_DEPTH: usize = 512;
+
+/// A node by its index in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GltfNode {
+    /// Its name, or "node 3".
+    pub name: String,
+    /// Relative to its parent; may be singular or not finite (it is in the report then).
+    pub transform: Transform,
+    /// Indices of its children.
+    pub children: Vec<usize>,
+    /// Index into [`LoadedGltf::meshes`](super::LoadedGltf::meshes).
+    pub mesh: Option<usize>,
+    /// Index into [`LoadedGltf::skins`](super::LoadedGltf::skins); only where there is a mesh with joints.
+    pub skin: Option<usize>,
+    /// Index into [`LoadedGltf::lights`](super::LoadedGltf::lights).
+    pub light: Option<usize>,
+    /// Index into [`LoadedGltf::cameras`](super::LoadedGltf::cameras).
+    pub camera: Option<usize>,
+    /// One for each morph target of the mesh.
+    pub weights: Vec<f32>,
+}
+
+/// A scene: what can be spawned.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GltfSceneRoots {
+    /// Its name, or "scene 0".
+    pub name: String,
+    /// Indices of nodes without a parent.
+    pub roots: Vec<usize>,
+}
+
+/// Joints by node index.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GltfSkin {
+    /// Its name, or "skin 0".
+    pub name: String,
+    /// Indices into [`LoadedGltf::nodes`](super::LoadedGltf::nodes).
+    pub joints: Vec<usize>,
+    /// One for each joint: from the mesh's bind space to the joint's local space.
+    pub inverse_bind: Arc<[Mat4]>,
+}
+
+/// All nodes. They are a forest, at most [`MAX_NODE_DEPTH`] deep, and their indices exist.
+pub(super) fn load(
+    accessors: &Accessors<'_>,
+    meshes: &[GltfMesh],
+    skins: &[GltfSkin],
+    report: &mut Report,
+) -> Result<Vec<GltfNode>, GltfError> {
+    let json = &accessors.root.nodes;
+    let joint_counts: Vec<usize> = meshes.iter().map(|mesh| joint_count(&mesh.data)).collect();
+    let mut nodes = Vec::with_capacity(json.len());
+    for (index, node) in json.iter().enumerate() {
+        let element = Element::Node(index);
+        let (transform, problem) = transform_of(node);
+        if let Some(problem) = problem {
+            report.add(SkipKind::NodeTransform, element, 1, problem);
+        }
+        let mut children = Vec::new();
+        for &child in node.children.iter().flatten() {
+            accessors.get(json, child, element, "node")?;
+            children.push(child.value());
+        }
+        let mesh = match node.mesh {
+            Some(mesh) => Some((mesh.value(), accessors.get(meshes, mesh, element, "mesh")?)),
+            None => None,
+        };
+        let skin = match node.skin {
+            Some(skin) => Some((skin.value(), accessors.get(skins, skin, element, "skin")?)),
+            None => None,
+        };
+        if let Some(camera) = node.camera {
+            accessors.get(&accessors.root.cameras, camera, element, "camera")?;
+        }
+        let light = node
+            .extensions
+            .as_ref()
+            .and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+        if let Some(light) = light {
+            accessors.get(json_lights(accessors), light.light, element, "light")?;
+        }
+        let joint_count = mesh.map_or(0, |(mesh, _)| joint_counts[mesh]);
+        let skin = check_skin(accessors, element, joint_count, skin, report)?;
+        let mesh_data = mesh.map(|(_, mesh)| &mesh.data);
+        if let Some(data) = mesh_data.filter(|data| skin.is_some() || !data.morph_targets.is_empty()) {
+            // each such node is posed by itself: count its vertices and weights as the file's own
+            accessors.charge(element, data.positions.len(), size_of::<[Vec3; 3]>())?;
+            accessors.charge(element, data.morph_targets.len(), size_of::<f32>())?;
+        }
+        nodes.push(GltfNode {
+            name: node.name.clone().unwrap_or_else(|| element.to_string()),
+            transform,
+            children,
+            weights: mesh.map_or_else(Vec::new, |(_, mesh)| node_weights(node, mesh, element, report)),
+            mesh: mesh.map(|(index, _)| index),
+            skin,
+            light: light.map(|light| light.light.value()),
+            camera: node.camera.map(|camera| camera.value()),
+        });
+    }
+    check_forest(accessors, &nodes)?;
+    Ok(nodes)
+}
+
+/// Joints that a mesh needs.
+fn joint_count(data: &MeshData) -> usize {
+    let largest = data.joints.iter().flatten().max();
+    largest.map_or(0, |&joint| usize::from(joint) + 1)
+}
+
+/// A skin counts where the mesh has joints; every joint that a vertex follows must be in it.
+fn check_skin(
+    accessors: &Accessors<'_>,
+    element: Element,
+    joint_count: usize,
+    skin: Option<(usize, &GltfSkin)>,
+    report: &mut Report,
+) -> Result<Option<usize>, GltfError> {
+    let Some((index, skin)) = skin else {
+        return Ok(None);
+    };
+    let has = skin.joints.len();
+    if joint_count == 0 {
+        report.add(
+            SkipKind::NodeMesh,
+            element,
+            1,
+            format!("skin {index} has no mesh with joints to move"),
+        );
+        return Ok(None);
+    }
+    if joint_count > has {
+        let reason = format!(
+            "its mesh uses joint {}, skin {index} has {has} joints",
+            joint_count - 1
+        );
+        return Err(accessors.invalid(element, reason));
+    }
+    accessors.charge(element, has, size_of::<usize>())?;
+    Ok(Some(index))
+}
+
+fn node_weights(node: &Node, mesh: &GltfMesh, element: Element, report: &mut Report) -> Vec<f32> {
+    let Some(weights) = &node.weights else {
+        return mesh.weights.clone();
+    };
+    let mut weights = weights.clone();
+    let target_count = mesh.data.morph_targets.len();
+    if weights.len() != target_count {
+        let reason = format!(
+            "it has {} weights for {target_count} morph targets",
+            weights.len()
+        );
+        report.add(SkipKind::NodeMesh, element, 1, reason);
+        weights.resize(target_count, 0.0);
+    }
+    weights
+}
+
+/// Nobody has two parents, is their own ancestor, or lies too deep.
+fn check_forest(accessors: &Accessors<'_>, nodes: &[GltfNode]) -> Result<(), GltfError> {
+    let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
+    for (parent, node) in nodes.iter().enumerate() {
+        for &child in &node.children {
+            if let Some(first) = parents[child].replace(parent) {
+                let reason = format!("it has two parents, node {first} and node {parent}");
+                return Err(accessors.invalid(Element::Node(child), reason));
+            }
+        }
+    }
+    // with one parent each, only a cycle is out of reach from the roots
+    let mut reached = vec![false; nodes.len()];
+    let mut level: Vec<usize> = (0..nodes.len()).filter(|&node| parents[node].is_none()).collect();
+    for _ in 0..MAX_NODE_DEPTH {
+        level.iter().for_each(|&node| reached[node] = true);
+        level = level
+            .iter()
+            .flat_map(|&node| nodes[node].children.iter().copied())
+            .collect();
+    }
+    if let Some(&node) = level.first() {
+        let reason = format!("it is nested more than {MAX_NODE_DEPTH} nodes deep");
+        return Err(accessors.invalid(Element::Node(node), reason));
+    }
+    match reached.iter().position(|&reached| !reached) {
+        Some(node) => Err(accessors.invalid(Element::Node(node), "it is its own ancestor")),
+        None => Ok(()),
+    }
+}
+
+/// All scenes; where the file has none, one of every node without a parent.
+pub(super) fn load_scenes(
+    accessors: &Accessors<'_>,
+    nodes: &[GltfNode],
+) -> Result<(Vec<GltfSceneRoots>, usize), GltfError> {
+    let root = accessors.root;
+    let mut is_child = vec![false; nodes.len()];
+    nodes
+        .iter()
+        .flat_map(|node| &node.children)
+        .for_each(|&child| is_child[child] = true);
+    let mut listed_by: Vec<Option<usize>> = vec![None; nodes.len()];
+    let mut scenes = Vec::with_capacity(root.scenes.len());
+    for (index, scene) in root.scenes.iter().enumerate() {
+        let element = Element::Scene(index);
+        let mut roots = Vec::with_capacity(scene.nodes.len());
+        for &node in &scene.nodes {
+            accessors.get(nodes, node, element, "node")?;
+            let node = node.value();
+            if is_child[node] {
+                return Err(accessors.invalid(element, format!("its root, node {node}, has a parent")));
+            }
+            if listed_by[node].replace(index) == Some(index) {
+                return Err(accessors.invalid(element, format!("it lists node {node} twice")));
+            }
+            roots.push(node);
+        }
+        let name = scene.name.clone().unwrap_or_else(|| element.to_string());
+        scenes.push(GltfSceneRoots { name, roots });
+    }
+    let default_scene = match root.scene {
+        Some(scene) => {
+            accessors.get(&root.scenes, scene, Element::File, "scene")?;
+            scene.value()
+        }
+        None => 0,
+    };
+    if scenes.is_empty() {
+        let roots = (0..nodes.len()).filter(|&node| !is_child[node]).collect();
+        scenes.push(GltfSceneRoots {
+            name: Element::Scene(0).to_string(),
+            roots,
+        });
+    }
+    Ok((scenes, default_scene))
+}
+
+fn json_lights<'a>(accessors: &Accessors<'a>) -> &'a [JsonLight] {
+    let extensions = accessors.root.extensions.as_ref();
+    extensions
+        .and_then(|extensions| extensions.khr_lights_punctual.as_ref())
+        .map_or(&[], |extension| &extension.lights)
+}
+
+/// All lights of `KHR_lights_punctual`: candela, or lux, as they stand there.
+pub(super) fn load_lights(accessors: &Accessors<'_>, report: &mut Report) -> Vec<Light> {
+    let lights = json_lights(accessors).iter().enumerate().map(|(index, json)| {
+        let spot = json.spot.as_ref();
+        let kind = match json.type_ {
+            Checked::Valid(LightType::Spot) => LightKind::Spot {
+                inner_angle: spot.map_or(0.0, |spot| spot.inner_cone_angle),
+                outer_angle: spot.map_or(std::f32::consts::FRAC_PI_4, |spot| spot.outer_cone_angle),
+            },
+            Checked::Valid(LightType::Directional) => LightKind::Directional,
+            Checked::Valid(LightType::Point) | Checked::Invalid => LightKind::Point,
+        };
+        let mut light = Light {
+            kind,
+            color: Vec3::from(json.color),
+            intensity: json.intensity,
+            range: json.range.unwrap_or(f32::INFINITY),
+        };
+        let known = matches!(json.type_, Checked::Valid(_));
+        let problem = if known {
+            light.validate().err().map(|error| error.to_string())
+        } else {
+            Some("its type is unknown".to_owned())
+        };
+        if let Some(problem) = problem {
+            report.add(SkipKind::Light, Element::Light(index), 1, problem);
+        }
+        if !known {
+            light.intensity = 0.0;
+        }
+        light
+    });
+    lights.collect()
+}
+
+/// All cameras; `None` for those that are no perspective cameras.
+pub(super) fn load_cameras(accessors: &Accessors<'_>, report: &mut Report) -> Vec<Option<Camera>> {
+    let cameras = accessors.root.cameras.iter().enumerate().map(|(index, json)| {
+        let camera = json.perspective.as_ref().map(|perspective| Camera {
+            vertical_fov: perspective.yfov,
+            near: perspective.znear,
+            aspect: perspective.aspect_ratio.unwrap_or(Camera::default().aspect),
+        });
+        let usable = camera.filter(Camera::is_valid);
+        if usable.is_none() {
+            let reason = match camera {
+                Some(_) => "its numbers make no projection",
+                None => "it is orthographic, only perspective cameras are supported",
+            };
+            report.add(SkipKind::Camera, Element::Camera(index), 1, reason);
+        }
+        usable
+    });
+    cameras.collect()
+}
+
+/// All skins. A joint without an inverse bind matrix has the identity.
+pub(super) fn load_skins(accessors: &Accessors<'_>, report: &mut Report) -> Result<Vec<GltfSkin>, GltfError> {
+    let mut skins = Vec::with_capacity(accessors.root.skins.len());
+    for (index, skin) in accessors.root.skins.iter().enumerate() {
+        let element = Element::Skin(index);
+        let mut joints = Vec::with_capacity(skin.joints.len());
+        for &joint in &skin.joints {
+            accessors.get(&accessors.root.nodes, joint, element, "node")?;
+            joints.push(joint.value());
+        }
+        let mut inverse_bind: Vec<Mat4> = match skin.inverse_bind_matrices {
+            Some(accessor) => {
+                accessors.get(&accessors.root.accessors, accessor, element, "accessor")?;
+                let matrices = accessors.read_f32::<16>(accessor.value())?;
+                if matrices.len() < joints.len() {
+                    let (count, joints) = (matrices.len(), joints.len());
+                    let reason = format!(
+                        "accessor {} has {count} matrices for {joints} joints",
+                        accessor.value()
+                    );
+                    return Err(accessors.invalid(element, reason));
+                }
+                matrices.iter().map(Mat4::from_cols_array).collect()
+            }
+            None => vec![Mat4::IDENTITY; joints.len()],
+        };
+        inverse_bind.truncate(joints.len());
+        let broken = inverse_bind.iter().filter(|matrix| !matrix.is_finite()).count();
+        if broken > 0 {
+            let reason = "an inverse bind matrix is not finite, the identity is used";
+            report.add(SkipKind::NodeMesh, element, broken, reason);
+            inverse_bind
+                .iter_mut()
+                .filter(|matrix| !matrix.is_finite())
+                .for_each(|matrix| *matrix = Mat4::IDENTITY);
+        }
+        let name = skin.name.clone().unwrap_or_else(|| element.to_string());
+        skins.push(GltfSkin {
+            name,
+            joints,
+            inverse_bind: inverse_bind.into(),
+        });
+    }
+    Ok(skins)
+}
+
+/// The transform of a node, and what is wrong with it.
+fn transform_of(node: &Node) -> (Transform, Option<&'static str>) {
+    let (transform, mut problem) = match &node.matrix {
+        Some(matrix) => decompose(&Mat4::from_cols_array(matrix)),
+        None => {
+            let rotation = node
+                .rotation
+                .map_or(Quat::IDENTITY, |rotation| Quat::from_array(rotation.0));
+            let (rotation, problem) = match unit_rotation(rotation) {
+                Some(rotation) => (rotation, None),
+                None => (
+                    Quat::IDENTITY,
+                    Some("its rotation has no direction, none is used"),
+                ),
+            };
+            let transform = Transform {
+                translation: node.translation.map_or(Vec3::ZERO, Vec3::from),
+                rotation,
+                scale: node.scale.map_or(Vec3::ONE, Vec3::from),
+            };
+            (transform, problem)
+        }
+    };
+    let affine = transform.compute_affine();
+    let determinant = affine.matrix3.determinant();
+    if !affine.is_finite() || !determinant.is_finite() {
+        problem = Some("its transform is not finite");
+    } else if determinant == 0.0 {
+        problem = Some("its transform is singular");
+    }
+    (transform, problem)
+}
+
+/// `rotation` with unit length; exact input is kept bit for bit.
+fn unit_rotation(rotation: Quat) -> Option<Quat> {
+    if rotation.is_normalized() {
+        return Some(rotation);
+    }
+    let unit = rotation.normalize();
+    unit.is_finite().then_some(unit)
+}
+
+/// Translation, rotation and scale of a matrix. A flattened axis gets scale 0 and whatever direction completes
+/// the rotation; shear, which no node may have, is lost and named.
+fn decompose(matrix: &Mat4) -> (Transform, Option<&'static str>) {
+    let linear = Mat3::from_mat4(*matrix);
+    let translation = matrix.w_axis.truncate();
+    if !linear.is_finite() {
+        let scale = Vec3::NAN;
+        return (
+            Transform {
+                translation,
+                rotation: Quat::IDENTITY,
+                scale,
+            },
+            None,
+        );
+    }
+    let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
+    let mut scale = Vec3::from(columns.map(Vec3::length));
+    let axes = columns.map(Vec3::try_normalize);
+    let axes = match axes {
+        [Some(x), Some(y), Some(z)] => {
+            // of a mirroring matrix one axis is turned round, as in every node that mirrors
+            let mirror = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
+            scale.x *= mirror;
+            [x * mirror, y, z]
+        }
+        [None, Some(y), Some(z)] => [y.cross(z), y, z],
+        [Some(x), None, Some(z)] => [x, z.cross(x), z],
+        [Some(x), Some(y), None] => [x, y, x.cross(y)],
+        [Some(x), None, None] => [x, x.any_orthonormal_pair().0, x.any_orthonormal_pair().1],
+        [None, Some(y), None] => [y.any_orthonormal_pair().1, y, y.any_orthonormal_pair().0],
+        [None, None, Some(z)] => [z.any_orthonormal_pair().0, z.any_orthonormal_pair().1, z],
+        [None, None, None] => [Vec3::X, Vec3::Y, Vec3::Z],
+    };
+    let rotation = Quat::from_mat3(&Mat3::from_cols(axes[0], axes[1], axes[2]));
+    let rotation = unit_rotation(rotation).unwrap_or(Quat::IDENTITY);
+    let transform = Transform {
+        translation,
+        rotation,
+        scale,
+    };
+    let largest = scale.abs().max_element();
+    let again = Mat3::from(transform.compute_affine().matrix3);
+    // 1e-3 of the largest axis: far above rounding, below what an eye sees
+    let is_kept = (again - linear)
+        .to_cols_array()
+        .iter()
+        .all(|error| error.abs() <= largest * 1e-3);
+    (
+        transform,
+        (!is_kept).then_some("its matrix has shear, which is lost"),
+    )
+}

@@ -1,0 +1,188 @@
+//! From a loaded file to entities.
+
+use std::sync::Arc;
+
+use bevy_ecs::name::Name;
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+
+use super::nodes::GltfNode;
+use super::{Element, GltfError, LoadedGltf};
+use crate::scene::animation::{AnimationClips, SceneNodes};
+use crate::scene::{MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin};
+
+/// The entities of a spawned scene.
+#[derive(Clone, Debug)]
+pub struct SpawnedScene {
+    /// Parent of them all; it has [`AnimationClips`] and [`SceneNodes`], and an identity transform to place the
+    /// scene with.
+    pub root: Entity,
+    /// Entities by glTF node index.
+    pub nodes: SceneNodes,
+    /// Entities with a [`Camera`](crate::scene::Camera), in the order of their nodes.
+    pub cameras: Vec<Entity>,
+    /// Entities with a [`Light`](crate::scene::Light), in the order of their nodes.
+    pub lights: Vec<Entity>,
+    /// Entities with a [`SceneMesh`], in the order of their nodes.
+    pub meshes: Vec<Entity>,
+}
+
+impl AsRef<SceneNodes> for SpawnedScene {
+    fn as_ref(&self) -> &SceneNodes {
+        &self.nodes
+    }
+}
+
+/// Spawns a scene of the file, the default one for `None`.
+///
+/// Each node becomes an entity with `Transform`, `Name`, `ChildOf`, and the mesh, light and camera of the node.
+/// A skinned mesh is an entity of its own, a child of the root: glTF ignores the transform of its node.
+///
+/// # Errors
+/// A scene that does not exist, and a skin whose joints are not all in the scene. Nothing is spawned then.
+pub fn spawn_scene(
+    world: &mut World,
+    gltf: &LoadedGltf,
+    scene_index: Option<usize>,
+) -> Result<SpawnedScene, GltfError> {
+    let scene_index = scene_index.unwrap_or(gltf.default_scene);
+    let scene = gltf.scenes.get(scene_index).ok_or_else(|| GltfError::Reference {
+        file: gltf.file.clone(),
+        element: Element::File,
+        target: "scene",
+        index: scene_index,
+        count: gltf.scenes.len(),
+    })?;
+    let parents = parents_in_scene(&gltf.nodes, &scene.roots);
+    check_joints(gltf, scene_index, &parents)?;
+
+    let clips = AnimationClips(Arc::clone(&gltf.clips));
+    let root = world
+        .spawn((Name::new(scene.name.clone()), Transform::IDENTITY, clips))
+        .id();
+    let mut spawned = SpawnedScene {
+        root,
+        nodes: SceneNodes {
+            nodes: vec![None; gltf.nodes.len()],
+            meshes: vec![None; gltf.nodes.len()],
+        },
+        cameras: Vec::new(),
+        lights: Vec::new(),
+        meshes: Vec::new(),
+    };
+    let in_scene = || (0..gltf.nodes.len()).filter(|&node| parents[node] != Parent::NotInScene);
+    for index in in_scene() {
+        let node = &gltf.nodes[index];
+        spawned.nodes.nodes[index] = Some(world.spawn((Name::new(node.name.clone()), node.transform)).id());
+    }
+    for index in in_scene() {
+        let Some(entity) = spawned.nodes.nodes[index] else {
+            continue;
+        };
+        let parent = match parents[index] {
+            Parent::Node(parent) => spawned.nodes.nodes[parent].unwrap_or(root),
+            Parent::Scene | Parent::NotInScene => root,
+        };
+        world.entity_mut(entity).insert(ChildOf(parent));
+        spawn_node(world, gltf, index, entity, &mut spawned);
+    }
+    world.entity_mut(root).insert(spawned.nodes.clone());
+    Ok(spawned)
+}
+
+fn spawn_node(
+    world: &mut World,
+    gltf: &LoadedGltf,
+    index: usize,
+    entity: Entity,
+    spawned: &mut SpawnedScene,
+) {
+    let node = &gltf.nodes[index];
+    if let Some(light) = node.light.and_then(|light| gltf.lights.get(light)) {
+        world.entity_mut(entity).insert(light.clone());
+        spawned.lights.push(entity);
+    }
+    if let Some(camera) = node
+        .camera
+        .and_then(|camera| gltf.cameras.get(camera).copied().flatten())
+    {
+        world.entity_mut(entity).insert(camera);
+        spawned.cameras.push(entity);
+    }
+    let Some(mesh) = node.mesh.and_then(|mesh| gltf.meshes.get(mesh)) else {
+        return;
+    };
+    let drawn = (
+        SceneMesh(Arc::clone(&mesh.data)),
+        SceneMaterials(mesh.materials.clone()),
+        ShadowCaster,
+        ShadowReceiver,
+    );
+    let mesh_entity = match node.skin.and_then(|skin| gltf.skins.get(skin)) {
+        Some(skin) => {
+            let joints = skin
+                .joints
+                .iter()
+                .filter_map(|&joint| spawned.nodes.nodes[joint])
+                .collect();
+            let skin = Skin {
+                joints,
+                inverse_bind: Arc::clone(&skin.inverse_bind),
+            };
+            let name = Name::new(format!("{} (skinned)", node.name));
+            world
+                .spawn((name, Transform::IDENTITY, ChildOf(spawned.root), skin, drawn))
+                .id()
+        }
+        None => world.entity_mut(entity).insert(drawn).id(),
+    };
+    if !node.weights.is_empty() {
+        world
+            .entity_mut(mesh_entity)
+            .insert(MorphWeights(node.weights.clone()));
+    }
+    spawned.nodes.meshes[index] = Some(mesh_entity);
+    spawned.meshes.push(mesh_entity);
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Parent {
+    NotInScene,
+    Scene,
+    Node(usize),
+}
+
+fn parents_in_scene(nodes: &[GltfNode], roots: &[usize]) -> Vec<Parent> {
+    let mut parents = vec![Parent::NotInScene; nodes.len()];
+    let mut open: Vec<usize> = Vec::new();
+    for &root in roots {
+        parents[root] = Parent::Scene;
+        open.push(root);
+    }
+    while let Some(node) = open.pop() {
+        for &child in &nodes[node].children {
+            parents[child] = Parent::Node(node);
+            open.push(child);
+        }
+    }
+    parents
+}
+
+fn check_joints(gltf: &LoadedGltf, scene_index: usize, parents: &[Parent]) -> Result<(), GltfError> {
+    for (index, node) in gltf.nodes.iter().enumerate() {
+        let Some(skin_index) = node.skin.filter(|_| parents[index] != Parent::NotInScene) else {
+            continue;
+        };
+        let joints = gltf.skins.get(skin_index).map_or(&[][..], |skin| &skin.joints);
+        if let Some(joint) = joints.iter().find(|&&joint| parents[joint] == Parent::NotInScene) {
+            return Err(GltfError::Invalid {
+                file: gltf.file.clone(),
+                element: Element::Skin(skin_index),
+                reason: format!(
+                    "its joint, node {joint}, is not in scene {scene_index}, but node {index} is"
+                ),
+            });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,59 @@
+//! Objects that the camera may look into.
+
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+
+use super::{Objects, View};
+use crate::geometry::Aabb;
+use crate::scene::{AlphaMode, SceneMaterials};
+
+/// Objects, by dense index, inside of which a visible point may lie: the near rectangle touches their bounds, or they
+/// are not opaque, or not drawn at all. Written by [`collect_seen_into`].
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct SeenInto(pub FixedBitSet);
+
+/// See-through objects, which depend on materials alone.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct SeeThrough {
+    /// By dense index.
+    pub objects: FixedBitSet,
+    generation: Option<(u64, u64)>,
+}
+
+/// Collects [`SeeThrough`] and [`SeenInto`].
+///
+/// Set: `CollectSets`, after the objects and the view. Cost: one box test an object.
+pub fn collect_seen_into(
+    mut seen_into: ResMut<SeenInto>,
+    mut see_through: ResMut<SeeThrough>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    materials: Query<&SceneMaterials>,
+    exchanged: Query<(), Changed<SceneMaterials>>,
+) {
+    let generation = Some((objects.layout_generation, objects.flags_generation));
+    if see_through.generation != generation || !exchanged.is_empty() {
+        see_through.generation = generation;
+        see_through.objects.clear();
+        see_through.objects.grow(objects.len());
+        for (object, &entity) in objects.entities.iter().enumerate() {
+            let opaque = materials.get(entity).is_ok_and(|materials| {
+                materials
+                    .0
+                    .iter()
+                    .all(|material| material.alpha_mode == AlphaMode::Opaque)
+            });
+            see_through.objects.set(object, !opaque);
+        }
+    }
+    seen_into.0.clone_from(&see_through.objects);
+    let Some(view) = &view.data else {
+        return;
+    };
+    let near = Aabb::from_points(view.near_corners.map(|corner| corner.as_vec3()));
+    for object in 0..objects.len() {
+        if objects.boxes.get(object).intersects(&near) {
+            seen_into.0.insert(object);
+        }
+    }
+}

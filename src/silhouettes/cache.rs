@@ -1,0 +1,276 @@
+//! Silhouettes of (light, caster) pairs, kept until the light, the caster or its pose moves.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DMat4, DVec4, Mat4, Vec4};
+
+use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
+use super::{CapMode, Contour, FacingBits, classify, extract_contour};
+use crate::scene::{PosedMesh, SceneMesh};
+use crate::sets::{FrameLights, Objects, SeenInto};
+
+/// Marks lights whose technique is built on silhouettes.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NeedsSilhouettes;
+
+/// Frames that a pair's silhouette outlives its last use: a light that flickers in and out of view does not pay each
+/// time, and memory follows what is looked at. By eye.
+const KEPT_FRAMES: u64 = 120;
+
+/// No silhouette.
+const NONE: u32 = u32::MAX;
+
+/// The silhouette of one caster in one light.
+#[derive(Debug)]
+pub struct Silhouette {
+    /// The caster.
+    pub entity: Entity,
+    /// The light as a homogeneous point in the caster's space: what it was extracted for.
+    pub light_local: Vec4,
+    /// Which triangles stand for the caster.
+    pub mode: CapMode,
+    /// Edges and caps.
+    pub contour: Contour,
+    /// Unique among all silhouettes ever extracted; tells a copy of it whether it is stale. 0: the slot is free.
+    pub revision: u64,
+    source: Option<Arc<CasterMesh>>,
+    last_used: u64,
+}
+
+/// The silhouettes in one light.
+#[derive(Debug)]
+pub struct LightSilhouettes {
+    /// The light.
+    pub light: Entity,
+    /// Slots, used and free; an index stays valid until its pair is forgotten.
+    pub slots: Vec<Silhouette>,
+    slot_of: Vec<u32>,
+    free: Vec<u32>,
+    layout_generation: u64,
+}
+
+/// The silhouettes of this frame. Written by [`build_silhouettes`].
+#[derive(Resource, Debug, Default)]
+pub struct Silhouettes {
+    lights: Vec<LightSilhouettes>,
+    bits: FacingBits,
+    frame: u64,
+    last_revision: u64,
+    /// Silhouettes extracted in this frame; 0 when nothing moved.
+    pub extracted: usize,
+}
+
+impl Silhouettes {
+    /// The silhouettes in a light; `None` if it never needed any.
+    pub fn of_light(&self, light: Entity) -> Option<&LightSilhouettes> {
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
+        Some(&self.lights[at])
+    }
+
+    /// All lights, by entity.
+    pub fn lights(&self) -> &[LightSilhouettes] {
+        &self.lights
+    }
+}
+
+impl LightSilhouettes {
+    /// Slot and silhouette of the caster at a dense index, if it has one with something to cast.
+    pub fn of_object(&self, object: usize) -> Option<(usize, &Silhouette)> {
+        let slot = *self.slot_of.get(object).filter(|slot| **slot != NONE)? as usize;
+        Some((slot, &self.slots[slot]))
+    }
+
+    /// Maps slots to dense indices anew when objects came or went.
+    fn remap(&mut self, objects: &Objects) {
+        if self.layout_generation == objects.layout_generation && self.slot_of.len() == objects.len() {
+            return;
+        }
+        self.layout_generation = objects.layout_generation;
+        self.slot_of.clear();
+        self.slot_of.resize(objects.len(), NONE);
+        for (slot, silhouette) in self.slots.iter_mut().enumerate() {
+            if silhouette.revision == 0 {
+                continue;
+            }
+            match objects.index_of(silhouette.entity) {
+                Some(object) => self.slot_of[object] = slot as u32,
+                None => {
+                    silhouette.revision = 0;
+                    self.free.push(slot as u32);
+                }
+            }
+        }
+    }
+
+    fn slot_for(&mut self, object: usize, entity: Entity) -> usize {
+        if self.slot_of[object] != NONE {
+            return self.slot_of[object] as usize;
+        }
+        let slot = self.free.pop().map_or(self.slots.len(), |slot| slot as usize);
+        if slot == self.slots.len() {
+            self.slots.push(Silhouette {
+                entity,
+                light_local: Vec4::ZERO,
+                mode: CapMode::default(),
+                contour: Contour::default(),
+                revision: 0,
+                source: None,
+                last_used: 0,
+            });
+        }
+        self.slots[slot].entity = entity;
+        self.slots[slot].source = None;
+        self.slot_of[object] = slot as u32;
+        slot
+    }
+
+    fn forget(&mut self, object: usize) {
+        let slot = std::mem::replace(&mut self.slot_of[object], NONE);
+        if slot != NONE {
+            self.slots[slot as usize].revision = 0;
+            self.free.push(slot);
+        }
+    }
+
+    fn forget_unused(&mut self, frame: u64, objects: &Objects) {
+        for (slot, silhouette) in self.slots.iter_mut().enumerate() {
+            if silhouette.revision != 0 && silhouette.last_used + KEPT_FRAMES < frame {
+                silhouette.revision = 0;
+                silhouette.source = None;
+                silhouette.contour = Contour::default();
+                self.free.push(slot as u32);
+                if let Some(object) = objects.index_of(silhouette.entity) {
+                    self.slot_of[object] = NONE;
+                }
+            }
+        }
+    }
+}
+
+type CasterItem<'a> = (
+    &'a CasterEdges,
+    &'a SceneMesh,
+    &'a GlobalTransform,
+    Option<(&'a PosedMesh, &'a PosedPlanes)>,
+);
+
+/// Extracts the silhouettes of every light's set S that are not known yet or are stale.
+///
+/// Set: `BuildSilhouettes`. Reads [`FrameLights`], [`Objects`], [`SeenInto`]; writes [`Silhouettes`].
+///
+/// A pair is stale when the light or the caster moved (by change ticks) and the light stands elsewhere in the caster's
+/// space for it (by value: what moves together keeps its silhouette), when the caster was posed or its mesh exchanged,
+/// or when the camera went into or out of its bounds ([`CapMode`]).
+pub fn build_silhouettes(
+    mut silhouettes: ResMut<Silhouettes>,
+    lights: Res<FrameLights>,
+    objects: Res<Objects>,
+    seen_into: Res<SeenInto>,
+    wanting: Query<(), With<NeedsSilhouettes>>,
+    casters: Query<CasterItem<'static>>,
+) {
+    let Silhouettes {
+        lights: kept,
+        bits,
+        frame,
+        last_revision,
+        extracted,
+    } = &mut *silhouettes;
+    *frame += 1;
+    *extracted = 0;
+    for light in &lights.lights {
+        if !wanting.contains(light.entity) {
+            continue;
+        }
+        let at = kept
+            .binary_search_by_key(&light.entity, |entry| entry.light)
+            .unwrap_or_else(|at| {
+                kept.insert(
+                    at,
+                    LightSilhouettes {
+                        light: light.entity,
+                        slots: Vec::new(),
+                        slot_of: Vec::new(),
+                        free: Vec::new(),
+                        layout_generation: 0,
+                    },
+                );
+                at
+            });
+        let entry = &mut kept[at];
+        entry.remap(&objects);
+        for object in light.s.ones() {
+            let entity = objects.entities[object];
+            let Ok((edges, mesh, transform, posed)) = casters.get(entity) else {
+                continue;
+            };
+            let mode = cap_mode(object, &seen_into.0);
+            let slot = entry.slot_for(object, entity);
+            let silhouette = &mut entry.slots[slot];
+            // Change ticks tell of this frame only: what was not looked at in the last one is checked by value.
+            let watched = silhouette.last_used + 1 == *frame;
+            silhouette.last_used = *frame;
+            let known = silhouette.revision != 0
+                && silhouette.mode == mode
+                && silhouette
+                    .source
+                    .as_ref()
+                    .is_some_and(|source| Arc::ptr_eq(source, &edges.0));
+            if known && watched && !light.moved && !objects.moved.contains(object) {
+                continue;
+            }
+            let Some(light_local) = light_in_local(transform, light.point_world) else {
+                entry.forget(object);
+                continue;
+            };
+            if known && posed.is_none() && silhouette.light_local == light_local {
+                continue;
+            }
+            let (positions, planes) = match posed {
+                Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
+                    (&posed.positions, &planes.0)
+                }
+                _ => (&mesh.0.positions, &edges.0.planes),
+            };
+            classify(&edges.0.edges, planes, light_local, bits);
+            extract_contour(&edges.0.edges, positions, bits, mode, &mut silhouette.contour);
+            *last_revision += 1;
+            *extracted += 1;
+            silhouette.revision = *last_revision;
+            silhouette.light_local = light_local;
+            silhouette.mode = mode;
+            silhouette.source = Some(edges.0.clone());
+        }
+        entry.forget_unused(*frame, &objects);
+    }
+    // Lights that are gone take their silhouettes with them.
+    kept.retain(|entry| wanting.contains(entry.light));
+}
+
+/// All triangles of casters that can be looked into; back-facing ones suffice for others.
+fn cap_mode(object: usize, seen_into: &FixedBitSet) -> CapMode {
+    if seen_into.contains(object) {
+        CapMode::AllTriangles
+    } else {
+        CapMode::ClosedBackFacing
+    }
+}
+
+/// The light as a homogeneous point in a caster's space, by way of f64; `None` for a transform without inverse.
+pub fn light_in_local(world_from_local: &GlobalTransform, light_world: DVec4) -> Option<Vec4> {
+    let world_from_local: DMat4 = Mat4::from(world_from_local.affine()).as_dmat4();
+    let determinant = world_from_local.determinant();
+    if !(determinant.is_finite() && determinant != 0.0) {
+        return None;
+    }
+    let local = (world_from_local.inverse() * light_world).as_vec4();
+    // An affine map keeps w, but for rounding.
+    let local = Vec4::new(local.x, local.y, local.z, light_world.w as f32);
+    local.is_finite().then_some(local)
+}

@@ -1,0 +1,40 @@
+//! What a user sets on a light.
+
+use bevy_ecs::prelude::*;
+
+use crate::silhouettes::NeedsSilhouettes;
+
+/// Gives a light hard shadows by stencil shadow volumes. Area lights cast from their centre.
+///
+/// Exact for any triangle mesh, open or closed; alpha-tested surfaces cast whole. At most 127 volumes may stand one
+/// behind the other at a pixel: the stencil counts modulo 128.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[require(NeedsSilhouettes)]
+pub struct StencilVolume {
+    /// Which way intersections with the volumes are counted.
+    pub counting: Counting,
+    /// How far the volumes reach.
+    pub extent: Extent,
+}
+
+/// Which way intersections with a shadow volume are counted. The pictures are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Counting {
+    /// Towards the viewer (depth-pass, no caps) where the caster provably does not shadow the viewport, else away from
+    /// it (depth-fail); decided for each caster.
+    #[default]
+    Auto,
+    /// Always away from the viewer.
+    DepthFail,
+}
+
+/// How far shadow volumes reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Extent {
+    /// To just beyond the light's range, if it has one and the light is outside of the caster's bounds; else to
+    /// infinity.
+    #[default]
+    Finite,
+    /// To infinity.
+    Infinite,
+}

@@ -1,0 +1,24 @@
+//! Stencil shadow volumes: hard shadows, exact to the pixel, without bias.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | [`component`] | what a user sets on a light |
+//! | [`extrude`] | far corners and the bounds of a volume; the twin of the vertex shader |
+//! | [`inside_test`] | whether the viewport may lie in a caster's shadow: depth-fail or depth-pass |
+//! | [`volumes`] | the frame's volumes: which parts of which caster are drawn, and how |
+//! | `contour_pool` | silhouettes on the GPU (feature `render`) |
+//! | `node` | the recorder (feature `render`) |
+//!
+//! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9.
+
+pub mod component;
+#[cfg(feature = "render")]
+pub mod contour_pool;
+pub mod extrude;
+pub mod inside_test;
+#[cfg(feature = "render")]
+pub mod node;
+pub mod volumes;
+
+pub use component::{Counting, Extent, StencilVolume};
+pub use volumes::{CasterVolume, LightVolumes, StencilVolumes};

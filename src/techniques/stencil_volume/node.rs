@@ -1,0 +1,422 @@
+//! Stencil pass of one light: leaves the count 0 exactly where no volume covers the visible surface.
+//!
+//! Shader  `shaders/techniques/stencil_volume/volume.wgsl`; twin [`extrude`](super::extrude)
+//! Groups  0 view, 2 casters
+//! Reads   depth, the in-bounds bit.  Writes  the stencil's count only: no colour, no depth
+//! Order   after `light_begin`, before `light_accumulate` of the same light
+//!
+//! Depth-fail: faces that do not pass the depth test count, front −1, back +1; so what lies behind the surface is
+//! counted, and the camera may be inside a volume. Depth-pass: faces that pass count, front +1, back −1. Both wrap, so
+//! order is free, and casters of either kind mix. A face exactly on the surface does not pass: caps that coincide with
+//! the surface of an open caster count as behind it. Depth is reversed: far caps at infinity land on 0, the clear value,
+//! and do not pass either, as they must.
+//! Source: Everitt & Kilgard 2002, "Practical and Robust Stenciled Shadow Volumes"; McGuire 2004, GPU Gems ch. 9.
+
+use bevy_ecs::prelude::*;
+
+use super::contour_pool::ContourPool;
+use super::volumes::{CasterVolume, StencilVolumes};
+use crate::conventions::{STENCIL_COUNT_MASK, STENCIL_IN_BOUNDS};
+use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
+use crate::render::buffers::GrowingBuffer;
+use crate::render::gpu_types;
+use crate::render::nodes::light_begin::no_color;
+use crate::render::pipelines::front_face;
+use crate::render::targets::RADIANCE_FORMAT;
+use crate::render::technique::{PrepareInput, RecordInput, ShadowTechnique, Visibility};
+use crate::render::{RenderContext, RenderError, Shaders};
+use crate::sets::FrameLights;
+use crate::silhouettes::Silhouettes;
+
+/// Which part of a volume a draw draws; the vertex stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Part {
+    Side,
+    NearCap,
+    FarCap,
+}
+
+/// All that tells two pipelines of this pass apart; the key of the cache.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    part: Part,
+    depth_pass: bool,
+    /// The part's outward faces wind clockwise on the screen: the view and the caster mirror, or the triangles are those
+    /// that face away from the outside.
+    clockwise: bool,
+}
+
+impl Key {
+    fn index(self) -> usize {
+        self.part as usize * 4 + usize::from(self.depth_pass) * 2 + usize::from(self.clockwise)
+    }
+}
+
+const KEY_COUNT: usize = 12;
+
+/// One draw call.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Draw {
+    key: Key,
+    mesh: u32,
+    /// First vertex (sides) or first index (caps) in the pool.
+    first: u32,
+    count: u32,
+    caster: u32,
+}
+
+#[derive(Debug)]
+struct LightDraws {
+    light: usize,
+    draws: std::ops::Range<usize>,
+}
+
+/// The recorder.
+#[derive(Debug)]
+pub struct StencilVolumeNode {
+    module: wgpu::ShaderModule,
+    layout: wgpu::PipelineLayout,
+    group_layout: wgpu::BindGroupLayout,
+    counting: Vec<Option<wgpu::RenderPipeline>>,
+    debugging: Vec<Option<wgpu::RenderPipeline>>,
+    pool: ContourPool,
+    casters: GrowingBuffer,
+    group: wgpu::BindGroup,
+    caster_constants: Vec<gpu_types::Caster>,
+    draws: Vec<Draw>,
+    lights: Vec<LightDraws>,
+}
+
+impl StencilVolumeNode {
+    /// Compiles the shader; pipelines come when a frame needs them.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn new(
+        context: &RenderContext,
+        shaders: &Shaders,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
+        let group_layout = context
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("volume casters"),
+                entries: &[
+                    buffer_entry(
+                        0,
+                        wgpu::ShaderStages::VERTEX,
+                        STORAGE,
+                        false,
+                        size_of::<gpu_types::Caster>(),
+                    ),
+                    buffer_entry(1, wgpu::ShaderStages::VERTEX, STORAGE, false, 24),
+                ],
+            });
+        let casters = GrowingBuffer::new(context, "volume casters", wgpu::BufferUsages::STORAGE);
+        let pool = ContourPool::new(context);
+        Ok(Self {
+            module: shaders.module(&context.device, "techniques/stencil_volume/volume.wgsl")?,
+            layout: context
+                .device
+                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some("stencil volume"),
+                    bind_group_layouts: &[Some(&layouts.view), None, Some(&group_layout)],
+                    immediate_size: 0,
+                }),
+            counting: vec![None; KEY_COUNT],
+            debugging: vec![None; KEY_COUNT],
+            group: bind(context, &group_layout, &casters.buffer, pool.edges()),
+            group_layout,
+            pool,
+            casters,
+            caster_constants: Vec::new(),
+            draws: Vec::new(),
+            lights: Vec::new(),
+        })
+    }
+
+    fn draws_of(&self, light: usize) -> &[Draw] {
+        match self.lights.binary_search_by_key(&light, |entry| entry.light) {
+            Ok(at) => &self.draws[self.lights[at].draws.clone()],
+            Err(_) => &[],
+        }
+    }
+
+    fn record(
+        &self,
+        draws: &[Draw],
+        pipelines: &[Option<wgpu::RenderPipeline>],
+        pass: &mut wgpu::RenderPass,
+        input: &RecordInput,
+    ) {
+        pass.set_stencil_reference(STENCIL_IN_BOUNDS);
+        pass.set_bind_group(0, input.view, &[]);
+        pass.set_bind_group(2, &self.group, &[]);
+        pass.set_index_buffer(self.pool.caps().slice(..), wgpu::IndexFormat::Uint32);
+        let mut last_key = None;
+        for draw in draws {
+            if last_key != Some(draw.key) {
+                let Some(pipeline) = &pipelines[draw.key.index()] else {
+                    continue;
+                };
+                pass.set_pipeline(pipeline);
+                last_key = Some(draw.key);
+            }
+            let range = draw.first..draw.first + draw.count;
+            let caster = draw.caster..draw.caster + 1;
+            if draw.key.part == Part::Side {
+                pass.draw(range, caster);
+            } else if let Some(mesh) = input.meshes.get(draw.mesh) {
+                pass.set_vertex_buffer(0, mesh.positions.slice(..));
+                pass.draw_indexed(range, 0, caster);
+            }
+        }
+    }
+
+    /// Appends the draws of one caster.
+    fn push_draws(&mut self, volume: &CasterVolume, light: Entity, input: &PrepareInput) {
+        let object = volume.object as usize;
+        let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
+        let Some(pooled) = self.pool.get(light, volume.slot as usize) else {
+            return;
+        };
+        let corners_per_edge = if volume.light_local.w == 0.0 { 3 } else { 6 };
+        let caster = self.caster_constants.len() as u32;
+        self.caster_constants.push(gpu_types::Caster {
+            light_local: volume.light_local.to_array(),
+            object: volume.object,
+            extrusion: volume.extrusion,
+            corners_per_edge,
+            padding: 0,
+        });
+        let mesh = input.table.mesh[object];
+        let mut push = |part, clockwise, first, count| {
+            if count > 0 {
+                self.draws.push(Draw {
+                    key: Key {
+                        part,
+                        depth_pass: volume.depth_pass,
+                        clockwise,
+                    },
+                    mesh: if part == Part::Side { 0 } else { mesh },
+                    first,
+                    count,
+                    caster,
+                });
+            }
+        };
+        if volume.sides {
+            push(
+                Part::Side,
+                mirrored,
+                pooled.first_edge * corners_per_edge,
+                pooled.edge_count * corners_per_edge,
+            );
+        }
+        let away = pooled.first_cap + pooled.caps_away_start;
+        let away_count = pooled.cap_count - pooled.caps_away_start;
+        if volume.near_cap {
+            push(Part::NearCap, mirrored, pooled.first_cap, pooled.caps_away_start);
+            push(Part::NearCap, !mirrored, away, away_count);
+        }
+        if volume.far_cap {
+            // The same triangles seen from the other end.
+            push(Part::FarCap, !mirrored, pooled.first_cap, pooled.caps_away_start);
+            push(Part::FarCap, mirrored, away, away_count);
+        }
+    }
+
+    fn create(&self, context: &RenderContext, key: Key, debug: bool) -> wgpu::RenderPipeline {
+        const POSITIONS: &[wgpu::VertexBufferLayout] = &[wgpu::VertexBufferLayout {
+            array_stride: 12,
+            step_mode: wgpu::VertexStepMode::Vertex,
+            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+        }];
+        let (entry_point, buffers) = match key.part {
+            Part::Side => ("side", &[] as &[_]),
+            Part::NearCap => ("near_cap", POSITIONS),
+            Part::FarCap => ("far_cap", POSITIONS),
+        };
+        // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
+        let [front, back] = if key.depth_pass {
+            [0xff40_1000_u32, 0xff00_4010]
+        } else {
+            [0xff00_2040, 0xff30_0040]
+        };
+        let constants = [("DEBUG_FRONT", f64::from(front)), ("DEBUG_BACK", f64::from(back))];
+        let added = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let debug_targets = [Some(wgpu::ColorTargetState {
+            format: RADIANCE_FORMAT,
+            blend: Some(wgpu::BlendState {
+                color: added,
+                alpha: added,
+            }),
+            write_mask: wgpu::ColorWrites::COLOR,
+        })];
+        let fragment = if debug {
+            wgpu::FragmentState {
+                module: &self.module,
+                entry_point: Some("debug"),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
+                targets: &debug_targets,
+            }
+        } else {
+            no_color(&self.module)
+        };
+        context
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(&format!("stencil volume {key:?}")),
+                layout: Some(&self.layout),
+                vertex: wgpu::VertexState {
+                    module: &self.module,
+                    entry_point: Some(entry_point),
+                    compilation_options: Default::default(),
+                    buffers,
+                },
+                primitive: wgpu::PrimitiveState {
+                    front_face: front_face(key.clockwise),
+                    cull_mode: None,
+                    ..Default::default()
+                },
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: context.depth_stencil_format(),
+                    depth_write_enabled: Some(false),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: if debug {
+                        Default::default()
+                    } else {
+                        counting_stencil(key.depth_pass)
+                    },
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(fragment),
+                multiview_mask: None,
+                cache: None,
+            })
+    }
+}
+
+/// Counts faces modulo 128 in the low bits, on pixels whose in-bounds bit is set.
+fn counting_stencil(depth_pass: bool) -> wgpu::StencilState {
+    use wgpu::StencilOperation::{DecrementWrap, IncrementWrap, Keep};
+    let face = |depth_fail_op, pass_op| wgpu::StencilFaceState {
+        compare: wgpu::CompareFunction::Equal,
+        fail_op: Keep,
+        depth_fail_op,
+        pass_op,
+    };
+    let (front, back) = if depth_pass {
+        (face(Keep, IncrementWrap), face(Keep, DecrementWrap))
+    } else {
+        (face(DecrementWrap, Keep), face(IncrementWrap, Keep))
+    };
+    wgpu::StencilState {
+        front,
+        back,
+        read_mask: STENCIL_IN_BOUNDS,
+        write_mask: STENCIL_COUNT_MASK,
+    }
+}
+
+fn bind(
+    context: &RenderContext,
+    layout: &wgpu::BindGroupLayout,
+    casters: &wgpu::Buffer,
+    edges: &wgpu::Buffer,
+) -> wgpu::BindGroup {
+    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("volume casters"),
+        layout,
+        entries: &[
+            wgpu::BindGroupEntry {
+                binding: 0,
+                resource: casters.as_entire_binding(),
+            },
+            wgpu::BindGroupEntry {
+                binding: 1,
+                resource: edges.as_entire_binding(),
+            },
+        ],
+    })
+}
+
+impl ShadowTechnique for StencilVolumeNode {
+    fn name(&self) -> &'static str {
+        "stencil_volume"
+    }
+
+    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
+        self.draws.clear();
+        self.lights.clear();
+        self.caster_constants.clear();
+        let (Some(volumes), Some(silhouettes), Some(lights)) = (
+            world.get_resource::<StencilVolumes>(),
+            world.get_resource::<Silhouettes>(),
+            world.get_resource::<FrameLights>(),
+        ) else {
+            return Ok(());
+        };
+        let mut rebind = self.pool.update(input.context, silhouettes)?;
+        for light in &volumes.lights {
+            let first = self.draws.len();
+            let entity = lights.lights[light.light].entity;
+            for volume in &light.casters {
+                self.push_draws(volume, entity, input);
+            }
+            self.draws[first..].sort_unstable();
+            self.lights.push(LightDraws {
+                light: light.light,
+                draws: first..self.draws.len(),
+            });
+        }
+        rebind |= self
+            .casters
+            .write(input.context, bytemuck::cast_slice(&self.caster_constants));
+        if rebind {
+            self.group = bind(
+                input.context,
+                &self.group_layout,
+                &self.casters.buffer,
+                self.pool.edges(),
+            );
+        }
+        for at in 0..self.draws.len() {
+            let key = self.draws[at].key;
+            if self.counting[key.index()].is_none() {
+                self.counting[key.index()] = Some(self.create(input.context, key, false));
+            }
+            if input.debug_view && self.debugging[key.index()].is_none() {
+                self.debugging[key.index()] = Some(self.create(input.context, key, true));
+            }
+        }
+        Ok(())
+    }
+
+    fn visibility(&self, light: usize) -> Option<Visibility> {
+        self.lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .is_ok()
+            .then_some(Visibility::Stencil)
+    }
+
+    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
+        self.record(self.draws_of(light), &self.counting, pass, input);
+    }
+
+    fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
+        self.record(self.draws_of(light), &self.debugging, pass, input);
+    }
+
+    fn batch_count(&self, light: usize) -> usize {
+        self.draws_of(light).len()
+    }
+}
