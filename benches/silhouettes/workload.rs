@@ -5,8 +5,22 @@ use glam::{Vec3, Vec4};
 
 pub struct Workload {
     pub name: String,
-    pub positions: Vec<Vec3>,
-    pub indices: Vec<u32>,
+    /// Positions and indices of each mesh.
+    pub parts: Vec<(Vec<Vec3>, Vec<u32>)>,
+}
+
+/// All parts as one mesh.
+pub fn joined(workload: &Workload) -> Workload {
+    let (mut all_positions, mut all_indices) = (Vec::new(), Vec::new());
+    for (positions, indices) in &workload.parts {
+        let first = all_positions.len() as u32;
+        all_positions.extend(positions);
+        all_indices.extend(indices.iter().map(|index| first + index));
+    }
+    Workload {
+        name: workload.name.replace(" by mesh", ""),
+        parts: vec![(all_positions, all_indices)],
+    }
 }
 
 pub fn icosphere(name: &str, subdivisions: u32) -> Workload {
@@ -15,30 +29,29 @@ pub fn icosphere(name: &str, subdivisions: u32) -> Workload {
     } = MeshData::icosphere(1.0, subdivisions);
     Workload {
         name: format!("icosphere {name}"),
-        positions,
-        indices,
+        parts: vec![(positions, indices)],
     }
 }
 
 /// The same triangles in random order, over vertices in random order.
 pub fn shuffled(mesh: &Workload) -> Workload {
+    let (positions, indices) = &mesh.parts[0];
     let mut random = Random(1);
-    let mut old_from_new: Vec<u32> = (0..mesh.positions.len() as u32).collect();
+    let mut old_from_new: Vec<u32> = (0..positions.len() as u32).collect();
     random.shuffle(&mut old_from_new);
     let mut new_from_old = vec![0; old_from_new.len()];
     for (new, &old) in (0u32..).zip(&old_from_new) {
         new_from_old[old as usize] = new;
     }
-    let chunks = mesh.indices.as_chunks::<3>().0.iter();
+    let chunks = indices.as_chunks::<3>().0.iter();
     let mut triangles: Vec<[u32; 3]> = chunks.map(|c| c.map(|i| new_from_old[i as usize])).collect();
     random.shuffle(&mut triangles);
     Workload {
         name: format!("{} shuffled", mesh.name),
-        positions: old_from_new
-            .iter()
-            .map(|&old| mesh.positions[old as usize])
-            .collect(),
-        indices: triangles.into_flattened(),
+        parts: vec![(
+            old_from_new.iter().map(|&old| positions[old as usize]).collect(),
+            triangles.into_flattened(),
+        )],
     }
 }
 
