@@ -1,0 +1,97 @@
+//! Where the ends of edges come from: names, positions of a pose, or positions kept in the order of the edges.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::geometry::edge_mesh::EdgeMesh;
+
+/// Positions of the edges of open pieces in the order in which a light takes them, for meshes that keep their pose.
+///
+/// A light takes every boundary edge, turned or not, so that they are copied from one end to the other.
+/// TODO-MEASURED
+#[derive(Clone, Debug, Default)]
+pub(super) struct KeptEnds {
+    boundary: Vec<[Vec3; 2]>,
+    irregular: Vec<[Vec3; 2]>,
+}
+
+impl KeptEnds {
+    pub(super) fn clear(&mut self) {
+        self.boundary.clear();
+        self.irregular.clear();
+    }
+
+    pub(super) fn gather(&mut self, mesh: &EdgeMesh, positions: &[Vec3]) {
+        let gather = |kept: &mut Vec<[Vec3; 2]>, edges: &[[u32; 2]]| {
+            kept.clear();
+            kept.extend(edges.iter().map(|edge| edge.map(|i| positions[i as usize])));
+        };
+        gather(&mut self.boundary, mesh.boundary_vertices());
+        gather(&mut self.irregular, mesh.irregular_vertices());
+    }
+
+    pub(super) fn is_of(&self, mesh: &EdgeMesh) -> bool {
+        self.boundary.len() == mesh.boundary_vertices().len()
+            && self.irregular.len() == mesh.irregular_vertices().len()
+    }
+
+    pub(super) fn byte_count(&self) -> usize {
+        size_of_val(&self.boundary[..]) + size_of_val(&self.irregular[..])
+    }
+}
+
+/// The two ends of each edge of a mesh.
+pub(super) trait Ends {
+    type End: Copy;
+
+    fn regular(&self, edge: usize) -> [Self::End; 2];
+    fn irregular(&self, edge: usize) -> [Self::End; 2];
+    fn boundary(&self, run: Range<usize>) -> impl Iterator<Item = [Self::End; 2]>;
+}
+
+/// Ends by name, each turned into what is asked for.
+pub(super) struct Resolved<'a, F> {
+    pub mesh: &'a EdgeMesh,
+    pub resolve: F,
+}
+
+impl<T: Copy, F: Fn(u32) -> T> Ends for Resolved<'_, F> {
+    type End = T;
+
+    fn regular(&self, edge: usize) -> [T; 2] {
+        self.mesh.regular_vertices()[edge].map(&self.resolve)
+    }
+
+    fn irregular(&self, edge: usize) -> [T; 2] {
+        self.mesh.irregular_vertices()[edge].map(&self.resolve)
+    }
+
+    fn boundary(&self, run: Range<usize>) -> impl Iterator<Item = [T; 2]> {
+        let edges = &self.mesh.boundary_vertices()[run];
+        edges.iter().map(|edge| edge.map(&self.resolve))
+    }
+}
+
+/// Ends of regular edges by name, since few of them are taken, all others as they are kept.
+pub(super) struct Kept<'a> {
+    pub mesh: &'a EdgeMesh,
+    pub positions: &'a [Vec3],
+    pub kept: &'a KeptEnds,
+}
+
+impl Ends for Kept<'_> {
+    type End = Vec3;
+
+    fn regular(&self, edge: usize) -> [Vec3; 2] {
+        self.mesh.regular_vertices()[edge].map(|i| self.positions[i as usize])
+    }
+
+    fn irregular(&self, edge: usize) -> [Vec3; 2] {
+        self.kept.irregular[edge]
+    }
+
+    fn boundary(&self, run: Range<usize>) -> impl Iterator<Item = [Vec3; 2]> {
+        self.kept.boundary[run].iter().copied()
+    }
+}
