@@ -68,52 +68,125 @@ fn push_edges<E: Ends>(
     edges: &mut Vec<[E::End; 2]>,
 ) {
     let (words, states) = (facing.words(), facing.states());
+    let regular = |edge| ends.regular(edge);
+    let mut hits = Hits::new();
     // A regular edge between unlike triangles: +1 + 1 if all triangles are caps, 0 − (−1) if only back-facing ones.
-    let copies = |is_closed: bool| match mode {
-        CapMode::ClosedBackFacing if is_closed => 1,
-        _ => 2,
+    let closed_copies = match mode {
+        CapMode::ClosedBackFacing => 1,
+        CapMode::AllTriangles => 2,
     };
-    for (i, cluster) in mesh.clusters().iter().enumerate() {
-        if states[i] == MIXED {
-            let copies = copies(i < mesh.closed_cluster_count());
-            push_unlike(mesh, ends, cluster.edges(), [words[i]; 2], copies, edges);
+    let closed = mesh.closed_cluster_count();
+    for (part, copies) in [(0..closed, closed_copies), (closed..mesh.clusters().len(), 2)] {
+        for i in part {
+            if states[i] == MIXED {
+                collect_unlike(
+                    mesh,
+                    mesh.clusters()[i].edges(),
+                    [words[i]; 2],
+                    &mut hits,
+                    |hits| hits.flush(copies, regular, edges),
+                );
+            }
         }
+        hits.flush(copies, regular, edges);
     }
-    for (i, seam) in mesh.seams().iter().enumerate() {
-        let (a, b) = (seam.clusters[0] as usize, seam.clusters[1] as usize);
-        if states[a] | states[b] == MIXED {
-            let copies = copies(i < mesh.closed_seam_count());
-            push_unlike(mesh, ends, seam.edges(), [words[a], words[b]], copies, edges);
+    let closed = mesh.closed_seam_count();
+    let (closed, open) = mesh.seams().split_at(closed);
+    for (part, copies) in [(closed, closed_copies), (open, 2)] {
+        // Which seams matter is no less random than which edges do.
+        let mut unlike = [0u8; 64];
+        for seams in part.chunks(unlike.len()) {
+            let mut unlike_count = 0;
+            for (i, seam) in (0u8..).zip(seams) {
+                let [a, b] = seam.clusters.map(|cluster| states[cluster as usize]);
+                unlike[unlike_count % 64] = i;
+                unlike_count += usize::from(a | b == MIXED);
+            }
+            for &i in &unlike[..unlike_count] {
+                let seam = &seams[usize::from(i)];
+                let words = seam.clusters.map(|cluster| words[cluster as usize]);
+                collect_unlike(mesh, seam.edges(), words, &mut hits, |hits| {
+                    hits.flush(copies, regular, edges)
+                });
+            }
         }
+        hits.flush(copies, regular, edges);
     }
     push_boundary(mesh, ends, facing, edges);
-    push_irregular(mesh, ends, facing, mode, edges);
+    push_irregular(mesh, ends, facing, mode, &mut hits, edges);
 }
 
-/// Pushes the regular edges whose two triangles differ, as the one that faces the light traverses them.
-fn push_unlike<E: Ends>(
+/// Edges to be pushed, as edge · 2 + whether forward. They are rare and come in no order that a branch predictor could
+/// learn, so that each edge is written here and only counted if it is wanted.
+struct Hits {
+    edges: [u32; Hits::CAPACITY],
+    count: usize,
+}
+
+impl Hits {
+    const CAPACITY: usize = 256;
+    /// Flushed with less room than that.
+    const SLACK: usize = 8;
+
+    fn new() -> Self {
+        Self {
+            edges: [0; Self::CAPACITY],
+            count: 0,
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        self.count > Self::CAPACITY - Self::SLACK
+    }
+
+    fn flush<T: Copy>(&mut self, copies: usize, ends: impl Fn(usize) -> [T; 2], edges: &mut Vec<[T; 2]>) {
+        let hits = &self.edges[..self.count];
+        for _ in 0..copies {
+            edges.extend(
+                hits.iter()
+                    .map(|&hit| turned(ends(hit as usize >> 1), hit & 1 != 0)),
+            );
+        }
+        self.count = 0;
+    }
+}
+
+/// Collects the regular edges whose two triangles differ, as the one that faces the light traverses them.
+fn collect_unlike(
     mesh: &EdgeMesh,
-    ends: &E,
     range: Range<usize>,
     words: [u64; 2],
-    copies: usize,
-    edges: &mut Vec<[E::End; 2]>,
+    hits: &mut Hits,
+    mut flush: impl FnMut(&mut Hits),
 ) {
-    // Hits are rare and come in no order that a branch predictor could learn: they are gathered without a branch.
-    let mut hits = [0u8; CLUSTER_TRIANGLES];
-    for first_edge in range.clone().step_by(CLUSTER_TRIANGLES) {
-        let lanes = &mesh.regular_lanes()[first_edge..range.end.min(first_edge + CLUSTER_TRIANGLES)];
-        let mut hit_count = 0;
-        for (edge, &[first, second]) in (0u8..).zip(lanes) {
-            hits[hit_count % CLUSTER_TRIANGLES] = edge;
-            hit_count += ((words[0] >> first ^ words[1] >> second) & 1) as usize;
+    let all_lanes = mesh.regular_lanes();
+    for first_edge in range.clone().step_by(Hits::SLACK) {
+        // Always as many: most seams are short, and a loop of another length each time cannot be predicted.
+        let lanes = match all_lanes[first_edge..].first_chunk() {
+            Some(lanes) => *lanes,
+            None => std::array::from_fn(|i| all_lanes.get(first_edge + i).copied().unwrap_or_default()),
+        };
+        let edge_count = (range.end - first_edge).min(Hits::SLACK);
+        collect_chunk(first_edge as u32, edge_count, &lanes, words, hits);
+        if hits.is_full() {
+            flush(hits);
         }
-        for _ in 0..copies {
-            edges.extend(hits[..hit_count].iter().map(|&hit| {
-                let is_facing = words[0] >> lanes[usize::from(hit)][0] & 1 != 0;
-                turned(ends.regular(first_edge + usize::from(hit)), is_facing)
-            }));
-        }
+    }
+}
+
+#[inline(always)]
+fn collect_chunk(
+    first_edge: u32,
+    edge_count: usize,
+    lanes: &[[u8; 2]; Hits::SLACK],
+    words: [u64; 2],
+    hits: &mut Hits,
+) {
+    for (i, &[first, second]) in lanes.iter().enumerate() {
+        let is_facing = words[0] >> (first % 64) & 1;
+        let is_unlike = (is_facing ^ words[1] >> (second % 64)) & u64::from(i < edge_count) & 1;
+        hits.edges[hits.count % Hits::CAPACITY] = (first_edge + i as u32) << 1 | is_facing as u32;
+        hits.count += is_unlike as usize;
     }
 }
 
@@ -142,6 +215,7 @@ fn push_irregular<E: Ends>(
     ends: &E,
     facing: &FacingBits,
     mode: CapMode,
+    hits: &mut Hits,
     edges: &mut Vec<[E::End; 2]>,
 ) {
     let closed_slots = mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
@@ -151,11 +225,26 @@ fn push_irregular<E: Ends>(
         let weight = if facing.is_facing(slot) { counts_facing } else { -1 };
         if side.is_reversed() { -weight } else { weight }
     };
+    let irregular = |edge| ends.irregular(edge);
     for edge in 0..mesh.irregular_vertices().len() {
         let multiplicity: i32 = mesh.irregular_sides(edge).iter().map(weight).sum();
-        let ends = turned(ends.irregular(edge), multiplicity > 0);
-        edges.extend(std::iter::repeat_n(ends, multiplicity.unsigned_abs() as usize));
+        let hit = (edge as u32) << 1 | u32::from(multiplicity > 0);
+        let mut copies = multiplicity.unsigned_abs() as usize;
+        // Rarely more than the slack.
+        while copies > Hits::SLACK {
+            edges.push(turned(irregular(edge), multiplicity > 0));
+            copies -= 1;
+        }
+        hits.edges[hits.count..hits.count + 4].fill(hit);
+        if copies > 4 {
+            hits.edges[hits.count + 4..hits.count + Hits::SLACK].fill(hit);
+        }
+        hits.count += copies;
+        if hits.is_full() {
+            hits.flush(1, irregular, edges);
+        }
     }
+    hits.flush(1, irregular, edges);
 }
 
 fn turned<T>([a, b]: [T; 2], is_forward: bool) -> [T; 2] {
