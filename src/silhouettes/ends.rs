@@ -41,13 +41,20 @@ impl KeptEnds {
     }
 }
 
-/// The two ends of each edge of a mesh.
+/// The two ends of each edge of a mesh, in the direction asked for.
+///
+/// Turned before positions are read: turned afterwards they went through the stack in pieces of another size, which
+/// made half of the cost of an edge (stalled store forwarding).
 pub(super) trait Ends {
     type End: Copy;
 
-    fn regular(&self, edge: usize) -> [Self::End; 2];
-    fn irregular(&self, edge: usize) -> [Self::End; 2];
-    fn boundary(&self, run: Range<usize>) -> impl Iterator<Item = [Self::End; 2]>;
+    fn regular(&self, edge: usize, is_forward: bool) -> [Self::End; 2];
+    fn irregular(&self, edge: usize, is_forward: bool) -> [Self::End; 2];
+    fn boundary(
+        &self,
+        run: Range<usize>,
+        is_forward: impl Fn(usize) -> bool,
+    ) -> impl Iterator<Item = [Self::End; 2]>;
 }
 
 /// Ends by name, each turned into what is asked for.
@@ -59,17 +66,29 @@ pub(super) struct Resolved<'a, F> {
 impl<T: Copy, F: Fn(u32) -> T> Ends for Resolved<'_, F> {
     type End = T;
 
-    fn regular(&self, edge: usize) -> [T; 2] {
-        self.mesh.regular_vertices()[edge].map(&self.resolve)
+    #[inline(always)]
+    fn regular(&self, edge: usize, is_forward: bool) -> [T; 2] {
+        let [a, b] = turned(&self.mesh.regular_vertices()[edge], is_forward);
+        [(self.resolve)(a), (self.resolve)(b)]
     }
 
-    fn irregular(&self, edge: usize) -> [T; 2] {
-        self.mesh.irregular_vertices()[edge].map(&self.resolve)
+    #[inline(always)]
+    fn irregular(&self, edge: usize, is_forward: bool) -> [T; 2] {
+        let [a, b] = turned(&self.mesh.irregular_vertices()[edge], is_forward);
+        [(self.resolve)(a), (self.resolve)(b)]
     }
 
-    fn boundary(&self, run: Range<usize>) -> impl Iterator<Item = [T; 2]> {
+    #[inline(always)]
+    fn boundary(
+        &self,
+        run: Range<usize>,
+        is_forward: impl Fn(usize) -> bool,
+    ) -> impl Iterator<Item = [T; 2]> {
         let edges = &self.mesh.boundary_vertices()[run];
-        edges.iter().map(|edge| edge.map(&self.resolve))
+        edges.iter().enumerate().map(move |(i, edge)| {
+            let [a, b] = turned(edge, is_forward(i));
+            [(self.resolve)(a), (self.resolve)(b)]
+        })
     }
 }
 
@@ -83,15 +102,33 @@ pub(super) struct Kept<'a> {
 impl Ends for Kept<'_> {
     type End = Vec3;
 
-    fn regular(&self, edge: usize) -> [Vec3; 2] {
-        self.mesh.regular_vertices()[edge].map(|i| self.positions[i as usize])
+    #[inline(always)]
+    fn regular(&self, edge: usize, is_forward: bool) -> [Vec3; 2] {
+        let [a, b] = turned(&self.mesh.regular_vertices()[edge], is_forward);
+        [self.positions[a as usize], self.positions[b as usize]]
     }
 
-    fn irregular(&self, edge: usize) -> [Vec3; 2] {
-        self.kept.irregular[edge]
+    #[inline(always)]
+    fn irregular(&self, edge: usize, is_forward: bool) -> [Vec3; 2] {
+        turned(&self.kept.irregular[edge], is_forward)
     }
 
-    fn boundary(&self, run: Range<usize>) -> impl Iterator<Item = [Vec3; 2]> {
-        self.kept.boundary[run].iter().copied()
+    #[inline(always)]
+    fn boundary(
+        &self,
+        run: Range<usize>,
+        is_forward: impl Fn(usize) -> bool,
+    ) -> impl Iterator<Item = [Vec3; 2]> {
+        let edges = &self.kept.boundary[run];
+        edges
+            .iter()
+            .enumerate()
+            .map(move |(i, edge)| turned(edge, is_forward(i)))
     }
+}
+
+/// By places instead of a choice between two copies.
+#[inline(always)]
+fn turned<T: Copy>(edge: &[T; 2], is_forward: bool) -> [T; 2] {
+    [edge[usize::from(!is_forward)], edge[usize::from(is_forward)]]
 }
