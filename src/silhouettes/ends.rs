@@ -8,8 +8,8 @@ use crate::geometry::edge_mesh::EdgeMesh;
 
 /// Positions of the edges of open pieces in the order in which a light takes them, for meshes that keep their pose.
 ///
-/// A light takes every boundary edge, turned or not, so that they are copied from one end to the other.
-/// TODO-MEASURED
+/// A light takes every boundary edge, turned or not, so that they are copied from one end to the other. Of regular
+/// edges it takes few: kept as well they would be 36 bytes a triangle.
 #[derive(Clone, Debug, Default)]
 pub(super) struct KeptEnds {
     boundary: Vec<[Vec3; 2]>,

@@ -7,7 +7,7 @@ use antumbra::geometry::edge_mesh::EdgeMesh;
 use antumbra::scene::MeshData;
 use antumbra::silhouettes::{
     CapMode, Contour, FacingBits, FacingPlanes, classify, classify_scalar, compute_planes,
-    compute_posed_planes, extract_contour, link_loops,
+    compute_posed_planes, extract_contour, extract_edge_vertices, link_loops,
 };
 use glam::Vec4;
 
@@ -20,6 +20,8 @@ pub struct Cast {
     pub mesh: EdgeMesh,
     pub bits: FacingBits,
     pub contours: [Contour; 2],
+    /// Names of the contours' edges, one to one.
+    pub edge_vertices: [Vec<[u32; 2]>; 2],
 }
 
 pub fn cast(soup: &Soup, light: Vec4) -> Cast {
@@ -30,10 +32,20 @@ pub fn cast(soup: &Soup, light: Vec4) -> Cast {
     classify(&mesh, &planes, light, &mut bits);
     let contours = MODES.map(|mode| {
         let mut contour = Contour::default();
-        extract_contour(&mesh, &soup.positions, &bits, mode, &mut contour);
+        extract_contour(&mesh, &soup.positions, &planes, &bits, mode, &mut contour);
         contour
     });
-    Cast { mesh, bits, contours }
+    let edge_vertices = MODES.map(|mode| {
+        let mut edge_vertices = Vec::new();
+        extract_edge_vertices(&mesh, &bits, mode, &mut edge_vertices);
+        edge_vertices
+    });
+    Cast {
+        mesh,
+        bits,
+        contours,
+        edge_vertices,
+    }
 }
 
 pub fn icosphere(radius: f32, subdivisions: u32) -> Soup {
@@ -50,8 +62,8 @@ pub fn slots(mesh: &EdgeMesh) -> impl Iterator<Item = (usize, [u32; 3])> + '_ {
     })
 }
 
-/// Whether each triangle (by slot) is of a closed piece: flood fill over a hash map of edges.
-pub fn closed_by_brute_force(mesh: &EdgeMesh) -> HashMap<usize, bool> {
+/// Whether each triangle (by slot) is of a closed piece that is wound outward: flood fill over a hash map of edges.
+pub fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, bool> {
     let mut at_edge: HashMap<[u32; 2], Vec<(usize, i32)>> = HashMap::new();
     for (slot, [a, b, c]) in slots(mesh) {
         for (a, b) in [(a, b), (b, c), (c, a)] {
@@ -83,6 +95,13 @@ pub fn closed_by_brute_force(mesh: &EdgeMesh) -> HashMap<usize, bool> {
                 }
             }
         }
+        let origin = soup.positions[corners[&start][0] as usize].as_dvec3();
+        let terms = piece.iter().map(|slot| {
+            let [a, b, c] = corners[slot].map(|i| soup.positions[i as usize].as_dvec3() - origin);
+            a.cross(b).dot(c)
+        });
+        let (volume, sizes) = terms.fold((0.0, 0.0), |(sum, sizes), term| (sum + term, sizes + term.abs()));
+        is_closed &= volume > 1e-9 * sizes;
         for slot in piece {
             closed.insert(slot, is_closed);
         }
@@ -91,8 +110,8 @@ pub fn closed_by_brute_force(mesh: &EdgeMesh) -> HashMap<usize, bool> {
 }
 
 /// Sum of signs over a hash map, with each cap triangle turned to face the light.
-pub fn contour_by_brute_force(cast: &Cast, mode: CapMode) -> BTreeMap<[u32; 2], usize> {
-    let closed = closed_by_brute_force(&cast.mesh);
+pub fn contour_by_brute_force(cast: &Cast, soup: &Soup, mode: CapMode) -> BTreeMap<[u32; 2], usize> {
+    let closed = closed_by_brute_force(&cast.mesh, soup);
     let mut sums: HashMap<[u32; 2], i32> = HashMap::new();
     for (slot, [a, b, c]) in slots(&cast.mesh) {
         let is_facing = cast.bits.is_facing(slot);
@@ -154,28 +173,27 @@ pub fn assert_holds(soup: &Soup, light: Vec4) {
         cast.bits.words(),
         "bounds and SIMD give the bits of the scalar test"
     );
-    for (mode, contour) in MODES.into_iter().zip(&cast.contours) {
+    for ((mode, contour), edge_vertices) in MODES.into_iter().zip(&cast.contours).zip(&cast.edge_vertices) {
         assert_eq!(
             unbalanced_edge(&volume(contour, &soup.positions)),
             None,
             "{mode:?} {light}"
         );
         assert_eq!(
-            counted(contour.edge_vertices.iter().copied()),
-            contour_by_brute_force(&cast, mode)
+            counted(edge_vertices.iter().copied()),
+            contour_by_brute_force(&cast, soup, mode)
         );
-        let positions = contour
-            .edge_vertices
+        let positions = edge_vertices
             .iter()
             .map(|edge| edge.map(|i| soup.positions[i as usize]));
         assert!(positions.eq(contour.edges.iter().copied()));
-        assert_loops(&contour.edge_vertices);
+        assert_loops(edge_vertices);
+        let mut posed = Contour::default();
+        extract_contour(&cast.mesh, &soup.positions, &planes, &bits, mode, &mut posed);
+        assert_eq!(&posed, contour, "kept ends are those of the positions");
     }
     if cast.mesh.is_closed() {
-        let [single, double] = cast
-            .contours
-            .each_ref()
-            .map(|contour| counted(contour.edge_vertices.clone()));
+        let [single, double] = cast.edge_vertices.each_ref().map(|edges| counted(edges.clone()));
         assert_eq!(
             double,
             single

@@ -3,12 +3,13 @@
 use antumbra::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput};
 use antumbra::silhouettes::{
     CapMode, Contour, FacingBits, FacingPlanes, LoopError, Loops, classify, classify_scalar, compute_planes,
-    extract_contour, link_loops,
+    extract_contour, extract_edge_vertices, link_loops,
 };
 use glam::{DVec3, Vec3, Vec4};
 use proptest::prelude::*;
 
 mod checks;
+mod hard_cases;
 #[cfg(feature = "gltf")]
 mod models;
 mod shapes;
@@ -45,7 +46,7 @@ proptest! {
         let bits = FacingBits::from_words(&mesh, words);
         for mode in MODES {
             let mut contour = Contour::default();
-            extract_contour(&mesh, &soup.positions, &bits, mode, &mut contour);
+            extract_contour(&mesh, &soup.positions, &FacingPlanes::default(), &bits, mode, &mut contour);
             prop_assert_eq!(unbalanced_edge(&volume(&contour, &soup.positions)), None);
         }
     }
@@ -165,15 +166,16 @@ fn caps_are_triangles_of_the_input_corner_for_corner() {
 #[test]
 fn checks_fail_when_an_edge_is_dropped_or_a_vertex_moves() {
     let soup = icosphere(1.0, 2);
-    for contour in cast(&soup, LIGHTS[0]).contours {
+    let cast = cast(&soup, LIGHTS[0]);
+    for (contour, mut edge_vertices) in cast.contours.into_iter().zip(cast.edge_vertices) {
         let polygons = volume(&contour, &soup.positions);
         assert_eq!(unbalanced_edge(&polygons), None);
         let mut dropped = contour.clone();
         dropped.edges.pop();
-        dropped.edge_vertices.pop();
+        edge_vertices.pop();
         assert!(unbalanced_edge(&volume(&dropped, &soup.positions)).is_some());
         assert!(matches!(
-            link_loops(&dropped.edge_vertices),
+            link_loops(&edge_vertices),
             Err(LoopError::Unbalanced { .. })
         ));
         let mut moved = polygons;
@@ -188,22 +190,31 @@ fn buffers_serve_another_mesh() {
     let (large, small) = (icosphere(1.0, 3), icosphere(2.0, 0));
     let (mut planes, mut bits, mut contour) =
         (FacingPlanes::default(), FacingBits::default(), Contour::default());
-    let mut loops = Loops::default();
+    let (mut loops, mut edge_vertices) = (Loops::default(), Vec::new());
     for soup in [&large, &small, &large] {
         let mesh = soup.build();
         compute_planes(&mesh, &soup.positions, &mut planes);
         classify(&mesh, &planes, LIGHTS[0], &mut bits);
-        extract_contour(&mesh, &soup.positions, &bits, CapMode::AllTriangles, &mut contour);
-        loops.link(&contour.edge_vertices).unwrap();
+        extract_contour(
+            &mesh,
+            &soup.positions,
+            &planes,
+            &bits,
+            CapMode::AllTriangles,
+            &mut contour,
+        );
+        extract_edge_vertices(&mesh, &bits, CapMode::AllTriangles, &mut edge_vertices);
+        loops.link(&edge_vertices).unwrap();
         let fresh = cast(soup, LIGHTS[0]);
         assert_eq!((&bits, &contour), (&fresh.bits, &fresh.contours[1]));
-        assert_eq!(loops.edges, link_loops(&contour.edge_vertices).unwrap().edges);
+        assert_eq!(loops.edges, link_loops(&edge_vertices).unwrap().edges);
     }
     // Bits and positions of another mesh cast nothing.
     let mesh = small.build();
     extract_contour(
         &mesh,
         &small.positions,
+        &planes,
         &bits,
         CapMode::AllTriangles,
         &mut contour,
