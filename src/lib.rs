@@ -59,6 +59,11 @@ pub mod sets;
 pub mod silhouettes;
 pub mod techniques;
 
+/// The snippets of the README, compiled and run as doc tests.
+#[cfg(all(doctest, feature = "render", feature = "gltf"))]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
+
 /// What most users name.
 pub mod prelude {
     pub use crate::plugin::{AntumbraPlugin, AntumbraSystems};
