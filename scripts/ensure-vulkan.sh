@@ -76,13 +76,14 @@ if command -v apt-get >/dev/null 2>&1; then
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq ||
         say "apt-get update failed, trying with the lists that are there"
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y -qq --no-install-recommends libvulkan1 mesa-vulkan-drivers
+        apt-get install -y -qq --no-install-recommends libvulkan1 mesa-vulkan-drivers ||
+        fail "apt-get could not install them"
 elif command -v dnf >/dev/null 2>&1; then
     say "no adapter; installing Mesa's software driver: dnf install vulkan-loader mesa-vulkan-drivers"
-    "${as_root[@]}" dnf install -y -q vulkan-loader mesa-vulkan-drivers
+    "${as_root[@]}" dnf install -y -q vulkan-loader mesa-vulkan-drivers || fail "dnf could not install them"
 elif command -v pacman >/dev/null 2>&1; then
     say "no adapter; installing Mesa's software driver: pacman -S vulkan-icd-loader vulkan-swrast"
-    "${as_root[@]}" pacman -S --noconfirm --needed vulkan-icd-loader vulkan-swrast
+    "${as_root[@]}" pacman -S --noconfirm --needed vulkan-icd-loader vulkan-swrast || fail "pacman could not install them"
 else
     fail "no adapter, and no package manager that this script knows (apt-get, dnf, pacman)." \
         "Install Mesa's lavapipe and the Vulkan loader (libvulkan.so.1)."
