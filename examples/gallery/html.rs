@@ -3,10 +3,11 @@
 use std::fmt::Write;
 
 use antumbra::plugin::AntumbraSystems;
+use glam::UVec2;
 use serde_json::Value;
 
 use super::cost::RUNS;
-use super::judge::{PageResult, ShotResult, Workbench, verdict};
+use super::judge::{Judgement, PageResult, ShotResult, Workbench, verdict};
 use super::page::{Page, PageShot};
 use super::panels::TITLES;
 
@@ -91,8 +92,12 @@ fn summary(html: &mut String, results: &[(&Page, PageResult)]) -> std::fmt::Resu
     for (page, result) in results {
         for (shot, judged) in page.shots.iter().zip(&result.shots) {
             let (name, error) = &judged.lights[judged.light];
-            let (inner, wrong) = error.map_or((0, 0), |error| (error.inner, error.wrong_inner));
-            let all = judged.lights.iter().filter_map(|(_, error)| *error);
+            let (inner, wrong) =
+                error.map_or((0, 0), |Judgement { error, .. }| (error.inner, error.wrong_inner));
+            let all = judged
+                .lights
+                .iter()
+                .filter_map(|(_, judgement)| Some((*judgement)?.error));
             let (all_inner, all_wrong) = all.fold((0, 0), |(inner, wrong), error| {
                 (inner + error.inner, wrong + error.wrong_inner)
             });
@@ -104,7 +109,7 @@ fn summary(html: &mut String, results: &[(&Page, PageResult)]) -> std::fmt::Resu
                 shot.name,
                 escaped(name),
                 wrong_count(wrong),
-                share(error.and_then(|error| error.share())),
+                share(error.and_then(|judgement| judgement.error.share())),
                 wrong_count(all_wrong),
                 judged
                     .cost
@@ -180,7 +185,7 @@ fn figures(html: &mut String, judged: &ShotResult, triangle_count: usize) -> std
         } else {
             ""
         };
-        let Some(error) = error else {
+        let Some(Judgement { error, first_wrong }) = error else {
             writeln!(
                 html,
                 "<tr><td>{}<td colspan=\"10\">{}</tr>",
@@ -197,7 +202,7 @@ fn figures(html: &mut String, judged: &ShotResult, triangle_count: usize) -> std
              class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{}<td class=\"n\">{} + {}<td \
              class=\"n\">{}</tr>",
             escaped(name),
-            wrong_count(error.wrong_inner),
+            wrong_at(error.wrong_inner, *first_wrong),
             error.wrong_all,
             error.inner,
             light["L"],
@@ -252,6 +257,12 @@ fn share(value: Option<f64>) -> String {
 fn wrong_count(count: usize) -> String {
     let class = if count == 0 { "zero" } else { "some" };
     format!("<span class=\"{class}\">{count}</span>")
+}
+
+/// The count, and where the first of them is.
+fn wrong_at(count: usize, first: Option<UVec2>) -> String {
+    let at = first.map_or_else(String::new, |at| format!(" (at {},{})", at.x, at.y));
+    format!("{}{at}", wrong_count(count))
 }
 
 fn escaped(text: &str) -> String {

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use antumbra::prelude::*;
 use antumbra::reference::{
-    DifferenceImage, HardError, LightSource, RayScene, VisibilityImage, compare_hard, difference_image,
-    hard_visibility, primary_hits,
+    DifferenceImage, HardError, LightSource, RayScene, ReferenceError, VisibilityImage, compare_hard,
+    difference_image, edge_band, hard_visibility, primary_hits,
 };
 use bevy_transform::prelude::GlobalTransform;
 use glam::UVec2;
@@ -45,12 +45,21 @@ pub struct ShotResult {
     pub files: Vec<String>,
     /// Index of the light that the panels show.
     pub light: usize,
-    /// Name and error of each light; `None` for one that could not be judged.
-    pub lights: Vec<(String, Option<HardError>)>,
+    /// Name of each light and its judgement; `None` for one that could not be judged.
+    pub lights: Vec<(String, Option<Judgement>)>,
     /// Statistics of the first frame, as of `examples/render`.
     pub stats: Value,
     /// CPU milliseconds by system set while nothing moves, and of the light.
     pub cost: Cost,
+}
+
+/// How wrong a light's rendered visibility is.
+#[derive(Clone, Copy, Debug)]
+pub struct Judgement {
+    /// In numbers.
+    pub error: HardError,
+    /// The first wrong pixel off the edge band.
+    pub first_wrong: Option<UVec2>,
 }
 
 /// The five pictures of a shot, sRGB RGBA.
@@ -171,7 +180,7 @@ impl Workbench {
         scene: &RayScene,
         rendered: Rendered,
         again: bool,
-    ) -> Result<(Panels, Vec<Option<HardError>>, Cost), String> {
+    ) -> Result<(Panels, Vec<Option<Judgement>>, Cost), String> {
         let failed = |error: &dyn std::error::Error| in_page(page, error);
         let light = shown.light(page, shot.light)?;
         shown
@@ -191,7 +200,7 @@ impl Workbench {
             let got = VisibilityImage::new(self.size, got).map_err(|error| failed(&error))?;
             judged.push(match truth(stage, scene, index)? {
                 Some(truth) => {
-                    let error = compare_hard(&truth, &got).map_err(|error| failed(&error))?;
+                    let error = judgement(&truth, &got).map_err(|error| failed(&error))?;
                     (Some(truth), got, Some(error))
                 }
                 None => (None, got, None),
@@ -244,6 +253,16 @@ fn truth(stage: &Stage, scene: &RayScene, light: usize) -> Result<Option<Visibil
     Ok(source.map(|source| hard_visibility(scene, &hits, &source)))
 }
 
+fn judgement(truth: &VisibilityImage, got: &VisibilityImage) -> Result<Judgement, ReferenceError> {
+    let error = compare_hard(truth, got)?;
+    let pixels = truth.values().iter().zip(got.values()).zip(edge_band(truth, 1));
+    let first_wrong = pixels
+        .enumerate()
+        .find(|(_, ((truth, got), in_band))| !in_band && (**truth - **got).abs() > 0.5)
+        .map(|(index, _)| UVec2::new(index as u32 % truth.size().x, index as u32 / truth.size().x));
+    Ok(Judgement { error, first_wrong })
+}
+
 fn write_panels(panels: &Panels, size: UVec2, out: &Path, stem: &str) -> Result<Vec<String>, String> {
     let all = [
         &panels.picture,
@@ -268,12 +287,16 @@ pub fn verdict(results: &[(&Page, PageResult)]) -> String {
     for (page, result) in results {
         for (shot, judgement) in page.shots.iter().zip(&result.shots) {
             for (name, error) in &judgement.lights {
-                let Some(error) = error else { continue };
+                let Some(Judgement { error, first_wrong }) = error else {
+                    continue;
+                };
                 judged += error.inner;
                 wrong += error.wrong_inner;
                 let Some(share) = error.share() else { continue };
                 if worst.as_ref().is_none_or(|(most, _)| share > *most) {
-                    let at = format!("{}/{}, light {name}", page.name, shot.name);
+                    let pixel =
+                        first_wrong.map_or_else(String::new, |at| format!(" at pixel {},{}", at.x, at.y));
+                    let at = format!("{}/{}, light {name}{pixel}", page.name, shot.name);
                     worst = Some((share, at));
                 }
             }

@@ -83,9 +83,9 @@ fn figures(models: &Path) -> Page {
     let shot = |name, caption, eye, target, light| PageShot {
         name,
         caption,
-        camera: view(eye, target, 45.0),
+        camera: view(eye, target, 38.0),
         light,
-        exposure: 1.0,
+        exposure: 1.25,
     };
     Page {
         models: vec![
@@ -109,15 +109,15 @@ fn figures(models: &Path) -> Page {
             shot(
                 "point",
                 "Deer, Suzanne (an open mesh: her eyes are separate shells) and a hand.",
-                [0.6, 2.3, 5.6],
-                [0.1, 0.6, 0.0],
+                [0.9, 1.9, 4.6],
+                [0.05, 0.72, 0.0],
                 "point, warm",
             ),
             shot(
                 "spot",
                 "From the other side, against the light of the spot.",
-                [3.9, 1.8, -3.3],
-                [0.0, 0.5, 0.2],
+                [2.9, 1.7, -2.9],
+                [-0.15, 0.6, 0.3],
                 "spot, blue",
             ),
         ],
@@ -144,7 +144,7 @@ fn bonsai(models: &Path) -> Page {
         shots: vec![PageShot {
             name: "leaves",
             caption: "The picture shows the leaves as they are; their shadows are those of the cards that carry them.",
-            camera: view([1.6, 2.2, 3.4], [-0.1, 0.9, 0.0], 45.0),
+            camera: view([1.5, 2.0, 2.9], [-0.1, 0.9, 0.0], 45.0),
             light: "directional",
             exposure: 1.0,
         }],
@@ -162,7 +162,7 @@ fn office(models: &Path) -> Page {
     Page {
         models: vec![model(models, "room_office_small.glb")],
         lights: vec![
-            point("lamp", [0.25, 2.45, 0.35], [1.0, 0.86, 0.68], 6.0, 8.0),
+            point("lamp", [-0.75, 1.75, 0.75], [1.0, 0.86, 0.68], 6.0, 8.0),
             point("monitor", [0.06, 1.25, -0.62], [0.45, 0.65, 1.0], 0.5, 4.0),
         ],
         shots: vec![PageShot {
@@ -187,7 +187,7 @@ fn jack_o_lantern() -> Page {
         name,
         caption,
         camera: view(eye, target, 45.0),
-        light: "candle",
+        light: "lamp",
         exposure: 1.0,
     };
     Page {
@@ -200,21 +200,21 @@ fn jack_o_lantern() -> Page {
             ground(7.0),
         ],
         lights: vec![
-            point("candle", [0.03, 0.52, 0.02], [1.0, 0.66, 0.3], 5.0, 9.0),
-            directional("moon", [0.6, -1.0, -0.5], [0.5, 0.65, 1.0], 0.12),
+            point("lamp", [0.02, 0.84, 0.02], [1.0, 0.66, 0.3], 9.0, 9.0),
+            directional("moon", [0.6, -1.0, -0.5], [0.5, 0.65, 1.0], 0.3),
         ],
         shots: vec![
             shot(
                 "ground",
                 "Light falls in patches shaped like the face, on all four sides.",
-                [1.5, 2.9, 3.4],
-                [0.1, 0.2, 0.4],
+                [1.9, 3.3, 3.9],
+                [0.1, 0.1, 0.5],
             ),
             shot(
                 "close",
                 "Close by: walls are as thick as they cast.",
-                [0.75, 0.75, 1.75],
-                [0.0, 0.45, 0.0],
+                [1.0, 0.95, 1.9],
+                [0.0, 0.4, 0.1],
             ),
         ],
         ..Page::new(
@@ -248,7 +248,7 @@ fn inside() -> Page {
         ],
         lights: vec![
             point("lamp", [-1.6, 3.4, -2.6], [1.0, 0.85, 0.65], 30.0, 16.0),
-            directional("sky", [0.5, -1.0, -0.8], [0.5, 0.65, 1.0], 0.5),
+            directional("sky", [-0.6, -1.0, -0.75], [0.5, 0.65, 1.0], 1.1),
         ],
         shots: vec![
             PageShot {
@@ -256,7 +256,7 @@ fn inside() -> Page {
                 caption: "Boxes and spheres that overlap: their volumes do too, and the stencil counts them.",
                 camera: view([3.0, 2.1, 3.2], [0.0, 0.5, 0.0], 45.0),
                 light: "lamp",
-                exposure: 1.0,
+                exposure: 1.3,
             },
             PageShot {
                 name: "in-shadow",
@@ -264,7 +264,7 @@ fn inside() -> Page {
                           by depth-pass.",
                 camera: view([0.75, 0.35, 1.9], [-0.3, 0.55, -0.6], 60.0),
                 light: "lamp",
-                exposure: 1.0,
+                exposure: 1.3,
             },
         ],
         ..Page::new(
