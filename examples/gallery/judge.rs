@@ -303,7 +303,7 @@ pub fn verdict(results: &[(&Page, PageResult)]) -> String {
         }
     }
     match worst {
-        Some((share, _)) if share == 0.0 => {
+        Some((0.0, _)) => {
             format!(
                 "exact: 0 of {judged} judged pixels are wrong off the edge band, over all lights of all shots"
             )

@@ -27,32 +27,32 @@ pub fn interior(models: &Path) -> Page {
     let shot = |name, caption, eye, target, light, exposure| PageShot {
         name,
         caption,
-        camera: view(eye, target, 65.0),
+        camera: view(eye, target, 68.0),
         light,
         exposure,
     };
     Page {
         models: vec![model(models, "interior.glb")],
         clear_panes: true,
-        sun_gain: 8.0,
-        ambient: Vec3::new(0.3, 0.32, 0.36),
+        sun_gain: 20.0,
+        ambient: Vec3::new(0.42, 0.44, 0.48),
         background: Vec3::new(1.6, 2.4, 3.6),
         shots: vec![
             shot(
                 "dining",
-                "Dining room and kitchen: chairs of bent wood, a ceiling fan right under the lamp.",
-                [6.2, 1.6, 8.5],
-                [1.5, 0.8, 6.2],
+                "Chairs of bent wood, a ceiling fan that stands in the lamp's way, the sun through the south window.",
+                [0.95, 1.6, 5.35],
+                [3.45, 0.8, 7.55],
                 "ceiling_1",
-                0.12,
+                0.135,
             ),
             shot(
                 "bedroom",
-                "Bedroom: a bedstead of thin bars, the desk lamp's spot beside the ceiling light.",
-                [7.3, 1.6, 0.6],
-                [9.2, 0.6, 4.2],
+                "Bedroom: a bedstead of thin bars, a wardrobe before the window.",
+                [7.45, 1.6, 3.6],
+                [10.4, 0.55, 1.2],
                 "ceiling_2",
-                0.12,
+                0.135,
             ),
             shot(
                 "stairs",
@@ -60,14 +60,14 @@ pub fn interior(models: &Path) -> Page {
                 [7.2, 1.6, 5.3],
                 [9.2, 0.9, 8.2],
                 "ceiling_3",
-                0.12,
+                0.135,
             ),
         ],
         ..Page::new(
             "interior",
             "A furnished flat",
             "Seven lights of its own: five ceiling lamps, a desk lamp and the sun, all of them shadowed, half a million \
-             triangles. Window panes are blended and let the light through; the sun is eight times as strong as in \
+             triangles. Window panes are blended and let the light through; the sun is twenty times as strong as in \
              the file, so that it shows beside the lamps.",
         )
     }
@@ -162,7 +162,7 @@ fn office(models: &Path) -> Page {
     Page {
         models: vec![model(models, "room_office_small.glb")],
         lights: vec![
-            point("lamp", [-0.75, 1.75, 0.75], [1.0, 0.86, 0.68], 6.0, 8.0),
+            point("lamp", [-0.75, 1.75, 0.75], [1.0, 0.86, 0.68], 2.6, 8.0),
             point("monitor", [0.06, 1.25, -0.62], [0.45, 0.65, 1.0], 0.5, 4.0),
         ],
         shots: vec![PageShot {
