@@ -222,6 +222,7 @@ fn rust_constant(name: &str) -> Option<f64> {
         "STENCIL_LIT" => Some(f64::from(conventions::STENCIL_LIT)),
         "STENCIL_IN_BOUNDS" => Some(f64::from(conventions::STENCIL_IN_BOUNDS)),
         "STENCIL_COUNT_MASK" => Some(f64::from(conventions::STENCIL_COUNT_MASK)),
+        "RADIANCE_MAX" => Some(f64::from(conventions::RADIANCE_MAX)),
         "PI" => Some(f64::from(std::f32::consts::PI)),
         _ => None,
     }

@@ -143,6 +143,13 @@ impl RenderContext {
         self.lost.load(Ordering::Acquire)
     }
 
+    /// Asks the device whether it is gone; before a frame, as a loss is told only to those who poll. Does not wait.
+    pub fn notice_loss(&self) -> bool {
+        // An error says what the flag says.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.is_lost()
+    }
+
     /// The combined depth and stencil format: with 32-bit float depth where the device has it.
     pub fn depth_stencil_format(&self) -> wgpu::TextureFormat {
         if self

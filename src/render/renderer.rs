@@ -50,6 +50,21 @@ impl Default for RenderSettings {
     }
 }
 
+impl RenderSettings {
+    /// The settings with numbers that can be drawn with: radiance that is not finite or negative counts as 0, such an
+    /// exposure as 1.
+    pub fn sanitized(&self) -> Self {
+        let usable = |x: f32| x.is_finite() && x >= 0.0;
+        let radiance = |v: Vec3| Vec3::from_array(v.to_array().map(|x| if usable(x) { x } else { 0.0 }));
+        Self {
+            ambient: radiance(self.ambient),
+            background: radiance(self.background),
+            exposure: if usable(self.exposure) { self.exposure } else { 1.0 },
+            ..*self
+        }
+    }
+}
+
 /// One light of the frame, ready to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveLight {

@@ -119,7 +119,7 @@ fn the_usual_scene_is_right_and_comparison_finds_a_hair() {
     assert!(same(&first, &render(&mut stage)), "and it is the same again");
     let light = stage.lights[0];
     let mut at = stage.world.get_mut::<Transform>(light).expect("it stands somewhere");
-    at.translation.x += 0.2;
+    at.translation.x += 1.5;
     let moved = render(&mut stage);
     assert!(!same(&first, &moved));
     let scene = RayScene::from_world(&mut stage.world);

@@ -36,7 +36,8 @@ fn a_picture_of_one_pixel_is_drawn() {
         resize(&mut stage, size);
         let rendered = render(&mut stage);
         assert_eq!(rendered.radiance.len(), 4 * size.element_product() as usize);
-        assert!(rendered.radiance[0] > 0.0, "{size}: something is seen");
+        let seen = rendered.radiance.chunks(4).any(|texel| texel[0] > 0.0);
+        assert!(seen, "{size}: something is seen");
     }
 }
 
