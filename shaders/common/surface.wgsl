@@ -5,7 +5,7 @@
 
 #import antumbra::view::{clip_position, relative_position, relative_vector, relative_normal}
 
-struct Slot {                       // mirror: render::gpu_types::MaterialSlot
+struct Slot {                       // mirror: render::gpu_types::Slot
     uv_matrix: vec4f,               // columns of the 2×2 part
     uv_offset: vec2f,
     uv_set: u32,                    // 0 or 1
@@ -110,7 +110,9 @@ fn metallic_roughness(in: Fragment) -> vec2f {
 // Source: Mikkelsen 2010, "Bump Mapping Unparametrized Surfaces on the GPU".
 fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
     let side = select(-1.0, 1.0, front_facing);
-    let normal = normalize(in.normal_relative) * side;
+    // Normals that meet head-on may interpolate to none, which no light reaches.
+    let smooth_normal = in.normal_relative;
+    let normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-30)));
     let uv = slot_uv(material.normal_slot, in.uv);
     let texel = textureSample(normal_texture, normal_sampler, uv).xyz * 2.0 - 1.0;
     let dp_dx = dpdx(in.position_relative);

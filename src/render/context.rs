@@ -91,12 +91,12 @@ pub struct RenderContext {
 }
 
 impl RenderContext {
-    /// A device of its own, without a window.
+    /// A device of its own, without a window. wgpu's environment variables (`WGPU_BACKEND` and so on) are heard.
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].
     pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = instance
             .request_adapter(&wgpu::RequestAdapterOptions {
                 power_preference: wgpu::PowerPreference::HighPerformance,
@@ -149,6 +149,13 @@ impl RenderContext {
     /// Whether the device is gone; nothing that it held can be used again.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
+    }
+
+    /// Asks the device whether it is gone; before a frame, as a loss is told only to those who poll. Does not wait.
+    pub fn notice_loss(&self) -> bool {
+        // An error says what the flag says.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.is_lost()
     }
 
     /// The combined depth and stencil format: with 32-bit float depth where the device has it.

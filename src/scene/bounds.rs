@@ -44,7 +44,12 @@ pub fn update_local_bounds(
         (&SceneMesh, Option<&PosedMesh>, &mut LocalBounds),
         Or<(Changed<SceneMesh>, Changed<PosedMesh>)>,
     >,
+    mut without_mesh: Query<&mut LocalBounds, Without<SceneMesh>>,
 ) {
+    // Its mesh was taken away; the other components stay.
+    for mut bounds in &mut without_mesh {
+        bounds.set_if_neq(LocalBounds::default());
+    }
     for (mesh, posed, mut bounds) in &mut meshes {
         let posed = posed
             .map(|posed| &posed.positions)

@@ -54,6 +54,9 @@ impl Key {
 
 const KEY_COUNT: usize = 12;
 
+/// Name of the technique.
+pub const NAME: &str = "stencil_volume";
+
 /// One draw call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Draw {
@@ -351,7 +354,7 @@ fn bind(
 
 impl ShadowTechnique for StencilVolumeNode {
     fn name(&self) -> &'static str {
-        "stencil_volume"
+        NAME
     }
 
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
