@@ -326,7 +326,10 @@ fn constants(material: &Material) -> gpu_types::Material {
     };
     gpu_types::Material {
         base_color: material.base_color.to_array().map(|x| within(x, 0.0, 1.0, 0.0)),
-        emissive: material.emissive.to_array().map(|x| within(x, 0.0, RADIANCE_MAX, 0.0)),
+        emissive: material
+            .emissive
+            .to_array()
+            .map(|x| within(x, 0.0, RADIANCE_MAX, 0.0)),
         alpha_cutoff: match material.alpha_mode {
             AlphaMode::Mask(cutoff) => within(cutoff, 0.0, 2.0, 0.5),
             _ => 0.0,

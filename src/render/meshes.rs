@@ -206,9 +206,17 @@ fn fill_surface(out: &mut Vec<SurfaceVertex>, mesh: &MeshData, posed: Option<&Po
     let tangents = posed.map_or(&mesh.tangents, |posed| &posed.tangents);
     out.clear();
     out.extend((0..mesh.positions.len()).map(|i| {
-        let uv = |set: &[Vec2]| set.get(i).copied().filter(|uv| uv.is_finite()).unwrap_or(Vec2::ZERO);
+        let uv = |set: &[Vec2]| {
+            set.get(i)
+                .copied()
+                .filter(|uv| uv.is_finite())
+                .unwrap_or(Vec2::ZERO)
+        };
         let (uv0, uv1) = (uv(&mesh.uv0), uv(&mesh.uv1));
-        let normal = normals.get(i).copied().filter(|n| n.is_finite() && *n != Vec3::ZERO);
+        let normal = normals
+            .get(i)
+            .copied()
+            .filter(|n| n.is_finite() && *n != Vec3::ZERO);
         let tangent = tangents.get(i).copied();
         let tangent = tangent.filter(|t| t.is_finite() && t.truncate() != Vec3::ZERO);
         let color = mesh.colors.get(i).copied().filter(|color| color.is_finite());

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::UVec2;
 
+use super::RenderError;
 use super::bind_groups::LIGHT_STRIDE;
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
 use super::gpu_types;
@@ -12,7 +13,6 @@ use super::nodes::blended::BlendedDraw;
 use super::objects::NO_MESH;
 use super::renderer::{ActiveLight, FrameData, Renderer};
 use super::technique::PrepareInput;
-use super::RenderError;
 use crate::scene::FaceCulling;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View, ViewportSize, VisibleSet};

@@ -57,7 +57,11 @@ pub fn collect_seen_into(
 
 /// Whether every triangle of the mesh is drawn, and opaque.
 fn is_opaque(mesh: &MeshData, materials: &SceneMaterials) -> bool {
-    let drawn: usize = mesh.submeshes.iter().map(|part| mesh.submesh_range(part).len()).sum();
+    let drawn: usize = mesh
+        .submeshes
+        .iter()
+        .map(|part| mesh.submesh_range(part).len())
+        .sum();
     drawn >= mesh.indices.len()
         && materials.0.len() >= mesh.submeshes.len()
         && materials.0[..mesh.submeshes.len()]

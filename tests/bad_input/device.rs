@@ -16,7 +16,9 @@ fn device_loss_is_survived() {
     for frame in 0..4 {
         let at = Transform::from_xyz(frame as f32, 2.0, 0.0);
         let more = stage.world.spawn(object(MeshData::icosphere(0.3, 1), at)).id();
-        stage.world.insert_resource(ViewportSize(SIZE + UVec2::splat(frame)));
+        stage
+            .world
+            .insert_resource(ViewportSize(SIZE + UVec2::splat(frame)));
         stage.schedule.run(&mut stage.world);
         let mut encoder = context.device.create_command_encoder(&Default::default());
         stage

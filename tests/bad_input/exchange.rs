@@ -48,13 +48,19 @@ fn exchanged_meshes_and_materials_show() {
     });
     check("a new material", &|stage, entity| {
         let red = Arc::new(Material::matte(Vec3::X));
-        stage.world.entity_mut(entity).insert(SceneMaterials([red].into()));
+        stage
+            .world
+            .entity_mut(entity)
+            .insert(SceneMaterials([red].into()));
     });
     check("a blended material", &|stage, entity| {
         let mut glass = Material::matte(Vec3::X);
         glass.alpha_mode = AlphaMode::Blend;
         glass.base_color.w = 0.5;
-        stage.world.entity_mut(entity).insert(SceneMaterials([Arc::new(glass)].into()));
+        stage
+            .world
+            .entity_mut(entity)
+            .insert(SceneMaterials([Arc::new(glass)].into()));
     });
 }
 
@@ -97,8 +103,14 @@ fn lights_come_and_go() {
         let (light, at) = light();
         let more = stage.world.spawn_empty().id();
         let at = at.with_translation(Vec3::new(-3.0 + round as f32, 4.0, -2.0));
-        stage.world.entity_mut(more).insert((light, at, StencilVolume::default()));
-        assert!(render(&mut stage).radiance != one.radiance, "round {round}: a second light shines");
+        stage
+            .world
+            .entity_mut(more)
+            .insert((light, at, StencilVolume::default()));
+        assert!(
+            render(&mut stage).radiance != one.radiance,
+            "round {round}: a second light shines"
+        );
         stage.world.despawn(more);
         assert!(same(&one, &render(&mut stage)), "round {round}: and is gone");
     }
@@ -112,13 +124,19 @@ fn a_renderer_is_taken_away_and_another_comes() {
     stage.world.remove_resource::<Renderer>();
     stage.schedule.run(&mut stage.world); // sets and silhouettes go on without
     let entity = the_box(&mut stage);
-    stage.world.entity_mut(entity).insert(Transform::from_xyz(0.5, 0.75, 0.0));
+    stage
+        .world
+        .entity_mut(entity)
+        .insert(Transform::from_xyz(0.5, 0.75, 0.0));
     stage.schedule.run(&mut stage.world);
     stage
         .add_renderer(context.clone(), RenderSettings::default())
         .expect("shaders compose");
     assert!(!same(&usual, &render(&mut stage)), "the move was seen");
-    stage.world.entity_mut(entity).insert(Transform::from_xyz(0.0, 0.75, 0.0));
+    stage
+        .world
+        .entity_mut(entity)
+        .insert(Transform::from_xyz(0.0, 0.75, 0.0));
     assert!(same(&usual, &render(&mut stage)));
     // One in the place of another, without a frame between.
     stage

@@ -10,12 +10,16 @@ fn stage_at(context: &RenderContext, origin: Vec3) -> Stage {
     let mut stage = empty_stage(context);
     let at = |x: f32, y: f32, z: f32| Transform::from_translation(origin + Vec3::new(x, y, z));
     stage.world.spawn(object(MeshData::plane(6.0), at(0.0, 0.0, 0.0)));
-    stage
-        .world
-        .spawn(object(MeshData::cuboid(Vec3::new(0.6, 0.5, 0.7)), at(0.0, 1.0, 0.0)));
+    stage.world.spawn(object(
+        MeshData::cuboid(Vec3::new(0.6, 0.5, 0.7)),
+        at(0.0, 1.0, 0.0),
+    ));
     let rotation = view().rotation;
     let camera = stage.camera;
-    stage.world.entity_mut(camera).insert(at(3.0, 4.0, 8.0).with_rotation(rotation));
+    stage
+        .world
+        .entity_mut(camera)
+        .insert(at(3.0, 4.0, 8.0).with_rotation(rotation));
     let (light, _) = light();
     stage.spawn_light(light, at(2.0, 5.0, 1.0), Some(StencilVolume::default()));
     stage
@@ -47,6 +51,12 @@ fn a_scene_far_from_the_origin_is_that_at_the_origin() {
     assert_eq!(differing(&at_origin, &at_origin), 0);
     let mut moved = stage_at(&context, Vec3::ZERO);
     let light = moved.lights[0];
-    moved.world.entity_mut(light).insert(Transform::from_xyz(2.2, 5.0, 1.0));
-    assert!(differing(&at_origin, &render(&mut moved)) > 2, "the comparison finds a light moved by 0.2 m");
+    moved
+        .world
+        .entity_mut(light)
+        .insert(Transform::from_xyz(2.2, 5.0, 1.0));
+    assert!(
+        differing(&at_origin, &render(&mut moved)) > 2,
+        "the comparison finds a light moved by 0.2 m"
+    );
 }

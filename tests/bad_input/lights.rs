@@ -10,31 +10,86 @@ type Expected = fn(&LightError) -> bool;
 
 /// What is spoilt, and the reason that must be given.
 const SPOILT: [(&str, Spoil, Expected); 15] = [
-    ("NaN range", |l, _| l.range = f32::NAN, |e| matches!(e, LightError::Range(_))),
-    ("negative range", |l, _| l.range = -1.0, |e| matches!(e, LightError::Range(_))),
-    ("range 0", |l, _| l.range = 0.0, |e| matches!(e, LightError::Range(_))),
-    ("NaN intensity", |l, _| l.intensity = f32::NAN, |e| matches!(e, LightError::Intensity(_))),
-    ("negative intensity", |l, _| l.intensity = -2.0, |e| matches!(e, LightError::Intensity(_))),
-    ("infinite intensity", |l, _| l.intensity = f32::INFINITY, |e| matches!(e, LightError::Intensity(_))),
-    ("NaN colour", |l, _| l.color.y = f32::NAN, |e| matches!(e, LightError::Color(_))),
-    ("negative colour", |l, _| l.color.z = -0.1, |e| matches!(e, LightError::Color(_))),
+    (
+        "NaN range",
+        |l, _| l.range = f32::NAN,
+        |e| matches!(e, LightError::Range(_)),
+    ),
+    (
+        "negative range",
+        |l, _| l.range = -1.0,
+        |e| matches!(e, LightError::Range(_)),
+    ),
+    (
+        "range 0",
+        |l, _| l.range = 0.0,
+        |e| matches!(e, LightError::Range(_)),
+    ),
+    (
+        "NaN intensity",
+        |l, _| l.intensity = f32::NAN,
+        |e| matches!(e, LightError::Intensity(_)),
+    ),
+    (
+        "negative intensity",
+        |l, _| l.intensity = -2.0,
+        |e| matches!(e, LightError::Intensity(_)),
+    ),
+    (
+        "infinite intensity",
+        |l, _| l.intensity = f32::INFINITY,
+        |e| matches!(e, LightError::Intensity(_)),
+    ),
+    (
+        "NaN colour",
+        |l, _| l.color.y = f32::NAN,
+        |e| matches!(e, LightError::Color(_)),
+    ),
+    (
+        "negative colour",
+        |l, _| l.color.z = -0.1,
+        |e| matches!(e, LightError::Color(_)),
+    ),
     (
         "crossed cones",
-        |l, _| l.kind = LightKind::Spot { inner_angle: 0.5, outer_angle: 0.2 },
+        |l, _| {
+            l.kind = LightKind::Spot {
+                inner_angle: 0.5,
+                outer_angle: 0.2,
+            }
+        },
         |e| matches!(e, LightError::Angles { .. }),
     ),
     (
         "NaN cone",
-        |l, _| l.kind = LightKind::Spot { inner_angle: 0.1, outer_angle: f32::NAN },
+        |l, _| {
+            l.kind = LightKind::Spot {
+                inner_angle: 0.1,
+                outer_angle: f32::NAN,
+            }
+        },
         |e| matches!(e, LightError::Angles { .. }),
     ),
     (
         "negative width",
-        |l, _| l.kind = LightKind::Rect { width: -1.0, height: 1.0 },
+        |l, _| {
+            l.kind = LightKind::Rect {
+                width: -1.0,
+                height: 1.0,
+            }
+        },
         |e| matches!(e, LightError::Size(_)),
     ),
-    ("NaN radius", |l, _| l.kind = LightKind::Sphere { radius: f32::NAN }, |e| matches!(e, LightError::Size(_))),
-    ("NaN place", |_, t| t.translation.x = f32::NAN, |e| matches!(e, LightError::Transform)),
+    (
+        "NaN radius",
+        |l, _| l.kind = LightKind::Sphere { radius: f32::NAN },
+        |e| matches!(e, LightError::Size(_)),
+    ),
+    (
+        "NaN place",
+        |_, t| t.translation.x = f32::NAN,
+        |e| matches!(e, LightError::Transform),
+    ),
     (
         "flattened directional light",
         |l, t| {
@@ -46,7 +101,10 @@ const SPOILT: [(&str, Spoil, Expected); 15] = [
     (
         "flattened rectangle",
         |l, t| {
-            l.kind = LightKind::Rect { width: 1.0, height: 1.0 };
+            l.kind = LightKind::Rect {
+                width: 1.0,
+                height: 1.0,
+            };
             t.scale = Vec3::ZERO;
         },
         |e| matches!(e, LightError::Transform),
@@ -97,7 +155,10 @@ fn without_lights_there_is_ambient_light_only() {
     let dark = render(&mut stage);
     assert!(dark.visibility.is_empty());
     let brightest = dark.radiance.chunks(4).map(|texel| texel[0]).fold(0.0, f32::max);
-    assert!((0.01..0.02).contains(&brightest), "{brightest} is the ambient radiance of matte 0.8");
+    assert!(
+        (0.01..0.02).contains(&brightest),
+        "{brightest} is the ambient radiance of matte 0.8"
+    );
     assert!(dark.radiance != lit.radiance);
 }
 
@@ -107,15 +168,24 @@ fn judge_at(context: &RenderContext, light_at: Vec3, eye: Vec3, range: f32) -> (
     let mut stage = box_on_plane(context);
     let light = stage.lights[0];
     stage.world.get_mut::<Light>(light).expect("it is a light").range = range;
-    stage.world.entity_mut(light).insert(Transform::from_translation(light_at));
+    stage
+        .world
+        .entity_mut(light)
+        .insert(Transform::from_translation(light_at));
     let target = Vec3::new(0.2, 0.4, 0.1);
     stage.world.entity_mut(stage.camera).insert((
-        Camera { near: 0.01, ..camera() },
+        Camera {
+            near: 0.01,
+            ..camera()
+        },
         Transform::from_translation(eye).looking_at(target, Vec3::Y),
     ));
     let rendered = render(&mut stage);
     let error = assert_true(&mut stage, &rendered);
-    let dark = rendered.visibility[0].iter().filter(|value| **value == 0.0).count();
+    let dark = rendered.visibility[0]
+        .iter()
+        .filter(|value| **value == 0.0)
+        .count();
     (error.inner, dark)
 }
 
@@ -148,9 +218,16 @@ fn light_and_camera_inside_the_same_caster_see_each_other() {
 fn a_light_in_the_plane_of_a_caster_face_casts() {
     let context = strict_context(RequestedFeatures::default());
     // The planes of the box's top, of a side, and of both.
-    for light_at in [Vec3::new(3.0, 1.25, 0.3), Vec3::new(0.5, 4.0, 0.2), Vec3::new(0.5, 1.25, 3.0)] {
+    for light_at in [
+        Vec3::new(3.0, 1.25, 0.3),
+        Vec3::new(0.5, 4.0, 0.2),
+        Vec3::new(0.5, 1.25, 3.0),
+    ] {
         let (judged, dark) = judge_at(&context, light_at, OUTSIDE, 30.0);
-        assert!(judged > 1000 && dark > 20, "{light_at}: {judged} judged, {dark} dark");
+        assert!(
+            judged > 1000 && dark > 20,
+            "{light_at}: {judged} judged, {dark} dark"
+        );
     }
 }
 
@@ -179,9 +256,15 @@ fn judge_at_range(context: &RenderContext, range: f32) {
         stage.world.despawn(light);
         stage.lights.clear();
         let none = render(&mut stage);
-        assert!(rendered.radiance == none.radiance, "range {range} reaches nothing");
+        assert!(
+            rendered.radiance == none.radiance,
+            "range {range} reaches nothing"
+        );
     } else {
-        assert!(rendered.visibility == usual.visibility, "range {range} changes the shadow");
+        assert!(
+            rendered.visibility == usual.visibility,
+            "range {range} changes the shadow"
+        );
     }
 }
 
@@ -217,6 +300,10 @@ fn thousands_of_lights_render() {
         .map(|bytes| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32())
         .collect();
     assert!(radiance.iter().all(|value| value.is_finite()));
-    let brighter = radiance.iter().zip(&without.radiance).filter(|(a, b)| a > b).count();
+    let brighter = radiance
+        .iter()
+        .zip(&without.radiance)
+        .filter(|(a, b)| a > b)
+        .count();
     assert!(brighter > 2000, "only {brighter} values are brighter");
 }

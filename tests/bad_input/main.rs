@@ -76,7 +76,9 @@ fn empty_stage(context: &RenderContext) -> Stage {
 /// A box on a plane under one point light with stencil volumes.
 fn box_on_plane(context: &RenderContext) -> Stage {
     let mut stage = empty_stage(context);
-    stage.world.spawn(object(MeshData::plane(6.0), Transform::IDENTITY));
+    stage
+        .world
+        .spawn(object(MeshData::plane(6.0), Transform::IDENTITY));
     stage.world.spawn(object(
         MeshData::cuboid(Vec3::splat(0.5)),
         Transform::from_xyz(0.0, 0.75, 0.0),
@@ -90,7 +92,11 @@ fn box_on_plane(context: &RenderContext) -> Stage {
 #[track_caller]
 fn render(stage: &mut Stage) -> Rendered {
     let rendered = stage.render().expect("the frame renders");
-    let bad = rendered.radiance.iter().filter(|value| !value.is_finite()).count();
+    let bad = rendered
+        .radiance
+        .iter()
+        .filter(|value| !value.is_finite())
+        .count();
     assert_eq!(bad, 0, "{bad} values of the radiance are not finite");
     rendered
 }
@@ -115,14 +121,23 @@ fn the_usual_scene_is_right_and_comparison_finds_a_hair() {
     let mut stage = box_on_plane(&context);
     let first = render(&mut stage);
     assert!(assert_true(&mut stage, &first).inner > 1000, "enough is judged");
-    assert!(first.visibility[0].iter().any(|value| *value == 0.0), "there is a shadow");
+    assert!(
+        first.visibility[0].iter().any(|value| *value == 0.0),
+        "there is a shadow"
+    );
     assert!(same(&first, &render(&mut stage)), "and it is the same again");
     let light = stage.lights[0];
-    let mut at = stage.world.get_mut::<Transform>(light).expect("it stands somewhere");
+    let mut at = stage
+        .world
+        .get_mut::<Transform>(light)
+        .expect("it stands somewhere");
     at.translation.x += 1.5;
     let moved = render(&mut stage);
     assert!(!same(&first, &moved));
     let scene = RayScene::from_world(&mut stage.world);
     let error = judge(&stage, &scene, 0, &first.visibility[0]);
-    assert!(error.share().is_some_and(|share| share > ALLOWED), "the judge finds the old shadow wrong");
+    assert!(
+        error.share().is_some_and(|share| share > ALLOWED),
+        "the judge finds the old shadow wrong"
+    );
 }

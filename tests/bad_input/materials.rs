@@ -8,7 +8,9 @@ use super::*;
 /// The usual scene whose box has these materials, one for each half of its faces.
 fn with(context: &RenderContext, materials: &[Arc<Material>]) -> Stage {
     let mut stage = empty_stage(context);
-    stage.world.spawn(object(MeshData::plane(6.0), Transform::IDENTITY));
+    stage
+        .world
+        .spawn(object(MeshData::plane(6.0), Transform::IDENTITY));
     let mut mesh = MeshData::cuboid(Vec3::splat(0.5));
     let half = mesh.submeshes[0].index_count / 2;
     mesh.submeshes = [0, half]
@@ -80,7 +82,10 @@ fn textures_of_the_wrong_size_are_ignored() {
         of(&context, material)
     };
     for bytes in [0, 1, 63, 65, 4096] {
-        assert!(same(&plain, &textured(texture(vec![10; bytes]))), "{bytes} bytes for 4×4 texels");
+        assert!(
+            same(&plain, &textured(texture(vec![10; bytes]))),
+            "{bytes} bytes for 4×4 texels"
+        );
     }
     for (width, height) in [(0, 4), (4, 0), (u32::MAX, u32::MAX)] {
         let mut slot = texture(vec![10; 64]);
@@ -89,7 +94,10 @@ fn textures_of_the_wrong_size_are_ignored() {
         slot.texture = Arc::new(image);
         assert!(same(&plain, &textured(slot)), "{width}×{height}");
     }
-    assert!(!same(&plain, &textured(texture(vec![10; 64]))), "a whole texture shows");
+    assert!(
+        !same(&plain, &textured(texture(vec![10; 64]))),
+        "a whole texture shows"
+    );
     let mut odd = texture(vec![10; 64]);
     odd.uv_set = 77;
     odd.uv_transform = Affine2::from_scale(Vec2::NAN);

@@ -30,7 +30,9 @@ fn mesh(positions: &[Vec3], indices: &[u32]) -> MeshData {
 /// The usual scene with one more object.
 fn with(context: &RenderContext, extra: MeshData) -> Stage {
     let mut stage = box_on_plane(context);
-    stage.world.spawn(object(extra, Transform::from_translation(PLACE)));
+    stage
+        .world
+        .spawn(object(extra, Transform::from_translation(PLACE)));
     stage
 }
 
@@ -105,12 +107,22 @@ fn a_vertex_that_is_not_there_is_counted_and_draws_no_garbage() {
         let rendered = render(&mut stage);
         // It casts nothing, as its edges are unknown, but it is drawn: only shadows may differ.
         let mut unshadowed = with(&context, cuboid());
-        unshadowed.world.entity_mut(unshadowed.lights[0]).remove::<StencilVolume>();
+        unshadowed
+            .world
+            .entity_mut(unshadowed.lights[0])
+            .remove::<StencilVolume>();
         stage.world.entity_mut(stage.lights[0]).remove::<StencilVolume>();
-        assert!(same(&render(&mut unshadowed), &render(&mut stage)), "index {index}");
+        assert!(
+            same(&render(&mut unshadowed), &render(&mut stage)),
+            "index {index}"
+        );
         let failures = &stage.world.resource::<CasterMeshes>().failures;
         assert_eq!(failures.len(), 1, "it is reported once");
-        assert!(failures[0].1.to_string().contains("triangle 12"), "{}", failures[0].1);
+        assert!(
+            failures[0].1.to_string().contains("triangle 12"),
+            "{}",
+            failures[0].1
+        );
         assert!(!same(&whole, &rendered), "the comparison sees shadows");
     }
 }
@@ -158,15 +170,26 @@ fn streams_that_are_missing_or_too_short_or_not_finite_have_defaults() {
         ("half of the normals", vec![Vec3::Y; count / 2]),
         ("too many normals", vec![Vec3::Y; count * 2]),
     ] {
-        assert!(same(&up, &lit_as(&|mesh| mesh.normals.clone_from(&normals))), "{what}");
+        assert!(
+            same(&up, &lit_as(&|mesh| mesh.normals.clone_from(&normals))),
+            "{what}"
+        );
     }
     let plain = lit_as(&|_| {});
     assert!(!same(&up, &plain), "normals show");
-    for uv0 in [vec![Vec2::NAN; count], vec![Vec2::ONE; 3], vec![Vec2::ONE; 3 * count]] {
+    for uv0 in [
+        vec![Vec2::NAN; count],
+        vec![Vec2::ONE; 3],
+        vec![Vec2::ONE; 3 * count],
+    ] {
         assert!(same(&plain, &lit_as(&|mesh| mesh.uv0.clone_from(&uv0))));
         assert!(same(&plain, &lit_as(&|mesh| mesh.uv1.clone_from(&uv0))));
     }
-    for colors in [vec![Vec4::NAN; count], vec![Vec4::ONE; 3], vec![Vec4::ONE; 3 * count]] {
+    for colors in [
+        vec![Vec4::NAN; count],
+        vec![Vec4::ONE; 3],
+        vec![Vec4::ONE; 3 * count],
+    ] {
         assert!(same(&plain, &lit_as(&|mesh| mesh.colors.clone_from(&colors))));
     }
     for tangents in [vec![Vec4::NAN; count], vec![Vec4::ZERO; 1]] {

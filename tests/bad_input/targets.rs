@@ -51,10 +51,15 @@ fn a_picture_beyond_the_device_is_an_error_for_its_frame_only() {
     let more: Vec<Entity> = (0..100)
         .map(|index| {
             let at = Transform::from_xyz(index as f32 * 0.1 - 5.0, 0.5, -2.0);
-            stage.world.spawn(object(MeshData::cuboid(Vec3::splat(0.04)), at)).id()
+            stage
+                .world
+                .spawn(object(MeshData::cuboid(Vec3::splat(0.04)), at))
+                .id()
         })
         .collect();
-    let error = stage.render().expect_err("no device has a million texels in a row");
+    let error = stage
+        .render()
+        .expect_err("no device has a million texels in a row");
     assert!(matches!(error, RenderError::Limit { .. }), "{error}");
     for entity in more {
         stage.world.despawn(entity);
@@ -78,11 +83,26 @@ fn without_a_usable_camera_nothing_is_drawn() {
     .map(|at| (camera(), at))
     .into();
     for camera in [
-        Camera { near: 0.0, ..camera() },
-        Camera { near: nan, ..camera() },
-        Camera { vertical_fov: 0.0, ..camera() },
-        Camera { vertical_fov: 4.0, ..camera() },
-        Camera { aspect: f32::INFINITY, ..camera() },
+        Camera {
+            near: 0.0,
+            ..camera()
+        },
+        Camera {
+            near: nan,
+            ..camera()
+        },
+        Camera {
+            vertical_fov: 0.0,
+            ..camera()
+        },
+        Camera {
+            vertical_fov: 4.0,
+            ..camera()
+        },
+        Camera {
+            aspect: f32::INFINITY,
+            ..camera()
+        },
     ] {
         unusable.push((camera, view()));
     }
@@ -90,7 +110,10 @@ fn without_a_usable_camera_nothing_is_drawn() {
     for (bad, at) in unusable {
         stage.world.entity_mut(entity).insert((bad, at));
         let nothing = render(&mut stage);
-        assert!(nothing.radiance.iter().all(|value| *value == 0.0), "{bad:?} {at:?} draws");
+        assert!(
+            nothing.radiance.iter().all(|value| *value == 0.0),
+            "{bad:?} {at:?} draws"
+        );
     }
     stage.world.entity_mut(entity).remove::<Camera>();
     assert!(render(&mut stage).radiance.iter().all(|value| *value == 0.0));
@@ -117,5 +140,8 @@ fn settings_that_are_not_finite_do_not_reach_the_gpu() {
         exposure: 1.0,
         ..RenderSettings::default()
     };
-    assert!(same(&spoilt, &render(&mut stage)), "numbers that are not finite count as 0, such an exposure as 1");
+    assert!(
+        same(&spoilt, &render(&mut stage)),
+        "numbers that are not finite count as 0, such an exposure as 1"
+    );
 }
