@@ -277,7 +277,7 @@ fn apply(stage: &mut Stage, variant: &Variant) {
 
 /// Moves every light by a little, there and back.
 fn shift(stage: &mut Stage, repetition: usize) {
-    let step = if repetition % 2 == 0 { 0.01 } else { -0.01 };
+    let step = if repetition.is_multiple_of(2) { 0.01 } else { -0.01 };
     for &light in &stage.lights {
         if let Some(mut transform) = stage.world.get_mut::<Transform>(light) {
             transform.translation.x += step;
