@@ -3,8 +3,12 @@
 use antumbra::plugin::{AntumbraSystems, SetTimes};
 use antumbra::prelude::*;
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
-use antumbra::silhouettes::{Silhouettes, link_loops};
+use antumbra::silhouettes::{
+    CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify, extract_edge_vertices,
+    link_loops,
+};
 use antumbra::techniques::stencil_volume::StencilVolumes;
+use bevy_ecs::prelude::World;
 use serde_json::{Map, Value, json};
 
 use super::stage::{Rendered, Stage};
@@ -68,7 +72,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
     })
 }
 
-fn skip_reason(world: &bevy_ecs::prelude::World, light: bevy_ecs::prelude::Entity) -> String {
+fn skip_reason(world: &World, light: bevy_ecs::prelude::Entity) -> String {
     world
         .resource::<FrameLights>()
         .skipped
@@ -77,7 +81,23 @@ fn skip_reason(world: &bevy_ecs::prelude::World, light: bevy_ecs::prelude::Entit
         .map_or_else(|| "not a light".to_owned(), |skipped| skipped.error.to_string())
 }
 
-fn light_stats(world: &bevy_ecs::prelude::World, renderer: &Renderer, index: usize) -> Value {
+/// Loops of a silhouette's contour. Names of edges are not kept: its facing bits are found once more.
+fn loop_count(world: &World, silhouette: &Silhouette) -> usize {
+    let Some(edges) = world.get::<CasterEdges>(silhouette.entity) else {
+        return 0;
+    };
+    let planes = match world.get::<PosedPlanes>(silhouette.entity) {
+        Some(posed) => &posed.0,
+        None => &edges.0.planes,
+    };
+    let (mut bits, mut edge_vertices) = (FacingBits::default(), Vec::new());
+    classify(&edges.0.edges, planes, silhouette.light_local, &mut bits);
+    extract_edge_vertices(&edges.0.edges, &bits, silhouette.mode, &mut edge_vertices);
+    // A contour whose edges do not close has no loops to count.
+    link_loops(&edge_vertices).map_or(0, |loops| loops.len())
+}
+
+fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
     let light = &world.resource::<FrameLights>().lights[index];
     let silhouettes = world.resource::<Silhouettes>();
     let (mut edges, mut loops) = (0, 0);
@@ -85,8 +105,7 @@ fn light_stats(world: &bevy_ecs::prelude::World, renderer: &Renderer, index: usi
         for object in light.s.ones() {
             if let Some((_, silhouette)) = known.of_object(object) {
                 edges += silhouette.contour.edges.len();
-                // A contour whose edges do not close has no loops to count.
-                loops += link_loops(&silhouette.contour.edge_vertices).map_or(0, |loops| loops.len());
+                loops += loop_count(world, silhouette);
             }
         }
     }

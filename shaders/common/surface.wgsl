@@ -119,9 +119,6 @@ fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
     let dp_dy = dpdy(in.position_relative);
     let duv_dx = dpdx(uv);
     let duv_dy = dpdy(uv);
-    if material.normal_slot.present == 0u {
-        return normal;
-    }
     let bump = vec3f(texel.xy * material.normal_scale, texel.z);
     var tangent = in.tangent_relative.xyz;
     var bitangent = cross(in.normal_relative, tangent) * in.tangent_relative.w;
@@ -141,5 +138,7 @@ fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
         bitangent *= side;
     }
     let bent = tangent * bump.x + bitangent * bump.y + normal * bump.z;
-    return bent * inverseSqrt(max(dot(bent, bent), 1e-30));
+    // Chosen, not branched on: lavapipe compiles a shader anew for each value of a uniform that it branches on.
+    let is_bent = material.normal_slot.present == 1u;
+    return select(normal, bent * inverseSqrt(max(dot(bent, bent), 1e-30)), is_bent);
 }

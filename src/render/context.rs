@@ -84,6 +84,9 @@ pub struct RenderContext {
     pub queue: wgpu::Queue,
     /// Name and driver of the adapter, for reports.
     pub adapter: String,
+    /// Texels along the longer axis of a material texture's footprint, 1 to 16. 8 on GPUs, 1 on software adapters,
+    /// where each costs its full price (and where Mesa 22.3's llvmpipe does not return from footprints without end).
+    pub anisotropy: u16,
     lost: Arc<AtomicBool>,
 }
 
@@ -122,7 +125,11 @@ impl RenderContext {
                 reason: error.to_string(),
             })?;
         let adapter = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-        Ok(Self::from_device(device, queue, adapter))
+        let mut context = Self::from_device(device, queue, adapter);
+        if info.device_type == wgpu::DeviceType::Cpu {
+            context.anisotropy = 1;
+        }
+        Ok(context)
     }
 
     /// Renders with an engine's own device. `adapter` is a name for reports.
@@ -134,6 +141,7 @@ impl RenderContext {
             device,
             queue,
             adapter,
+            anisotropy: 8,
             lost,
         }
     }

@@ -252,7 +252,7 @@ fn create_sampler(context: &RenderContext, key: SamplerKey) -> wgpu::Sampler {
             wgpu::MipmapFilterMode::Nearest
         },
         // WebGPU allows anisotropy only where all filters are linear.
-        anisotropy_clamp: if all_linear { 8 } else { 1 },
+        anisotropy_clamp: if all_linear { context.anisotropy } else { 1 },
         ..Default::default()
     })
 }

@@ -239,7 +239,14 @@ pub fn build_silhouettes(
                 _ => (&mesh.0.positions, &edges.0.planes),
             };
             classify(&edges.0.edges, planes, light_local, bits);
-            extract_contour(&edges.0.edges, positions, bits, mode, &mut silhouette.contour);
+            extract_contour(
+                &edges.0.edges,
+                positions,
+                planes,
+                bits,
+                mode,
+                &mut silhouette.contour,
+            );
             *last_revision += 1;
             *extracted += 1;
             silhouette.revision = *last_revision;

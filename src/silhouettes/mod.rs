@@ -11,19 +11,24 @@
 //! | --- | --- |
 //! | `planes` | a plane a triangle and bounds a cluster |
 //! | `facing` | a bit a triangle, 64 at a time |
-//! | `contour` | signed edges and cap triangles |
+//! | `contour` | what a volume is made of; cap triangles |
+//! | `edges` | signed edges |
+//! | `ends` | where the ends of edges come from |
 //! | `loops` | the contour as closed loops |
 
 pub mod cache;
 pub mod casters;
 mod contour;
+mod edges;
+mod ends;
 mod facing;
 mod loops;
 mod planes;
 
 pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
-pub use contour::{CapMode, Contour, extract_caps, extract_contour, extract_edges};
+pub use contour::{CapMode, Contour, extract_caps, extract_contour};
+pub use edges::{extract_edge_vertices, extract_edges};
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use loops::{LoopError, Loops, link_loops};
 pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};

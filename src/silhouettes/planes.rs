@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
+use super::ends::KeptEnds;
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
 
@@ -21,6 +22,9 @@ pub struct FacingPlanes {
     pub(super) blocks: Vec<PlaneBlock>,
     /// One a cluster, or none at all.
     pub(super) bounds: Vec<ClusterBounds>,
+    /// Of the mesh's edges, or of none.
+    pub(super) ends: KeptEnds,
+    non_finite_triangles: usize,
 }
 
 /// What a light's side of all planes of a cluster can be told from: a cone of normals, taken apart along and
@@ -54,23 +58,34 @@ const EMPTY_BLOCK: PlaneBlock = PlaneBlock {
     offset: [0.0; CLUSTER_TRIANGLES],
 };
 
-/// Computes planes and cluster bounds of a mesh that keeps its pose.
+/// Computes planes, cluster bounds and what else pays for a mesh that keeps its pose.
 ///
 /// `positions` are those that the mesh was built from or a pose of them. With fewer than
-/// [`EdgeMesh::vertex_count`] there are no planes, and nothing will be cast.
+/// [`EdgeMesh::vertex_count`], or if a triangle has a corner that is NaN or infinite
+/// ([`FacingPlanes::non_finite_triangles`]), there are no planes, and nothing will be cast.
 pub fn compute_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
     compute_posed_planes(mesh, positions, planes);
+    if planes.blocks.is_empty() {
+        return;
+    }
     for (cluster, block) in mesh.clusters().iter().zip(&planes.blocks) {
         planes
             .bounds
             .push(ClusterBounds::of(mesh, cluster, positions, block));
     }
+    planes.ends.gather(mesh, positions);
 }
 
-/// As [`compute_planes`], but without cluster bounds: [`classify`](super::classify) then looks at every triangle.
-/// Cheaper for a pose that lasts one frame, unless many lights see it.
+/// As [`compute_planes`], but without what speeds up each light: [`classify`](super::classify) then looks at every
+/// triangle. Cheaper for a pose that lasts one frame, unless many lights see it.
+///
+/// One bad corner takes the whole caster out for this pose. To leave out its triangles alone would make their
+/// neighbours' edges boundaries, in every list that was made when the mesh was built; and a pose with such a corner is
+/// broken in the picture as well.
 pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
     planes.bounds.clear();
+    planes.ends.clear();
+    planes.non_finite_triangles = 0;
     if positions.len() < mesh.vertex_count() {
         planes.blocks.clear();
         return;
@@ -79,7 +94,13 @@ pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut Fa
     for (cluster, block) in mesh.clusters().iter().zip(&mut planes.blocks) {
         let corners = &mesh.corners()[cluster.triangles()];
         for (lane, corners) in corners.iter().enumerate().take(CLUSTER_TRIANGLES) {
-            let plane = plane_of(corners.map(|i| positions[i as usize]));
+            let &[a, b, c] = corners;
+            let plane = plane_of(
+                positions[a as usize],
+                positions[b as usize],
+                positions[c as usize],
+            );
+            planes.non_finite_triangles += usize::from(plane.w.is_nan());
             block.x[lane] = plane.x;
             block.y[lane] = plane.y;
             block.z[lane] = plane.z;
@@ -93,12 +114,17 @@ pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut Fa
             block.offset[lane] = 0.0;
         }
     }
+    if planes.non_finite_triangles > 0 {
+        planes.blocks.clear();
+    }
 }
 
 /// Unit normal and offset; zero for a triangle of no area. In `f64`, where neither tiny triangles underflow nor
-/// distant ones lose their offset, and rounded once.
-fn plane_of([a, b, c]: [Vec3; 3]) -> Vec4 {
-    let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
+/// distant ones lose their offset, and rounded once. The offset is NaN if a corner is not finite, and only then: a
+/// coordinate that is not finite leaves a NaN or an infinity in the normal, which becomes NaN when it is made unit, and
+/// three finite corners overflow nowhere but in the last rounding.
+fn plane_of(a: Vec3, b: Vec3, c: Vec3) -> Vec4 {
+    let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     let normal = (b - a).cross(c - a);
     let length_sq = normal.length_squared();
     if length_sq > 0.0 {
@@ -112,9 +138,15 @@ fn plane_of([a, b, c]: [Vec3; 3]) -> Vec4 {
 }
 
 impl FacingPlanes {
-    /// Memory for each triangle of `mesh`, with its cluster's share of bounds.
+    /// Triangles with a corner that is NaN or infinite in this pose: the caster is left out because of them. Those that
+    /// the mesh had when it was built are not among them, nor are vertices that no triangle uses.
+    pub fn non_finite_triangles(&self) -> usize {
+        self.non_finite_triangles
+    }
+
+    /// Memory for each triangle of `mesh`, with its share of bounds and of kept edges.
     pub fn bytes_per_triangle(&self, mesh: &EdgeMesh) -> f64 {
-        let bytes = size_of_val(&self.blocks[..]) + size_of_val(&self.bounds[..]);
+        let bytes = size_of_val(&self.blocks[..]) + size_of_val(&self.bounds[..]) + self.ends.byte_count();
         bytes as f64 / mesh.triangle_count().max(1) as f64
     }
 
@@ -195,8 +227,8 @@ impl ClusterBounds {
         const ROUNDING: f32 = 32.0 / (1 << 24) as f32;
         let terms = light_local.truncate().abs().element_sum() + w.abs() * self.magnitude;
         let margin = ROUNDING * terms + f32::MIN_POSITIVE;
-        // With NaN or ∞ − ∞ anywhere, or w < 0, where least and largest would trade places, nothing is certain.
-        if !(w >= 0.0) {
+        // NaN and ∞ − ∞ fail both comparisons. With w < 0 least and largest offset would trade places.
+        if w < 0.0 {
             Certainty::Unknown
         } else if a.min(b) - across + w * self.offset[0] > margin {
             Certainty::AllFacing

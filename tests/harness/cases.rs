@@ -54,8 +54,14 @@ pub fn case(bounds: Aabb, vertex: Vec3, placement: Placement, kind: &str, aspect
     let (eye, light) = match placement {
         Placement::Outside => (at(Vec3::new(0.5, 0.45, 0.9), 2.8), at(up_right, 2.2)),
         Placement::InsideShadow => (at(-up_right.with_y(0.35), 1.35), at(up_right.with_y(0.35), 2.0)),
-        Placement::LightBehind => (at(Vec3::new(-0.6, 0.5, 0.8), 2.3), at(Vec3::new(-0.75, 0.75, 0.8), 4.5)),
-        Placement::LightInFrustum => (at(Vec3::new(0.2, 0.35, 1.0), 3.2), at(Vec3::new(-0.3, 0.9, -0.2), 0.9)),
+        Placement::LightBehind => (
+            at(Vec3::new(-0.6, 0.5, 0.8), 2.3),
+            at(Vec3::new(-0.75, 0.75, 0.8), 4.5),
+        ),
+        Placement::LightInFrustum => (
+            at(Vec3::new(0.2, 0.35, 1.0), 3.2),
+            at(Vec3::new(-0.3, 0.9, -0.2), 0.9),
+        ),
         Placement::Touching => {
             let outward = (vertex - center).normalize_or(Vec3::Z);
             (vertex + outward * (radius * 0.002), at(up_right, 1.8))
@@ -88,7 +94,11 @@ pub fn case(bounds: Aabb, vertex: Vec3, placement: Placement, kind: &str, aspect
             kind,
             color: Vec3::ONE,
             intensity: 10.0,
-            range: if kind == LightKind::Point { 6.0 * radius } else { f32::INFINITY },
+            range: if kind == LightKind::Point {
+                6.0 * radius
+            } else {
+                f32::INFINITY
+            },
         },
         place,
     }

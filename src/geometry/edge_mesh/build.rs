@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, Seam};
 use super::order::{Item, cluster_order};
+use super::pieces::closed_triangles;
 use super::{EdgeMeshError, weld::weld};
 use crate::conventions::CLUSTER_TRIANGLES;
 
@@ -25,7 +26,7 @@ pub struct EdgeMeshInput<'a> {
 
 /// A triangle's edge, turned to run from its lower to its higher vertex.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct HalfEdge {
+pub(super) struct HalfEdge {
     low: u32,
     high: u32,
     /// Triangle · 2 + whether it traverses the edge from high to low.
@@ -33,8 +34,12 @@ struct HalfEdge {
 }
 
 impl HalfEdge {
-    fn triangle(self) -> u32 {
+    pub(super) fn triangle(self) -> u32 {
         self.side >> 1
+    }
+
+    pub(super) fn is_reversed(self) -> bool {
+        self.side & 1 != 0
     }
 }
 
@@ -55,7 +60,7 @@ impl EdgeMesh {
         let (triangles, report) = welded_triangles(&input);
         mesh.report = report;
         let half_edges = sorted_half_edges(&triangles);
-        let is_closed = closed_triangles(triangles.len(), &half_edges);
+        let is_closed = closed_triangles(input.positions, &triangles, &half_edges);
         let slots = mesh.place_triangles(input.positions, &triangles, &is_closed);
         mesh.place_edges(&half_edges, &slots);
         Ok(mesh)
@@ -83,6 +88,8 @@ impl EdgeMesh {
                     triangle_count: cluster.len() as u32,
                     first_edge: 0,
                     edge_count: 0,
+                    first_boundary: 0,
+                    boundary_count: 0,
                 });
                 for (slot, item) in (first_slot..).zip(cluster) {
                     slots[item.triangle as usize] = slot;
@@ -101,28 +108,39 @@ impl EdgeMesh {
         let slot_of = |half: &HalfEdge| slots[half.triangle() as usize];
         let mut regular = Vec::with_capacity(half_edges.len() / 2);
         let mut boundary = Vec::new();
+        let mut irregular = Vec::new();
         for edge in edges_of(half_edges) {
             let vertices = [edge[0].low, edge[0].high];
             match edge {
-                [a] => boundary.push((slot_of(a), directed(vertices, a.side & 1 != 0))),
-                [a, b] if (a.side ^ b.side) & 1 != 0 => {
+                [a] => boundary.push((slot_of(a), directed(vertices, a.is_reversed()))),
+                [a, b] if a.is_reversed() != b.is_reversed() => {
                     // The lower slot comes first, and the edge runs as its triangle does.
                     let (first, second) = if slot_of(a) < slot_of(b) { (a, b) } else { (b, a) };
-                    let vertices = directed(vertices, first.side & 1 != 0);
+                    let vertices = directed(vertices, first.is_reversed());
                     regular.push((slot_of(first), slot_of(second), vertices));
                 }
-                _ => {
-                    self.irregular_vertices.push(vertices);
-                    self.irregular_starts.push(self.irregular_sides.len() as u32);
-                    self.irregular_sides.extend(
-                        edge.iter()
-                            .map(|half| EdgeSide::new(slot_of(half), half.side & 1 != 0)),
-                    );
-                }
+                _ => irregular.push((edge.iter().map(slot_of).min(), edge)),
             }
+        }
+        // Like boundary edges: a light then reads facing words in their order.
+        irregular.sort_unstable();
+        for (_, edge) in irregular {
+            self.irregular_vertices.push([edge[0].low, edge[0].high]);
+            self.irregular_starts.push(self.irregular_sides.len() as u32);
+            let sides = edge
+                .iter()
+                .map(|half| EdgeSide::new(slot_of(half), half.is_reversed()));
+            self.irregular_sides.extend(sides);
         }
         self.irregular_starts.push(self.irregular_sides.len() as u32);
         boundary.sort_unstable();
+        for (edge, &(slot, _)) in (0u32..).zip(&boundary) {
+            let cluster = &mut self.clusters[slot as usize / CLUSTER_TRIANGLES];
+            if cluster.boundary_count == 0 {
+                cluster.first_boundary = edge;
+            }
+            cluster.boundary_count += 1;
+        }
         (self.boundary_slots, self.boundary_vertices) = boundary.into_iter().unzip();
         self.place_regular_edges(regular);
     }
@@ -240,40 +258,8 @@ fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
 }
 
 /// The half edges of each edge in turn.
-fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
+pub(super) fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
     half_edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high))
-}
-
-/// Whether each triangle's piece is closed.
-fn closed_triangles(triangle_count: usize, half_edges: &[HalfEdge]) -> Vec<bool> {
-    let mut parents: Vec<u32> = (0..triangle_count as u32).collect();
-    for edge in edges_of(half_edges) {
-        for pair in edge.windows(2) {
-            let a = root(&mut parents, pair[0].triangle());
-            let b = root(&mut parents, pair[1].triangle());
-            parents[a.max(b) as usize] = a.min(b);
-        }
-    }
-    let mut piece_is_closed = vec![true; triangle_count];
-    for edge in edges_of(half_edges) {
-        let reversed = edge.iter().filter(|half| half.side & 1 != 0).count();
-        if reversed * 2 != edge.len() {
-            piece_is_closed[root(&mut parents, edge[0].triangle()) as usize] = false;
-        }
-    }
-    (0..triangle_count as u32)
-        .map(|triangle| piece_is_closed[root(&mut parents, triangle) as usize])
-        .collect()
-}
-
-/// The lowest triangle of a piece; halves the path on the way.
-fn root(parents: &mut [u32], mut triangle: u32) -> u32 {
-    while parents[triangle as usize] != triangle {
-        let grandparent = parents[parents[triangle as usize] as usize];
-        parents[triangle as usize] = grandparent;
-        triangle = grandparent;
-    }
-    triangle
 }
 
 fn directed([low, high]: [u32; 2], reversed: bool) -> [u32; 2] {

@@ -43,6 +43,10 @@ pub struct Cluster {
     pub first_edge: u32,
     /// Their number.
     pub edge_count: u32,
+    /// First of the boundary edges of this cluster's triangles.
+    pub first_boundary: u32,
+    /// Their number; 0 in closed pieces.
+    pub boundary_count: u32,
 }
 
 /// The regular edges between two clusters.
@@ -99,6 +103,11 @@ impl Cluster {
     /// Its own edges in [`EdgeMesh::regular_vertices`].
     pub fn edges(&self) -> Range<usize> {
         range(self.first_edge, self.edge_count)
+    }
+
+    /// Its triangles' edges in [`EdgeMesh::boundary_vertices`].
+    pub fn boundary(&self) -> Range<usize> {
+        range(self.first_boundary, self.boundary_count)
     }
 }
 

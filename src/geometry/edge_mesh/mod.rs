@@ -11,6 +11,7 @@
 //! | --- | --- |
 //! | `mesh` | [`EdgeMesh`] and its parts |
 //! | `build` | [`EdgeMesh::build`] |
+//! | `pieces` | which triangles hang together, and which pieces are closed |
 //! | `weld` | which vertices are one |
 //! | `order` | which triangles share a cluster |
 //! | `error` | [`EdgeMeshError`] |
@@ -19,6 +20,7 @@ mod build;
 mod error;
 mod mesh;
 mod order;
+mod pieces;
 mod weld;
 
 pub use build::EdgeMeshInput;

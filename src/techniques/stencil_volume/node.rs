@@ -242,7 +242,7 @@ impl StencilVolumeNode {
         };
         // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
         let [front, back] = if key.depth_pass {
-            [0xff40_1000_u32, 0xff00_4010]
+            [0xff40_1000_u32, 0xff10_4000]
         } else {
             [0xff00_2040, 0xff30_0040]
         };
