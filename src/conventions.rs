@@ -17,6 +17,9 @@ pub const DEPTH_NEAR: f32 = 1.0;
 /// Depth at infinity, and the clear value of the depth buffer.
 pub const DEPTH_INFINITY: f32 = 0.0;
 
+/// Largest finite radiance that the half floats of the radiance target hold.
+pub const RADIANCE_MAX: f32 = 65504.0;
+
 /// Stencil count of a surface point that no shadow volume covers.
 pub const STENCIL_LIT: u32 = 0;
 

@@ -28,7 +28,7 @@
 //! | [`scene`] | components that a user spawns; glTF import, poses, animation |
 //! | [`sets`] | who is seen, lit and casts: F, V, L, I, S, scissors, depth bounds |
 //! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
-//! | [`reference`] | ray-cast visibility, slow and exact: the judge of the others (feature `reference`) |
+//! | [`reference`](mod@reference) | ray-cast visibility, slow and exact: the judge of the others (feature `reference`) |
 //! | [`render`] | all of wgpu that no technique owns (feature `render`) |
 //! | [`techniques`] | one folder each: component, CPU geometry, recorder |
 //! | [`plugin`] | system sets, schedules, registration |
@@ -58,6 +58,11 @@ pub mod scene;
 pub mod sets;
 pub mod silhouettes;
 pub mod techniques;
+
+/// The snippets of the README, compiled and run as doc tests.
+#[cfg(all(doctest, feature = "render", feature = "gltf"))]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
 
 /// What most users name.
 pub mod prelude {

@@ -4,10 +4,10 @@ use std::time::{Duration, Instant};
 
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{ScheduleBuildSettings, ScheduleLabel};
-use bevy_transform::TransformSystems;
+use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::prelude::TransformPlugin;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
+use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets::{self, SeenInto, seen_into};
@@ -113,6 +113,7 @@ pub struct AntumbraSchedule;
 
 /// Inserts the resources that the systems need, those that are missing.
 pub fn init_resources(world: &mut World) {
+    world.init_resource::<StaticTransformOptimizations>(); // what `TransformPlugin` would do
     sets::init_set_resources(world);
     world.init_resource::<SeenInto>();
     world.init_resource::<seen_into::SeeThrough>();
@@ -142,10 +143,6 @@ pub fn init_resources(world: &mut World) {
 /// ```
 pub fn standalone_schedule() -> Schedule {
     let mut schedule = Schedule::new(AntumbraSchedule);
-    schedule.set_build_settings(ScheduleBuildSettings {
-        ambiguity_detection: bevy_ecs::schedule::LogLevel::Ignore,
-        ..Default::default()
-    });
     schedule.configure_sets(TransformSystems::Propagate.before(AntumbraSystems::UpdateBounds));
     schedule.add_systems(
         (
@@ -191,6 +188,7 @@ pub fn add_systems(schedule: &mut Schedule) {
         schedule.add_systems(
             (
                 systems::prepare_objects,
+                crate::techniques::add_builtin_techniques,
                 systems::prepare_techniques,
                 systems::prepare_draws,
             )

@@ -4,5 +4,6 @@
 
 pub mod picture;
 pub mod shot;
+pub mod solid;
 pub mod stage;
 pub mod stats;

@@ -258,6 +258,26 @@ impl Stage {
             },
         })
     }
+
+    /// Runs and draws a frame of which only the GPU times are wanted.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn time_passes(&mut self) -> Result<Vec<PassTime>, RenderError> {
+        self.schedule.run(&mut self.world);
+        let mut renderer = self.world.resource_mut::<Renderer>();
+        if let Some(failure) = renderer.take_failure() {
+            return Err(failure);
+        }
+        if renderer.targets().is_none() {
+            return Ok(Vec::new());
+        }
+        let context = renderer.context();
+        let mut encoder = context.device.create_command_encoder(&Default::default());
+        renderer.record(&mut encoder, &FrameOutputs::default());
+        context.queue.submit([encoder.finish()]);
+        renderer.timings().read(context)
+    }
 }
 
 /// What a frame shows.

@@ -33,7 +33,7 @@ fn reflect(base_color: vec3f, metallic: f32, roughness: f32, n: vec3f, v: vec3f,
         return vec3f(0.0);
     }
     let n_dot_v = max(abs(dot(n, v)), 1e-4);
-    let h = normalize(v + l);
+    let h = (v + l) * inverseSqrt(max(dot(v + l, v + l), 1e-12)); // 0 where the eye looks along the light
     let n_dot_h = clamp(dot(n, h), 0.0, 1.0);
     let v_dot_h = clamp(dot(v, h), 0.0, 1.0);
     let alpha = max(roughness * roughness, 1e-3); // below, the highlight of a point light is under a pixel

@@ -6,3 +6,6 @@ const DEPTH_NEAR: f32 = 1.0;
 const DEPTH_INFINITY: f32 = 0.0;
 
 const PI: f32 = 3.14159265358979;
+
+// Largest finite value of the radiance target's half floats.
+const RADIANCE_MAX: f32 = 65504.0;

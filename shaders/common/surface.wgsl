@@ -5,7 +5,7 @@
 
 #import antumbra::view::{clip_position, relative_position, relative_vector, relative_normal}
 
-struct Slot {                       // mirror: render::gpu_types::MaterialSlot
+struct Slot {                       // mirror: render::gpu_types::Slot
     uv_matrix: vec4f,               // columns of the 2×2 part
     uv_offset: vec2f,
     uv_set: u32,                    // 0 or 1
@@ -73,8 +73,8 @@ fn surface_vertex(in: VertexIn) -> Fragment {
 }
 
 fn slot_uv(slot: Slot, uv: vec4f) -> vec2f {
-    let set = select(uv.xy, uv.zw, slot.uv_set == 1u);
-    return mat2x2f(slot.uv_matrix.xy, slot.uv_matrix.zw) * set + slot.uv_offset;
+    let coordinates = select(uv.xy, uv.zw, slot.uv_set == 1u);
+    return mat2x2f(slot.uv_matrix.xy, slot.uv_matrix.zw) * coordinates + slot.uv_offset;
 }
 
 // Linear RGBA; the alpha of opaque materials is 1.
@@ -110,16 +110,15 @@ fn metallic_roughness(in: Fragment) -> vec2f {
 // Source: Mikkelsen 2010, "Bump Mapping Unparametrized Surfaces on the GPU".
 fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
     let side = select(-1.0, 1.0, front_facing);
-    let normal = normalize(in.normal_relative) * side;
+    // Normals that meet head-on may interpolate to none, which no light reaches.
+    let smooth_normal = in.normal_relative;
+    let normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-30)));
     let uv = slot_uv(material.normal_slot, in.uv);
     let texel = textureSample(normal_texture, normal_sampler, uv).xyz * 2.0 - 1.0;
     let dp_dx = dpdx(in.position_relative);
     let dp_dy = dpdy(in.position_relative);
     let duv_dx = dpdx(uv);
     let duv_dy = dpdy(uv);
-    if material.normal_slot.present == 0u {
-        return normal;
-    }
     let bump = vec3f(texel.xy * material.normal_scale, texel.z);
     var tangent = in.tangent_relative.xyz;
     var bitangent = cross(in.normal_relative, tangent) * in.tangent_relative.w;
@@ -139,5 +138,7 @@ fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
         bitangent *= side;
     }
     let bent = tangent * bump.x + bitangent * bump.y + normal * bump.z;
-    return bent * inverseSqrt(max(dot(bent, bent), 1e-30));
+    // Chosen, not branched on: lavapipe compiles a shader anew for each value of a uniform that it branches on.
+    let is_bent = material.normal_slot.present == 1u;
+    return select(normal, bent * inverseSqrt(max(dot(bent, bent), 1e-30)), is_bent);
 }

@@ -51,5 +51,7 @@ fn relative_normal(object: u32, normal_local: vec3f) -> vec3f {
         dot(cross(z, x), normal_local),
         dot(cross(x, y), normal_local),
     );
-    return n * objects[object].handedness.x;
+    // Their length is that of an area, whose square may be out of an f32's range.
+    let largest = max(max(abs(n.x), abs(n.y)), max(abs(n.z), 1e-37));
+    return n * (objects[object].handedness.x / largest);
 }

@@ -4,6 +4,7 @@
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
 #import antumbra::light::incidence
 #import antumbra::brdf::reflect
+#import antumbra::conventions::RADIANCE_MAX
 
 override BLENDED: bool = false;
 
@@ -21,5 +22,6 @@ fn fragment(in: Fragment, @builtin(front_facing) front_facing: bool) -> @locatio
     let to_eye = normalize(-in.position_relative);
     let reflected = reflect(color.rgb, mr.x, mr.y, normal, to_eye, arriving.towards);
     let alpha = select(1.0, color.a, BLENDED);
-    return vec4f(reflected * arriving.irradiance * alpha, 0.0);
+    let added = min(reflected * arriving.irradiance, vec3f(RADIANCE_MAX)); // infinity would spread
+    return vec4f(added * alpha, 0.0);
 }

@@ -1,6 +1,8 @@
 // From accumulated radiance to the display.
 // Host    src/render/nodes/tonemap.rs
 // Groups  3 the pass's own
+#import antumbra::conventions::RADIANCE_MAX
+
 @group(3) @binding(0) var radiance_texture: texture_2d<f32>;
 @group(3) @binding(1) var<uniform> exposure: vec4f; // x: factor on radiance; yzw unused
 
@@ -31,5 +33,6 @@ fn pbr_neutral(radiance: vec3f) -> vec3f {
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let radiance = textureLoad(radiance_texture, vec2u(position.xy), 0).rgb;
-    return vec4f(pbr_neutral(max(radiance, vec3f(0.0)) * exposure.x), 1.0);
+    let shown = min(max(radiance, vec3f(0.0)) * exposure.x, vec3f(RADIANCE_MAX)); // the sum of lights may be infinite
+    return vec4f(pbr_neutral(shown), 1.0);
 }

@@ -84,16 +84,19 @@ pub struct RenderContext {
     pub queue: wgpu::Queue,
     /// Name and driver of the adapter, for reports.
     pub adapter: String,
+    /// Texels along the longer axis of a material texture's footprint, 1 to 16. 8 on GPUs, 1 on software adapters,
+    /// where each costs its full price (and where Mesa 22.3's llvmpipe does not return from footprints without end).
+    pub anisotropy: u16,
     lost: Arc<AtomicBool>,
 }
 
 impl RenderContext {
-    /// A device of its own, without a window.
+    /// A device of its own, without a window. wgpu's environment variables (`WGPU_BACKEND` and so on) are heard.
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].
     pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = instance
             .request_adapter(&wgpu::RequestAdapterOptions {
                 power_preference: wgpu::PowerPreference::HighPerformance,
@@ -122,7 +125,11 @@ impl RenderContext {
                 reason: error.to_string(),
             })?;
         let adapter = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-        Ok(Self::from_device(device, queue, adapter))
+        let mut context = Self::from_device(device, queue, adapter);
+        if info.device_type == wgpu::DeviceType::Cpu {
+            context.anisotropy = 1;
+        }
+        Ok(context)
     }
 
     /// Renders with an engine's own device. `adapter` is a name for reports.
@@ -134,6 +141,7 @@ impl RenderContext {
             device,
             queue,
             adapter,
+            anisotropy: 8,
             lost,
         }
     }
@@ -141,6 +149,13 @@ impl RenderContext {
     /// Whether the device is gone; nothing that it held can be used again.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
+    }
+
+    /// Asks the device whether it is gone; before a frame, as a loss is told only to those who poll. Does not wait.
+    pub fn notice_loss(&self) -> bool {
+        // An error says what the flag says.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        self.is_lost()
     }
 
     /// The combined depth and stencil format: with 32-bit float depth where the device has it.

@@ -115,10 +115,11 @@ impl DrawListBuilder {
             }
         }
         self.draws.sort_unstable();
+        let first = batches.len();
         for draw in &self.draws {
             let at = instances.len() as u32;
             instances.push(draw.object);
-            if let Some(last) = batches.last_mut()
+            if let Some(last) = batches[first..].last_mut()
                 && last.instances.end == at
                 && (last.variant, last.material, last.mesh, last.submesh)
                     == (draw.variant, draw.material, draw.mesh, draw.submesh)

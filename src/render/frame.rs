@@ -22,7 +22,7 @@ impl Renderer {
     /// [`RenderSettings::exposure`]: super::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
         self.tonemap
-            .prepare(&self.context, format, self.settings.exposure);
+            .prepare(&self.context, format, self.settings.sanitized().exposure);
     }
 
     /// Records the prepared frame. Without a view, a size or a device it records nothing.
@@ -37,7 +37,7 @@ impl Renderer {
         let resources = self.surface_resources();
 
         // First, for every later pass tests against its depth.
-        let background = self.settings.background.as_dvec3();
+        let background = self.settings.sanitized().background.as_dvec3();
         nodes::ambient::record(
             encoder,
             targets,

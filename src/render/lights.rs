@@ -20,7 +20,9 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
     } else {
         0.0
     };
-    let emission: Vec3 = light.light.color * light.light.intensity;
+    /// Beyond, dividing by the least squared distance would overflow.
+    const BRIGHTEST: f32 = 1e30;
+    let emission: Vec3 = (light.light.color * light.light.intensity).min(Vec3::splat(BRIGHTEST));
     let (scale, offset) = match light.light.kind {
         LightKind::Spot {
             inner_angle,

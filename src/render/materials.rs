@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::Vec4;
 use wgpu::util::DeviceExt;
 
 use super::mipmaps::mip_chain;
 use super::{RenderContext, gpu_types};
+use crate::conventions::RADIANCE_MAX;
 use crate::scene::material::TextureWrap;
 use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
 
@@ -24,6 +24,9 @@ pub struct GpuMaterial {
     pub unlit: bool,
     source: Arc<Material>,
 }
+
+/// Largest scale of a normal texture; beyond, its normals lie in the surface to a thousandth.
+const STEEPEST: f32 = 1e3;
 
 /// How a texture's texels are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -220,7 +223,7 @@ impl GpuMaterial {
 fn is_whole(texture: &Texture) -> bool {
     texture.width > 0
         && texture.height > 0
-        && texture.rgba8.len() as u64 == 4 * u64::from(texture.width) * u64::from(texture.height)
+        && texture.rgba8.len() as u128 == 4 * u128::from(texture.width) * u128::from(texture.height)
 }
 
 fn create_sampler(context: &RenderContext, key: SamplerKey) -> wgpu::Sampler {
@@ -249,7 +252,7 @@ fn create_sampler(context: &RenderContext, key: SamplerKey) -> wgpu::Sampler {
             wgpu::MipmapFilterMode::Nearest
         },
         // WebGPU allows anisotropy only where all filters are linear.
-        anisotropy_clamp: if all_linear { 8 } else { 1 },
+        anisotropy_clamp: if all_linear { context.anisotropy } else { 1 },
         ..Default::default()
     })
 }
@@ -301,6 +304,12 @@ fn constants(material: &Material) -> gpu_types::Material {
             uv_matrix: [1.0, 0.0, 0.0, 1.0],
             ..Default::default()
         },
+        Some(slot) if !slot.uv_transform.is_finite() => gpu_types::Slot {
+            uv_matrix: [1.0, 0.0, 0.0, 1.0],
+            uv_set: slot.uv_set,
+            present: 1,
+            ..Default::default()
+        },
         Some(slot) => {
             let [x, y] = [slot.uv_transform.matrix2.x_axis, slot.uv_transform.matrix2.y_axis];
             gpu_types::Slot {
@@ -311,18 +320,24 @@ fn constants(material: &Material) -> gpu_types::Material {
             }
         }
     };
-    let finite = |color: Vec4| Vec4::select(color.is_finite_mask(), color, Vec4::ZERO);
+    // NaN has no nearest number that is allowed, and takes the default.
+    let within = |x: f32, least: f32, most: f32, default: f32| {
+        if x.is_nan() { default } else { x.clamp(least, most) }
+    };
     gpu_types::Material {
-        base_color: finite(material.base_color).to_array(),
-        emissive: finite(material.emissive.extend(0.0)).truncate().to_array(),
+        base_color: material.base_color.to_array().map(|x| within(x, 0.0, 1.0, 0.0)),
+        emissive: material
+            .emissive
+            .to_array()
+            .map(|x| within(x, 0.0, RADIANCE_MAX, 0.0)),
         alpha_cutoff: match material.alpha_mode {
-            AlphaMode::Mask(cutoff) => cutoff,
+            AlphaMode::Mask(cutoff) => within(cutoff, 0.0, 2.0, 0.5),
             _ => 0.0,
         },
-        metallic: material.metallic.clamp(0.0, 1.0),
-        roughness: material.roughness.clamp(0.0, 1.0),
-        normal_scale: material.normal_scale,
-        occlusion_strength: material.occlusion_strength.clamp(0.0, 1.0),
+        metallic: within(material.metallic, 0.0, 1.0, 1.0),
+        roughness: within(material.roughness, 0.0, 1.0, 1.0),
+        normal_scale: within(material.normal_scale, -STEEPEST, STEEPEST, 1.0),
+        occlusion_strength: within(material.occlusion_strength, 0.0, 1.0, 1.0),
         unlit: u32::from(material.unlit),
         opaque: u32::from(material.alpha_mode == AlphaMode::Opaque),
         base_color_slot: slot(&material.base_color_texture),

@@ -1,5 +1,6 @@
 //! Meshes on the GPU: one entry for each mesh shared by objects, one for each posed object.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ pub struct GpuMesh {
     pub surface: wgpu::Buffer,
     /// `u32` each.
     pub indices: wgpu::Buffer,
-    /// One a material.
+    /// One a material; cut to the indices that there are.
     pub submeshes: Vec<Submesh>,
     source: Arc<MeshData>,
 }
@@ -77,7 +78,7 @@ impl MeshPool {
         mesh: &Arc<MeshData>,
         posed: Option<&PosedMesh>,
     ) -> Option<u32> {
-        if mesh.indices.is_empty() || mesh.positions.is_empty() {
+        if mesh.indices.is_empty() || !mesh.positions.iter().any(|position| position.is_finite()) {
             return None;
         }
         let key = match posed {
@@ -138,10 +139,20 @@ impl MeshPool {
             ),
             indices: buffer(
                 "indices",
-                bytemuck::cast_slice(&mesh.indices),
+                bytemuck::cast_slice(&drawable_indices(mesh)),
                 wgpu::BufferUsages::INDEX,
             ),
-            submeshes: mesh.submeshes.clone(),
+            submeshes: mesh
+                .submeshes
+                .iter()
+                .map(|part| {
+                    let range = mesh.submesh_range(part);
+                    Submesh {
+                        first_index: range.start as u32,
+                        index_count: range.len() as u32,
+                    }
+                })
+                .collect(),
             source: mesh.clone(),
         }
     }
@@ -170,19 +181,50 @@ fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a 
     }
 }
 
+/// The mesh's indices, with triangles that name a vertex which is not there or not finite drawn together to a point:
+/// what a GPU makes of them is not defined.
+fn drawable_indices(mesh: &MeshData) -> Cow<'_, [u32]> {
+    let is_finite = |index: &u32| mesh.positions.get(*index as usize).is_some_and(|p| p.is_finite());
+    if mesh.indices.iter().all(is_finite) {
+        return Cow::Borrowed(&mesh.indices);
+    }
+    let somewhere = mesh.positions.iter().position(|p| p.is_finite()).unwrap_or(0) as u32;
+    let mut indices = mesh.indices.clone();
+    for corners in indices.chunks_mut(3) {
+        if !corners.iter().all(is_finite) {
+            corners.fill(somewhere);
+        }
+    }
+    Cow::Owned(indices)
+}
+
+/// Interleaves what a vertex has beside its position. What is missing or not finite has the value that does nothing;
+/// a normal points up.
 fn fill_surface(out: &mut Vec<SurfaceVertex>, mesh: &MeshData, posed: Option<&PosedMesh>) {
     let posed = posed.filter(|posed| posed.positions.len() == mesh.positions.len());
     let normals = posed.map_or(&mesh.normals, |posed| &posed.normals);
     let tangents = posed.map_or(&mesh.tangents, |posed| &posed.tangents);
     out.clear();
     out.extend((0..mesh.positions.len()).map(|i| {
-        let uv0 = mesh.uv0.get(i).copied().unwrap_or(Vec2::ZERO);
-        let uv1 = mesh.uv1.get(i).copied().unwrap_or(Vec2::ZERO);
+        let uv = |set: &[Vec2]| {
+            set.get(i)
+                .copied()
+                .filter(|uv| uv.is_finite())
+                .unwrap_or(Vec2::ZERO)
+        };
+        let (uv0, uv1) = (uv(&mesh.uv0), uv(&mesh.uv1));
+        let normal = normals
+            .get(i)
+            .copied()
+            .filter(|n| n.is_finite() && *n != Vec3::ZERO);
+        let tangent = tangents.get(i).copied();
+        let tangent = tangent.filter(|t| t.is_finite() && t.truncate() != Vec3::ZERO);
+        let color = mesh.colors.get(i).copied().filter(|color| color.is_finite());
         SurfaceVertex {
-            normal: normals.get(i).copied().unwrap_or(Vec3::Y).to_array(),
-            tangent: tangents.get(i).copied().unwrap_or(Vec4::ZERO).to_array(),
+            normal: normal.unwrap_or(Vec3::Y).to_array(),
+            tangent: tangent.unwrap_or(Vec4::ZERO).to_array(),
             uv: [uv0.x, uv0.y, uv1.x, uv1.y],
-            color: mesh.colors.get(i).copied().unwrap_or(Vec4::ONE).to_array(),
+            color: color.unwrap_or(Vec4::ONE).to_array(),
         }
     }));
 }

@@ -1,7 +1,7 @@
 //! All of wgpu that no technique owns.
 //!
 //! What lives long ([`RenderContext`], [`Shaders`], pipelines, pools) is apart from what a frame changes
-//! ([`Renderer::prepare`] fills it, [`frame`] reads it). Passes are recorded by [`nodes`] in the order that
+//! ([`systems`] fill it, [`frame`] reads it). Passes are recorded by [`nodes`] in the order that
 //! [`frame`] lists.
 
 pub mod bind_groups;

@@ -150,7 +150,7 @@ impl SurfacePipelines {
             ),
             SurfacePass::AmbientBlended => (
                 &self.ambient,
-                &self.unlit_layout,
+                &self.lit_layout,
                 RADIANCE_FORMAT,
                 Some(over),
                 false,

@@ -50,6 +50,21 @@ impl Default for RenderSettings {
     }
 }
 
+impl RenderSettings {
+    /// The settings with numbers that can be drawn with: radiance that is not finite or negative counts as 0, such an
+    /// exposure as 1.
+    pub fn sanitized(&self) -> Self {
+        let usable = |x: f32| x.is_finite() && x >= 0.0;
+        let radiance = |v: Vec3| Vec3::from_array(v.to_array().map(|x| if usable(x) { x } else { 0.0 }));
+        Self {
+            ambient: radiance(self.ambient),
+            background: radiance(self.background),
+            exposure: if usable(self.exposure) { self.exposure } else { 1.0 },
+            ..*self
+        }
+    }
+}
+
 /// One light of the frame, ready to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveLight {
@@ -132,7 +147,8 @@ impl std::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// A renderer with the crate's own techniques.
+    /// A renderer. The schedule gives it the crate's own techniques in its first frame
+    /// ([`add_builtin_techniques`](crate::techniques::add_builtin_techniques)).
     ///
     /// # Errors
     /// [`RenderError::Shader`] if a shader does not compose.
@@ -149,7 +165,7 @@ impl Renderer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut renderer = Self {
+        Ok(Self {
             settings: RenderSettings::default(),
             light_begin: LightBegin::new(&context, &shaders)?,
             tonemap: Tonemap::new(&context, &shaders, &layouts)?,
@@ -175,19 +191,17 @@ impl Renderer {
             view_buffer,
             objects,
             light_buffer,
-        };
-        let stencil_volumes = crate::techniques::stencil_volume::node::StencilVolumeNode::new(
-            &renderer.context,
-            &renderer.shaders,
-            &renderer.layouts,
-        )?;
-        renderer.add_technique(Box::new(stencil_volumes));
-        Ok(renderer)
+        })
     }
 
     /// Adds a technique; lights that it claims are shadowed by it. Earlier ones are asked first.
     pub fn add_technique(&mut self, technique: Box<dyn ShadowTechnique>) {
         self.techniques.push(technique);
+    }
+
+    /// Whether a technique of this name was added.
+    pub fn has_technique(&self, name: &str) -> bool {
+        self.techniques.iter().any(|technique| technique.name() == name)
     }
 
     /// The device.
@@ -240,6 +254,11 @@ impl Renderer {
     /// What went wrong while the frame was prepared, if anything; such a frame draws nothing.
     pub fn take_failure(&mut self) -> Option<RenderError> {
         self.failure.take()
+    }
+
+    /// Makes this frame draw nothing, for what a system between `prepare_objects` and `prepare_draws` could not do.
+    pub fn fail(&mut self, failure: RenderError) {
+        self.failure.get_or_insert(failure);
     }
 
     pub(super) fn resize(&mut self, size: UVec2) -> Result<(), RenderError> {

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::UVec2;
 
+use super::RenderError;
 use super::bind_groups::LIGHT_STRIDE;
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
 use super::gpu_types;
@@ -32,6 +33,10 @@ pub fn prepare_objects(
     let renderer = renderer.as_mut();
     renderer.frame.has_view = false;
     renderer.failure = None;
+    if renderer.context.notice_loss() {
+        renderer.failure = Some(RenderError::DeviceLost);
+        return;
+    }
     let size = if view.data.is_some() {
         viewport.0
     } else {
@@ -42,7 +47,7 @@ pub fn prepare_objects(
         return;
     }
     let rebuilt =
-        renderer.table_generation != Some(objects.layout_generation) || exchanged.iter().next().is_some();
+        renderer.table_generation != Some(objects.flags_generation) || exchanged.iter().next().is_some();
     if rebuilt {
         renderer.table.rebuild(
             &renderer.context,
@@ -52,7 +57,7 @@ pub fn prepare_objects(
             &mut renderer.meshes,
             &mut renderer.materials,
         );
-        renderer.table_generation = Some(objects.layout_generation);
+        renderer.table_generation = Some(objects.flags_generation);
     }
     for (entity, pose) in &posed {
         if let Some(object) = objects.index_of(entity) {
@@ -79,7 +84,7 @@ pub fn prepare_objects(
         renderer.write_objects();
         renderer.last_clip_from_world = Some(current.clip_from_world);
     }
-    let ambient = renderer.settings.ambient;
+    let ambient = renderer.settings.sanitized().ambient;
     let constants = gpu_types::View {
         ambient: [ambient.x, ambient.y, ambient.z, 0.0],
     };
@@ -95,6 +100,9 @@ pub fn prepare_objects(
 pub fn prepare_techniques(world: &mut World) {
     world.resource_scope(|world, mut renderer: Mut<Renderer>| {
         let renderer = &mut *renderer;
+        if renderer.failure.is_some() {
+            return; // the table of objects may be that of an earlier frame
+        }
         let mirrored_view = world
             .resource::<View>()
             .data

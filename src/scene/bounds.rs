@@ -38,12 +38,18 @@ pub fn is_usable_transform(transform: &GlobalTransform) -> bool {
 ///
 /// Set: `UpdateBounds`, after [`pose_meshes`](super::pose::pose_meshes). A mesh that is not posed yet has the
 /// bounds of its rest pose. Cost: the vertices of changed meshes.
+#[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn update_local_bounds(
     mut meshes: Query<
         (&SceneMesh, Option<&PosedMesh>, &mut LocalBounds),
         Or<(Changed<SceneMesh>, Changed<PosedMesh>)>,
     >,
+    mut without_mesh: Query<&mut LocalBounds, Without<SceneMesh>>,
 ) {
+    // Its mesh was taken away; the other components stay.
+    for mut bounds in &mut without_mesh {
+        bounds.set_if_neq(LocalBounds::default());
+    }
     for (mesh, posed, mut bounds) in &mut meshes {
         let posed = posed
             .map(|posed| &posed.positions)
@@ -61,6 +67,7 @@ pub fn update_local_bounds(
 /// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed.
 ///
 /// Set: `UpdateBounds`, after [`update_local_bounds`].
+#[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn update_world_bounds(
     mut objects: Query<
         (&LocalBounds, &GlobalTransform, &mut WorldBounds),

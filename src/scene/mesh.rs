@@ -70,6 +70,13 @@ impl MeshData {
         self.indices.len() / 3
     }
 
+    /// The entries of [`MeshData::indices`] that a submesh draws: whole triangles, cut to what is there.
+    pub fn submesh_range(&self, submesh: &Submesh) -> std::ops::Range<usize> {
+        let first = (submesh.first_index as usize).min(self.indices.len());
+        let count = (submesh.index_count as usize).min(self.indices.len() - first);
+        first..first + count - count % 3
+    }
+
     /// A mesh of one submesh from positions and indices, with smooth normals (area-weighted).
     pub fn from_triangles(name: &str, positions: Vec<Vec3>, indices: Vec<u32>) -> Self {
         let mut normals = vec![Vec3::ZERO; positions.len()];

@@ -49,6 +49,7 @@ pub struct PosedMesh {
 /// whose own transform is singular, or whose joints are gone or not finite, keeps its last pose, or gets its
 /// rest pose if it has none. Cost: the vertices of the meshes that moved; nothing is allocated after the first
 /// frame of a mesh.
+#[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn pose_meshes(
     mut meshes: Query<(
         Entity,

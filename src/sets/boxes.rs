@@ -59,34 +59,29 @@ impl Boxes {
         }
     }
 
-    /// Stores the padded box, or marks it absent if it is empty. Says whether that changed anything.
-    pub fn set(&mut self, index: usize, aabb: &Aabb) -> bool {
+    /// Stores the padded box, or marks it absent if it is empty.
+    pub fn set(&mut self, index: usize, aabb: &Aabb) {
         let (center, half) = if aabb.is_empty() {
             (Vec3::ZERO, Vec3::splat(ABSENT))
         } else {
             let padded = aabb.padded();
             (padded.center(), padded.half_size())
         };
-        let mut changed = false;
         for axis in 0..3 {
-            let (c, h) = (&mut self.center[axis][index], &mut self.half[axis][index]);
-            changed |= *c != center[axis] || *h != half[axis];
-            (*c, *h) = (center[axis], half[axis]);
+            self.center[axis][index] = center[axis];
+            self.half[axis][index] = half[axis];
         }
-        changed
     }
 
     /// Centre and half size, in `f64`.
     pub fn center_half(&self, index: usize) -> (DVec3, DVec3) {
-        let read =
-            |arrays: &[Vec<f32>; 3]| DVec3::from_array([0, 1, 2].map(|axis| f64::from(arrays[axis][index])));
-        (read(&self.center), read(&self.half))
+        let (center, half) = self.load(index);
+        (center.as_dvec3(), half.as_dvec3())
     }
 
     /// The padded box; empty if absent.
     pub fn get(&self, index: usize) -> Aabb {
-        let read = |arrays: &[Vec<f32>; 3]| Vec3::from_array([0, 1, 2].map(|axis| arrays[axis][index]));
-        let (center, half) = (read(&self.center), read(&self.half));
+        let (center, half) = self.load(index);
         if half.x < 0.0 {
             return Aabb::EMPTY;
         }
@@ -94,6 +89,14 @@ impl Boxes {
             min: center - half,
             max: center + half,
         }
+    }
+
+    #[inline]
+    fn load(&self, index: usize) -> (Vec3, Vec3) {
+        let [cx, cy, cz] = &self.center;
+        let [hx, hy, hz] = &self.half;
+        let center = Vec3::new(cx[index], cy[index], cz[index]);
+        (center, Vec3::new(hx[index], hy[index], hz[index]))
     }
 
     /// Bits of the boxes of a word, among `candidates`, that no plane excludes.
@@ -124,8 +127,8 @@ impl Boxes {
         let radius_sq = f32x8::splat(ball.radius * ball.radius * (1.0 + 8.0 * f32::EPSILON));
         self.test(word, candidates, |lanes| {
             let mut distance_sq = f32x8::ZERO;
-            for axis in 0..3 {
-                let beyond = (lanes.center[axis] - center[axis]).abs() - lanes.half[axis];
+            for ((box_center, half), ball_center) in lanes.center.iter().zip(&lanes.half).zip(&center) {
+                let beyond = (*box_center - *ball_center).abs() - *half;
                 let beyond = beyond.fast_max(f32x8::ZERO);
                 distance_sq += beyond * beyond;
             }

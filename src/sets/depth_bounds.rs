@@ -26,7 +26,7 @@ impl DepthBounds {
     /// The range, cut at the near plane and grown by what rounding can lose; `None` if it is empty.
     pub fn around(near: f64, far: f64, near_plane: f64) -> Option<Self> {
         let near = near.max(near_plane);
-        if !(near <= far) {
+        if near > far || far.is_nan() {
             return None;
         }
         let (near, far) = (near * (1.0 - SLACK), far * (1.0 + SLACK));

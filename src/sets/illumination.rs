@@ -15,6 +15,9 @@ use crate::geometry::Aabb;
 
 /// Bits of a word of objects whose layers share a bit with the mask.
 pub(super) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -> usize {
+    if objects.common_layers & mask != 0 {
+        return bits;
+    }
     let mut result = 0;
     let mut rest = bits;
     while rest != 0 {
@@ -86,11 +89,17 @@ fn bound(light: &mut FrameLight, objects: &Objects, view: &ViewData, extents: &S
         .fold(ScreenBounds::EMPTY, ScreenBounds::union)
         .intersection(light.volume.screen_bounds(&projector));
     let reach = light.volume.aabb();
+    // Mostly all are receivers, and one pass serves S too.
+    let lit = lit_bounds(objects, light.i.ones(), &reach);
+    light.receiver_bounds = if light.i.is_subset(&objects.receivers) {
+        lit
+    } else {
+        lit_bounds(objects, light.i.intersection(&objects.receivers), &reach)
+    };
+    if lit.is_empty() {
+        return None;
+    }
     if reach.max.is_finite() && reach.min.is_finite() {
-        let lit = lit_bounds(objects, light.i.ones(), &reach);
-        if lit.is_empty() {
-            return None;
-        }
         let lit = projector.bounds_of_box(lit.center().as_dvec3(), lit.half_size().as_dvec3());
         bounds = bounds.intersection(lit);
     }

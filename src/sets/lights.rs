@@ -14,7 +14,7 @@ use super::scissor::ScissorRect;
 use super::view::View;
 use super::visible::VisibleSet;
 use super::work::SetWork;
-use crate::geometry::{Emitter, LightHull};
+use crate::geometry::{Aabb, Emitter, LightHull};
 use crate::scene::{Light, LightError, LightKind, LightSelection, light};
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
@@ -78,6 +78,8 @@ pub struct FrameLight {
     pub scissor: Option<ScissorRect>,
     /// View depths that it can reach; `None` if it is skipped.
     pub depth_bounds: Option<DepthBounds>,
+    /// Bounds of the receivers of I, each cut by the box of the volume.
+    pub(super) receiver_bounds: Aabb,
     /// Whether I and what follows from it are to be computed in this frame.
     pub(super) stale: bool,
     seen: Option<Seen>,
@@ -135,6 +137,7 @@ impl FrameLight {
             inside_frustum: false,
             scissor: None,
             depth_bounds: None,
+            receiver_bounds: Aabb::EMPTY,
             stale: true,
             seen: None,
         }

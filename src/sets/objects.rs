@@ -1,6 +1,7 @@
 //! The dense object index: which entity has which index, where it is, and what it takes part in.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 
@@ -8,7 +9,8 @@ use super::boxes::Boxes;
 use super::work::SetWork;
 use crate::scene::{PosedMesh, SceneMaterials, SelectionLayers, ShadowCaster, ShadowReceiver, WorldBounds};
 
-/// Every entity with [`WorldBounds`], by dense index in ascending order of entity. Written by [`collect_objects`].
+/// Every entity with [`WorldBounds`], by dense index in ascending order of `Entity` (bevy's own order, which puts younger
+/// entities first). Written by [`collect_objects`].
 ///
 /// An object with empty bounds keeps its index but is in no set.
 #[derive(Resource, Clone, Debug, Default)]
@@ -37,6 +39,8 @@ pub struct Objects {
     pub left_out: usize,
     /// Index of each entity, by the entity's own index; `u32::MAX` for none. An array, since entity indices are dense.
     index_of: Vec<u32>,
+    /// Layers that all objects are on; all if there are no objects.
+    pub(super) common_layers: u32,
     /// Rows of the last rebuild, kept for their allocation.
     rows: Vec<Row>,
     counts: Counts,
@@ -53,7 +57,7 @@ struct Counts {
     layered: usize,
 }
 
-/// The entity, and whether it is caster, receiver, drawn, moved.
+/// All that a rebuild takes from one entity.
 #[derive(Clone, Copy, Debug)]
 struct Row {
     entity: Entity,
@@ -83,7 +87,7 @@ impl Objects {
         (self.entities.get(index) == Some(&entity)).then_some(index)
     }
 
-    /// Whether the word of a bitset has an object that moved.
+    /// The words of a bitset in which an object moved, with the bits of those.
     pub(super) fn moved_words(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let words = self.moved.as_slice().iter().copied().enumerate();
         words.filter(|&(_, bits)| bits != 0)
@@ -115,6 +119,10 @@ impl Objects {
         self.flags_generation += 1;
         self.layers.clear();
         self.layers.extend(self.rows.iter().map(|row| row.layers));
+        self.common_layers = self
+            .layers
+            .iter()
+            .fold(u32::MAX, |common, layers| common & layers);
         for set in [
             &mut self.present,
             &mut self.casters,
@@ -169,6 +177,18 @@ type FlagsChanged = (
     )>,
 );
 
+/// Objects that have a component too; to be counted, by archetype.
+type ObjectsWith<'w, 's, T> = Query<'w, 's, (), (With<WorldBounds>, With<T>)>;
+
+/// What [`collect_objects`] counts.
+#[derive(SystemParam)]
+pub struct ObjectCounts<'w, 's> {
+    casters: ObjectsWith<'w, 's, ShadowCaster>,
+    receivers: ObjectsWith<'w, 's, ShadowReceiver>,
+    drawn: ObjectsWith<'w, 's, SceneMaterials>,
+    layered: ObjectsWith<'w, 's, SelectionLayers>,
+}
+
 /// Anything that moved an object.
 type Moved = Or<(Changed<WorldBounds>, Changed<GlobalTransform>, Changed<PosedMesh>)>;
 
@@ -182,17 +202,14 @@ pub fn collect_objects(
     all: Query<ObjectItem<'static>>,
     flags_changed: Query<(), FlagsChanged>,
     moved: Query<(Entity, &WorldBounds), Moved>,
-    casters: Query<(), (With<WorldBounds>, With<ShadowCaster>)>,
-    receivers: Query<(), (With<WorldBounds>, With<ShadowReceiver>)>,
-    drawn: Query<(), (With<WorldBounds>, With<SceneMaterials>)>,
-    layered: Query<(), (With<WorldBounds>, With<SelectionLayers>)>,
+    members: ObjectCounts,
 ) {
     let counts = Counts {
         objects: all.iter().len(),
-        casters: casters.iter().len(),
-        receivers: receivers.iter().len(),
-        drawn: drawn.iter().len(),
-        layered: layered.iter().len(),
+        casters: members.casters.iter().len(),
+        receivers: members.receivers.iter().len(),
+        drawn: members.drawn.iter().len(),
+        layered: members.layered.iter().len(),
     };
     let objects = &mut *objects;
     if counts != objects.counts || !flags_changed.is_empty() {

@@ -66,11 +66,9 @@ impl ScreenBounds {
     }
 
     fn include(&mut self, point: Clip, size: DVec2) {
-        let inverse = 1.0 / point.w;
-        let pixel = DVec2::new(
-            point.x.mul_add(inverse * 0.5, 0.5) * size.x,
-            point.y.mul_add(inverse * -0.5, 0.5) * size.y,
-        );
+        // No `mul_add`: without the target feature it is a call.
+        let half = 0.5 / point.w;
+        let pixel = DVec2::new(0.5 + point.x * half, 0.5 - point.y * half) * size;
         let depth = if point.weight > 0.0 {
             point.w / point.weight
         } else {

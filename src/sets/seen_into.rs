@@ -5,10 +5,10 @@ use fixedbitset::FixedBitSet;
 
 use super::{Objects, View};
 use crate::geometry::Aabb;
-use crate::scene::{AlphaMode, SceneMaterials};
+use crate::scene::{AlphaMode, MeshData, SceneMaterials, SceneMesh};
 
 /// Objects, by dense index, inside of which a visible point may lie: the near rectangle touches their bounds, or they
-/// are not opaque, or not drawn at all. Written by [`collect_seen_into`].
+/// are not opaque throughout, or not drawn at all. Written by [`collect_seen_into`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct SeenInto(pub FixedBitSet);
 
@@ -28,8 +28,8 @@ pub fn collect_seen_into(
     mut see_through: ResMut<SeeThrough>,
     objects: Res<Objects>,
     view: Res<View>,
-    materials: Query<&SceneMaterials>,
-    exchanged: Query<(), Changed<SceneMaterials>>,
+    appearance: Query<(&SceneMesh, &SceneMaterials)>,
+    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
 ) {
     let generation = Some((objects.layout_generation, objects.flags_generation));
     if see_through.generation != generation || !exchanged.is_empty() {
@@ -37,12 +37,9 @@ pub fn collect_seen_into(
         see_through.objects.clear();
         see_through.objects.grow(objects.len());
         for (object, &entity) in objects.entities.iter().enumerate() {
-            let opaque = materials.get(entity).is_ok_and(|materials| {
-                materials
-                    .0
-                    .iter()
-                    .all(|material| material.alpha_mode == AlphaMode::Opaque)
-            });
+            let opaque = appearance
+                .get(entity)
+                .is_ok_and(|(mesh, materials)| is_opaque(&mesh.0, materials));
             see_through.objects.set(object, !opaque);
         }
     }
@@ -56,4 +53,18 @@ pub fn collect_seen_into(
             seen_into.0.insert(object);
         }
     }
+}
+
+/// Whether every triangle of the mesh is drawn, and opaque.
+fn is_opaque(mesh: &MeshData, materials: &SceneMaterials) -> bool {
+    let drawn: usize = mesh
+        .submeshes
+        .iter()
+        .map(|part| mesh.submesh_range(part).len())
+        .sum();
+    drawn >= mesh.indices.len()
+        && materials.0.len() >= mesh.submeshes.len()
+        && materials.0[..mesh.submeshes.len()]
+            .iter()
+            .all(|material| material.alpha_mode == AlphaMode::Opaque)
 }

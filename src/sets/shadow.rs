@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use super::frustum::FrustumSet;
-use super::illumination::{lit_bounds, selected};
+use super::illumination::selected;
 use super::lights::{FrameLight, FrameLights};
 use super::objects::{Objects, resize};
 use super::view::{View, ViewData};
@@ -41,13 +41,11 @@ pub fn collect_shadow_sets(
 fn collect(light: &mut FrameLight, objects: &Objects, view: &ViewData, frustum_set: &FrustumSet) {
     light.hull = LightHull::of_frustum(&view.frustum, &light.emitter);
     light.inside_frustum = light.hull.inside;
-    let receivers = light.i.intersection(&objects.receivers);
-    let lit = lit_bounds(objects, receivers, &light.volume.aabb());
-    if lit.is_empty() {
+    if light.receiver_bounds.is_empty() {
         light.receiver_hull = LightHull::default();
         return;
     }
-    light.receiver_hull = LightHull::of_aabb(&lit, &light.emitter);
+    light.receiver_hull = LightHull::of_aabb(&light.receiver_bounds, &light.emitter);
     let (l, f) = (light.l.as_slice(), frustum_set.set.as_slice());
     let casters = objects.casters.as_slice();
     for (word, bits) in light.s.as_mut_slice().iter_mut().enumerate() {

@@ -97,10 +97,10 @@ impl ViewData {
     }
 }
 
-/// Takes the view from the lowest entity with a usable [`Camera`].
+/// Takes the view from the entity of lowest index with a usable [`Camera`].
 ///
-/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. Lowest in the order of `Entity`:
-/// a stable choice, whatever order the query has. With the same camera as before it computes nothing.
+/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. Lowest index: the camera spawned first
+/// unless indices were reused, whatever order the query has. With the same camera as before it computes nothing.
 pub fn collect_view(
     mut view: ResMut<View>,
     mut work: ResMut<SetWork>,
@@ -113,7 +113,7 @@ pub fn collect_view(
     let chosen = cameras
         .iter()
         .filter(usable)
-        .min_by_key(|&(entity, _, _)| entity)
+        .min_by_key(|&(entity, _, _)| entity.index_u32())
         .map(|(entity, camera, world_from_camera)| Input {
             entity,
             camera: *camera,

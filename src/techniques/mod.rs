@@ -7,3 +7,19 @@
 pub mod stencil_volume;
 
 pub use stencil_volume::StencilVolume;
+
+/// Gives a renderer the crate's own techniques, unless techniques of these names were added to it.
+///
+/// Set: `PrepareGpu`, before `prepare_techniques`. Here and not in the renderer, which knows no technique by name.
+/// Compares names; only the first frame of a renderer does more.
+#[cfg(feature = "render")]
+pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::render::Renderer>) {
+    use stencil_volume::node::{NAME, StencilVolumeNode};
+    if renderer.has_technique(NAME) {
+        return;
+    }
+    match StencilVolumeNode::new(renderer.context(), renderer.shaders(), renderer.layouts()) {
+        Ok(node) => renderer.add_technique(Box::new(node)),
+        Err(error) => renderer.fail(error),
+    }
+}

@@ -33,6 +33,9 @@ pub fn record(
     resources: &SurfaceResources,
 ) {
     pass.set_bind_group(0, view, &[]);
+    // Here ambient and light pipelines take turns. They share one layout, of which the ambient ones leave group 1 unread:
+    // with a layout that lacks it, wgpu 29 on lavapipe 22.3 reads the last light as the next object's material.
+    pass.set_bind_group(1, lights, &[0]);
     for draw in draws {
         let batch = &batches[draw.batch..=draw.batch];
         draw_batches(pass, SurfacePass::AmbientBlended, batch, resources);

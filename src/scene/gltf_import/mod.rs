@@ -5,9 +5,9 @@
 //! | GLB container, JSON, required extensions | `container.rs` |
 //! | buffers from chunk, data URI, file | `buffers.rs` |
 //! | accessors, bounds first | `accessors.rs` |
-//! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs` |
+//! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | materials, textures | `material.rs`, `texture.rs` |
-//! | node forest, lights, cameras, skins | `nodes.rs` |
+//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs` |
 //! | animation clips | `clips.rs` |
 //! | entities | `spawn.rs` |
 //!
@@ -25,6 +25,8 @@ mod nodes;
 mod report;
 mod spawn;
 mod texture;
+mod transforms;
+mod triangles;
 mod vertices;
 
 use std::path::{Path, PathBuf};

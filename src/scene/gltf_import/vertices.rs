@@ -12,6 +12,9 @@ use crate::scene::mesh::MorphTarget;
 /// stays bit for bit. By eye: 8-bit normals are off by more, 32-bit ones by less.
 const UNIT_TOLERANCE: f32 = 1e-5;
 
+/// Four joints of each vertex, and their weights.
+type Influences = (Vec<[u16; 4]>, Vec<Vec4>);
+
 /// Streams of one primitive; each has one entry a vertex.
 #[derive(Default)]
 pub(super) struct Vertices {
@@ -21,7 +24,7 @@ pub(super) struct Vertices {
     pub tangents: Option<Vec<Vec4>>,
     pub uv: [Option<Vec<Vec2>>; 2],
     pub colors: Option<Vec<Vec4>>,
-    pub skin: Option<(Vec<[u16; 4]>, Vec<Vec4>)>,
+    pub skin: Option<Influences>,
     pub targets: Vec<MorphTarget>,
 }
 
@@ -182,7 +185,7 @@ impl Reader<'_, '_> {
 
     /// Influences in ascending order of joints, the four strongest if there are more, weights of sum 1. One
     /// order for all, so that the two sides of a seam pose to the same bits.
-    fn skin(&mut self) -> Result<Option<(Vec<[u16; 4]>, Vec<Vec4>)>, GltfError> {
+    fn skin(&mut self) -> Result<Option<Influences>, GltfError> {
         let mut sets = Vec::new();
         while let (set, Some(joints)) = (
             sets.len() as u32,

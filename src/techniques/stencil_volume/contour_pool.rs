@@ -99,7 +99,7 @@ impl Arena {
     /// Empties the arena and gives it room for `elements`.
     fn reset(&mut self, context: &RenderContext, elements: u64) -> Result<(), RenderError> {
         let limits = context.device.limits();
-        let limit = u64::from(limits.max_storage_buffer_binding_size).min(limits.max_buffer_size);
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         // Twice what is needed: the allocator rounds sizes up, and frees later what it fragments now.
         let capacity = (2 * elements).next_power_of_two().max(u64::from(self.capacity));
         let capacity = capacity.min(limit / self.element_size);
@@ -182,7 +182,7 @@ impl ContourPool {
         Err(RenderError::Limit {
             what: "silhouettes of all lights",
             needed: edges * 24 + caps * 4,
-            limit: u64::from(context.device.limits().max_storage_buffer_binding_size),
+            limit: context.device.limits().max_storage_buffer_binding_size,
         })
     }
 

@@ -54,6 +54,9 @@ impl Key {
 
 const KEY_COUNT: usize = 12;
 
+/// Name of the technique.
+pub const NAME: &str = "stencil_volume";
+
 /// One draw call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Draw {
@@ -239,7 +242,7 @@ impl StencilVolumeNode {
         };
         // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
         let [front, back] = if key.depth_pass {
-            [0xff40_1000_u32, 0xff00_4010]
+            [0xff40_1000_u32, 0xff10_4000]
         } else {
             [0xff00_2040, 0xff30_0040]
         };
@@ -351,7 +354,7 @@ fn bind(
 
 impl ShadowTechnique for StencilVolumeNode {
     fn name(&self) -> &'static str {
-        "stencil_volume"
+        NAME
     }
 
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {

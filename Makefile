@@ -1,0 +1,78 @@
+# `make help` lists the targets. `make test` is what must pass before a change is merged.
+
+SHELL := bash
+.SHELLFLAGS := -euo pipefail -c
+.DEFAULT_GOAL := help
+.NOTPARALLEL:
+.PHONY: help demo test pictures bench tools vulkan \
+	test-format test-lints test-docs test-all test-core test-examples test-benches
+
+# rustup's default place, for shells that have not read its environment.
+export PATH := $(PATH):$(HOME)/.cargo/bin
+# Mesa asks for this folder, and its device-select layer talks on stderr.
+ifeq ($(XDG_RUNTIME_DIR),)
+export XDG_RUNTIME_DIR := $(shell d="$${TMPDIR:-/tmp}/antumbra-run-$$(id -u)"; mkdir -p -m 700 "$$d"; echo "$$d")
+endif
+export NODEVICE_SELECT := 1
+
+# Where examples put what they draw in `make test`.
+SMALL := target/small
+BENCHES := $(shell sed -n '/^\[\[bench\]\]/,/^name/s/^name = "\(.*\)"/\1/p' Cargo.toml)
+SHOTS := $(wildcard examples/shots/*.json)
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | while IFS=$$'\t' read -r name what; do \
+		printf '  make %-15s %s\n' "$$name" "$$what"; done
+
+demo: tools vulkan ## draw every technique beside its judgement, into out/gallery
+	cargo run --example gallery --features reference -- --out out/gallery
+	@echo "The pictures are in $(CURDIR)/out/gallery:"
+	@ls out/gallery
+
+# The cheapest failure first; test-all builds what every step after it uses.
+test: tools vulkan test-format test-lints test-docs test-all test-core test-examples test-benches ## everything below
+	@echo "make test: all passed"
+
+test-format: ## formatting of all Rust files
+	cargo fmt --check
+
+test-lints: ## clippy on every feature set, no warning allowed
+	cargo clippy --all-features --all-targets -- -D warnings
+	cargo clippy --features reference --all-targets -- -D warnings
+	cargo clippy --all-targets -- -D warnings
+	cargo clippy --no-default-features --all-targets -- -D warnings
+	cargo clippy --no-default-features -- -D warnings
+
+test-docs: ## API documentation, no warning allowed
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features
+
+test-all: ## all tests and doc tests, with all features
+	cargo test --all-features
+
+test-core: ## the tests of the ECS core, without wgpu and glTF
+	cargo test --no-default-features
+
+test-examples: ## the examples, every shot file, the gallery in small
+	set -x; for shot in $(SHOTS); do \
+		cargo run --quiet --all-features --example render -- $$shot --out $(SMALL)/$$(basename $$shot .json); done
+	cargo run --quiet --all-features --example with_app -- --out $(SMALL)
+	cargo run --quiet --all-features --example own_engine -- --out $(SMALL)
+	cargo run --quiet --all-features --example gallery -- --out $(SMALL)/gallery --size 160x90
+
+# With the profile of the tests: their answers are asked for here, not their times.
+test-benches: ## every bench in its short mode
+	set -x; for bench in $(BENCHES); do cargo bench --profile dev --all-features --bench $$bench -- --short; done
+
+bench: tools vulkan ## every bench at length, optimized
+	set -x; for bench in $(BENCHES); do cargo bench --all-features --bench $$bench; done
+
+pictures: tools vulkan ## draw the pictures of the README again
+	cargo run --example gallery --features reference -- --readme
+
+tools:
+	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust 1.95 or newer, https://rustup.rs" >&2; exit 1; }
+	@command -v cc >/dev/null || command -v clang >/dev/null || command -v gcc >/dev/null || \
+		{ echo "a C linker is missing: install gcc or clang (Debian: apt-get install gcc libc6-dev)" >&2; exit 1; }
+
+vulkan:
+	@scripts/ensure-vulkan.sh

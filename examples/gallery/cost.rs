@@ -1,0 +1,98 @@
+//! What a light costs with and without its shadows, and the CPU sets of a steady frame.
+
+use antumbra::plugin::{AntumbraSystems, SetTimes};
+use antumbra::prelude::*;
+use antumbra::render::RenderError;
+use bevy_ecs::prelude::*;
+
+use super::support::stage::Stage;
+
+/// Frames that a time is the median of.
+pub const RUNS: usize = 5;
+
+/// Times of a shot, milliseconds.
+#[derive(Clone, Debug, Default)]
+pub struct Cost {
+    /// CPU by system set, median of [`RUNS`] frames in which nothing moves, all lights on.
+    pub cpu_ms: Vec<f64>,
+    /// The light's GPU pass with its shadows, the other lights off; `None` without timers.
+    pub shadowed_ms: Option<f64>,
+    /// The same light without shadows.
+    pub unshadowed_ms: Option<f64>,
+}
+
+impl Cost {
+    /// How many times as long the light takes with its shadows.
+    pub fn ratio(&self) -> Option<f64> {
+        let (with, without) = (self.shadowed_ms?, self.unshadowed_ms?);
+        (without > 0.0).then(|| with / without)
+    }
+}
+
+/// CPU milliseconds by system set, median of frames in which nothing moves.
+pub fn steady_cpu_ms(stage: &mut Stage) -> Vec<f64> {
+    let mut by_set = vec![Vec::with_capacity(RUNS); AntumbraSystems::ALL.len()];
+    for _ in 0..RUNS {
+        stage.schedule.run(&mut stage.world);
+        let times = stage.world.resource::<SetTimes>().durations;
+        for (values, time) in by_set.iter_mut().zip(times) {
+            values.push(time.as_secs_f64() * 1e3);
+        }
+    }
+    by_set.into_iter().filter_map(median).collect()
+}
+
+/// Turns all lights off but one; gives what [`restore`] needs.
+pub fn isolate(stage: &mut Stage, light: usize) -> Vec<(Entity, Light)> {
+    let entities: Vec<Entity> = stage.lights.clone();
+    let others = entities
+        .into_iter()
+        .enumerate()
+        .filter(|(index, _)| *index != light);
+    others
+        .filter_map(|(_, entity)| Some((entity, stage.world.entity_mut(entity).take::<Light>()?)))
+        .collect()
+}
+
+/// Turns lights on again.
+pub fn restore(stage: &mut Stage, lights: Vec<(Entity, Light)>) {
+    for (entity, light) in lights {
+        stage.world.entity_mut(entity).insert(light);
+    }
+}
+
+/// Times the light's pass with and without shadows, a frame each to warm up.
+///
+/// # Errors
+/// What the device refuses.
+pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
+    let shadowed_ms = pass_ms(stage, light)?;
+    let entity = stage.lights[light];
+    let technique = stage.world.entity_mut(entity).take::<StencilVolume>();
+    let unshadowed_ms = pass_ms(stage, light)?;
+    if let Some(technique) = technique {
+        stage.world.entity_mut(entity).insert(technique);
+    }
+    Ok(Cost {
+        cpu_ms: Vec::new(),
+        shadowed_ms,
+        unshadowed_ms,
+    })
+}
+
+fn pass_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError> {
+    stage.time_passes()?;
+    let mut times = Vec::with_capacity(RUNS);
+    for _ in 0..RUNS {
+        let passes = stage.time_passes()?;
+        let label = stage.light_indices()[light].map(|index| format!("light {index}"));
+        let of_light = passes.iter().find(|pass| Some(&pass.label) == label.as_ref());
+        times.extend(of_light.map(|pass| pass.milliseconds));
+    }
+    Ok(median(times))
+}
+
+fn median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
+}

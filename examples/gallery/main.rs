@@ -1,0 +1,125 @@
+//! What a technical artist opens to compare shadow techniques: each page is a scene, each shot a row of pictures with
+//! the ray-cast truth beside them, the error in numbers, and what the shadows cost.
+//!
+//! ```sh
+//! cargo run --example gallery --features reference -- --out DIR [--models FOLDER] [--size 320x180] [--only NAME]
+//! ```
+//!
+//! Writes PNGs and one `index.html`. Any error is one line on stderr that names the file and the element, exit
+//! status 1.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `page` | what a page is made of, and its stage |
+//! | `pages`, `model_pages` | the pages: bundled, and those of a folder of models |
+//! | `lantern` | the jack-o'-lantern, a holed hollow caster made in code |
+//! | `judge` | a shot's pictures, and its lights against the ray caster |
+//! | `cost` | times of a light with and without its shadows |
+//! | `panels` | pictures on disk |
+//! | `html`, `gallery.css`, `gallery.js` | the page that shows them |
+//! | `readme` | the pictures of the README |
+
+mod cost;
+mod html;
+mod judge;
+mod lantern;
+mod model_pages;
+mod page;
+mod pages;
+mod panels;
+mod readme;
+#[path = "../support/mod.rs"]
+mod support;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use antumbra::prelude::*;
+use clap::Parser;
+use glam::UVec2;
+use judge::{PageResult, Workbench};
+use page::Page;
+use support::stage::one_line;
+
+/// Renders the gallery.
+#[derive(Parser)]
+struct Arguments {
+    /// Folder for the pictures and index.html; made if it is not there.
+    #[arg(long, required_unless_present = "readme")]
+    out: Option<PathBuf>,
+    /// Folder of further models: adds a page for each that the gallery knows.
+    #[arg(long)]
+    models: Option<PathBuf>,
+    /// Size of the pictures, pixels.
+    #[arg(long, default_value = "320x180", value_parser = parse_size)]
+    size: UVec2,
+    /// Renders only pages whose name contains this.
+    #[arg(long)]
+    only: Option<String>,
+    /// Renders the pictures of the README into assets/readme instead.
+    #[arg(long)]
+    readme: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(line) => {
+            eprintln!("{}", line.replace('\n', " "));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), String> {
+    let assets = page::assets_folder()?;
+    let requested = RequestedFeatures {
+        timestamps: true,
+        ..Default::default()
+    };
+    let context = pollster::block_on(RenderContext::headless(requested)).map_err(|error| one_line(&error))?;
+    let mut bench = Workbench {
+        context,
+        size: arguments.size,
+    };
+    if arguments.readme {
+        return readme::write(&mut bench, &assets);
+    }
+    let out = arguments.out.as_ref().ok_or("--out is needed")?;
+    let mut pages = pages::bundled(&assets.join("models"));
+    if let Some(folder) = &arguments.models {
+        pages.extend(model_pages::of_folder(folder)?);
+    }
+    if let Some(only) = &arguments.only {
+        let names: Vec<&str> = pages.iter().map(|page| page.name).collect();
+        let names = names.join(", ");
+        pages.retain(|page| page.name.contains(only.as_str()));
+        if pages.is_empty() {
+            return Err(format!("--only {only}: there are {names}"));
+        }
+    }
+    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    let begin = Instant::now();
+    let mut results: Vec<(&Page, PageResult)> = Vec::new();
+    for page in &pages {
+        let result = bench.judge_page(page, out)?;
+        println!("{:<14} {:>6.1} s", page.name, result.seconds);
+        results.push((page, result));
+    }
+    let seconds = begin.elapsed().as_secs_f64();
+    let index = out.join("index.html");
+    let text = html::index(&results, &bench, seconds);
+    std::fs::write(&index, text).map_err(|error| format!("{}: {error}", index.display()))?;
+    println!("{}", index.display());
+    println!("{}", judge::verdict(&results));
+    Ok(())
+}
+
+fn parse_size(text: &str) -> Result<UVec2, String> {
+    let parts = text.split_once('x').and_then(|(width, height)| {
+        let size = UVec2::new(width.parse().ok()?, height.parse().ok()?);
+        (size.min_element() > 0 && size.max_element() <= 8192).then_some(size)
+    });
+    parts.ok_or_else(|| "a size such as 320x180 is needed, each side 1..=8192".to_owned())
+}

@@ -1,0 +1,77 @@
+//! An engine with its own wgpu device, target and encoder, and no `App`: a world, a schedule, a call per frame.
+//!
+//! ```sh
+//! cargo run --example own_engine -- --out DIR
+//! ```
+
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+
+use antumbra::plugin::{init_resources, standalone_schedule};
+use antumbra::prelude::*;
+use antumbra::render::{readback::read_texture, targets::create_target};
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::{UVec2, Vec3};
+
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // What an engine has already: a device, a queue, something to draw into.
+    let size = UVec2::new(640, 360);
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
+    let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
+    let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
+    let name = adapter.get_info().name;
+
+    // Once: the systems in a world, a renderer on that device.
+    let context = RenderContext::from_device(device.clone(), queue.clone(), name);
+    let frame = create_target(&context, "frame", size, FORMAT)?;
+    let mut renderer = Renderer::new(context.clone())?;
+    renderer.prepare_output(FORMAT);
+    let mut world = World::new();
+    init_resources(&mut world);
+    world.insert_resource(ViewportSize(size));
+    world.insert_resource(renderer);
+    let mut schedule = standalone_schedule();
+
+    let matte = |color| SceneMaterials([Arc::new(Material::matte(color))].into());
+    let floor = SceneMesh(Arc::new(MeshData::plane(5.0)));
+    world.spawn((floor, matte(Vec3::ONE), ShadowReceiver));
+    let ball = SceneMesh(Arc::new(MeshData::icosphere(0.8, 3)));
+    let place = Transform::from_xyz(0.0, 1.0, 0.0);
+    world.spawn((ball, matte(Vec3::X), ShadowCaster, ShadowReceiver, place));
+    let view = Transform::from_xyz(2.0, 3.0, 6.0).looking_at(Vec3::Y * 0.5, Vec3::Y);
+    world.spawn((Camera::default(), view));
+    let sun = Light::directional(Vec3::ONE, 3.0);
+    let towards = Transform::IDENTITY.looking_to(Vec3::new(-1.0, -2.0, -1.0), Vec3::Y);
+    world.spawn((sun, StencilVolume::default(), towards));
+
+    // Every frame: run the systems, record into the engine's own encoder, submit.
+    schedule.run(&mut world);
+    let mut renderer = world.resource_mut::<Renderer>();
+    if let Some(failure) = renderer.take_failure() {
+        return Err(failure.into());
+    }
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let view = frame.create_view(&Default::default());
+    renderer.record(
+        &mut encoder,
+        &FrameOutputs {
+            picture: Some(&view),
+            visibility: &[],
+        },
+    );
+    queue.submit([encoder.finish()]);
+
+    let out = std::env::args().skip_while(|argument| argument != "--out").nth(1);
+    let out = out.unwrap_or_else(|| "out".to_owned());
+    std::fs::create_dir_all(&out)?;
+    let rows = read_texture(&context, &frame, wgpu::TextureAspect::All, "frame")?;
+    let path = Path::new(&out).join("own_engine.png");
+    let color = image::ExtendedColorType::Rgba8;
+    image::save_buffer(&path, &rows.bytes, size.x, size.y, color)?;
+    println!("{}", path.display());
+    Ok(())
+}

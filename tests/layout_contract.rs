@@ -1,0 +1,258 @@
+//! What Rust writes into GPU buffers is what WGSL reads: structs by name, offset and size, and shared constants.
+
+use std::mem::offset_of;
+
+use antumbra::conventions;
+use antumbra::render::shaders::{COMMON, PASSES};
+use antumbra::render::{Shaders, gpu_types};
+use wgpu::naga;
+
+/// A `#[repr(C)]` struct as Rust lays it out.
+#[derive(Clone, Debug)]
+struct Mirror {
+    name: &'static str,
+    size: usize,
+    /// Name and offset.
+    fields: Vec<(&'static str, usize)>,
+    /// A pass that uses the WGSL struct.
+    pass: &'static str,
+    /// It is an element of a storage array, whose stride counts too.
+    in_array: bool,
+}
+
+/// Describes a struct; a field that is left out does not compile.
+macro_rules! mirror {
+    ($name:ident { $($field:ident),* $(,)? } in $pass:literal, array: $in_array:literal) => {{
+        let gpu_types::$name { $($field: _),* } = gpu_types::$name::default();
+        Mirror {
+            name: stringify!($name),
+            size: size_of::<gpu_types::$name>(),
+            fields: vec![$((stringify!($field), offset_of!(gpu_types::$name, $field))),*],
+            pass: $pass,
+            in_array: $in_array,
+        }
+    }};
+}
+
+fn mirrors() -> Vec<Mirror> {
+    vec![
+        mirror!(View { ambient } in "passes/ambient.wgsl", array: false),
+        mirror!(Object {
+            clip_from_local,
+            relative_from_local_x,
+            relative_from_local_y,
+            relative_from_local_z,
+            handedness,
+        } in "passes/ambient.wgsl", array: true),
+        mirror!(Light { point_relative, emission, axis, cone } in "passes/light_accumulate.wgsl", array: false),
+        mirror!(Slot { uv_matrix, uv_offset, uv_set, present } in "passes/ambient.wgsl", array: false),
+        mirror!(Material {
+            base_color,
+            emissive,
+            alpha_cutoff,
+            metallic,
+            roughness,
+            normal_scale,
+            occlusion_strength,
+            unlit,
+            opaque,
+            padding_a,
+            padding_b,
+            base_color_slot,
+            metallic_roughness_slot,
+            normal_slot,
+            occlusion_slot,
+            emissive_slot,
+        } in "passes/ambient.wgsl", array: false),
+        mirror!(Caster {
+            light_local,
+            object,
+            extrusion,
+            corners_per_edge,
+            padding,
+        } in "techniques/stencil_volume/volume.wgsl", array: true),
+    ]
+}
+
+/// The first difference between a mirror and its struct in a composed module.
+fn difference(mirror: &Mirror, module: &naga::Module) -> Option<String> {
+    let name = mirror.name;
+    let imported = format!("{name}X_naga_oil_mod_"); // what the composer makes of an imported name
+    let found = module.types.iter().find_map(|(handle, ty)| {
+        let known = ty.name.as_deref()?;
+        let naga::TypeInner::Struct { members, span } = &ty.inner else {
+            return None;
+        };
+        (known == name || known.starts_with(&imported)).then_some((handle, members, *span as usize))
+    });
+    let Some((handle, members, span)) = found else {
+        return Some(format!("{name}: {} has no such struct", mirror.pass));
+    };
+    if members.len() != mirror.fields.len() {
+        return Some(format!(
+            "{name}: {} members, Rust has {}",
+            members.len(),
+            mirror.fields.len()
+        ));
+    }
+    for (member, (field, offset)) in members.iter().zip(&mirror.fields) {
+        let known = member.name.as_deref().unwrap_or_default();
+        if known != *field || member.offset as usize != *offset {
+            return Some(format!(
+                "{name}: member {known} at {}, Rust has {field} at {offset}",
+                member.offset
+            ));
+        }
+    }
+    if span != mirror.size {
+        return Some(format!("{name}: {span} bytes, Rust has {}", mirror.size));
+    }
+    if mirror.in_array {
+        let stride = module.types.iter().find_map(|(_, ty)| match ty.inner {
+            naga::TypeInner::Array { base, stride, .. } if base == handle => Some(stride as usize),
+            _ => None,
+        });
+        if stride != Some(mirror.size) {
+            return Some(format!(
+                "{name}: array stride {stride:?}, Rust has {}",
+                mirror.size
+            ));
+        }
+    }
+    None
+}
+
+fn compose(path: &str) -> naga::Module {
+    let (_, source) = PASSES
+        .iter()
+        .find(|(name, _)| *name == path)
+        .unwrap_or_else(|| panic!("{path} is not listed"));
+    let shaders = Shaders::new().expect("the common files compose");
+    shaders.compose(path, source).expect("the pass composes")
+}
+
+#[test]
+fn offsets_sizes_and_names_match_wgsl() {
+    for mirror in mirrors() {
+        let difference = difference(&mirror, &compose(mirror.pass));
+        assert_eq!(difference, None);
+    }
+}
+
+#[test]
+fn comparison_finds_a_moved_renamed_missing_and_grown_field() {
+    let good = mirrors().pop().expect("there are mirrors");
+    let module = compose(good.pass);
+    assert_eq!(difference(&good, &module), None);
+    let spoilt = |spoil: fn(&mut Mirror)| {
+        let mut bad = good.clone();
+        spoil(&mut bad);
+        difference(&bad, &module).expect("the difference is found")
+    };
+    assert!(spoilt(|m| m.fields[2].1 += 4).contains("at 24"));
+    assert!(spoilt(|m| m.fields[2].0 = "thickness").contains("thickness"));
+    assert!(spoilt(|m| m.fields.truncate(1)).contains("members"));
+    assert!(spoilt(|m| m.size += 16).contains("bytes"));
+    assert!(spoilt(|m| m.name = "Blocker").contains("no such struct"));
+    let view = compose("passes/ambient.wgsl");
+    let mut not_an_array = mirrors().swap_remove(0);
+    not_an_array.in_array = true;
+    assert!(
+        difference(&not_an_array, &view)
+            .expect("found")
+            .contains("stride")
+    );
+}
+
+/// Every struct that a shader says is mirrored is one that this test compares, and the other way round.
+#[test]
+fn every_mirror_is_compared() {
+    let known: Vec<&str> = mirrors().iter().map(|mirror| mirror.name).collect();
+    let mut named = Vec::new();
+    for (path, source) in COMMON.iter().chain(&PASSES) {
+        for line in source.lines() {
+            let Some((_, name)) = line.split_once("mirror: render::gpu_types::") else {
+                continue;
+            };
+            let name = name.trim_end();
+            assert!(known.contains(&name), "{path}: {name} is not compared");
+            assert!(
+                line.contains(&format!("struct {name}")),
+                "{path}: {line}: says {name}"
+            );
+            named.push(name);
+        }
+    }
+    for name in known {
+        assert!(named.contains(&name), "{name} is in no shader");
+    }
+}
+
+/// Name and value of the scalar constants of a file without imports.
+fn constants(source: &str) -> Vec<(String, f64)> {
+    let plain: String = source
+        .lines()
+        .filter(|line| !line.starts_with('#')) // the composer's lines
+        .map(|line| format!("{line}\n"))
+        .collect();
+    let module = naga::front::wgsl::parse_str(&plain).expect("conventions.wgsl parses");
+    module
+        .constants
+        .iter()
+        .map(|(_, constant)| {
+            let naga::Expression::Literal(literal) = module.global_expressions[constant.init] else {
+                panic!("{constant:?} is no literal");
+            };
+            let value = match literal {
+                naga::Literal::F32(value) => f64::from(value),
+                naga::Literal::U32(value) => f64::from(value),
+                naga::Literal::I32(value) => f64::from(value),
+                other => panic!("{constant:?}: {other:?}"),
+            };
+            (constant.name.clone().unwrap_or_default(), value)
+        })
+        .collect()
+}
+
+/// What Rust has for a constant of `conventions.wgsl`.
+fn rust_constant(name: &str) -> Option<f64> {
+    match name {
+        "DEPTH_NEAR" => Some(f64::from(conventions::DEPTH_NEAR)),
+        "DEPTH_INFINITY" => Some(f64::from(conventions::DEPTH_INFINITY)),
+        "STENCIL_LIT" => Some(f64::from(conventions::STENCIL_LIT)),
+        "STENCIL_IN_BOUNDS" => Some(f64::from(conventions::STENCIL_IN_BOUNDS)),
+        "STENCIL_COUNT_MASK" => Some(f64::from(conventions::STENCIL_COUNT_MASK)),
+        "RADIANCE_MAX" => Some(f64::from(conventions::RADIANCE_MAX)),
+        "PI" => Some(f64::from(std::f32::consts::PI)),
+        _ => None,
+    }
+}
+
+/// Names of constants that are not equal.
+fn unequal(source: &str) -> Vec<String> {
+    constants(source)
+        .into_iter()
+        .filter(|(name, value)| rust_constant(name) != Some(*value))
+        .map(|(name, _)| name)
+        .collect()
+}
+
+#[test]
+fn conventions_are_equal() {
+    let (path, source) = COMMON[0];
+    assert_eq!(path, "common/conventions.wgsl");
+    assert!(constants(source).len() >= 3, "too few constants were read");
+    assert_eq!(unequal(source), Vec::<String>::new());
+    // The depth of the near plane and of infinity are also what the projection gives.
+    let clip_from_view = antumbra::scene::Camera::default().clip_from_view();
+    let near = clip_from_view * glam::DVec4::new(0.0, 0.0, -f64::from(0.1_f32), 1.0);
+    let infinity = clip_from_view * glam::DVec4::new(0.0, 0.0, -1.0, 0.0);
+    assert_eq!(near.z / near.w, f64::from(conventions::DEPTH_NEAR));
+    assert_eq!(infinity.z / infinity.w, f64::from(conventions::DEPTH_INFINITY));
+}
+
+#[test]
+fn comparison_finds_a_changed_and_an_unknown_constant() {
+    let source = "#define_import_path x\nconst DEPTH_NEAR: f32 = 0.5;\nconst DEPTH_INFINITY: f32 = 0.0;\nconst E: f32 = 2.7;";
+    assert_eq!(unequal(source), ["DEPTH_NEAR", "E"]);
+}

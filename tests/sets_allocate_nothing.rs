@@ -1,0 +1,108 @@
+//! After warm-up a frame allocates nothing in the systems of the sets: not at rest, and not when everything moves.
+
+#![allow(
+    unsafe_code,
+    reason = "a global allocator that counts cannot be written without"
+)]
+
+mod sets_harness;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use antumbra::scene::{Light, WorldBounds};
+use antumbra::sets::{SetWork, ViewportSize, collect_sets};
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::SingleThreadedExecutor;
+use bevy_transform::prelude::GlobalTransform;
+use glam::Vec3;
+use sets_harness::{VIEWPORT, random_scene, rooms, spawn};
+
+struct Counting;
+
+thread_local! {
+    /// Allocations of this thread; the test harness has threads of its own.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+// SAFETY: everything is handed to `System`; counting touches a thread-local without a destructor.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.set(COUNT.get() + 1);
+        // SAFETY: the caller's promise is passed on.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: likewise.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        COUNT.set(COUNT.get() + 1);
+        // SAFETY: likewise.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(mut work: impl FnMut()) -> usize {
+    let before = COUNT.get();
+    work();
+    COUNT.get() - before
+}
+
+fn schedule() -> Schedule {
+    let mut schedule = Schedule::default();
+    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.add_systems(collect_sets());
+    schedule
+}
+
+#[test]
+fn a_frame_allocates_nothing_after_warm_up() {
+    for scene in [random_scene(3), random_scene(4), rooms(1, 6)] {
+        let order: Vec<usize> = (0..scene.things.len()).collect();
+        let (mut world, _) = spawn(&scene, &order);
+        let mut schedule = schedule();
+        let mut bounds = world.query::<&mut WorldBounds>();
+        let mut lights = world.query_filtered::<&mut GlobalTransform, With<Light>>();
+        let mut move_all = |world: &mut World, by: f32| {
+            for mut bounds in bounds.iter_mut(world) {
+                bounds.0.min.x += by;
+                bounds.0.max.x += by;
+            }
+            for mut transform in lights.iter_mut(world) {
+                let moved = transform.affine();
+                let mut moved = moved;
+                moved.translation.y += by;
+                *transform = moved.into();
+            }
+        };
+        for _ in 0..3 {
+            move_all(&mut world, 0.01);
+            schedule.run(&mut world);
+        }
+        assert_eq!(allocations(|| schedule.run(&mut world)), 0, "at rest");
+        let before = *world.resource::<SetWork>();
+        for by in [0.02, -0.5, 0.7] {
+            move_all(&mut world, by);
+            assert_eq!(
+                allocations(|| schedule.run(&mut world)),
+                0,
+                "everything moves by {by}"
+            );
+        }
+        assert!(world.resource::<SetWork>().light_words > before.light_words);
+        world.resource_mut::<ViewportSize>().0 = VIEWPORT * 2;
+        assert_eq!(allocations(|| schedule.run(&mut world)), 0, "another view");
+    }
+}
+
+#[test]
+fn the_counter_counts() {
+    let boxed = allocations(|| drop(std::hint::black_box(Box::new(Vec3::ONE))));
+    assert_eq!(boxed, 1);
+}
