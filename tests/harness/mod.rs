@@ -15,6 +15,7 @@ use antumbra::reference::{
     HardError, LightSource, RayScene, VisibilityImage, compare_hard, hard_visibility, primary_hits,
 };
 use bevy_transform::prelude::GlobalTransform;
+pub use support::solid::make_alpha_solid;
 use support::stage::Stage;
 
 /// A device that panics on any wgpu error: silent validation is part of every test.
@@ -53,20 +54,6 @@ pub fn models_below(folder: &Path) -> Vec<PathBuf> {
     assert!(!found.is_empty(), "no models below {}", folder.display());
     found.sort();
     found
-}
-
-/// Makes every texel of alpha-tested surfaces solid, as the judge takes them.
-pub fn make_alpha_solid(stage: &mut Stage) {
-    let mut query = stage.world.query::<&mut SceneMaterials>();
-    for mut materials in query.iter_mut(&mut stage.world) {
-        for material in &mut materials.0 {
-            if matches!(material.alpha_mode, AlphaMode::Mask(_)) {
-                let mut solid = (**material).clone();
-                solid.alpha_mode = AlphaMode::Mask(0.0);
-                *material = Arc::new(solid);
-            }
-        }
-    }
 }
 
 /// Truth for one light of the stage, for the frame that ran last.
