@@ -8,12 +8,12 @@ use crate::geometry::edge_mesh::EdgeMesh;
 
 /// Positions of boundary and irregular edges in the order in which a light takes them, for meshes that keep their pose.
 ///
-/// A light takes every boundary edge, turned or not: they are copied from one array to another, and what is left of
-/// them is a twentieth of the time of `extract_edges` (sampled, interior by mesh).
+/// A light takes every boundary edge, turned or not: they are copied from one array to another. Both kinds together are
+/// less than a tenth of the time of `extract_edges` (sampled, interior by mesh); regular edges are the rest.
 ///
 /// Tried for regular edges too and dropped (`benches/silhouettes.rs`, interior by mesh): their positions beside the
-/// edges, at 36 bytes a triangle, or positions in the order of the edges under names of their own, at 18 bytes, were
-/// not faster beyond noise. A light takes few of them.
+/// edges, at 36 bytes a triangle, or positions in the order of the edges under names of their own, at 18 bytes, won
+/// nothing that stood out of the noise of a busy machine.
 #[derive(Clone, Debug, Default)]
 pub(super) struct KeptEnds {
     boundary: Vec<[Vec3; 2]>,
@@ -47,8 +47,8 @@ impl KeptEnds {
 
 /// The two ends of each edge of a mesh, in the direction asked for.
 ///
-/// Turned before positions are read: turned afterwards they went through the stack in pieces of another size, which
-/// made half of the cost of an edge (stalled store forwarding).
+/// Turned before positions are read: turned afterwards they went through the stack in pieces of another size, and the
+/// stalls on them were a third of `extract_edges` (deer).
 pub(super) trait Ends {
     type End: Copy;
 
