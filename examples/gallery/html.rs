@@ -43,8 +43,9 @@ fn write_index(
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
          <title>antumbra gallery</title><style>\n{}</style></head><body>\n\
          <h1>Shadows beside the truth</h1>\n\
-         <p>Every shot is rendered, and every light of it judged against a ray caster that shares no code with the \
-         renderer: one ray from each pixel’s surface to the light.</p>\n\
+         <p>Every shot is rendered, and every light of it judged against a ray caster on \
+         the CPU, which reads the same scene and shares nothing else with the renderer: one ray from each pixel’s surface \
+         to the light.</p>\n\
          <p class=\"verdict\">{}</p>\n",
         include_str!("gallery.css"),
         escaped(&verdict(results)),
@@ -65,7 +66,7 @@ fn write_index(
          <ul class=\"legend\"><li><i style=\"background:#2c3240\"></i>does not count: faces away, out of reach, or \
          nothing is there</li><li><i style=\"background:#00ff00\"></i>right, lit</li><li><i \
          style=\"background:#008000\"></i>right, in shadow</li><li><i style=\"background:#ffff00\"></i>off by \
-         ½</li><li><i style=\"background:#ff0000\"></i>wrong</li><li><i style=\"background:#4c994c\"></i>pale: \
+         ½</li><li><i style=\"background:#ff0000\"></i>wrong</li><li><i style=\"background:#4cb24c\"></i>pale: \
          within a pixel of an edge, not judged</li><li><i style=\"background:#606060\"></i>grey in the difference: \
          does not count</li></ul>\n\
          <ul class=\"legend\"><li><i style=\"background:#2f9fe0\"></i>blue, green: volume counted by \
