@@ -163,3 +163,33 @@ fn the_debug_view_colours_volumes_by_how_they_are_counted() {
     assert!(red > 10.0, "depth-fail volumes are orange and magenta: {red}");
     assert_eq!(forced.visibility, plain.visibility, "the view changes no shadow");
 }
+
+#[test]
+fn one_pass_for_all_lights_draws_what_a_pass_each_draws() {
+    let mut stage = scene();
+    let context = strict_context(RequestedFeatures {
+        timestamps: false,
+        ..Default::default()
+    });
+    stage
+        .add_renderer(context, RenderSettings::default())
+        .expect("shaders compose");
+    let (each, ..) = render(&mut stage); // asks for visibilities, which takes a pass a light
+    stage.schedule.run(&mut stage.world);
+    let renderer = stage.world.resource::<Renderer>();
+    let context = renderer.context();
+    let mut encoder = context.device.create_command_encoder(&Default::default());
+    renderer.record(&mut encoder, &FrameOutputs::default());
+    context.queue.submit([encoder.finish()]);
+    let targets = renderer.targets().expect("a frame was drawn");
+    let all = wgpu::TextureAspect::All;
+    let rows = antumbra::render::readback::read_texture(context, &targets.radiance, all, "radiance")
+        .expect("radiance can be read");
+    let one: Vec<f32> = rows
+        .bytes
+        .chunks_exact(2)
+        .map(|bytes| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32())
+        .collect();
+    assert!(one.iter().any(|channel| *channel > 0.1), "something is lit");
+    assert_eq!(one, each.radiance);
+}

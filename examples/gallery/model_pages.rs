@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
-use super::page::{NamedLight, Page, PageShot, PlacedModel};
+use super::page::{Page, PageShot, PlacedModel, view};
 use super::pages::{directional, ground, point};
+use super::support::shot::ShotCamera;
 
 /// A page for each known model of the folder.
 ///
@@ -39,111 +40,99 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Page>, String> {
     Ok(pages)
 }
 
+/// File name, pose, and the page without the model.
 type Known = (&'static str, Option<(&'static str, f32)>, Page);
 
 fn known() -> Vec<Known> {
     let sun = || directional("sun", [-0.5, -1.0, -0.4], [1.0, 0.95, 0.88], 2.6);
+    let dungeon = Page::new(
+        "dungeon",
+        "A dungeon",
+        "Modular pieces under the file’s own torches.",
+    );
+    let town = Page::new("town", "A town", "Many small houses under the file’s own sun.");
+    let helmet = Page {
+        objects: vec![ground(1.2)],
+        lights: vec![sun(), point("lamp", [-0.7, 0.9, 0.8], [0.5, 0.7, 1.0], 0.5, 4.0)],
+        ..Page::new(
+            "helmet",
+            "Flight helmet",
+            "Straps, lenses and stitching: open shells, close together.",
+        )
+    };
+    let ship = Page {
+        lights: vec![sun()],
+        ..Page::new(
+            "ship",
+            "Pirate ship",
+            "Sails and rigging are single sheets that cast from both sides.",
+        )
+    };
+    let knight = Page {
+        objects: vec![ground(4.0)],
+        lights: vec![sun()],
+        ..Page::new(
+            "knight",
+            "A knight in motion",
+            "Skinned: posed first, then the silhouette is found in that pose.",
+        )
+    };
+    let cubes = Page {
+        lights: vec![sun()],
+        ..Page::new("cubes", "Many cubes", "What many small casters cost.")
+    };
     vec![
         (
             "dungeon_A.glb",
             None,
-            page(
-                "dungeon",
-                "A dungeon",
-                "Modular pieces under the file's own torches.",
-                "torch_2",
-                Vec::new(),
-                0.2,
+            one_shot(
+                dungeon,
+                view([20.2, 2.3, 9.0], [25.2, 1.0, 4.2], 65.0),
+                "torch_0",
+                0.5,
             ),
         ),
         (
             "town_A.glb",
             None,
-            page(
-                "town",
-                "A town",
-                "Many small houses under one sun.",
-                "sun",
-                Vec::new(),
-                1.0,
-            ),
+            one_shot(town, view([6.0, 9.0, 24.0], [-2.0, 1.0, 2.0], 50.0), "sun", 1.0),
         ),
         (
             "flight_helmet.glb",
             None,
-            with_ground(page(
-                "helmet",
-                "Flight helmet",
-                "Straps, lenses and stitching: open shells, close together.",
+            one_shot(
+                helmet,
+                view([0.55, 0.65, 1.1], [0.0, 0.32, 0.0], 42.0),
                 "sun",
-                vec![sun(), point("lamp", [-0.7, 0.9, 0.8], [0.5, 0.7, 1.0], 0.5, 4.0)],
                 1.0,
-            )),
+            ),
         ),
         (
             "pirate_ship_dark.glb",
             None,
-            page(
-                "ship",
-                "Pirate ship",
-                "Sails and rigging are single sheets that cast from both sides.",
-                "sun",
-                vec![sun()],
-                1.0,
-            ),
+            one_shot(ship, view([6.2, 5.0, 8.0], [-0.4, 2.9, -0.6], 48.0), "sun", 1.0),
         ),
         (
             "knight.glb",
             Some(("chop", 0.4)),
-            with_ground(page(
-                "knight",
-                "A knight in motion",
-                "Skinned: posed first, then his silhouette is found in that pose.",
-                "sun",
-                vec![sun()],
-                1.0,
-            )),
+            one_shot(knight, view([2.2, 2.3, 4.2], [-0.2, 1.05, 0.0], 42.0), "sun", 1.0),
         ),
-        (
-            "many_cubes.glb",
-            None,
-            page(
-                "cubes",
-                "Many cubes",
-                "What many small casters cost.",
-                "sun",
-                vec![sun()],
-                1.0,
-            ),
-        ),
+        ("many_cubes.glb", None, one_shot(cubes, None, "sun", 1.0)),
     ]
 }
 
-fn page(
-    name: &'static str,
-    title: &'static str,
-    about: &'static str,
-    light: &'static str,
-    lights: Vec<NamedLight>,
-    exposure: f32,
-) -> Page {
+fn one_shot(page: Page, camera: Option<ShotCamera>, light: &'static str, exposure: f32) -> Page {
     Page {
-        lights,
         ambient: Vec3::splat(0.06),
         shots: vec![PageShot {
-            name: "all",
-            caption: "The whole of it.",
-            camera: None,
+            name: "view",
+            caption: page.title,
+            camera,
             light,
             exposure,
         }],
-        ..Page::new(name, title, about)
+        ..page
     }
-}
-
-fn with_ground(mut page: Page) -> Page {
-    page.objects.push(ground(4.0));
-    page
 }
 
 /// All files below a folder, sorted.

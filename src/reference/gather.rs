@@ -96,15 +96,15 @@ struct Look {
     is_double_sided: bool,
 }
 
-/// The look of every triangle. Triangles outside of every submesh, and meshes without materials, are not drawn;
-/// a submesh beyond the last material is drawn opaque and single-sided.
+/// The look of every triangle. Triangles outside of every submesh, meshes without materials and submeshes beyond
+/// the last material are not drawn.
 fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>) -> Vec<Look> {
     let mut looks = vec![Look::default(); mesh.triangle_count()];
     let Some(materials) = materials else { return looks };
     for (index, submesh) in mesh.submeshes.iter().enumerate() {
         let material = materials.0.get(index);
         let look = Look {
-            is_drawn: material.is_none_or(|material| material.alpha_mode != AlphaMode::Blend),
+            is_drawn: material.is_some_and(|material| material.alpha_mode != AlphaMode::Blend),
             is_double_sided: material.is_some_and(|material| material.double_sided),
         };
         let first = submesh.first_index as usize / 3;

@@ -93,6 +93,9 @@ fn push_edges<E: Ends>(
 /// Pushes the regular edges whose two triangles differ, as the one that faces the light traverses them.
 ///
 /// They are rare and come in no order that a branch predictor could learn: a first loop only gathers bits.
+///
+/// Tried and dropped: a list of hits across clusters and seams, written for every edge and counted for unlike ones, in
+/// groups of eight; it took half as long again on the deer.
 #[inline(always)]
 fn push_unlike<E: Ends>(
     mesh: &EdgeMesh,

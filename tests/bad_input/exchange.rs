@@ -2,14 +2,16 @@
 
 use super::*;
 
-/// The entity of the box.
-fn the_box(stage: &mut Stage) -> Entity {
+/// The entity with a mesh of this name.
+fn object_named(stage: &mut Stage, name: &str) -> Entity {
     let mut query = stage.world.query::<(Entity, &SceneMesh)>();
-    let found = query
-        .iter(&stage.world)
-        .find(|(_, mesh)| mesh.0.name == "cuboid")
-        .map(|(entity, _)| entity);
-    found.expect("there is a box")
+    let mut objects = query.iter(&stage.world);
+    let found = objects.find(|(_, mesh)| mesh.0.name == name);
+    found.map(|(entity, _)| entity).expect("there is such an object")
+}
+
+fn the_box(stage: &mut Stage) -> Entity {
+    object_named(stage, "cuboid")
 }
 
 /// Changes the box of a running scene, and of a scene before its first frame; both must look the same.
@@ -79,8 +81,9 @@ fn removed_components_show() {
     check("no caster", &|stage, entity| {
         stage.world.entity_mut(entity).remove::<ShadowCaster>();
     });
-    check("no receiver", &|stage, entity| {
-        stage.world.entity_mut(entity).remove::<ShadowReceiver>();
+    check("no receiver", &|stage, _| {
+        let plane = object_named(stage, "plane");
+        stage.world.entity_mut(plane).remove::<ShadowReceiver>();
     });
     check("no object", &|stage, entity| {
         stage.world.despawn(entity);

@@ -15,9 +15,11 @@ use antumbra::prelude::*;
 use antumbra::reference::{
     HardError, LightSource, RayScene, VisibilityImage, compare_hard, hard_visibility, primary_hits,
 };
+use antumbra::scene::animation::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
+pub use support::solid::make_alpha_solid;
 use support::stage::Stage;
 
 /// A device that panics on any wgpu error: silent validation is part of every test.
@@ -62,20 +64,6 @@ pub fn models_below(folder: &Path) -> Vec<PathBuf> {
     found
 }
 
-/// Makes every texel of alpha-tested surfaces solid, as the judge takes them.
-pub fn make_alpha_solid(stage: &mut Stage) {
-    let mut query = stage.world.query::<&mut SceneMaterials>();
-    for mut materials in query.iter_mut(&mut stage.world) {
-        for material in &mut materials.0 {
-            if matches!(material.alpha_mode, AlphaMode::Mask(_)) {
-                let mut solid = (**material).clone();
-                solid.alpha_mode = AlphaMode::Mask(0.0);
-                *material = Arc::new(solid);
-            }
-        }
-    }
-}
-
 /// Truth for one light of the stage, for the frame that ran last.
 pub fn truth(stage: &Stage, scene: &RayScene, light: usize) -> VisibilityImage {
     let world = &stage.world;
@@ -118,6 +106,10 @@ impl ModelStage {
             .expect("shaders compose");
         let loaded = load_gltf(path).expect("the model loads");
         let spawned = spawn_scene(&mut stage.world, &loaded, None).expect("the model spawns");
+        if let Some(clip) = loaded.clips.first() {
+            // Somewhere in the middle of a motion, where no pose is the one that the mesh was made in.
+            apply_animation(&mut stage.world, &spawned, clip, 0.37 * clip.duration());
+        }
         for &light in &spawned.lights {
             stage.world.entity_mut(light).remove::<Light>();
         }

@@ -1,0 +1,224 @@
+//! What the example says when it cannot render: one line that names the file and the element, and writes nothing.
+
+use super::*;
+
+/// Asserts that a run failed as it must: status 1, one line with all of `parts`, nothing written.
+#[track_caller]
+fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{what}: {stderr}");
+    assert_eq!(stderr.lines().count(), 1, "{what}: {stderr}");
+    assert!(output.stdout.is_empty(), "{what}");
+    for part in parts {
+        assert!(stderr.contains(part), "{what}: {part:?} is not in {stderr:?}");
+    }
+    assert!(!folder.join("out").exists(), "{what}: something was written");
+}
+
+/// A change of the small shot, and what the line must name beside the shot file.
+type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
+
+const SPOILT: [Spoilt; 26] = [
+    (
+        "no scene",
+        |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),
+        &["scene"],
+    ),
+    ("unknown key", |s| s["fog"] = json!(1), &["fog"]),
+    (
+        "unknown camera key",
+        |s| s["camera"]["roll"] = json!(1),
+        &["camera", "roll"],
+    ),
+    (
+        "unknown light kind",
+        |s| s["lights"][1]["kind"] = json!("laser"),
+        &["lights[1]", "laser"],
+    ),
+    (
+        "unknown light key",
+        |s| s["lights"][0]["colour"] = json!([1, 1, 1]),
+        &["lights[0]", "colour"],
+    ),
+    (
+        "unknown technique",
+        |s| s["lights"][0]["shadow"]["technique"] = json!("magic"),
+        &["lights[0]", "magic"],
+    ),
+    (
+        "unknown setting of a technique",
+        |s| s["lights"][0]["shadow"]["bias"] = json!(0.1),
+        &["lights[0]", "bias"],
+    ),
+    (
+        "unknown value of a setting",
+        |s| s["lights"][3]["shadow"]["counting"] = json!("fast"),
+        &["lights[3]", "fast"],
+    ),
+    ("size 0", |s| s["size"] = json!([0, 36]), &["size"]),
+    ("negative size", |s| s["size"] = json!([-4, 36]), &["size"]),
+    ("three sizes", |s| s["size"] = json!([4, 36, 1]), &["size"]),
+    (
+        "size beyond the device",
+        |s| s["size"] = json!([4, 1_000_000]),
+        &["1000000"],
+    ),
+    (
+        "negative ambient",
+        |s| s["ambient"][1] = json!(-0.5),
+        &["ambient", "-0.5"],
+    ),
+    (
+        "infinite ambient",
+        |s| s["ambient"][1] = json!(1e60),
+        &["ambient"],
+    ),
+    (
+        "eye at the target",
+        |s| s["camera"]["eye"] = json!([0, 0, 0]),
+        &["camera", "target - eye"],
+    ),
+    (
+        "up along the view",
+        |s| s["camera"]["up"] = json!([3, 3, 5]),
+        &["camera", "up"],
+    ),
+    (
+        "field of view 180",
+        |s| s["camera"]["vfov_deg"] = json!(180),
+        &["camera", "vfov_deg"],
+    ),
+    ("near 0", |s| s["camera"]["near"] = json!(0), &["camera", "near"]),
+    (
+        "infinite eye",
+        |s| s["camera"]["eye"][0] = json!(1e60),
+        &["camera"],
+    ),
+    (
+        "text for a number",
+        |s| s["lights"][0]["intensity"] = json!("bright"),
+        &["lights[0]", "bright"],
+    ),
+    (
+        "negative intensity",
+        |s| s["lights"][0]["intensity"] = json!(-1),
+        &["lights[0]", "intensity"],
+    ),
+    (
+        "range 0",
+        |s| s["lights"][0]["range"] = json!(0),
+        &["lights[0]", "range"],
+    ),
+    (
+        "crossed cones",
+        |s| s["lights"][1]["inner_deg"] = json!(40),
+        &["lights[1]", "half-angles"],
+    ),
+    (
+        "no direction",
+        |s| s["lights"][2]["direction"] = json!([0, 0, 0]),
+        &["lights[2]", "direction"],
+    ),
+    (
+        "negative radius",
+        |s| s["lights"][4]["radius"] = json!(-1),
+        &["lights[4]", "size"],
+    ),
+    (
+        "no such clip",
+        |s| s["animation"]["clip"] = json!(7),
+        &["animation.clip 7"],
+    ),
+];
+
+#[test]
+fn spoilt_shots_are_refused_with_one_line() {
+    let folder = folder("spoilt");
+    write_scene(&folder);
+    for (what, spoil, parts) in SPOILT {
+        let mut shot = small_shot();
+        spoil(&mut shot);
+        write(&folder, "spoilt.json", &shot.to_string());
+        let output = run(&folder, "spoilt.json", "out", &[]);
+        // The clip is one of the scene's, and named with its file.
+        let file = if what == "no such clip" {
+            "house.glb"
+        } else {
+            "spoilt.json"
+        };
+        assert_refused(&folder, what, &output, &[&[file], parts].concat());
+    }
+}
+
+#[test]
+fn a_whole_shot_is_not_refused() {
+    let folder = folder("whole");
+    write_scene(&folder);
+    write(&folder, "shot.json", &small_shot().to_string());
+    assert!(run(&folder, "shot.json", "out", &[]).status.success());
+    assert!(folder.join("out/image.png").exists());
+}
+
+#[test]
+fn files_that_are_missing_or_cut_short_are_named() {
+    let folder = folder("files");
+    write_scene(&folder);
+    let output = run(&folder, "none.json", "out", &[]);
+    assert_refused(&folder, "missing shot", &output, &["none.json"]);
+
+    let text = small_shot().to_string();
+    for (what, text) in [
+        ("empty", ""),
+        ("cut short", &text[..text.len() / 2]),
+        ("followed by more", &format!("{text} {{}}")),
+        ("not JSON", "scene: house"),
+    ] {
+        write(&folder, "bad.json", text);
+        let output = run(&folder, "bad.json", "out", &[]);
+        assert_refused(&folder, what, &output, &["bad.json"]);
+    }
+
+    let model = std::fs::read(folder.join("models/house.glb")).expect("the scene");
+    let with_scene = |name: &str| {
+        let mut shot = small_shot();
+        shot["scene"] = json!(format!("models/{name}"));
+        write(&folder, "shot.json", &shot.to_string());
+        run(&folder, "shot.json", "out", &[])
+    };
+    assert_refused(&folder, "missing model", &with_scene("none.glb"), &["none.glb"]);
+    for length in [0, 3, 11, 40, model.len() / 2, model.len() - 1] {
+        std::fs::write(folder.join("models/cut.glb"), &model[..length]).expect("a cut model");
+        assert_refused(
+            &folder,
+            &format!("{length} bytes of a model"),
+            &with_scene("cut.glb"),
+            &["cut.glb"],
+        );
+    }
+}
+
+#[test]
+fn an_out_that_is_a_file_is_named() {
+    let folder = folder("out");
+    write_scene(&folder);
+    write(&folder, "shot.json", &small_shot().to_string());
+    write(&folder, "taken", "a file");
+    let output = run(&folder, "shot.json", "taken", &[]);
+    assert_refused(&folder, "out is a file", &output, &["taken"]);
+    let kept = std::fs::read_to_string(folder.join("taken")).expect("it is still there");
+    assert_eq!(kept, "a file");
+}
+
+#[test]
+fn without_an_adapter_the_line_says_so() {
+    let folder = folder("adapter");
+    write_scene(&folder);
+    write(&folder, "shot.json", &small_shot().to_string());
+    let nowhere = [
+        ("WGPU_BACKEND", "vulkan"),
+        ("VK_ICD_FILENAMES", "/nonexistent"),
+        ("VK_DRIVER_FILES", "/nonexistent"),
+    ];
+    let output = run(&folder, "shot.json", "out", &nowhere);
+    assert_refused(&folder, "no adapter", &output, &["shot.json", "no GPU adapter"]);
+}
