@@ -26,8 +26,7 @@ help: ## this list
 
 demo: tools vulkan ## draw every technique beside its judgement, into out/gallery
 	cargo run --example gallery --features reference -- --out out/gallery
-	@echo "The pictures are in $(CURDIR)/out/gallery:"
-	@ls out/gallery
+	@echo "The pictures are in $(CURDIR)/out/gallery; open index.html there to see them side by side."
 
 # The cheapest failure first; test-all builds what every step after it uses.
 test: tools vulkan test-format test-lints test-docs test-all test-core test-examples test-benches ## everything below
