@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use fixedbitset::FixedBitSet;
 use glam::{DMat4, DVec4, Mat4, Vec4};
 
 use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
@@ -166,7 +165,7 @@ type CasterItem<'a> = (
 ///
 /// A pair is stale when the light or the caster moved (by change ticks) and the light stands elsewhere in the caster's
 /// space for it (by value: what moves together keeps its silhouette), when the caster was posed or its mesh exchanged,
-/// or when the camera went into or out of its bounds ([`CapMode`]).
+/// or when the camera or the light went into or out of its bounds ([`CapMode`]).
 pub fn build_silhouettes(
     mut silhouettes: ResMut<Silhouettes>,
     lights: Res<FrameLights>,
@@ -210,7 +209,10 @@ pub fn build_silhouettes(
             let Ok((edges, mesh, transform, posed)) = casters.get(entity) else {
                 continue;
             };
-            let mode = cap_mode(object, &seen_into.0);
+            let point = light.point_world;
+            let light_within =
+                point.w != 0.0 && objects.boxes.get(object).contains(point.truncate().as_vec3());
+            let mode = cap_mode(light_within || seen_into.0.contains(object));
             let slot = entry.slot_for(object, entity);
             let silhouette = &mut entry.slots[slot];
             // Change ticks tell of this frame only: what was not looked at in the last one is checked by value.
@@ -260,9 +262,10 @@ pub fn build_silhouettes(
     kept.retain(|entry| wanting.contains(entry.light));
 }
 
-/// All triangles of casters that can be looked into; back-facing ones suffice for others.
-fn cap_mode(object: usize, seen_into: &FixedBitSet) -> CapMode {
-    if seen_into.contains(object) {
+/// Back-facing triangles suffice for a caster unless the camera or the light may be inside of it: then all count.
+/// Whether the light is inside matters to pieces that are wound inward in part, which no volume tells.
+fn cap_mode(looked_or_lit_from_within: bool) -> CapMode {
+    if looked_or_lit_from_within {
         CapMode::AllTriangles
     } else {
         CapMode::ClosedBackFacing
