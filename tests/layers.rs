@@ -22,7 +22,7 @@ const LAYERS: [&str; 8] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 2] = ["node.rs", "contour_pool.rs"];
+const TECHNIQUE_GPU_FILES: [&str; 3] = ["node.rs", "contour_pool.rs", "volume_pipelines.rs"];
 
 #[test]
 fn no_layer_uses_a_later_one() {

@@ -1,7 +1,5 @@
 //! A world with a scene, a camera and lights, and a renderer that draws it headlessly.
 
-use std::path::Path;
-
 use antumbra::geometry::Aabb;
 use antumbra::plugin::{init_resources, standalone_schedule};
 use antumbra::prelude::*;
@@ -17,7 +15,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
-use super::shot::{Shot, ShotCamera};
+use super::shot::Shot;
 
 /// Format of the picture.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -348,20 +346,4 @@ pub fn one_line(error: &dyn std::error::Error) -> String {
         source = inner.source();
     }
     line
-}
-
-/// A camera of a shot, for scenes made in code.
-pub fn look(eye: [f32; 3], target: [f32; 3]) -> ShotCamera {
-    ShotCamera {
-        eye,
-        target,
-        up: [0.0, 1.0, 0.0],
-        vfov_deg: 45.0,
-        near: 0.1,
-    }
-}
-
-/// Whether a file is there, for messages.
-pub fn exists(path: &Path) -> bool {
-    path.is_file()
 }

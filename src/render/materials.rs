@@ -6,6 +6,7 @@ use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
 use super::mipmaps::mip_chain;
+use super::slots::Slots;
 use super::{RenderContext, gpu_types};
 use crate::conventions::RADIANCE_MAX;
 use crate::scene::material::TextureWrap;
@@ -45,9 +46,8 @@ struct SamplerKey {
 /// The GPU materials in use, by index, and the textures that they share.
 #[derive(Debug)]
 pub struct MaterialPool {
-    entries: Vec<Option<GpuMaterial>>,
-    used: Vec<bool>,
-    by_address: HashMap<usize, u32>,
+    /// By the address of the material, which the entry keeps alive.
+    slots: Slots<usize, GpuMaterial>,
     textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
     samplers: HashMap<SamplerKey, wgpu::Sampler>,
     white: wgpu::TextureView,
@@ -63,9 +63,7 @@ impl MaterialPool {
             &[255; 4],
         );
         Self {
-            entries: Vec::new(),
-            used: Vec::new(),
-            by_address: HashMap::new(),
+            slots: Slots::default(),
             textures: HashMap::new(),
             samplers: HashMap::new(),
             white: white.create_view(&Default::default()),
@@ -74,24 +72,17 @@ impl MaterialPool {
 
     /// The material at `index`, if it is in use.
     pub fn get(&self, index: u32) -> Option<&GpuMaterial> {
-        self.entries.get(index as usize)?.as_ref()
+        self.slots.get(index)
     }
 
     /// Begins a count of what is in use.
     pub fn begin(&mut self) {
-        self.used.clear();
-        self.used.resize(self.entries.len(), false);
+        self.slots.begin();
     }
 
     /// Frees what was not asked for since [`MaterialPool::begin`].
     pub fn end(&mut self) {
-        let used = &self.used;
-        self.by_address.retain(|_, index| used[*index as usize]);
-        for (entry, used) in self.entries.iter_mut().zip(used) {
-            if !used {
-                *entry = None;
-            }
-        }
+        self.slots.end();
         // A texture that only this pool still holds is used by no material.
         self.textures
             .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
@@ -105,20 +96,11 @@ impl MaterialPool {
         material: &Arc<Material>,
     ) -> u32 {
         let address = Arc::as_ptr(material) as usize;
-        if let Some(&index) = self.by_address.get(&address) {
-            self.used[index as usize] = true;
+        if let Some(index) = self.slots.acquire(address, |_| true) {
             return index;
         }
         let entry = self.upload(context, layout, material);
-        let index = self.entries.iter().position(Option::is_none).unwrap_or_else(|| {
-            self.entries.push(None);
-            self.used.push(false);
-            self.entries.len() - 1
-        });
-        self.entries[index] = Some(entry);
-        self.used[index] = true;
-        self.by_address.insert(address, index as u32);
-        index as u32
+        self.slots.insert(address, entry)
     }
 
     fn upload(

@@ -1,13 +1,13 @@
 //! Meshes on the GPU: one entry for each mesh shared by objects, one for each posed object.
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use glam::{Vec2, Vec3, Vec4};
 use wgpu::util::DeviceExt;
 
+use super::slots::Slots;
 use super::{RenderContext, gpu_types::SurfaceVertex};
 use crate::scene::{MeshData, PosedMesh, Submesh};
 
@@ -37,9 +37,7 @@ enum Key {
 /// The GPU meshes in use, by index.
 #[derive(Debug, Default)]
 pub struct MeshPool {
-    entries: Vec<Option<GpuMesh>>,
-    used: Vec<bool>,
-    by_key: HashMap<Key, u32>,
+    slots: Slots<Key, GpuMesh>,
     scratch: Vec<SurfaceVertex>,
     /// Meshes left out because the device allows no buffer of their size.
     pub oversized: usize,
@@ -48,25 +46,18 @@ pub struct MeshPool {
 impl MeshPool {
     /// The mesh at `index`, if it is in use.
     pub fn get(&self, index: u32) -> Option<&GpuMesh> {
-        self.entries.get(index as usize)?.as_ref()
+        self.slots.get(index)
     }
 
     /// Begins a count of what is in use.
     pub fn begin(&mut self) {
-        self.used.clear();
-        self.used.resize(self.entries.len(), false);
+        self.slots.begin();
         self.oversized = 0;
     }
 
     /// Frees what was not asked for since [`MeshPool::begin`].
     pub fn end(&mut self) {
-        let used = &self.used;
-        self.by_key.retain(|_, index| used[*index as usize]);
-        for (entry, used) in self.entries.iter_mut().zip(used) {
-            if !used {
-                *entry = None;
-            }
-        }
+        self.slots.end();
     }
 
     /// Index of an object's mesh, uploaded if it is new. `None` for a mesh without triangles or one that the
@@ -85,11 +76,7 @@ impl MeshPool {
             Some(_) => Key::Posed(entity),
             None => Key::Shared(Arc::as_ptr(mesh) as usize),
         };
-        if let Some(&index) = self.by_key.get(&key)
-            && let Some(entry) = &self.entries[index as usize]
-            && Arc::ptr_eq(&entry.source, mesh)
-        {
-            self.used[index as usize] = true;
+        if let Some(index) = self.slots.acquire(key, |entry| Arc::ptr_eq(&entry.source, mesh)) {
             return Some(index);
         }
         let largest = (mesh.positions.len() * size_of::<SurfaceVertex>()).max(mesh.indices.len() * 4) as u64;
@@ -98,15 +85,7 @@ impl MeshPool {
             return None;
         }
         let entry = self.upload(context, mesh, posed);
-        let index = self.entries.iter().position(Option::is_none).unwrap_or_else(|| {
-            self.entries.push(None);
-            self.used.push(false);
-            self.entries.len() - 1
-        });
-        self.entries[index] = Some(entry);
-        self.used[index] = true;
-        self.by_key.insert(key, index as u32);
-        Some(index as u32)
+        Some(self.slots.insert(key, entry))
     }
 
     fn upload(
@@ -159,7 +138,7 @@ impl MeshPool {
 
     /// Writes this frame's pose of one object.
     pub fn write_pose(&mut self, context: &RenderContext, index: u32, posed: &PosedMesh) {
-        let Some(mesh) = self.entries.get(index as usize).and_then(Option::as_ref) else {
+        let Some(mesh) = self.slots.get(index) else {
             return;
         };
         let positions = posed_positions(&mesh.source, Some(posed));

@@ -20,6 +20,7 @@ pub mod pipelines;
 pub mod readback;
 pub mod renderer;
 pub mod shaders;
+pub mod slots;
 pub mod systems;
 pub mod targets;
 pub mod technique;

@@ -22,7 +22,7 @@ pub struct SeeThrough {
 
 /// Collects [`SeeThrough`] and [`SeenInto`].
 ///
-/// Set: `CollectSets`, after the objects and the view. Cost: one box test an object.
+/// Set: `CollectSets`, after the objects and the view. Cost: one box test an object, nothing at rest.
 pub fn collect_seen_into(
     mut seen_into: ResMut<SeenInto>,
     mut see_through: ResMut<SeeThrough>,
@@ -30,9 +30,15 @@ pub fn collect_seen_into(
     view: Res<View>,
     appearance: Query<(&SceneMesh, &SceneMaterials)>,
     exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    mut last_view: Local<Option<u64>>,
 ) {
     let generation = Some((objects.layout_generation, objects.flags_generation));
-    if see_through.generation != generation || !exchanged.is_empty() {
+    let rebuilt = see_through.generation != generation || !exchanged.is_empty();
+    if !rebuilt && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
+        return; // nothing that it depends on changed
+    }
+    *last_view = Some(view.generation);
+    if rebuilt {
         see_through.generation = generation;
         see_through.objects.clear();
         see_through.objects.grow(objects.len());

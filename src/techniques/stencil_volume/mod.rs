@@ -7,6 +7,7 @@
 //! | [`inside_test`] | whether the viewport may lie in a caster's shadow: depth-fail or depth-pass |
 //! | [`volumes`] | the frame's volumes: which parts of which caster are drawn, and how |
 //! | `contour_pool` | silhouettes on the GPU (feature `render`) |
+//! | `volume_pipelines` | what tells two draws of volumes apart (feature `render`) |
 //! | `node` | the recorder (feature `render`) |
 //!
 //! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9.
@@ -18,6 +19,8 @@ pub mod extrude;
 pub mod inside_test;
 #[cfg(feature = "render")]
 pub mod node;
+#[cfg(feature = "render")]
+pub mod volume_pipelines;
 pub mod volumes;
 
 pub use component::{Counting, Extent, StencilVolume};

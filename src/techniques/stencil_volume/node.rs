@@ -15,44 +15,16 @@
 use bevy_ecs::prelude::*;
 
 use super::contour_pool::ContourPool;
+use super::volume_pipelines::{Key, Part, Purpose, VolumePipelines};
 use super::volumes::{CasterVolume, StencilVolumes};
-use crate::conventions::{STENCIL_COUNT_MASK, STENCIL_IN_BOUNDS};
+use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::gpu_types;
-use crate::render::nodes::light_begin::no_color;
-use crate::render::pipelines::front_face;
-use crate::render::targets::RADIANCE_FORMAT;
 use crate::render::technique::{PrepareInput, RecordInput, ShadowTechnique, Visibility};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::FrameLights;
 use crate::silhouettes::Silhouettes;
-
-/// Which part of a volume a draw draws; the vertex stage.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Part {
-    Side,
-    NearCap,
-    FarCap,
-}
-
-/// All that tells two pipelines of this pass apart; the key of the cache.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Key {
-    part: Part,
-    depth_pass: bool,
-    /// The part's outward faces wind clockwise on the screen: the view and the caster mirror, or the triangles are those
-    /// that face away from the outside.
-    clockwise: bool,
-}
-
-impl Key {
-    fn index(self) -> usize {
-        self.part as usize * 4 + usize::from(self.depth_pass) * 2 + usize::from(self.clockwise)
-    }
-}
-
-const KEY_COUNT: usize = 12;
 
 /// Name of the technique.
 pub const NAME: &str = "stencil_volume";
@@ -77,11 +49,8 @@ struct LightDraws {
 /// The recorder.
 #[derive(Debug)]
 pub struct StencilVolumeNode {
-    module: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
+    pipelines: VolumePipelines,
     group_layout: wgpu::BindGroupLayout,
-    counting: Vec<Option<wgpu::RenderPipeline>>,
-    debugging: Vec<Option<wgpu::RenderPipeline>>,
     pool: ContourPool,
     casters: GrowingBuffer,
     group: wgpu::BindGroup,
@@ -118,16 +87,7 @@ impl StencilVolumeNode {
         let casters = GrowingBuffer::new(context, "volume casters", wgpu::BufferUsages::STORAGE);
         let pool = ContourPool::new(context);
         Ok(Self {
-            module: shaders.module(&context.device, "techniques/stencil_volume/volume.wgsl")?,
-            layout: context
-                .device
-                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some("stencil volume"),
-                    bind_group_layouts: &[Some(&layouts.view), None, Some(&group_layout)],
-                    immediate_size: 0,
-                }),
-            counting: vec![None; KEY_COUNT],
-            debugging: vec![None; KEY_COUNT],
+            pipelines: VolumePipelines::new(context, shaders, layouts, &group_layout)?,
             group: bind(context, &group_layout, &casters.buffer, pool.edges()),
             group_layout,
             pool,
@@ -145,13 +105,7 @@ impl StencilVolumeNode {
         }
     }
 
-    fn record(
-        &self,
-        draws: &[Draw],
-        pipelines: &[Option<wgpu::RenderPipeline>],
-        pass: &mut wgpu::RenderPass,
-        input: &RecordInput,
-    ) {
+    fn record(&self, draws: &[Draw], purpose: Purpose, pass: &mut wgpu::RenderPass, input: &RecordInput) {
         pass.set_stencil_reference(STENCIL_IN_BOUNDS);
         pass.set_bind_group(0, input.view, &[]);
         pass.set_bind_group(2, &self.group, &[]);
@@ -159,7 +113,7 @@ impl StencilVolumeNode {
         let mut last_key = None;
         for draw in draws {
             if last_key != Some(draw.key) {
-                let Some(pipeline) = &pipelines[draw.key.index()] else {
+                let Some(pipeline) = self.pipelines.get(draw.key, purpose) else {
                     continue;
                 };
                 pass.set_pipeline(pipeline);
@@ -228,106 +182,6 @@ impl StencilVolumeNode {
             push(Part::FarCap, mirrored, away, away_count);
         }
     }
-
-    fn create(&self, context: &RenderContext, key: Key, debug: bool) -> wgpu::RenderPipeline {
-        const POSITIONS: &[wgpu::VertexBufferLayout] = &[wgpu::VertexBufferLayout {
-            array_stride: 12,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-        }];
-        let (entry_point, buffers) = match key.part {
-            Part::Side => ("side", &[] as &[_]),
-            Part::NearCap => ("near_cap", POSITIONS),
-            Part::FarCap => ("far_cap", POSITIONS),
-        };
-        // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
-        let [front, back] = if key.depth_pass {
-            [0xff40_1000_u32, 0xff10_4000]
-        } else {
-            [0xff00_2040, 0xff30_0040]
-        };
-        let constants = [("DEBUG_FRONT", f64::from(front)), ("DEBUG_BACK", f64::from(back))];
-        let added = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let debug_targets = [Some(wgpu::ColorTargetState {
-            format: RADIANCE_FORMAT,
-            blend: Some(wgpu::BlendState {
-                color: added,
-                alpha: added,
-            }),
-            write_mask: wgpu::ColorWrites::COLOR,
-        })];
-        let fragment = if debug {
-            wgpu::FragmentState {
-                module: &self.module,
-                entry_point: Some("debug"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
-                    ..Default::default()
-                },
-                targets: &debug_targets,
-            }
-        } else {
-            no_color(&self.module)
-        };
-        context
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(&format!("stencil volume {key:?}")),
-                layout: Some(&self.layout),
-                vertex: wgpu::VertexState {
-                    module: &self.module,
-                    entry_point: Some(entry_point),
-                    compilation_options: Default::default(),
-                    buffers,
-                },
-                primitive: wgpu::PrimitiveState {
-                    front_face: front_face(key.clockwise),
-                    cull_mode: None,
-                    ..Default::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: context.depth_stencil_format(),
-                    depth_write_enabled: Some(false),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: if debug {
-                        Default::default()
-                    } else {
-                        counting_stencil(key.depth_pass)
-                    },
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: Some(fragment),
-                multiview_mask: None,
-                cache: None,
-            })
-    }
-}
-
-/// Counts faces modulo 128 in the low bits, on pixels whose in-bounds bit is set.
-fn counting_stencil(depth_pass: bool) -> wgpu::StencilState {
-    use wgpu::StencilOperation::{DecrementWrap, IncrementWrap, Keep};
-    let face = |depth_fail_op, pass_op| wgpu::StencilFaceState {
-        compare: wgpu::CompareFunction::Equal,
-        fail_op: Keep,
-        depth_fail_op,
-        pass_op,
-    };
-    let (front, back) = if depth_pass {
-        (face(Keep, IncrementWrap), face(Keep, DecrementWrap))
-    } else {
-        (face(DecrementWrap, Keep), face(IncrementWrap, Keep))
-    };
-    wgpu::StencilState {
-        front,
-        back,
-        read_mask: STENCIL_IN_BOUNDS,
-        write_mask: STENCIL_COUNT_MASK,
-    }
 }
 
 fn bind(
@@ -392,13 +246,10 @@ impl ShadowTechnique for StencilVolumeNode {
                 self.pool.edges(),
             );
         }
-        for at in 0..self.draws.len() {
-            let key = self.draws[at].key;
-            if self.counting[key.index()].is_none() {
-                self.counting[key.index()] = Some(self.create(input.context, key, false));
-            }
-            if input.debug_view && self.debugging[key.index()].is_none() {
-                self.debugging[key.index()] = Some(self.create(input.context, key, true));
+        for draw in &self.draws {
+            self.pipelines.require(input.context, draw.key, Purpose::Count);
+            if input.debug_view {
+                self.pipelines.require(input.context, draw.key, Purpose::Show);
             }
         }
         Ok(())
@@ -412,11 +263,11 @@ impl ShadowTechnique for StencilVolumeNode {
     }
 
     fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
-        self.record(self.draws_of(light), &self.counting, pass, input);
+        self.record(self.draws_of(light), Purpose::Count, pass, input);
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
-        self.record(self.draws_of(light), &self.debugging, pass, input);
+        self.record(self.draws_of(light), Purpose::Show, pass, input);
     }
 
     fn batch_count(&self, light: usize) -> usize {

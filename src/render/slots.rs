@@ -1,0 +1,102 @@
+//! GPU resources in use, by index and by what they were made from.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+
+/// Entries with stable indices, counted anew from [`Slots::begin`] to [`Slots::end`]: what was not asked for between
+/// is freed, and its index given out again.
+#[derive(Debug)]
+pub struct Slots<K, T> {
+    entries: Vec<Option<T>>,
+    used: Vec<bool>,
+    free: Vec<u32>,
+    by_key: HashMap<K, u32>,
+}
+
+impl<K, T> Default for Slots<K, T> {
+    fn default() -> Self {
+        Self {
+            entries: Vec::new(),
+            used: Vec::new(),
+            free: Vec::new(),
+            by_key: HashMap::new(),
+        }
+    }
+}
+
+impl<K: Copy + Eq + Hash, T> Slots<K, T> {
+    /// The entry at `index`, if it is in use.
+    pub fn get(&self, index: u32) -> Option<&T> {
+        self.entries.get(index as usize)?.as_ref()
+    }
+
+    /// Begins a count of what is in use.
+    pub fn begin(&mut self) {
+        self.used.fill(false);
+    }
+
+    /// Index of the entry made from `key`, which counts as used, if there is one that `is_current`.
+    pub fn acquire(&mut self, key: K, is_current: impl FnOnce(&T) -> bool) -> Option<u32> {
+        let &index = self.by_key.get(&key)?;
+        let entry = self.entries[index as usize].as_ref()?;
+        if !is_current(entry) {
+            return None;
+        }
+        self.used[index as usize] = true;
+        Some(index)
+    }
+
+    /// Stores an entry that counts as used. One with the same key loses it, and is freed by [`Slots::end`].
+    pub fn insert(&mut self, key: K, entry: T) -> u32 {
+        let index = self.free.pop().unwrap_or_else(|| {
+            self.entries.push(None);
+            self.used.push(false);
+            self.entries.len() as u32 - 1
+        });
+        self.entries[index as usize] = Some(entry);
+        self.used[index as usize] = true;
+        self.by_key.insert(key, index);
+        index
+    }
+
+    /// Frees what was not asked for since [`Slots::begin`].
+    pub fn end(&mut self) {
+        let used = &self.used;
+        self.by_key.retain(|_, index| used[*index as usize]);
+        for (index, (entry, used)) in self.entries.iter_mut().zip(used).enumerate() {
+            if !used && entry.take().is_some() {
+                self.free.push(index as u32);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_asked_for_is_freed_and_its_index_reused() {
+        let mut slots = Slots::default();
+        slots.begin();
+        let (a, b) = (slots.insert('a', 1), slots.insert('b', 2));
+        slots.end();
+        slots.begin();
+        assert_eq!(slots.acquire('a', |_| true), Some(a));
+        slots.end();
+        assert_eq!((slots.get(a), slots.get(b)), (Some(&1), None));
+        assert_eq!(slots.insert('c', 3), b);
+    }
+
+    #[test]
+    fn a_stale_entry_is_replaced() {
+        let mut slots = Slots::default();
+        let old = slots.insert('a', 1);
+        slots.begin();
+        assert_eq!(slots.acquire('a', |entry| *entry == 2), None);
+        let new = slots.insert('a', 2);
+        slots.end();
+        assert_eq!((slots.get(old), slots.get(new)), (None, Some(&2)));
+        assert_eq!(slots.acquire('a', |_| true), Some(new));
+    }
+}
