@@ -62,7 +62,9 @@ pub struct FrameLight {
     pub moved: bool,
     /// The space that it reaches.
     pub volume: LightVolume,
-    /// Set L: objects within the volume.
+    /// Objects within the volume, occluded from the light or not.
+    pub reach: FixedBitSet,
+    /// Set L: objects of `reach` that are not occluded from the light.
     pub l: FixedBitSet,
     /// Set I: objects that the light pass draws. Empty: the light is skipped.
     pub i: FixedBitSet,
@@ -82,6 +84,8 @@ pub struct FrameLight {
     pub(super) receiver_bounds: Aabb,
     /// Whether I and what follows from it are to be computed in this frame.
     pub(super) stale: bool,
+    /// Whether `reach` was written in this frame.
+    pub(super) reach_written: bool,
     seen: Option<Seen>,
 }
 
@@ -129,6 +133,7 @@ impl FrameLight {
             selection: candidate.selection,
             moved: true,
             volume: candidate.placed.volume,
+            reach: FixedBitSet::new(),
             l: FixedBitSet::new(),
             i: FixedBitSet::new(),
             s: FixedBitSet::new(),
@@ -139,6 +144,7 @@ impl FrameLight {
             depth_bounds: None,
             receiver_bounds: Aabb::EMPTY,
             stale: true,
+            reach_written: true,
             seen: None,
         }
     }
@@ -161,14 +167,15 @@ impl FrameLight {
         }
     }
 
-    /// Brings L up to date and says whether I must follow.
-    fn collect_l(&mut self, objects: &Objects, now: Seen, work: &mut SetWork) {
+    /// Brings `reach` up to date and says whether I must follow.
+    fn collect_reach(&mut self, objects: &Objects, now: Seen, work: &mut SetWork) {
         let everything = self.moved || self.seen.map(|seen| seen.layout) != Some(now.layout);
         self.stale = everything || self.seen != Some(now);
         self.seen = Some(now);
+        self.reach_written = everything || !objects.moved.is_clear();
         if everything {
-            resize(&mut self.l, objects.len());
-            let words = self.l.as_mut_slice();
+            resize(&mut self.reach, objects.len());
+            let words = self.reach.as_mut_slice();
             for (word, bits) in words.iter_mut().enumerate().take(objects.len().div_ceil(WORD)) {
                 *bits = self
                     .volume
@@ -176,7 +183,7 @@ impl FrameLight {
             }
             work.light_words += words.len() as u64;
         } else if !objects.moved.is_clear() {
-            let words = self.l.as_mut_slice();
+            let words = self.reach.as_mut_slice();
             for (word, moved) in objects.moved_words() {
                 let candidates = moved & present_word(objects, word);
                 let touching = self.volume.touching(&objects.boxes, word, candidates);
@@ -294,7 +301,7 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     }
 }
 
-/// Computes set L of every light: all words if the light or the layout changed, else words in which something moved.
+/// Computes [`FrameLight::reach`] of every light: all words if the light or the layout changed, else words in which something moved.
 ///
 /// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. O(lights × objects),
 /// eight objects at a time.
@@ -313,6 +320,6 @@ pub fn collect_light_sets(
         visible: visible.generation,
     };
     for light in &mut frame.lights {
-        light.collect_l(&objects, now, &mut work);
+        light.collect_reach(&objects, now, &mut work);
     }
 }

@@ -6,7 +6,7 @@
 //! | --- | --- | --- | --- |
 //! | F [`FrustumSet`] | objects whose bounds touch the view frustum, occluded or not | [`collect_frustum_set`] | may keep too many |
 //! | V [`VisibleSet`] | F less what is occluded from the camera | [`collect_visible_set`] | same |
-//! | L [`FrameLight::l`] | objects within the light's volume | [`collect_light_sets`] | same |
+//! | L [`FrameLight::l`] | objects within the light's volume ([`FrameLight::reach`], by [`collect_light_sets`]), less what is occluded from it | [`collect_light_occlusion`] | same |
 //! | I [`FrameLight::i`] | V ∩ L, drawn and affected: what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
 //! | S [`FrameLight::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
 //!
@@ -26,6 +26,7 @@ pub mod boxes;
 pub mod depth_bounds;
 pub mod frustum;
 pub mod illumination;
+pub mod light_occlusion;
 pub mod light_volume;
 pub mod lights;
 pub mod objects;
@@ -45,6 +46,7 @@ pub use boxes::Boxes;
 pub use depth_bounds::{DepthBounds, shadow_depth_range};
 pub use frustum::{FrustumSet, collect_frustum_set};
 pub use illumination::collect_illumination;
+pub use light_occlusion::collect_light_occlusion;
 pub use light_volume::LightVolume;
 pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, collect_light_sets};
 pub use objects::{Objects, collect_objects};
@@ -78,8 +80,9 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         project_visible,
         collect_frame_lights,
         collect_light_sets,
-        collect_illumination, // scissor and depth bounds too: an empty one skips the light
-        collect_shadow_sets,  // last: it asks which receivers are left
+        collect_light_occlusion, // occlusion from the lights comes here
+        collect_illumination,    // scissor and depth bounds too: an empty one skips the light
+        collect_shadow_sets,     // last: it asks which receivers are left
     )
         .chain()
 }
