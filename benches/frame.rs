@@ -191,7 +191,7 @@ fn field(size: UVec2) -> Bench {
     );
     for i in 0..8 {
         let place = Transform::from_xyz((i % 4) as f32 * 5.0 - 7.5, 2.0, (i / 4) as f32 * 8.0 - 4.0);
-        stage.spawn_light(Light::point(Vec3::ONE, 20.0, 7.0), place, None);
+        stage.spawn_light(Light::point(Vec3::ONE, 20.0, 7.0), place, None::<StencilVolume>);
     }
     Bench {
         name: "field: 401 objects, 8 point lights of range 7".to_owned(),

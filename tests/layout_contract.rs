@@ -36,7 +36,7 @@ macro_rules! mirror {
 
 fn mirrors() -> Vec<Mirror> {
     vec![
-        mirror!(View { ambient } in "passes/ambient.wgsl", array: false),
+        mirror!(View { ambient, relative_from_ndc, size } in "passes/ambient.wgsl", array: false),
         mirror!(Object {
             clip_from_local,
             relative_from_local_x,

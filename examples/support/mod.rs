@@ -3,6 +3,7 @@
 #![allow(dead_code, reason = "each example and test uses a part")]
 
 pub mod picture;
+pub mod shadow;
 pub mod shot;
 pub mod solid;
 pub mod stage;

@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use antumbra::prelude::*;
-use antumbra::techniques::stencil_volume::{Counting, Extent};
 use bevy_transform::prelude::Transform;
 use glam::{Mat3, Quat, UVec2, Vec3};
 use serde::Deserialize;
+
+use super::shadow::ShotShadow;
 
 /// A shot. Unknown keys are errors.
 #[derive(Clone, Debug, Deserialize)]
@@ -112,41 +113,6 @@ pub enum ShotLight {
     },
 }
 
-/// A technique and its settings.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(tag = "technique", rename_all = "snake_case", deny_unknown_fields)]
-pub enum ShotShadow {
-    /// Unshadowed.
-    None {},
-    /// [`StencilVolume`].
-    StencilVolume {
-        /// `auto` or `depth_fail`.
-        #[serde(default)]
-        counting: ShotCounting,
-        /// `finite` or `infinite`.
-        #[serde(default)]
-        extent: ShotExtent,
-    },
-}
-
-/// See [`Counting`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotCounting {
-    #[default]
-    Auto,
-    DepthFail,
-}
-
-/// See [`Extent`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotExtent {
-    #[default]
-    Finite,
-    Infinite,
-}
-
 fn default_size() -> [u32; 2] {
     [640, 360]
 }
@@ -171,7 +137,7 @@ pub struct LightParts {
     /// Where it stands and shines to.
     pub transform: Transform,
     /// Its technique, if any.
-    pub shadow: Option<StencilVolume>,
+    pub shadow: Option<ShotShadow>,
 }
 
 impl Shot {
@@ -382,26 +348,7 @@ impl ShotLight {
         Ok(LightParts {
             light,
             transform,
-            shadow: shadow.and_then(ShotShadow::component),
+            shadow,
         })
-    }
-}
-
-impl ShotShadow {
-    /// The technique's component; `None` for an unshadowed light.
-    pub fn component(self) -> Option<StencilVolume> {
-        match self {
-            Self::None {} => None,
-            Self::StencilVolume { counting, extent } => Some(StencilVolume {
-                counting: match counting {
-                    ShotCounting::Auto => Counting::Auto,
-                    ShotCounting::DepthFail => Counting::DepthFail,
-                },
-                extent: match extent {
-                    ShotExtent::Finite => Extent::Finite,
-                    ShotExtent::Infinite => Extent::Infinite,
-                },
-            }),
-        }
     }
 }

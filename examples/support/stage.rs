@@ -78,7 +78,10 @@ impl Stage {
                 }
                 for light in lights {
                     let parts = light.parts()?;
-                    stage.spawn_light(parts.light, parts.transform, parts.shadow);
+                    let entity = stage.spawn_light(parts.light, parts.transform, None::<StencilVolume>);
+                    if let Some(shadow) = parts.shadow {
+                        shadow.insert(&mut stage.world.entity_mut(entity));
+                    }
                 }
             }
             None => {
@@ -113,12 +116,7 @@ impl Stage {
     }
 
     /// Spawns a light behind those that are there.
-    pub fn spawn_light(
-        &mut self,
-        light: Light,
-        transform: Transform,
-        shadow: Option<StencilVolume>,
-    ) -> Entity {
+    pub fn spawn_light(&mut self, light: Light, transform: Transform, shadow: Option<impl Bundle>) -> Entity {
         let mut entity = self.world.spawn((light, transform));
         if let Some(shadow) = shadow {
             entity.insert(shadow);
@@ -234,7 +232,7 @@ impl Stage {
             .map(|index| match index {
                 Some(index) => {
                     let rows = read_texture(&context, &masks[*index], all, "visibility")?;
-                    Ok(rows.bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect())
+                    Ok(halves(&rows))
                 }
                 None => Ok(vec![1.0; size.element_product() as usize]),
             })

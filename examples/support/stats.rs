@@ -125,7 +125,7 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
         .iter()
         .find(|active| active.light == index);
     json!({
-        "technique": if volumes.is_some() { "stencil_volume" } else { "none" },
+        "technique": active.map_or("none", |active| renderer.technique_name(active)),
         "L": light.l.count_ones(..),
         "I": light.i.count_ones(..),
         "S": light.s.count_ones(..),

@@ -6,6 +6,8 @@
 
 struct View {                       // mirror: render::gpu_types::View
     ambient: vec4f,                 // linear RGB radiance; w unused
+    relative_from_ndc: mat4x4f,     // of a pixel's NDC position and depth; divide by w
+    size: vec4f,                    // width and height of the picture, pixels; their reciprocals
 }
 
 struct Object {                     // mirror: render::gpu_types::Object
@@ -18,6 +20,14 @@ struct Object {                     // mirror: render::gpu_types::Object
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> objects: array<Object>;
+
+// The point that a pixel shows: `pixel` is the fragment position (centres at +0.5, row 0 at the top), `depth` the
+// depth buffer's value, greater than 0.
+fn relative_from_pixel(pixel: vec2f, depth: f32) -> vec3f {
+    let ndc = vec2f(2.0, -2.0) * (pixel * view.size.zw) + vec2f(-1.0, 1.0);
+    let p = view.relative_from_ndc * vec4f(ndc, depth, 1.0);
+    return p.xyz / p.w;
+}
 
 // The one way from local to clip space: passes must agree on depth to the last bit.
 fn clip_position(object: u32, position_local: vec3f) -> vec4f {

@@ -1,10 +1,11 @@
 // What one light adds to the surfaces of its set I.
 // Host    src/render/nodes/light_accumulate.rs
-// Groups  0 view, 1 light, 2 material
+// Groups  0 view, 1 light, 2 material; `masked` also 3 mask
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
 #import antumbra::light::incidence
 #import antumbra::brdf::reflect
 #import antumbra::conventions::RADIANCE_MAX
+#import antumbra::mask::visibility
 
 override BLENDED: bool = false;
 
@@ -13,8 +14,8 @@ fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
 }
 
-@fragment
-fn fragment(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+// Radiance that the light adds to a surface that sees all of it.
+fn lit(in: Fragment, front_facing: bool) -> vec4f {
     let color = base_color(in);
     let mr = metallic_roughness(in);
     let normal = shading_normal(in, front_facing);
@@ -24,4 +25,15 @@ fn fragment(in: Fragment, @builtin(front_facing) front_facing: bool) -> @locatio
     let alpha = select(1.0, color.a, BLENDED);
     let added = min(reflected * arriving.irradiance, vec3f(RADIANCE_MAX)); // infinity would spread
     return vec4f(added * alpha, 0.0);
+}
+
+@fragment
+fn fragment(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    return lit(in, front_facing);
+}
+
+@fragment
+fn masked(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    let seen = visibility(in.position_clip.xy).rgb;
+    return lit(in, front_facing) * vec4f(seen, 1.0);
 }

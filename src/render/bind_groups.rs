@@ -13,6 +13,8 @@ pub struct BindGroupLayouts {
     pub light: wgpu::BindGroupLayout,
     /// Group 2 of drawn surfaces.
     pub material: wgpu::BindGroupLayout,
+    /// Group 3 of passes that read a light's visibility mask.
+    pub mask: wgpu::BindGroupLayout,
     /// Group 3 of the tonemap.
     pub tonemap: wgpu::BindGroupLayout,
 }
@@ -88,7 +90,7 @@ impl BindGroupLayouts {
                 &[
                     buffer_entry(
                         0,
-                        ShaderStages::FRAGMENT,
+                        ShaderStages::VERTEX_FRAGMENT,
                         Uniform,
                         false,
                         size_of::<gpu_types::View>(),
@@ -113,6 +115,7 @@ impl BindGroupLayouts {
                 )],
             ),
             material: layout("material", &material),
+            mask: layout("mask", &[texture_entry(0, false)]),
             tonemap: layout(
                 "tonemap",
                 &[

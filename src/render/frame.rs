@@ -1,9 +1,11 @@
 //! The frame: its passes in order.
 
 use super::nodes;
+use super::nodes::visibility::Shadow;
 use super::pipelines::SurfacePass;
 use super::renderer::{ActiveLight, Renderer};
 use super::targets::FrameTargets;
+use super::technique::{ResolveInput, Visibility};
 
 /// Where a frame's results go beside the radiance in the renderer's targets.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,24 +55,39 @@ impl Renderer {
             &self.timings,
         );
 
-        // Light by light, so that one stencil serves all of them. One pass for all, unless somebody looks at each.
+        // Before the lights, for their techniques read it while they write the stencil.
+        if self.frame.lights.iter().any(ActiveLight::has_mask)
+            && let Some(masks) = &self.masks
+        {
+            self.depth_copy.record(encoder, masks, &self.timings);
+        }
+
+        // Light by light, so that one stencil and one mask serve all of them. Lights with stencils that follow one
+        // another share a pass, unless somebody looks at each.
         let separate = self.timings.is_active() || !outputs.visibility.is_empty();
-        if separate {
-            self.clear_visibility(encoder, outputs);
-            for light in &self.frame.lights {
-                let label = &self.labels[light.light];
-                {
-                    let mut pass = begin_light_pass(encoder, targets, label, self.timings.pass(label));
-                    self.record_light(&mut pass, light);
-                }
-                self.record_visibility(encoder, targets, light, outputs);
+        self.record_skipped_visibility(encoder, targets, outputs);
+        for group in self
+            .frame
+            .lights
+            .chunk_by(|a, b| !separate && !a.has_mask() && !b.has_mask())
+        {
+            let label = match group {
+                [light] => self.labels[light.light].as_str(),
+                _ => "lights",
+            };
+            for light in group {
+                self.resolve_mask(encoder, targets, light);
             }
-        } else if !self.frame.lights.is_empty() {
-            let mut pass = begin_light_pass(encoder, targets, "lights", None);
-            for light in &self.frame.lights {
-                pass.push_debug_group(&self.labels[light.light]);
-                self.record_light(&mut pass, light);
-                pass.pop_debug_group();
+            {
+                let mut pass = begin_light_pass(encoder, targets, label, self.timings.pass(label));
+                for light in group {
+                    pass.push_debug_group(&self.labels[light.light]);
+                    self.record_light(&mut pass, light);
+                    pass.pop_debug_group();
+                }
+            }
+            if let [light] = group {
+                self.record_visibility(encoder, targets, light, outputs);
             }
         }
 
@@ -99,11 +116,28 @@ impl Renderer {
         self.timings.end_frame(encoder);
     }
 
+    /// Lets the technique of a light leave its mask, if it does.
+    fn resolve_mask(&self, encoder: &mut wgpu::CommandEncoder, targets: &FrameTargets, light: &ActiveLight) {
+        if let (Some((technique, Visibility::Mask)), Some(masks)) = (light.shadow, &self.masks) {
+            let input = ResolveInput {
+                record: self.record_input(),
+                targets,
+                masks,
+                scissor: light.scissor,
+                depth_range: light.depth_range,
+                light_begin: &self.light_begin,
+                timings: &self.timings,
+                label: &self.labels[light.light],
+            };
+            self.techniques[technique].resolve(light.light, encoder, &input);
+        }
+    }
+
     /// One light: begin its stencil, let its technique mark what it does not see, add it where it does.
     fn record_light(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
         let [x, y, width, height] = light.scissor;
         pass.set_scissor_rect(x, y, width, height);
-        if let Some(technique) = light.technique {
+        if let Some((technique, Visibility::Stencil)) = light.shadow {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
             self.techniques[technique].mark(light.light, pass, &self.record_input());
@@ -113,9 +147,17 @@ impl Renderer {
             &self.view_group,
             &self.light_group,
             light.slot,
+            SurfacePass::light(light.shadow.map(|(_, visibility)| visibility)),
+            self.mask_of(light),
             &self.frame.batches[light.batches.clone()],
             &self.surface_resources(),
         );
+    }
+
+    /// Group 3 of passes that read the mask of a light.
+    fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
+        let masks = self.masks.as_ref().filter(|_| light.has_mask())?;
+        Some(&masks.mask_group)
     }
 
     fn record_visibility(
@@ -133,31 +175,33 @@ impl Renderer {
             target,
             &targets.depth_stencil_view,
             &self.view_group,
-            light.technique.map(|_| light.scissor),
-            &self.frame.batches[light.batches.clone()],
+            light.shadow.map(|(_, visibility)| Shadow {
+                kind: SurfacePass::visibility(visibility),
+                mask: self.mask_of(light),
+                scissor: light.scissor,
+                batches: &self.frame.batches[light.batches.clone()],
+            }),
             &self.surface_resources(),
         );
     }
 
     /// Lights that are skipped have visibility 1 everywhere.
-    fn clear_visibility(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
-        for (index, target) in outputs.visibility.iter().enumerate() {
-            if self.frame.lights.iter().any(|light| light.light == index) {
-                continue;
-            }
-            encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("visibility of a skipped light"),
-                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                    view: target,
-                    depth_slice: None,
-                    resolve_target: None,
-                    ops: wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
-                        store: wgpu::StoreOp::Store,
-                    },
-                })],
-                ..Default::default()
-            });
+    fn record_skipped_visibility(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        outputs: &FrameOutputs,
+    ) {
+        let skipped = |&(index, _): &(usize, _)| self.frame.lights.iter().all(|light| light.light != index);
+        for (_, target) in outputs.visibility.iter().enumerate().filter(skipped) {
+            nodes::visibility::record(
+                encoder,
+                target,
+                &targets.depth_stencil_view,
+                &self.view_group,
+                None,
+                &self.surface_resources(),
+            );
         }
     }
 
@@ -165,7 +209,7 @@ impl Renderer {
         for light in &self.frame.lights {
             let [x, y, width, height] = light.scissor;
             pass.set_scissor_rect(x, y, width, height);
-            if let Some(technique) = light.technique {
+            if let Some((technique, _)) = light.shadow {
                 self.techniques[technique].debug(light.light, pass, &self.record_input());
             }
         }
@@ -186,8 +230,11 @@ impl Renderer {
         };
         require(SurfacePass::Ambient, frame.ambient.clone());
         for light in &frame.lights {
-            require(SurfacePass::Light, light.batches.clone());
-            require(SurfacePass::Visibility, light.batches.clone());
+            let visibility = light.shadow.map(|(_, visibility)| visibility);
+            require(SurfacePass::light(visibility), light.batches.clone());
+            if let Some(visibility) = visibility {
+                require(SurfacePass::visibility(visibility), light.batches.clone());
+            }
         }
         for draw in &frame.blended {
             require(SurfacePass::AmbientBlended, draw.batch..draw.batch + 1);

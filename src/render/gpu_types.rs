@@ -8,6 +8,10 @@ use bytemuck::{Pod, Zeroable};
 pub struct View {
     /// Linear RGB radiance; w unused.
     pub ambient: [f32; 4],
+    /// Columns; from a pixel's NDC position and depth to eye-relative, to be divided by w. Computed in f64.
+    pub relative_from_ndc: [[f32; 4]; 4],
+    /// Width and height of the picture, pixels, and their reciprocals.
+    pub size: [f32; 4],
 }
 
 /// Mirror of `Object` in `shaders/common/view.wgsl`.

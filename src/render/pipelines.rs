@@ -4,6 +4,7 @@ use super::bind_groups::BindGroupLayouts;
 use super::draw_list::{VARIANT_COUNT, Variant};
 use super::gpu_types::SurfaceVertex;
 use super::targets::RADIANCE_FORMAT;
+use super::technique::Visibility;
 use super::{RenderContext, RenderError, Shaders};
 use crate::conventions::STENCIL_IN_BOUNDS;
 
@@ -16,22 +17,46 @@ pub enum SurfacePass {
     AmbientBlended,
     /// One light, where the stencil says lit.
     Light,
+    /// One light times its mask.
+    LightMasked,
     /// One light on a blended surface.
     LightBlended,
     /// Writes 0 where the stencil says shadowed.
     Visibility,
+    /// Writes the mask.
+    VisibilityMasked,
 }
 
-const PASSES: [SurfacePass; 5] = [
+impl SurfacePass {
+    /// The pass that adds a light whose technique leaves this.
+    pub fn light(visibility: Option<Visibility>) -> Self {
+        match visibility {
+            Some(Visibility::Mask) => Self::LightMasked,
+            Some(Visibility::Stencil) | None => Self::Light,
+        }
+    }
+
+    /// The pass that shows the visibility of a light whose technique leaves this.
+    pub fn visibility(visibility: Visibility) -> Self {
+        match visibility {
+            Visibility::Mask => Self::VisibilityMasked,
+            Visibility::Stencil => Self::Visibility,
+        }
+    }
+}
+
+const PASSES: [SurfacePass; 7] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
+    SurfacePass::LightMasked,
     SurfacePass::LightBlended,
     SurfacePass::Visibility,
+    SurfacePass::VisibilityMasked,
 ];
 
-/// Format of the visibility picture.
-pub const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R8Unorm;
+/// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
+pub const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
 /// The vertex buffers of a drawn surface: positions, surface attributes, object index an instance.
 pub const SURFACE_BUFFERS: [wgpu::VertexBufferLayout<'static>; 3] = [
@@ -60,6 +85,8 @@ pub struct SurfacePipelines {
     visibility: wgpu::ShaderModule,
     unlit_layout: wgpu::PipelineLayout,
     lit_layout: wgpu::PipelineLayout,
+    masked_layout: wgpu::PipelineLayout,
+    masked_unlit_layout: wgpu::PipelineLayout,
     pipelines: Vec<Option<wgpu::RenderPipeline>>,
     /// Pipelines made so far; does not grow in a steady frame.
     pub created: usize,
@@ -91,12 +118,12 @@ impl SurfacePipelines {
         shaders: &Shaders,
         layouts: &BindGroupLayouts,
     ) -> Result<Self, RenderError> {
-        let layout = |label, light: Option<&wgpu::BindGroupLayout>| {
+        let layout = |label, light: Option<&wgpu::BindGroupLayout>, mask: Option<&wgpu::BindGroupLayout>| {
             context
                 .device
                 .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some(label),
-                    bind_group_layouts: &[Some(&layouts.view), light, Some(&layouts.material)],
+                    bind_group_layouts: &[Some(&layouts.view), light, Some(&layouts.material), mask],
                     immediate_size: 0,
                 })
         };
@@ -104,8 +131,10 @@ impl SurfacePipelines {
             ambient: shaders.module(&context.device, "passes/ambient.wgsl")?,
             light: shaders.module(&context.device, "passes/light_accumulate.wgsl")?,
             visibility: shaders.module(&context.device, "passes/visibility.wgsl")?,
-            unlit_layout: layout("surface", None),
-            lit_layout: layout("lit surface", Some(&layouts.light)),
+            unlit_layout: layout("surface", None, None),
+            lit_layout: layout("lit surface", Some(&layouts.light), None),
+            masked_layout: layout("masked surface", Some(&layouts.light), Some(&layouts.mask)),
+            masked_unlit_layout: layout("mask of a surface", None, Some(&layouts.mask)),
             pipelines: vec![None; PASSES.len() * VARIANT_COUNT],
             created: 0,
         })
@@ -116,8 +145,12 @@ impl SurfacePipelines {
         self.pipelines[slot(pass, variant)].as_ref()
     }
 
-    /// Makes the pipeline if it does not exist yet.
+    /// Makes the pipeline if it does not exist yet. None is made for the visibility of surfaces that show no shadow,
+    /// which leaves them out of that picture.
     pub fn require(&mut self, context: &RenderContext, pass: SurfacePass, variant: Variant) {
+        if variant.unshadowed && matches!(pass, SurfacePass::Visibility | SurfacePass::VisibilityMasked) {
+            return;
+        }
         let slot = slot(pass, variant);
         if self.pipelines[slot].is_none() {
             self.pipelines[slot] = Some(self.create(context, pass, variant));
@@ -170,6 +203,15 @@ impl SurfacePipelines {
                     stencil_test(Equal, 0xff)
                 },
             ),
+            SurfacePass::LightMasked => (
+                &self.light,
+                &self.masked_layout,
+                RADIANCE_FORMAT,
+                Some(adding),
+                false,
+                Equal,
+                Default::default(),
+            ),
             SurfacePass::LightBlended => (
                 &self.light,
                 &self.lit_layout,
@@ -188,6 +230,21 @@ impl SurfacePipelines {
                 Equal,
                 stencil_test(Less, 0xff),
             ),
+            SurfacePass::VisibilityMasked => (
+                &self.visibility,
+                &self.masked_unlit_layout,
+                VISIBILITY_FORMAT,
+                None,
+                false,
+                Equal,
+                Default::default(),
+            ),
+        };
+        let masked = matches!(pass, SurfacePass::LightMasked | SurfacePass::VisibilityMasked);
+        let fragment = if masked && !variant.unshadowed {
+            "masked"
+        } else {
+            "fragment"
         };
         debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests above rely on the top bit");
         let blended = matches!(pass, SurfacePass::AmbientBlended | SurfacePass::LightBlended);
@@ -218,7 +275,7 @@ impl SurfacePipelines {
                 multisample: Default::default(),
                 fragment: Some(wgpu::FragmentState {
                     module,
-                    entry_point: Some("fragment"),
+                    entry_point: Some(fragment),
                     compilation_options: wgpu::PipelineCompilationOptions {
                         constants,
                         ..Default::default()

@@ -11,12 +11,14 @@ use super::draw_list::{Batch, DrawListBuilder};
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use super::nodes::blended::BlendedDraw;
+use super::nodes::depth_copy::DepthCopy;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
 use super::objects::ObjectTable;
 use super::pipelines::SurfacePipelines;
-use super::technique::{RecordInput, ShadowTechnique};
+use super::targets::MaskTargets;
+use super::technique::{RecordInput, ShadowTechnique, Visibility};
 use super::timings::Timings;
 use super::{FrameTargets, RenderContext, RenderError, Shaders, gpu_types};
 
@@ -72,14 +74,21 @@ pub struct ActiveLight {
     pub light: usize,
     /// Slot of the light's constants.
     pub slot: usize,
-    /// Index of its technique; `None`: unshadowed.
-    pub technique: Option<usize>,
+    /// Index of its technique and what that leaves; `None`: unshadowed.
+    pub shadow: Option<(usize, Visibility)>,
     /// x, y, width, height; pixels.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
     pub depth_range: (f32, f32),
     /// Range of [`FrameData::batches`].
     pub batches: Range<usize>,
+}
+
+impl ActiveLight {
+    /// Whether its technique leaves a mask.
+    pub fn has_mask(&self) -> bool {
+        matches!(self.shadow, Some((_, Visibility::Mask)))
+    }
 }
 
 /// What changes every frame; its memory is kept.
@@ -130,6 +139,8 @@ pub struct Renderer {
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Vec<Box<dyn ShadowTechnique>>,
     pub(super) targets: Option<(FrameTargets, wgpu::BindGroup)>,
+    pub(super) masks: Option<MaskTargets>,
+    pub(super) depth_copy: DepthCopy,
     pub(super) labels: Vec<String>,
     pub(super) frame: FrameData,
     pub(super) timings: Timings,
@@ -180,6 +191,8 @@ impl Renderer {
             draw_lists: DrawListBuilder::default(),
             techniques: Vec::new(),
             targets: None,
+            masks: None,
+            depth_copy: DepthCopy::new(&context, &shaders)?,
             labels: Vec::new(),
             frame: FrameData::default(),
             timings: Timings::new(&context),
@@ -224,6 +237,11 @@ impl Renderer {
         self.targets.as_ref().map(|(targets, _)| targets)
     }
 
+    /// The mask and the depth that techniques read; `None` before the first frame with a mask of this size.
+    pub fn mask_targets(&self) -> Option<&MaskTargets> {
+        self.masks.as_ref()
+    }
+
     /// What the last prepared frame draws.
     pub fn frame(&self) -> &FrameData {
         &self.frame
@@ -244,11 +262,18 @@ impl Renderer {
         self.meshes.oversized
     }
 
+    /// Name of the technique of one light of the frame, `none` without.
+    pub fn technique_name(&self, light: &ActiveLight) -> &'static str {
+        light
+            .shadow
+            .map_or("none", |(technique, _)| self.techniques[technique].name())
+    }
+
     /// Draw calls of the technique of one light of the frame.
     pub fn shadow_batch_count(&self, light: &ActiveLight) -> usize {
-        light
-            .technique
-            .map_or(0, |technique| self.techniques[technique].batch_count(light.light))
+        light.shadow.map_or(0, |(technique, _)| {
+            self.techniques[technique].batch_count(light.light)
+        })
     }
 
     /// What went wrong while the frame was prepared, if anything; such a frame draws nothing.
@@ -273,6 +298,21 @@ impl Renderer {
             let bind_group = self.tonemap.bind(&self.context, &targets.radiance_view);
             (targets, bind_group)
         });
+        self.masks = None;
+        Ok(())
+    }
+
+    /// Makes the targets of masks if a light of the frame needs them.
+    pub(super) fn require_masks(&mut self) -> Result<(), RenderError> {
+        let needed = self.frame.lights.iter().any(ActiveLight::has_mask);
+        if let (true, None, Some((targets, _))) = (needed, &self.masks, &self.targets) {
+            self.masks = Some(MaskTargets::new(
+                &self.context,
+                &self.layouts,
+                &self.depth_copy,
+                targets,
+            )?);
+        }
         Ok(())
     }
 
@@ -310,6 +350,8 @@ impl Renderer {
         RecordInput {
             view: &self.view_group,
             meshes: &self.meshes,
+            materials: &self.materials,
+            table: &self.table,
         }
     }
 }

@@ -16,17 +16,19 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 5] = sources![
+pub const COMMON: [(&str, &str); 6] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
     "common/surface.wgsl",
     "common/brdf.wgsl",
     "common/light.wgsl",
+    "common/mask.wgsl",
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 6] = sources![
+pub const PASSES: [(&str, &str); 7] = sources![
     "passes/ambient.wgsl",
+    "passes/depth_copy.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
     "passes/visibility.wgsl",

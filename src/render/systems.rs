@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::UVec2;
+use glam::{DMat4, UVec2};
 
 use super::RenderError;
 use super::bind_groups::LIGHT_STRIDE;
@@ -85,8 +85,12 @@ pub fn prepare_objects(
         renderer.last_clip_from_world = Some(current.clip_from_world);
     }
     let ambient = renderer.settings.sanitized().ambient;
+    let relative_from_ndc = (current.clip_from_world * DMat4::from_translation(current.eye)).inverse();
+    let [width, height] = current.viewport.as_vec2().to_array();
     let constants = gpu_types::View {
         ambient: [ambient.x, ambient.y, ambient.z, 0.0],
+        relative_from_ndc: relative_from_ndc.as_mat4().to_cols_array_2d(),
+        size: [width, height, width.recip(), height.recip()],
     };
     renderer
         .context
@@ -171,16 +175,17 @@ pub fn prepare_draws(
         let Some(scissor) = light.scissor else {
             continue; // nothing that is visible receives it
         };
-        let technique = renderer
+        let shadow = renderer
             .techniques
             .iter()
-            .position(|technique| technique.visibility(index).is_some());
+            .enumerate()
+            .find_map(|(technique, shadow)| Some((technique, shadow.visibility(index)?)));
         let first = frame.batches.len();
         renderer.draw_lists.build(
             &input,
             &light.i,
             ItemFilter::OpaqueLit,
-            technique.is_none(),
+            shadow.is_none(),
             &mut frame.batches,
             &mut frame.instances,
         );
@@ -194,7 +199,7 @@ pub fn prepare_draws(
         frame.lights.push(ActiveLight {
             light: index,
             slot,
-            technique,
+            shadow,
             scissor: if renderer.settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
@@ -209,6 +214,10 @@ pub fn prepare_draws(
         .instances
         .write(&renderer.context, bytemuck::cast_slice(&frame.instances));
     renderer.write_lights();
+    if let Err(error) = renderer.require_masks() {
+        renderer.failure.get_or_insert(error);
+        renderer.frame.lights.clear();
+    }
     renderer.require_pipelines();
 }
 

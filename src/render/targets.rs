@@ -4,14 +4,27 @@
 //! | --- | --- | --- | --- | --- |
 //! | radiance | `Rgba16Float` | background | ambient, light accumulate | tonemap, readback |
 //! | depth | [`RenderContext::depth_stencil_format`] | infinity | ambient | all later passes |
+//! | receiver depth | [`DEPTH_COPY_FORMAT`] | written whole | depth copy | techniques that resolve masks |
+//! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques | light accumulate, visibility |
 //! | stencil | beside the depth | by each light, in its scissor | techniques | light accumulate, visibility |
+//!
+//! Receiver depth and mask exist from the first frame on that has a light with a mask.
 
 use glam::UVec2;
 
+use super::bind_groups::BindGroupLayouts;
+use super::nodes::depth_copy::DepthCopy;
 use super::{RenderContext, RenderError};
 
 /// Format of the accumulated radiance.
 pub const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Format of the visibility mask of one light: by colour in rgb, of the emitter's area in a. Half floats: 1 has 2048
+/// steps below it, while eight bits show bands beside a bright light.
+pub const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Format of the depth that techniques read.
+pub const DEPTH_COPY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
 /// Textures of one frame size.
 #[derive(Debug)]
@@ -83,5 +96,54 @@ impl FrameTargets {
             radiance,
             depth_stencil,
         }))
+    }
+}
+
+/// What lights with masks need beside [`FrameTargets`], of the same size. One of each for all lights, which take turns.
+#[derive(Debug)]
+pub struct MaskTargets {
+    /// Depth of the frame.
+    pub receiver_depth: wgpu::Texture,
+    /// Its view.
+    pub receiver_depth_view: wgpu::TextureView,
+    /// Visibility mask of the light at hand.
+    pub mask: wgpu::Texture,
+    /// Its view.
+    pub mask_view: wgpu::TextureView,
+    /// Group 3 of passes that read the mask.
+    pub mask_group: wgpu::BindGroup,
+    /// Group 3 of the depth copy.
+    pub(super) depth_group: wgpu::BindGroup,
+}
+
+impl MaskTargets {
+    /// Textures beside `targets`.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] beyond the device's largest texture.
+    pub fn new(
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        depth_copy: &DepthCopy,
+        targets: &FrameTargets,
+    ) -> Result<Self, RenderError> {
+        let receiver_depth = create_target(context, "receiver depth", targets.size, DEPTH_COPY_FORMAT)?;
+        let mask = create_target(context, "visibility mask", targets.size, MASK_FORMAT)?;
+        let mask_view = mask.create_view(&Default::default());
+        Ok(Self {
+            receiver_depth_view: receiver_depth.create_view(&Default::default()),
+            mask_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("mask"),
+                layout: &layouts.mask,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&mask_view),
+                }],
+            }),
+            depth_group: depth_copy.bind(context, targets),
+            receiver_depth,
+            mask,
+            mask_view,
+        })
     }
 }

@@ -4,8 +4,12 @@
 use bevy_ecs::prelude::World;
 
 use super::bind_groups::BindGroupLayouts;
+use super::materials::MaterialPool;
 use super::meshes::MeshPool;
+use super::nodes::light_begin::LightBegin;
 use super::objects::ObjectTable;
+use super::targets::{FrameTargets, MaskTargets};
+use super::timings::Timings;
 use super::{RenderContext, RenderError, Shaders};
 
 /// What a technique leaves of one light.
@@ -14,6 +18,8 @@ pub enum Visibility {
     /// The stencil counts shadow volumes over [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS): lit
     /// where the count is 0.
     Stencil,
+    /// The mask holds visibility: by colour in rgb, of the emitter's area in a.
+    Mask,
 }
 
 /// What a technique may use while it prepares.
@@ -40,6 +46,31 @@ pub struct RecordInput<'a> {
     pub view: &'a wgpu::BindGroup,
     /// Meshes in buffers.
     pub meshes: &'a MeshPool,
+    /// Materials in bind groups, for casters with holes.
+    pub materials: &'a MaterialPool,
+    /// Meshes and materials by dense object index.
+    pub table: &'a ObjectTable,
+}
+
+/// What a technique may use while it resolves a mask.
+#[derive(Debug)]
+pub struct ResolveInput<'a> {
+    /// What every recorder has.
+    pub record: RecordInput<'a>,
+    /// Depth and stencil of the frame; the depth must stay as it is, the stencil is the technique's own.
+    pub targets: &'a FrameTargets,
+    /// The mask to write, and the depth as a texture to read.
+    pub masks: &'a MaskTargets,
+    /// x, y, width, height, pixels: nothing outside is looked at.
+    pub scissor: [u32; 4],
+    /// Nearest and farthest depth that the light reaches, 1 ≥ near ≥ far ≥ 0.
+    pub depth_range: (f32, f32),
+    /// Clears the stencil and marks the pixels inside the depth range.
+    pub light_begin: &'a LightBegin,
+    /// For the passes' timestamps; passes are labelled `<label>/<pass>`.
+    pub timings: &'a Timings,
+    /// Label of the light.
+    pub label: &'a str,
 }
 
 /// The GPU side of a shadow technique.
@@ -57,13 +88,17 @@ pub trait ShadowTechnique: Send + Sync + 'static {
     /// `None` if the light is not its own.
     fn visibility(&self, light: usize) -> Option<Visibility>;
 
-    /// Marks what one light does not see. The pass has depth (read-only), stencil, and a radiance target that
-    /// must not be written; the scissor is set and the stencil begun.
-    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
+    /// For [`Visibility::Stencil`]: marks what one light does not see. The pass has depth (read-only), stencil, and a
+    /// radiance target that must not be written; the scissor is set and the stencil begun.
+    fn mark(&self, _light: usize, _pass: &mut wgpu::RenderPass, _input: &RecordInput) {}
+
+    /// For [`Visibility::Mask`]: records passes that leave the mask of one light, at every pixel of its scissor whose
+    /// depth is in range.
+    fn resolve(&self, _light: usize, _encoder: &mut wgpu::CommandEncoder, _input: &ResolveInput) {}
 
     /// Draws the technique's geometry over the picture: its debug view.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
 
-    /// Draw calls of [`ShadowTechnique::mark`] for one light.
+    /// Draw calls of [`ShadowTechnique::mark`] or [`ShadowTechnique::resolve`] for one light.
     fn batch_count(&self, light: usize) -> usize;
 }

@@ -1,9 +1,9 @@
 //! Adds one light to the surfaces of its set I.
 //!
 //! Shader  `shaders/passes/light_accumulate.wgsl`
-//! Groups  0 view, 1 light, 2 material
-//! Reads   depth (equal), stencil (in bounds and count 0).  Writes  radiance, added
-//! Order   after the technique marked the same light
+//! Groups  0 view, 1 light, 2 material, 3 mask
+//! Reads   depth (equal), and the stencil (in bounds and count 0) or the mask.  Writes  radiance, added
+//! Order   after the technique marked or resolved the same light
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
@@ -17,11 +17,16 @@ pub fn record(
     view: &wgpu::BindGroup,
     lights: &wgpu::BindGroup,
     light_slot: usize,
+    kind: SurfacePass,
+    mask: Option<&wgpu::BindGroup>,
     batches: &[Batch],
     resources: &SurfaceResources,
 ) {
     pass.set_stencil_reference(STENCIL_IN_BOUNDS);
     pass.set_bind_group(0, view, &[]);
     pass.set_bind_group(1, lights, &[light_slot as u32 * LIGHT_STRIDE as u32]);
-    draw_batches(pass, SurfacePass::Light, batches, resources);
+    if let Some(mask) = mask {
+        pass.set_bind_group(3, mask, &[]);
+    }
+    draw_batches(pass, kind, batches, resources);
 }

@@ -2,6 +2,7 @@
 
 pub mod ambient;
 pub mod blended;
+pub mod depth_copy;
 pub mod light_accumulate;
 pub mod light_begin;
 pub mod surfaces;

@@ -1,8 +1,9 @@
-//! The visibility that the light pass used, as a picture: 0 on shadowed surfaces of the light's set I, else 1.
+//! The visibility that the light pass used, as a picture: 0 on shadowed surfaces of the light's set I or what the mask
+//! says, else 1.
 //!
 //! Shader  `shaders/passes/visibility.wgsl`
-//! Groups  0 view, 2 material
-//! Reads   depth (equal), stencil (in bounds and count not 0).  Writes  its own target, cleared to 1
+//! Groups  0 view, 2 material, 3 mask
+//! Reads   depth (equal), and the stencil (in bounds and count not 0) or the mask.  Writes  its own target, cleared to 1
 //! Order   after the technique marked the light, in place of or beside the light pass
 
 use super::surfaces::{SurfaceResources, draw_batches};
@@ -10,14 +11,26 @@ use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::draw_list::Batch;
 use crate::render::pipelines::SurfacePass;
 
-/// Records the draws; `None` for a scissor leaves the target all lit.
+/// The shadow of one light.
+#[derive(Clone, Copy, Debug)]
+pub struct Shadow<'a> {
+    /// What the technique left.
+    pub kind: SurfacePass,
+    /// Group 3, for a mask.
+    pub mask: Option<&'a wgpu::BindGroup>,
+    /// x, y, width, height; pixels.
+    pub scissor: [u32; 4],
+    /// What the light lights.
+    pub batches: &'a [Batch],
+}
+
+/// Clears the target and records the draws; without a shadow it stays all lit.
 pub fn record(
     encoder: &mut wgpu::CommandEncoder,
     target: &wgpu::TextureView,
     depth_stencil: &wgpu::TextureView,
     view: &wgpu::BindGroup,
-    scissor: Option<[u32; 4]>,
-    batches: &[Batch],
+    shadow: Option<Shadow>,
     resources: &SurfaceResources,
 ) {
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -38,11 +51,15 @@ pub fn record(
         }),
         ..Default::default()
     });
-    let Some([x, y, width, height]) = scissor else {
+    let Some(shadow) = shadow else {
         return;
     };
+    let [x, y, width, height] = shadow.scissor;
     pass.set_scissor_rect(x, y, width, height);
     pass.set_stencil_reference(STENCIL_IN_BOUNDS);
     pass.set_bind_group(0, view, &[]);
-    draw_batches(&mut pass, SurfacePass::Visibility, batches, resources);
+    if let Some(mask) = shadow.mask {
+        pass.set_bind_group(3, mask, &[]);
+    }
+    draw_batches(&mut pass, shadow.kind, shadow.batches, resources);
 }
