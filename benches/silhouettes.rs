@@ -169,35 +169,15 @@ fn print_row(workload: &Workload, effort: Effort) {
         classify(&part.mesh, &part.planes, lights[i], &mut bits)
     });
     let edges_ns = time_ns(effort, &mut parts, |i, part| {
-        extract_edges(
-            &part.mesh,
-            part.positions,
-            &part.planes,
-            &part.all_bits[i],
-            MODE,
-            &mut part.contour,
-        )
+        extract_edges(&part.mesh, &part.all_bits[i], MODE, &mut part.contour)
     });
-    let found = parts.iter().map(|part| part.contour.edges.len()).sum::<usize>();
+    let found = parts.iter().map(|part| part.contour.edge_count()).sum::<usize>();
     let caps_ns = time_ns(effort, &mut parts, |i, part| {
-        extract_caps(
-            &part.mesh,
-            part.positions,
-            &part.all_bits[i],
-            MODE,
-            &mut part.contour,
-        )
+        extract_caps(&part.mesh, &part.all_bits[i], MODE, &mut part.contour)
     });
     let all_ns = time_ns(effort, &mut parts, |i, part| {
         classify(&part.mesh, &part.planes, lights[i], &mut bits);
-        extract_contour(
-            &part.mesh,
-            part.positions,
-            &part.planes,
-            &bits,
-            MODE,
-            &mut part.contour,
-        );
+        extract_contour(&part.mesh, &bits, MODE, &mut part.contour);
     });
     let chapter_ns = time_ns(effort, &mut parts, |i, part| {
         part.baseline
@@ -282,10 +262,10 @@ fn assert_answer(
         let bits = bits_of(mesh, planes, light);
         classify_scalar(mesh, planes, light, &mut scalar);
         assert_eq!(bits.words(), scalar.words());
-        extract_contour(mesh, positions, planes, &bits, MODE, &mut contour);
+        extract_contour(mesh, &bits, MODE, &mut contour);
         baseline.mark_shadows(positions, light, &mut volume);
         if mesh.is_closed() && mesh.irregular_vertices().is_empty() {
-            let (ours, theirs) = (contour.edges.len(), volume.sides.len() / 4);
+            let (ours, theirs) = (contour.edge_count(), volume.sides.len() / 4);
             assert!(
                 ours.abs_diff(theirs) * 100 <= theirs,
                 "{ours} edges, chapter 9 finds {theirs}"

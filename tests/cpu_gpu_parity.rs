@@ -15,8 +15,8 @@ const FILE: &str = "shaders/techniques/stencil_volume/volume.wgsl";
 /// Calls the shader's own function; bound beside what the file declares.
 const WRAPPER: &str = "
 struct ParityCase { position_local: vec3f, caster: u32 }
-@group(3) @binding(0) var<storage, read> parity_cases: array<ParityCase>;
-@group(3) @binding(1) var<storage, read_write> parity_results: array<vec4f>;
+@group(1) @binding(0) var<storage, read> parity_cases: array<ParityCase>;
+@group(1) @binding(1) var<storage, read_write> parity_results: array<vec4f>;
 @compute @workgroup_size(64)
 fn parity(@builtin(global_invocation_id) id: vec3u) {
     if id.x < arrayLength(&parity_cases) {
@@ -158,7 +158,7 @@ fn on_gpu(context: &RenderContext, cases: &[Case], spoil: impl Fn(&str) -> Strin
             object: index as u32,
             extrusion: case.extrusion,
             corners_per_edge: 6,
-            padding: 0,
+            ..Default::default()
         })
         .collect();
     let inputs: Vec<[u32; 4]> = cases
@@ -215,7 +215,7 @@ fn on_gpu(context: &RenderContext, cases: &[Case], spoil: impl Fn(&str) -> Strin
         label: Some("parity"),
         layout: Some(&device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("parity"),
-            bind_group_layouts: &[Some(&layouts[0]), None, Some(&layouts[1]), Some(&layouts[2])],
+            bind_group_layouts: &[Some(&layouts[0]), Some(&layouts[2]), Some(&layouts[1])],
             immediate_size: 0,
         })),
         module: &module,
@@ -229,7 +229,7 @@ fn on_gpu(context: &RenderContext, cases: &[Case], spoil: impl Fn(&str) -> Strin
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &group(&layouts[0], &[(1, &objects)]), &[]);
         pass.set_bind_group(2, &group(&layouts[1], &[(0, &casters)]), &[]);
-        pass.set_bind_group(3, &group(&layouts[2], &[(0, &inputs), (1, &results)]), &[]);
+        pass.set_bind_group(1, &group(&layouts[2], &[(0, &inputs), (1, &results)]), &[]);
         pass.dispatch_workgroups((cases.len() as u32).div_ceil(64), 1, 1);
     }
     context.queue.submit([encoder.finish()]);

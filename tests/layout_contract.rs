@@ -69,7 +69,11 @@ fn mirrors() -> Vec<Mirror> {
             object,
             extrusion,
             corners_per_edge,
-            padding,
+            first_edge,
+            single_count,
+            padding_a,
+            padding_b,
+            padding_c,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
     ]
 }

@@ -113,7 +113,7 @@ fn spawn(world: &mut World, part: &Part, meshes: &[Arc<MeshData>; 2]) {
 }
 
 /// All that a light's volumes are, by name of the caster.
-type Volumes = BTreeMap<String, ([u32; 4], u32, [bool; 4], Vec<[u32; 3]>)>;
+type Volumes = BTreeMap<String, ([u32; 4], u32, [bool; 4], Vec<[u32; 2]>)>;
 
 /// Names instead of indices, so that frames of different spawn orders compare.
 #[derive(Debug, PartialEq)]
@@ -162,7 +162,7 @@ fn snapshot(world: &World) -> Snapshot {
         {
             let contour = known.and_then(|known| known.of_object(caster.object as usize));
             let edges = contour.map_or_else(Vec::new, |(_, silhouette)| {
-                bytemuck::cast_slice(&silhouette.contour.edges).to_vec()
+                silhouette.contour.all_edges().collect::<Vec<_>>()
             });
             casters.insert(
                 name(world, objects.entities[caster.object as usize]),

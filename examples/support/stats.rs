@@ -3,10 +3,7 @@
 use antumbra::plugin::{AntumbraSystems, SetTimes};
 use antumbra::prelude::*;
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
-use antumbra::silhouettes::{
-    CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify, extract_edge_vertices,
-    link_loops,
-};
+use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
 use antumbra::techniques::stencil_volume::StencilVolumes;
 use bevy_ecs::prelude::World;
 use serde_json::{Map, Value, json};
@@ -81,20 +78,10 @@ fn skip_reason(world: &World, light: bevy_ecs::prelude::Entity) -> String {
         .map_or_else(|| "not a light".to_owned(), |skipped| skipped.error.to_string())
 }
 
-/// Loops of a silhouette's contour. Names of edges are not kept: its facing bits are found once more.
-fn loop_count(world: &World, silhouette: &Silhouette) -> usize {
-    let Some(edges) = world.get::<CasterEdges>(silhouette.entity) else {
-        return 0;
-    };
-    let planes = match world.get::<PosedPlanes>(silhouette.entity) {
-        Some(posed) => &posed.0,
-        None => &edges.0.planes,
-    };
-    let (mut bits, mut edge_vertices) = (FacingBits::default(), Vec::new());
-    classify(&edges.0.edges, planes, silhouette.light_local, &mut bits);
-    extract_edge_vertices(&edges.0.edges, &bits, silhouette.mode, &mut edge_vertices);
-    // A contour whose edges do not close has no loops to count.
-    link_loops(&edge_vertices).map_or(0, |loops| loops.len())
+/// Loops of a silhouette's contour; 0 if its edges do not close.
+fn loop_count(silhouette: &Silhouette) -> usize {
+    let edges: Vec<_> = silhouette.contour.all_edges().collect();
+    link_loops(&edges).map_or(0, |loops| loops.len())
 }
 
 fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
@@ -104,8 +91,8 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
     if let Some(known) = silhouettes.of_light(light.entity) {
         for object in light.s.ones() {
             if let Some((_, silhouette)) = known.of_object(object) {
-                edges += silhouette.contour.edges.len();
-                loops += loop_count(world, silhouette);
+                edges += silhouette.contour.edge_count();
+                loops += loop_count(silhouette);
             }
         }
     }

@@ -13,6 +13,8 @@ pub struct BindGroupLayouts {
     pub light: wgpu::BindGroupLayout,
     /// Group 2 of drawn surfaces.
     pub material: wgpu::BindGroupLayout,
+    /// Group 3 of passes that fetch positions themselves: those of one mesh.
+    pub positions: wgpu::BindGroupLayout,
     /// Group 3 of passes that read a light's visibility mask.
     pub mask: wgpu::BindGroupLayout,
     /// Group 3 of the tonemap.
@@ -115,6 +117,10 @@ impl BindGroupLayouts {
                 )],
             ),
             material: layout("material", &material),
+            positions: layout(
+                "positions",
+                &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, 12)],
+            ),
             mask: layout("mask", &[texture_entry(0, false)]),
             tonemap: layout(
                 "tonemap",

@@ -108,8 +108,16 @@ pub struct Caster {
     pub extrusion: f32,
     /// 6 for quads, 3 for triangles.
     pub corners_per_edge: u32,
+    /// In the pool.
+    pub first_edge: u32,
+    /// Edges that count once; those after them count twice.
+    pub single_count: u32,
     /// Unused.
-    pub padding: u32,
+    pub padding_a: u32,
+    /// Unused.
+    pub padding_b: u32,
+    /// Unused.
+    pub padding_c: u32,
 }
 
 /// What a vertex has beside its position; vertex buffer 1 of drawn surfaces.

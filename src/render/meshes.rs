@@ -7,6 +7,7 @@ use bevy_ecs::prelude::*;
 use glam::{Vec2, Vec3, Vec4};
 use wgpu::util::DeviceExt;
 
+use super::bind_groups::BindGroupLayouts;
 use super::slots::Slots;
 use super::{RenderContext, gpu_types::SurfaceVertex};
 use crate::scene::{MeshData, PosedMesh, Submesh};
@@ -14,8 +15,10 @@ use crate::scene::{MeshData, PosedMesh, Submesh};
 /// A mesh in buffers.
 #[derive(Debug)]
 pub struct GpuMesh {
-    /// Positions, 12 bytes a vertex; volumes draw their caps from the same buffer.
+    /// Positions, 12 bytes a vertex; volumes draw their caps and sides from the same buffer.
     pub positions: wgpu::Buffer,
+    /// The same as a storage buffer: [`BindGroupLayouts::positions`].
+    pub positions_group: wgpu::BindGroup,
     /// [`SurfaceVertex`] each.
     pub surface: wgpu::Buffer,
     /// `u32` each.
@@ -65,6 +68,7 @@ impl MeshPool {
     pub fn acquire(
         &mut self,
         context: &RenderContext,
+        layouts: &BindGroupLayouts,
         entity: Entity,
         mesh: &Arc<MeshData>,
         posed: Option<&PosedMesh>,
@@ -80,17 +84,20 @@ impl MeshPool {
             return Some(index);
         }
         let largest = (mesh.positions.len() * size_of::<SurfaceVertex>()).max(mesh.indices.len() * 4) as u64;
-        if largest > context.device.limits().max_buffer_size {
+        let limits = context.device.limits();
+        let positions = (mesh.positions.len() * 12) as u64;
+        if largest > limits.max_buffer_size || positions > limits.max_storage_buffer_binding_size {
             self.oversized += 1;
             return None;
         }
-        let entry = self.upload(context, mesh, posed);
+        let entry = self.upload(context, layouts, mesh, posed);
         Some(self.slots.insert(key, entry))
     }
 
     fn upload(
         &mut self,
         context: &RenderContext,
+        layouts: &BindGroupLayouts,
         mesh: &Arc<MeshData>,
         posed: Option<&PosedMesh>,
     ) -> GpuMesh {
@@ -103,14 +110,22 @@ impl MeshPool {
                     usage: usage | wgpu::BufferUsages::COPY_DST,
                 })
         };
-        let positions = posed_positions(mesh, posed);
+        let positions = buffer(
+            "positions",
+            bytemuck::cast_slice(posed_positions(mesh, posed)),
+            wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE,
+        );
         fill_surface(&mut self.scratch, mesh, posed);
         GpuMesh {
-            positions: buffer(
-                "positions",
-                bytemuck::cast_slice(positions),
-                wgpu::BufferUsages::VERTEX,
-            ),
+            positions_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("positions"),
+                layout: &layouts.positions,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: positions.as_entire_binding(),
+                }],
+            }),
+            positions,
             surface: buffer(
                 "surface",
                 bytemuck::cast_slice(&self.scratch),

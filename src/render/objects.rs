@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, Mat4};
 
+use super::bind_groups::BindGroupLayouts;
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use super::{RenderContext, gpu_types};
@@ -66,7 +67,7 @@ impl ObjectTable {
     pub fn rebuild(
         &mut self,
         context: &RenderContext,
-        material_layout: &wgpu::BindGroupLayout,
+        layouts: &BindGroupLayouts,
         objects: &Objects,
         appearance: &Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
         meshes: &mut MeshPool,
@@ -81,7 +82,9 @@ impl ObjectTable {
             let first = self.items.len() as u32;
             let mut mesh_index = NO_MESH;
             if let Ok((mesh, object_materials, posed)) = appearance.get(entity) {
-                mesh_index = meshes.acquire(context, entity, &mesh.0, posed).unwrap_or(NO_MESH);
+                mesh_index = meshes
+                    .acquire(context, layouts, entity, &mesh.0, posed)
+                    .unwrap_or(NO_MESH);
                 for (submesh, part) in mesh.0.submeshes.iter().enumerate() {
                     let Some(material) = object_materials.and_then(|materials| materials.0.get(submesh))
                     else {
@@ -92,7 +95,7 @@ impl ObjectTable {
                     }
                     self.items.push(Item {
                         submesh: submesh as u32,
-                        material: materials.acquire(context, material_layout, material),
+                        material: materials.acquire(context, &layouts.material, material),
                         blended: material.alpha_mode == AlphaMode::Blend,
                         double_sided: material.double_sided,
                         unlit: material.unlit,

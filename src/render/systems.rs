@@ -51,7 +51,7 @@ pub fn prepare_objects(
     if rebuilt {
         renderer.table.rebuild(
             &renderer.context,
-            &renderer.layouts.material,
+            &renderer.layouts,
             &objects,
             &appearance,
             &mut renderer.meshes,

@@ -8,7 +8,7 @@ use glam::{DMat4, DVec4, Mat4, Vec4};
 
 use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
 use super::{CapMode, Contour, FacingBits, classify, extract_contour};
-use crate::scene::{PosedMesh, SceneMesh};
+use crate::scene::PosedMesh;
 use crate::sets::{FrameLights, Objects, SeenInto};
 
 /// Marks lights whose technique is built on silhouettes.
@@ -154,7 +154,6 @@ impl LightSilhouettes {
 
 type CasterItem<'a> = (
     &'a CasterEdges,
-    &'a SceneMesh,
     &'a GlobalTransform,
     Option<(&'a PosedMesh, &'a PosedPlanes)>,
 );
@@ -206,7 +205,7 @@ pub fn build_silhouettes(
         entry.remap(&objects);
         for object in light.s.ones() {
             let entity = objects.entities[object];
-            let Ok((edges, mesh, transform, posed)) = casters.get(entity) else {
+            let Ok((edges, transform, posed)) = casters.get(entity) else {
                 continue;
             };
             let point = light.point_world;
@@ -234,21 +233,12 @@ pub fn build_silhouettes(
             if known && posed.is_none() && silhouette.light_local == light_local {
                 continue;
             }
-            let (positions, planes) = match posed {
-                Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
-                    (&posed.positions, &planes.0)
-                }
-                _ => (&mesh.0.positions, &edges.0.planes),
+            let planes = match posed {
+                Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => &planes.0,
+                _ => &edges.0.planes,
             };
             classify(&edges.0.edges, planes, light_local, bits);
-            extract_contour(
-                &edges.0.edges,
-                positions,
-                planes,
-                bits,
-                mode,
-                &mut silhouette.contour,
-            );
+            extract_contour(&edges.0.edges, bits, mode, &mut silhouette.contour);
             *last_revision += 1;
             *extracted += 1;
             silhouette.revision = *last_revision;

@@ -1,10 +1,7 @@
 //! What a shadow volume is made of, and its caps.
 
-use glam::Vec3;
-
 use super::edges::extract_edges;
 use super::facing::{FacingBits, HAS_BACK, HAS_FACING};
-use super::planes::FacingPlanes;
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
 
@@ -28,9 +25,11 @@ pub enum CapMode {
 /// `edges` are those that do not.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contour {
-    /// Positions of the edges, as the cap triangles traverse them once they are turned to face the light. An edge of
-    /// multiplicity m is there |m| times.
-    pub edges: Vec<[Vec3; 2]>,
+    /// Welded vertices of the edges that count once, as the cap triangles traverse them once they are turned to face the
+    /// light. An edge of multiplicity m is there |m| times, of which each double edge is two.
+    pub edges: Vec<[u32; 2]>,
+    /// Edges that count twice: those between unlike triangles that both are caps, mostly.
+    pub double_edges: Vec<[u32; 2]>,
     /// Vertices of the cap triangles, three each, in the order of the mesh's corners. First all that are wound
     /// towards the light, then those that are wound away from it and must be turned.
     pub caps: Vec<u32>,
@@ -42,39 +41,38 @@ impl Contour {
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
         self.edges.clear();
+        self.double_edges.clear();
         self.caps.clear();
         self.caps_away_start = 0;
+    }
+
+    /// Number of edges, double ones counted twice.
+    pub fn edge_count(&self) -> usize {
+        self.edges.len() + 2 * self.double_edges.len()
+    }
+
+    /// All edges as often as they count, single ones first. Every vertex starts as many as it ends:
+    /// [`link_loops`](super::link_loops) makes loops of them.
+    pub fn all_edges(&self) -> impl Iterator<Item = [u32; 2]> {
+        let double = self.double_edges.iter().flat_map(|&edge| [edge; 2]);
+        self.edges.iter().copied().chain(double)
     }
 }
 
 /// Extracts edges and caps; the order is that of the mesh, so the same bits give the same contour.
 ///
-/// `positions` and `planes` are those of the pose that `facing` was classified for. With fewer than
-/// [`EdgeMesh::vertex_count`], or bits of another mesh, the contour is empty.
-pub fn extract_contour(
-    mesh: &EdgeMesh,
-    positions: &[Vec3],
-    planes: &FacingPlanes,
-    facing: &FacingBits,
-    mode: CapMode,
-    contour: &mut Contour,
-) {
-    extract_edges(mesh, positions, planes, facing, mode, contour);
-    extract_caps(mesh, positions, facing, mode, contour);
+/// With bits of another mesh, or none, it is empty. Vertices are named, so that one contour serves whatever pose its
+/// bits are of.
+pub fn extract_contour(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
+    extract_edges(mesh, facing, mode, contour);
+    extract_caps(mesh, facing, mode, contour);
 }
 
-/// The half of [`extract_contour`] that fills the caps. `positions` are only counted, so that edges and caps are
-/// empty together.
-pub fn extract_caps(
-    mesh: &EdgeMesh,
-    positions: &[Vec3],
-    facing: &FacingBits,
-    mode: CapMode,
-    contour: &mut Contour,
-) {
+/// The half of [`extract_contour`] that fills the caps.
+pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     contour.caps.clear();
     contour.caps_away_start = 0;
-    if !fits(mesh, positions, facing) {
+    if !fits(mesh, facing) {
         return;
     }
     let first_facing = match mode {
@@ -117,6 +115,6 @@ fn push_caps(mesh: &EdgeMesh, cluster: &Cluster, word: u64, is_any_set: bool, ca
     caps.extend_from_slice(kept[..count].as_flattened());
 }
 
-pub(super) fn fits(mesh: &EdgeMesh, positions: &[Vec3], facing: &FacingBits) -> bool {
-    positions.len() >= mesh.vertex_count() && facing.words().len() == mesh.clusters().len()
+pub(super) fn fits(mesh: &EdgeMesh, facing: &FacingBits) -> bool {
+    facing.words().len() == mesh.clusters().len()
 }

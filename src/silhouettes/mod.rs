@@ -13,14 +13,12 @@
 //! | `facing` | a bit a triangle, 64 at a time |
 //! | `contour` | what a volume is made of; cap triangles |
 //! | `edges` | signed edges |
-//! | `ends` | where the ends of edges come from |
 //! | `loops` | the contour as closed loops |
 
 pub mod cache;
 pub mod casters;
 mod contour;
 mod edges;
-mod ends;
 mod facing;
 mod loops;
 mod planes;
@@ -28,7 +26,7 @@ mod planes;
 pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
 pub use contour::{CapMode, Contour, extract_caps, extract_contour};
-pub use edges::{extract_edge_vertices, extract_edges};
+pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use loops::{LoopError, Loops, link_loops};
 pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};

@@ -2,7 +2,6 @@
 
 use glam::{DVec3, Vec3, Vec4};
 
-use super::ends::KeptEnds;
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
 
@@ -22,8 +21,6 @@ pub struct FacingPlanes {
     pub(super) blocks: Vec<PlaneBlock>,
     /// One a cluster, or none at all.
     pub(super) bounds: Vec<ClusterBounds>,
-    /// Of the mesh's edges, or of none.
-    pub(super) ends: KeptEnds,
     non_finite_triangles: usize,
 }
 
@@ -58,7 +55,7 @@ const EMPTY_BLOCK: PlaneBlock = PlaneBlock {
     offset: [0.0; CLUSTER_TRIANGLES],
 };
 
-/// Computes planes, cluster bounds and what else pays for a mesh that keeps its pose.
+/// Computes planes, and the cluster bounds that pay for a mesh that keeps its pose.
 ///
 /// `positions` are those that the mesh was built from or a pose of them. With fewer than
 /// [`EdgeMesh::vertex_count`], or if a triangle has a corner that is NaN or infinite
@@ -73,7 +70,6 @@ pub fn compute_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPl
             .bounds
             .push(ClusterBounds::of(mesh, cluster, positions, block));
     }
-    planes.ends.gather(mesh, positions);
 }
 
 /// As [`compute_planes`], but without what speeds up each light: [`classify`](super::classify) then looks at every
@@ -84,7 +80,6 @@ pub fn compute_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPl
 /// broken in the picture as well.
 pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
     planes.bounds.clear();
-    planes.ends.clear();
     planes.non_finite_triangles = 0;
     if positions.len() < mesh.vertex_count() {
         planes.blocks.clear();
@@ -144,9 +139,9 @@ impl FacingPlanes {
         self.non_finite_triangles
     }
 
-    /// Memory for each triangle of `mesh`, with its share of bounds and of kept edges.
+    /// Memory for each triangle of `mesh`, with its share of bounds.
     pub fn bytes_per_triangle(&self, mesh: &EdgeMesh) -> f64 {
-        let bytes = size_of_val(&self.blocks[..]) + size_of_val(&self.bounds[..]) + self.ends.byte_count();
+        let bytes = size_of_val(&self.blocks[..]) + size_of_val(&self.bounds[..]);
         bytes as f64 / mesh.triangle_count().max(1) as f64
     }
 

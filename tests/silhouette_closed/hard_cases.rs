@@ -67,7 +67,7 @@ fn only_what_is_wound_outward_is_closed() {
         let room = turned(sphere);
         assert_eq!(room.build().closed_triangle_count(), 0, "{scale} {offset}");
         // All edges are regular even so.
-        assert_eq!(room.build().regular_vertices().len(), 480);
+        assert_eq!(room.build().regular_count(), 480);
         assert_holds(&room, Vec4::new(0.1, 0.2, -0.1, 1.0));
     }
     // Cards with a front and a back, the corners of one in another order: the terms of the volume differ by rounding.
@@ -124,7 +124,7 @@ fn pose_that_is_not_finite_casts_nothing() {
                     classify(&mesh, &planes, light, &mut bits);
                     for mode in MODES {
                         let mut contour = Contour::default();
-                        extract_contour(&mesh, &pose, &planes, &bits, mode, &mut contour);
+                        extract_contour(&mesh, &bits, mode, &mut contour);
                         assert_eq!(contour, Contour::default());
                     }
                 }
@@ -137,15 +137,8 @@ fn pose_that_is_not_finite_casts_nothing() {
             assert_eq!(planes.non_finite_triangles(), 0, "{scale}");
             classify(&mesh, &planes, light, &mut bits);
             let mut contour = Contour::default();
-            extract_contour(&mesh, &pose, &planes, &bits, MODES[0], &mut contour);
+            extract_contour(&mesh, &bits, MODES[0], &mut contour);
             assert!(!contour.caps.is_empty());
-            assert!(
-                contour
-                    .edges
-                    .as_flattened()
-                    .iter()
-                    .all(|position| position.is_finite())
-            );
         }
     }
 }

@@ -32,7 +32,8 @@ pub fn volume(contour: &Contour, positions: &[Vec3]) -> Vec<Vec<Corner>> {
         is_far: true,
     };
     let mut polygons = Vec::new();
-    for &[a, b] in &contour.edges {
+    for edge in contour.all_edges() {
+        let [a, b] = edge.map(|i| positions[i as usize]);
         polygons.push(vec![near(b), near(a), far(a), far(b)]);
     }
     assert_eq!(contour.caps.len() % 3, 0);

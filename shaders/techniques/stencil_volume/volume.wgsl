@@ -2,7 +2,7 @@
 // Stencil only; the fragment stage is for the debug view.
 // Host    src/techniques/stencil_volume/node.rs
 // Twin    techniques::stencil_volume::extrude, held equal by tests/cpu_gpu_parity.rs
-// Groups  0 view, 2 casters
+// Groups  0 view, 2 casters, 3 positions of the caster's mesh
 // Spaces  in: local (position and light); out: clip
 #import antumbra::view::clip_position
 #import antumbra::view::objects
@@ -12,12 +12,18 @@ struct Caster {                     // mirror: render::gpu_types::Caster
     object: u32,
     extrusion: f32,                 // factor on the distance from the light; 0: to infinity
     corners_per_edge: u32,          // 6: a quad; 3: all far corners coincide (directional light)
-    padding: u32,
+    first_edge: u32,
+    single_count: u32,              // the edges after these count twice
+    padding_a: u32,
+    padding_b: u32,
+    padding_c: u32,
 }
 
 @group(2) @binding(0) var<storage, read> casters: array<Caster>;
-// Six floats an edge: its two ends, local space, directed as the near cap walks it.
-@group(2) @binding(1) var<storage, read> edges: array<f32>;
+// The vertices of an edge, directed as the near cap walks it.
+@group(2) @binding(1) var<storage, read> edges: array<vec2u>;
+// Three floats a vertex, local space.
+@group(3) @binding(0) var<storage, read> positions: array<f32>;
 
 // Colour of the debug view; alpha 0 in the stencil passes, which have no colour target.
 override DEBUG_FRONT: u32 = 0u;
@@ -39,20 +45,26 @@ fn far_position(caster: Caster, position_local: vec3f) -> vec4f {
     return objects[caster.object].clip_from_local * vec4f(from_light, 0.0);
 }
 
-fn edge_end(edge: u32, end: u32) -> vec3f {
-    let first = edge * 6u + end * 3u;
-    return vec3f(edges[first], edges[first + 1u], edges[first + 2u]);
+fn position_of(vertex: u32) -> vec3f {
+    let first = vertex * 3u;
+    return vec3f(positions[first], positions[first + 1u], positions[first + 2u]);
 }
 
-// Vertices of edge e stand at 6 e … (quads) or 3 e … (triangles). Quad: b a a∞, b a∞ b∞; all wind outward.
+// The edge that side `side` of a caster stands on: single edges have one side, double ones two in one place.
+fn edge_of(caster: Caster, side: u32) -> vec2u {
+    let of_double = caster.single_count + (side - caster.single_count) / 2u;
+    return edges[caster.first_edge + select(side, of_double, side >= caster.single_count)];
+}
+
+// Vertices of side s stand at 6 s … (quads) or 3 s … (triangles). Quad: b a a∞, b a∞ b∞; all wind outward.
 @vertex
 fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     let caster = casters[instance];
-    let edge = vertex / caster.corners_per_edge;
+    let edge = edge_of(caster, vertex / caster.corners_per_edge);
     let corner = vertex % caster.corners_per_edge;
     let is_far = corner == 2u || corner >= 4u;
-    let end = select(0u, 1u, corner == 0u || corner == 3u || corner == 5u);
-    let position_local = edge_end(edge, end);
+    let is_end = corner == 0u || corner == 3u || corner == 5u;
+    let position_local = position_of(select(edge.x, edge.y, is_end));
     if is_far {
         return Corner(far_position(caster, position_local));
     }

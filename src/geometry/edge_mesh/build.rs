@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, Seam};
+use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};
 use super::order::{Item, cluster_order};
 use super::pieces::closed_triangles;
 use super::{EdgeMeshError, weld::weld};
@@ -86,8 +86,12 @@ impl EdgeMesh {
                 self.clusters.push(Cluster {
                     first_triangle: self.corners.len() as u32,
                     triangle_count: cluster.len() as u32,
-                    first_edge: 0,
-                    edge_count: 0,
+                    first_inner: 0,
+                    inner_count: 0,
+                    first_seam: 0,
+                    seam_count: 0,
+                    first_seam_cluster: 0,
+                    seam_cluster_count: 0,
                     first_boundary: 0,
                     boundary_count: 0,
                 });
@@ -146,37 +150,43 @@ impl EdgeMesh {
     }
 
     fn place_regular_edges(&mut self, mut regular: Vec<(u32, u32, [u32; 2])>) {
-        let cluster_of = |slot: u32| slot / CLUSTER_TRIANGLES as u32;
-        // Inside of clusters first; then by cluster pair.
-        regular.sort_unstable_by_key(|&(a, b, vertices)| {
-            let (cluster_a, cluster_b) = (cluster_of(a), cluster_of(b));
-            (cluster_a != cluster_b, cluster_a, cluster_b, a, b, vertices)
-        });
-        for (edge, (slot_a, slot_b, vertices)) in (0u32..).zip(regular) {
-            let clusters = [cluster_of(slot_a), cluster_of(slot_b)];
-            self.regular_vertices.push(vertices);
-            self.regular_lanes
-                .push([slot_a, slot_b].map(|slot| (slot % CLUSTER_TRIANGLES as u32) as u8));
-            if clusters[0] == clusters[1] {
-                let cluster = &mut self.clusters[clusters[0] as usize];
-                if cluster.edge_count == 0 {
-                    cluster.first_edge = edge;
+        // By the cluster of the lower slot; inner edges and seams part below.
+        regular.sort_unstable();
+        for by_cluster in regular.chunk_by(|a, b| cluster_of(a.0) == cluster_of(b.0)) {
+            let first = cluster_of(by_cluster[0].0);
+            let cluster = &mut self.clusters[first];
+            let corners = &self.corners[cluster.triangles()];
+            cluster.first_inner = self.inner_edges.len() as u32;
+            cluster.first_seam = self.seam_sides.len() as u32;
+            cluster.first_seam_cluster = self.seam_clusters.len() as u32;
+            for &(slot_a, slot_b, vertices) in by_cluster {
+                let lane = slot_a % CLUSTER_TRIANGLES as u32;
+                let start = corners[lane as usize].iter().position(|&v| v == vertices[0]);
+                let side = LaneSide::new(lane, start.unwrap_or(0) as u32); // it is an edge of this triangle
+                if cluster_of(slot_b) == first {
+                    let other_lane = (slot_b % CLUSTER_TRIANGLES as u32) as u8;
+                    self.inner_edges.push(InnerEdge { side, other_lane });
+                } else {
+                    self.seam_sides.push(side);
+                    self.seam_slots.push(slot_b);
                 }
-                cluster.edge_count += 1;
-            } else if let Some(seam) = self.seams.last_mut().filter(|seam| seam.clusters == clusters) {
-                seam.edge_count += 1;
-            } else {
-                self.seams.push(Seam {
-                    clusters,
-                    first_edge: edge,
-                    edge_count: 1,
-                });
             }
+            cluster.inner_count = self.inner_edges.len() as u32 - cluster.first_inner;
+            cluster.seam_count = self.seam_sides.len() as u32 - cluster.first_seam;
+            let mut others: Vec<u32> = self.seam_slots[cluster.first_seam as usize..]
+                .iter()
+                .map(|&slot| cluster_of(slot) as u32)
+                .collect();
+            others.sort_unstable();
+            others.dedup();
+            cluster.seam_cluster_count = others.len() as u32;
+            self.seam_clusters.extend(others);
         }
-        // An edge joins triangles into one piece, so both clusters of a seam are of one kind.
-        let closed = self.closed_cluster_count as u32;
-        self.closed_seam_count = self.seams.partition_point(|seam| seam.clusters[0] < closed);
     }
+}
+
+fn cluster_of(slot: u32) -> usize {
+    slot as usize / CLUSTER_TRIANGLES
 }
 
 fn validate(input: &EdgeMeshInput<'_>) -> Result<(), EdgeMeshError> {

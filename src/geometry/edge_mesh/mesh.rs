@@ -20,10 +20,10 @@ pub struct EdgeMesh {
     pub(super) corners: Vec<[u32; 3]>,
     pub(super) clusters: Vec<Cluster>,
     pub(super) closed_cluster_count: usize,
-    pub(super) regular_vertices: Vec<[u32; 2]>,
-    pub(super) regular_lanes: Vec<[u8; 2]>,
-    pub(super) seams: Vec<Seam>,
-    pub(super) closed_seam_count: usize,
+    pub(super) inner_edges: Vec<InnerEdge>,
+    pub(super) seam_sides: Vec<LaneSide>,
+    pub(super) seam_slots: Vec<u32>,
+    pub(super) seam_clusters: Vec<u32>,
     pub(super) boundary_vertices: Vec<[u32; 2]>,
     pub(super) boundary_slots: Vec<u32>,
     pub(super) irregular_vertices: Vec<[u32; 2]>,
@@ -39,26 +39,64 @@ pub struct Cluster {
     pub first_triangle: u32,
     /// 1..=64; short only at the end of the closed and of the open clusters.
     pub triangle_count: u32,
-    /// First of the regular edges between two triangles of this cluster.
-    pub first_edge: u32,
+    /// First entry of [`EdgeMesh::inner_edges`]: regular ones between two triangles of this cluster.
+    pub first_inner: u32,
     /// Their number.
-    pub edge_count: u32,
+    pub inner_count: u32,
+    /// First entry of [`EdgeMesh::seam_sides`] and [`EdgeMesh::seam_slots`]: regular edges between this cluster and a
+    /// later one.
+    pub first_seam: u32,
+    /// Their number.
+    pub seam_count: u32,
+    /// First of the later clusters that seams lead to, in [`EdgeMesh::seam_clusters`].
+    pub first_seam_cluster: u32,
+    /// Their number.
+    pub seam_cluster_count: u32,
     /// First of the boundary edges of this cluster's triangles.
     pub first_boundary: u32,
     /// Their number; 0 in closed pieces.
     pub boundary_count: u32,
 }
 
-/// The regular edges between two clusters.
+/// A triangle's side, within its cluster: the place of the triangle, and which of its corners the side starts from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct LaneSide(u8);
+
+/// A regular edge between two triangles of one cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Seam {
-    /// The clusters, ascending; the first and second lane of an edge belong to the first and second of them.
-    pub clusters: [u32; 2],
-    /// First of the edges.
-    pub first_edge: u32,
-    /// Their number.
-    pub edge_count: u32,
+pub struct InnerEdge {
+    /// The edge as the triangle of the lower slot traverses it.
+    pub side: LaneSide,
+    /// Place of the other triangle.
+    pub other_lane: u8,
 }
+
+impl LaneSide {
+    pub(super) fn new(lane: u32, corner: u32) -> Self {
+        Self((lane | corner << 6) as u8)
+    }
+
+    /// Place of the triangle in its cluster.
+    #[inline]
+    pub fn lane(self) -> usize {
+        (self.0 % CLUSTER_TRIANGLES as u8).into()
+    }
+
+    /// The corner that the side starts from: 0, 1 or 2; it ends at the next.
+    #[inline]
+    pub fn corner(self) -> usize {
+        (self.0 / CLUSTER_TRIANGLES as u8).into()
+    }
+
+    /// Its vertices, among the corners of its cluster's triangles.
+    #[inline]
+    pub fn vertices(self, corners: &[[u32; 3]]) -> [u32; 2] {
+        let triangle = corners[self.lane()];
+        [triangle[self.corner()], triangle[NEXT_CORNER[self.corner()]]]
+    }
+}
+
+const NEXT_CORNER: [usize; 3] = [1, 2, 0];
 
 /// A triangle at an irregular edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -100,21 +138,24 @@ impl Cluster {
         range(self.first_triangle, self.triangle_count)
     }
 
-    /// Its own edges in [`EdgeMesh::regular_vertices`].
-    pub fn edges(&self) -> Range<usize> {
-        range(self.first_edge, self.edge_count)
+    /// Its edges in [`EdgeMesh::inner_edges`].
+    pub fn inner(&self) -> Range<usize> {
+        range(self.first_inner, self.inner_count)
+    }
+
+    /// Its edges in [`EdgeMesh::seam_sides`] and [`EdgeMesh::seam_slots`].
+    pub fn seams(&self) -> Range<usize> {
+        range(self.first_seam, self.seam_count)
+    }
+
+    /// Where they lead to, in [`EdgeMesh::seam_clusters`].
+    pub fn seam_clusters(&self) -> Range<usize> {
+        range(self.first_seam_cluster, self.seam_cluster_count)
     }
 
     /// Its triangles' edges in [`EdgeMesh::boundary_vertices`].
     pub fn boundary(&self) -> Range<usize> {
         range(self.first_boundary, self.boundary_count)
-    }
-}
-
-impl Seam {
-    /// Its edges in [`EdgeMesh::regular_vertices`].
-    pub fn edges(&self) -> Range<usize> {
-        range(self.first_edge, self.edge_count)
     }
 }
 
@@ -165,25 +206,32 @@ impl EdgeMesh {
         self.closed_cluster_count
     }
 
-    /// Seams between clusters, those of closed pieces first.
-    pub fn seams(&self) -> &[Seam] {
-        &self.seams
+    /// Regular edges, of exactly two triangles that traverse them in opposite directions, inside of clusters.
+    ///
+    /// Edges name a side of a triangle, not vertices: an eighth of the memory, and the corners are read for the caps as
+    /// well.
+    pub fn inner_edges(&self) -> &[InnerEdge] {
+        &self.inner_edges
     }
 
-    /// Number of seams of closed pieces.
-    pub fn closed_seam_count(&self) -> usize {
-        self.closed_seam_count
+    /// Regular edges between two clusters, as the triangle in the first of them traverses each.
+    pub fn seam_sides(&self) -> &[LaneSide] {
+        &self.seam_sides
     }
 
-    /// Edges of exactly two triangles that traverse them in opposite directions, as the first of the two
-    /// traverses it: each cluster's own, then each seam's.
-    pub fn regular_vertices(&self) -> &[[u32; 2]] {
-        &self.regular_vertices
+    /// The slot of the triangle in the second.
+    pub fn seam_slots(&self) -> &[u32] {
+        &self.seam_slots
     }
 
-    /// The places of their two triangles in the triangles' clusters.
-    pub fn regular_lanes(&self) -> &[[u8; 2]] {
-        &self.regular_lanes
+    /// For each cluster the later ones that it shares an edge with, ascending.
+    pub fn seam_clusters(&self) -> &[u32] {
+        &self.seam_clusters
+    }
+
+    /// Number of regular edges.
+    pub fn regular_count(&self) -> usize {
+        self.inner_edges.len() + self.seam_sides.len()
     }
 
     /// Edges of a single triangle, as that traverses them; always of open pieces.
@@ -208,16 +256,17 @@ impl EdgeMesh {
 
     /// Edges of all kinds.
     pub fn edge_count(&self) -> usize {
-        self.regular_vertices.len() + self.boundary_vertices.len() + self.irregular_vertices.len()
+        self.regular_count() + self.boundary_vertices.len() + self.irregular_vertices.len()
     }
 
     /// Memory for each triangle, without planes.
     pub fn bytes_per_triangle(&self) -> f64 {
         let bytes = size_of_val(&self.corners[..])
             + size_of_val(&self.clusters[..])
-            + size_of_val(&self.regular_vertices[..])
-            + size_of_val(&self.regular_lanes[..])
-            + size_of_val(&self.seams[..])
+            + size_of_val(&self.inner_edges[..])
+            + size_of_val(&self.seam_sides[..])
+            + size_of_val(&self.seam_slots[..])
+            + size_of_val(&self.seam_clusters[..])
             + size_of_val(&self.boundary_vertices[..])
             + size_of_val(&self.boundary_slots[..])
             + size_of_val(&self.irregular_vertices[..])

@@ -25,4 +25,4 @@ mod weld;
 
 pub use build::EdgeMeshInput;
 pub use error::EdgeMeshError;
-pub use mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, Seam};
+pub use mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};

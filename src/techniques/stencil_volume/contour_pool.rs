@@ -12,8 +12,10 @@ use crate::silhouettes::{Contour, Silhouettes};
 pub struct PooledContour {
     /// First edge.
     pub first_edge: u32,
-    /// Edges.
-    pub edge_count: u32,
+    /// Edges that count once.
+    pub single_count: u32,
+    /// Edges after them, that count twice.
+    pub double_count: u32,
     /// First index of the caps.
     pub first_cap: u32,
     /// Indices of the caps.
@@ -21,6 +23,9 @@ pub struct PooledContour {
     /// How many of them are wound towards the light.
     pub caps_away_start: u32,
 }
+
+/// Bytes of an edge: two vertices.
+const EDGE_SIZE: u64 = 8;
 
 #[derive(Default)]
 struct Slot {
@@ -84,15 +89,23 @@ impl Arena {
         }
     }
 
-    /// Writes elements to a new place; `None` if there is no room for them.
-    fn put(&mut self, context: &RenderContext, bytes: &[u8]) -> Option<Option<Allocation>> {
-        let count = (bytes.len() as u64 / self.element_size) as u32;
+    /// Writes elements to a new place, one part after the other; `None` if there is no room for them.
+    fn put<T: bytemuck::Pod>(
+        &mut self,
+        context: &RenderContext,
+        parts: [&[T]; 2],
+    ) -> Option<Option<Allocation>> {
+        let count = parts[0].len() + parts[1].len();
         if count == 0 {
             return Some(None);
         }
-        let allocation = self.allocator.allocate(count)?;
-        let offset = u64::from(allocation.offset) * self.element_size;
-        context.queue.write_buffer(&self.buffer.buffer, offset, bytes);
+        let allocation = self.allocator.allocate(u32::try_from(count).ok()?)?;
+        let mut offset = u64::from(allocation.offset) * self.element_size;
+        for part in parts.into_iter().filter(|part| !part.is_empty()) {
+            let bytes: &[u8] = bytemuck::cast_slice(part);
+            context.queue.write_buffer(&self.buffer.buffer, offset, bytes);
+            offset += bytes.len() as u64;
+        }
         Some(Some(allocation))
     }
 
@@ -122,13 +135,18 @@ impl ContourPool {
     pub fn new(context: &RenderContext) -> Self {
         Self {
             lights: Vec::new(),
-            edges: Arena::new(context, "silhouette edges", wgpu::BufferUsages::STORAGE, 24),
+            edges: Arena::new(
+                context,
+                "silhouette edges",
+                wgpu::BufferUsages::STORAGE,
+                EDGE_SIZE,
+            ),
             caps: Arena::new(context, "caps", wgpu::BufferUsages::INDEX, 4),
             uploads: 0,
         }
     }
 
-    /// Storage buffer of edges, six floats each.
+    /// Storage buffer of edges, two vertices each.
     pub fn edges(&self) -> &wgpu::Buffer {
         &self.edges.buffer.buffer
     }
@@ -169,7 +187,8 @@ impl ContourPool {
         // Out of room: place everything anew in larger buffers.
         let (mut edges, mut caps) = (0, 0);
         for silhouette in silhouettes.lights().iter().flat_map(|light| &light.slots) {
-            edges += silhouette.contour.edges.len() as u64;
+            let contour = &silhouette.contour;
+            edges += (contour.edges.len() + contour.double_edges.len()) as u64;
             caps += silhouette.contour.caps.len() as u64;
         }
         self.lights.clear();
@@ -181,7 +200,7 @@ impl ContourPool {
         }
         Err(RenderError::Limit {
             what: "silhouettes of all lights",
-            needed: edges * 24 + caps * 4,
+            needed: edges * EDGE_SIZE + caps * 4,
             limit: context.device.limits().max_storage_buffer_binding_size,
         })
     }
@@ -233,16 +252,17 @@ impl ContourPool {
                     continue;
                 }
                 let contour: &Contour = &silhouette.contour;
-                let Some(edges) = self.edges.put(context, bytemuck::cast_slice(&contour.edges)) else {
+                let Some(edges) = self.edges.put(context, [&contour.edges, &contour.double_edges]) else {
                     return false;
                 };
-                let Some(caps) = self.caps.put(context, bytemuck::cast_slice(&contour.caps)) else {
+                let Some(caps) = self.caps.put(context, [&contour.caps, &[]]) else {
                     self.edges.free(edges);
                     return false;
                 };
                 slot.place = PooledContour {
                     first_edge: edges.map_or(0, |edges| edges.offset),
-                    edge_count: contour.edges.len() as u32,
+                    single_count: contour.edges.len() as u32,
+                    double_count: contour.double_edges.len() as u32,
                     first_cap: caps.map_or(0, |caps| caps.offset),
                     cap_count: contour.caps.len() as u32,
                     caps_away_start: contour.caps_away_start as u32,

@@ -1,7 +1,7 @@
 //! Stencil pass of one light: leaves the count 0 exactly where no volume covers the visible surface.
 //!
 //! Shader  `shaders/techniques/stencil_volume/volume.wgsl`; twin [`extrude`](super::extrude)
-//! Groups  0 view, 2 casters
+//! Groups  0 view, 2 casters, 3 positions of the caster's mesh
 //! Reads   depth, the in-bounds bit.  Writes  the stencil's count only: no colour, no depth
 //! Order   after `light_begin`, before `light_accumulate` of the same light
 //!
@@ -34,7 +34,7 @@ pub const NAME: &str = "stencil_volume";
 struct Draw {
     key: Key,
     mesh: u32,
-    /// First vertex (sides) or first index (caps) in the pool.
+    /// First index of a cap in the pool; 0 for sides.
     first: u32,
     count: u32,
     caster: u32,
@@ -81,7 +81,7 @@ impl StencilVolumeNode {
                         false,
                         size_of::<gpu_types::Caster>(),
                     ),
-                    buffer_entry(1, wgpu::ShaderStages::VERTEX, STORAGE, false, 24),
+                    buffer_entry(1, wgpu::ShaderStages::VERTEX, STORAGE, false, 8),
                 ],
             });
         let casters = GrowingBuffer::new(context, "volume casters", wgpu::BufferUsages::STORAGE);
@@ -121,9 +121,13 @@ impl StencilVolumeNode {
             }
             let range = draw.first..draw.first + draw.count;
             let caster = draw.caster..draw.caster + 1;
+            let Some(mesh) = input.meshes.get(draw.mesh) else {
+                continue;
+            };
             if draw.key.part == Part::Side {
+                pass.set_bind_group(3, &mesh.positions_group, &[]);
                 pass.draw(range, caster);
-            } else if let Some(mesh) = input.meshes.get(draw.mesh) {
+            } else {
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
                 pass.draw_indexed(range, 0, caster);
             }
@@ -144,7 +148,9 @@ impl StencilVolumeNode {
             object: volume.object,
             extrusion: volume.extrusion,
             corners_per_edge,
-            padding: 0,
+            first_edge: pooled.first_edge,
+            single_count: pooled.single_count,
+            ..Default::default()
         });
         let mesh = input.table.mesh[object];
         let mut push = |part, clockwise, first, count| {
@@ -155,7 +161,7 @@ impl StencilVolumeNode {
                         depth_pass: volume.depth_pass,
                         clockwise,
                     },
-                    mesh: if part == Part::Side { 0 } else { mesh },
+                    mesh,
                     first,
                     count,
                     caster,
@@ -166,8 +172,8 @@ impl StencilVolumeNode {
             push(
                 Part::Side,
                 mirrored,
-                pooled.first_edge * corners_per_edge,
-                pooled.edge_count * corners_per_edge,
+                0,
+                (pooled.single_count + 2 * pooled.double_count) * corners_per_edge,
             );
         }
         let away = pooled.first_cap + pooled.caps_away_start;

@@ -72,7 +72,7 @@ impl VolumePipelines {
                 .device
                 .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
                     label: Some("stencil volume"),
-                    bind_group_layouts: &[Some(&layouts.view), None, Some(casters)],
+                    bind_group_layouts: &[Some(&layouts.view), None, Some(casters), Some(&layouts.positions)],
                     immediate_size: 0,
                 }),
             pipelines: Default::default(),

@@ -118,7 +118,7 @@ pub fn build_stencil_volumes(
                 let Some((slot, silhouette)) = known.of_object(object) else {
                     continue;
                 };
-                if silhouette.contour.edges.is_empty() && silhouette.contour.caps.is_empty() {
+                if silhouette.contour.edge_count() == 0 && silhouette.contour.caps.is_empty() {
                     continue;
                 }
                 // Its own surface hides the near cap only where all of the surface is drawn.
