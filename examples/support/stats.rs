@@ -36,7 +36,8 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         .sum();
     let light_batches: usize = frame.lights.iter().map(|light| light.batches.len()).sum();
     let ambient_batches = frame.ambient.len();
-    let blended_batches = frame.blended.len() + frame.blended_lights.len();
+    let front_batches: usize = frame.lights.iter().map(|light| light.front.len()).sum();
+    let blended_batches = frame.blended.len() + frame.blended_lights.len() + front_batches;
     let times = world.resource::<SetTimes>();
     let cpu: Map<String, Value> = AntumbraSystems::ALL
         .iter()

@@ -12,6 +12,14 @@ fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
 }
 
+// Writes depth alone, for the nearest of blended surfaces; where one is wholly transparent it is not there.
+@fragment
+fn depth_of_blended(in: Fragment) {
+    if base_color(in).a < 1.0 / 256.0 {
+        discard;
+    }
+}
+
 @fragment
 fn fragment(in: Fragment) -> @location(0) vec4f {
     let color = base_color(in);

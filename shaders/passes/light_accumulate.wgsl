@@ -1,11 +1,12 @@
 // What one light adds to the surfaces of its set I.
 // Host    src/render/nodes/light_accumulate.rs
-// Groups  0 view, 1 light, 2 material; `masked` also 3 mask
+// Groups  0 view, 1 light, 2 material; `masked` also 3 mask, `behind_front` 3 front depth
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
 #import antumbra::light::incidence
 #import antumbra::brdf::reflect
 #import antumbra::conventions::RADIANCE_MAX
 #import antumbra::mask::visibility
+#import antumbra::front::is_front
 
 override BLENDED: bool = false;
 
@@ -36,4 +37,14 @@ fn fragment(in: Fragment, @builtin(front_facing) front_facing: bool) -> @locatio
 fn masked(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
     let seen = visibility(in.position_clip.xy).rgb;
     return lit(in, front_facing) * vec4f(seen, 1.0);
+}
+
+// The nearest blended surface is lit where it is seen by the light, in a pass of its own.
+@fragment
+fn behind_front(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    let radiance = lit(in, front_facing);
+    if is_front(in.position_clip) {
+        discard;
+    }
+    return radiance;
 }

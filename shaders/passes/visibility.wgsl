@@ -15,6 +15,12 @@ fn fragment(in: Fragment) -> @location(0) vec4f {
     return vec4f(0.0);
 }
 
+// The front layer lies before what was there.
+@fragment
+fn lit(in: Fragment) -> @location(0) vec4f {
+    return vec4f(1.0);
+}
+
 @fragment
 fn masked(in: Fragment) -> @location(0) vec4f {
     return vec4f(visibility(in.position_clip.xy).a);

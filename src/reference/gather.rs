@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::ray_scene::{RayScene, SceneTriangle};
 use crate::scene::bounds::is_usable_transform;
 use crate::scene::{
-    AlphaMode, MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+    MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
 };
 
 /// What of an entity the judge looks at.
@@ -27,7 +27,7 @@ struct Object {
 impl RayScene {
     /// The triangles of every [`SceneMesh`] entity, posed where it has a [`PosedMesh`] that is not empty.
     ///
-    /// The camera sees those with [`SceneMaterials`], less submeshes of blended materials; those of
+    /// The camera sees those with [`SceneMaterials`], blended ones as solidly as others; those of
     /// [`ShadowCaster`]s block; those of [`ShadowReceiver`]s show shadows. Objects whose transform is not usable
     /// are left out, as the renderer does; triangles that are not finite or name a vertex that is not there are
     /// dropped and counted. Reads `GlobalTransform` as it is: propagate first.
@@ -104,7 +104,7 @@ fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>) -> Vec<Lo
     for (index, submesh) in mesh.submeshes.iter().enumerate() {
         let material = materials.0.get(index);
         let look = Look {
-            is_drawn: material.is_some_and(|material| material.alpha_mode != AlphaMode::Blend),
+            is_drawn: material.is_some(),
             is_double_sided: material.is_some_and(|material| material.double_sided),
         };
         let first = submesh.first_index as usize / 3;

@@ -20,7 +20,7 @@
 //! between them. Blocking is two-sided. The receiving triangle, and every triangle that the point touches,
 //! does not block (the rule is that of `contact`); a triangle at the light itself does not block either
 //! ([`LIGHT_END`]). A sample below the horizon of the surface is not seen. Alpha is not looked at: masked
-//! materials are seen and block whole; blended submeshes block but are not seen.
+//! and blended materials are seen and block whole.
 //!
 //! Nothing here panics; the threads that work are those of the current `rayon` pool, and no result depends on
 //! their number.

@@ -17,6 +17,8 @@ pub struct BindGroupLayouts {
     pub positions: wgpu::BindGroupLayout,
     /// Group 3 of passes that read a light's visibility mask.
     pub mask: wgpu::BindGroupLayout,
+    /// Group 3 of passes that read the depth of a frame or of its front layer.
+    pub depth: wgpu::BindGroupLayout,
     /// Group 3 of the tonemap.
     pub tonemap: wgpu::BindGroupLayout,
 }
@@ -122,6 +124,19 @@ impl BindGroupLayouts {
                 &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, 12)],
             ),
             mask: layout("mask", &[texture_entry(0, false)]),
+            depth: layout(
+                "depth",
+                &[wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility: ShaderStages::FRAGMENT,
+                    ty: wgpu::BindingType::Texture {
+                        sample_type: wgpu::TextureSampleType::Depth,
+                        view_dimension: wgpu::TextureViewDimension::D2,
+                        multisampled: false,
+                    },
+                    count: None,
+                }],
+            ),
             tonemap: layout(
                 "tonemap",
                 &[

@@ -59,7 +59,7 @@ impl Renderer {
         if self.frame.lights.iter().any(ActiveLight::has_mask)
             && let Some(masks) = &self.masks
         {
-            self.depth_copy.record(encoder, masks, &self.timings);
+            self.depth_copy.record(encoder, targets, masks, &self.timings);
         }
 
         // Light by light, so that one stencil and one mask serve all of them. Lights with stencils that follow one
@@ -82,7 +82,7 @@ impl Renderer {
                 let mut pass = begin_light_pass(encoder, targets, label, self.timings.pass(label));
                 for light in group {
                     pass.push_debug_group(&self.labels[light.light]);
-                    self.record_light(&mut pass, light);
+                    self.record_light(&mut pass, light, LightSurfaces::Opaque);
                     pass.pop_debug_group();
                 }
             }
@@ -92,7 +92,19 @@ impl Renderer {
         }
 
         // Last of the radiance: blended surfaces stand before all that was lit.
-        if !self.frame.blended.is_empty() || self.settings.debug_volumes {
+        let front = self.front.as_ref().filter(|_| self.frame.has_front_layer());
+        if let Some(front) = front {
+            nodes::front_layer::record(
+                encoder,
+                targets,
+                front,
+                &self.view_group,
+                &self.frame.batches[self.frame.blended_batches.clone()],
+                &resources,
+                &self.timings,
+            );
+        }
+        if !self.frame.blended.is_empty() {
             let writes = self.timings.pass("blended");
             let mut pass = begin_light_pass(encoder, targets, "blended", writes);
             nodes::blended::record(
@@ -102,11 +114,16 @@ impl Renderer {
                 &self.frame.blended,
                 &self.frame.batches,
                 &self.frame.blended_lights,
+                front.map(|front| &front.depth_group),
                 &resources,
             );
-            if self.settings.debug_volumes {
-                self.record_debug(&mut pass);
-            }
+        }
+        if let Some(front) = front {
+            self.record_front_lights(encoder, front, outputs);
+        }
+        if self.settings.debug_volumes {
+            let mut pass = begin_light_pass(encoder, targets, "debug", None);
+            self.record_debug(&mut pass);
         }
 
         if let Some(picture) = outputs.picture {
@@ -134,7 +151,7 @@ impl Renderer {
     }
 
     /// One light: begin its stencil, let its technique mark what it does not see, add it where it does.
-    fn record_light(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
+    fn record_light(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight, surfaces: LightSurfaces) {
         let [x, y, width, height] = light.scissor;
         pass.set_scissor_rect(x, y, width, height);
         if let Some((technique, Visibility::Stencil)) = light.shadow {
@@ -147,11 +164,50 @@ impl Renderer {
             &self.view_group,
             &self.light_group,
             light.slot,
-            SurfacePass::light(light.shadow.map(|(_, visibility)| visibility)),
+            surfaces.pass(light.shadow.map(|(_, visibility)| visibility)),
             self.mask_of(light),
-            &self.frame.batches[light.batches.clone()],
+            &self.frame.batches[surfaces.batches(light)],
             &self.surface_resources(),
         );
+    }
+
+    /// The front layer's lights, as those of opaque surfaces, with the depth of the front layer.
+    fn record_front_lights(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        front: &FrameTargets,
+        outputs: &FrameOutputs,
+    ) {
+        let lights = || self.frame.lights.iter().filter(|light| !light.front.is_empty());
+        if lights().any(ActiveLight::has_mask)
+            && let Some(masks) = &self.masks
+        {
+            self.depth_copy.record(encoder, front, masks, &self.timings);
+        }
+        for light in lights() {
+            let label = &self.labels[light.light];
+            self.resolve_mask(encoder, front, light);
+            {
+                let mut pass = begin_light_pass(encoder, front, label, self.timings.pass(label));
+                self.record_light(&mut pass, light, LightSurfaces::Front);
+            }
+            if let (Some(target), Some((_, visibility))) = (outputs.visibility.get(light.light), light.shadow)
+            {
+                nodes::visibility::record_front(
+                    encoder,
+                    target,
+                    &front.depth_stencil_view,
+                    &self.view_group,
+                    Shadow {
+                        kind: SurfacePass::visibility(visibility),
+                        mask: self.mask_of(light),
+                        scissor: light.scissor,
+                        batches: &self.frame.batches[light.front.clone()],
+                    },
+                    &self.surface_resources(),
+                );
+            }
+        }
     }
 
     /// Group 3 of passes that read the mask of a light.
@@ -236,9 +292,45 @@ impl Renderer {
                 require(SurfacePass::visibility(visibility), light.batches.clone());
             }
         }
-        for draw in &frame.blended {
-            require(SurfacePass::AmbientBlended, draw.batch..draw.batch + 1);
-            require(SurfacePass::LightBlended, draw.batch..draw.batch + 1);
+        for light in &frame.lights {
+            if let Some((_, visibility)) = light.shadow {
+                require(SurfacePass::front_light(visibility), light.front.clone());
+                require(SurfacePass::visibility(visibility), light.front.clone());
+                require(SurfacePass::VisibilityFront, light.front.clone());
+            }
+        }
+        let blended = [SurfacePass::AmbientBlended, SurfacePass::LightBlended];
+        let front = [SurfacePass::LightBehindFront, SurfacePass::FrontDepth];
+        for pass in blended
+            .into_iter()
+            .chain(front.into_iter().filter(|_| frame.has_front_layer()))
+        {
+            require(pass, frame.blended_batches.clone());
+        }
+    }
+}
+
+/// Which surfaces a light is added to.
+#[derive(Clone, Copy)]
+enum LightSurfaces {
+    /// Those of set I that write depth.
+    Opaque,
+    /// The nearest blended ones.
+    Front,
+}
+
+impl LightSurfaces {
+    fn pass(self, visibility: Option<Visibility>) -> SurfacePass {
+        match (self, visibility) {
+            (Self::Front, Some(visibility)) => SurfacePass::front_light(visibility),
+            _ => SurfacePass::light(visibility),
+        }
+    }
+
+    fn batches(self, light: &ActiveLight) -> std::ops::Range<usize> {
+        match self {
+            Self::Opaque => light.batches.clone(),
+            Self::Front => light.front.clone(),
         }
     }
 }

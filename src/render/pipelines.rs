@@ -21,10 +21,20 @@ pub enum SurfacePass {
     LightMasked,
     /// One light on a blended surface.
     LightBlended,
+    /// The same, but not on the front layer.
+    LightBehindFront,
+    /// Depth of a blended surface.
+    FrontDepth,
+    /// One light on the front layer, where the stencil says lit.
+    FrontLight,
+    /// One light times its mask on the front layer.
+    FrontLightMasked,
     /// Writes 0 where the stencil says shadowed.
     Visibility,
     /// Writes the mask.
     VisibilityMasked,
+    /// Writes 1, where the front layer hides what was there.
+    VisibilityFront,
 }
 
 impl SurfacePass {
@@ -33,6 +43,14 @@ impl SurfacePass {
         match visibility {
             Some(Visibility::Mask) => Self::LightMasked,
             Some(Visibility::Stencil) | None => Self::Light,
+        }
+    }
+
+    /// The pass that adds such a light to the front layer.
+    pub fn front_light(visibility: Visibility) -> Self {
+        match visibility {
+            Visibility::Mask => Self::FrontLightMasked,
+            Visibility::Stencil => Self::FrontLight,
         }
     }
 
@@ -45,14 +63,19 @@ impl SurfacePass {
     }
 }
 
-const PASSES: [SurfacePass; 7] = [
+const PASSES: [SurfacePass; 12] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
     SurfacePass::LightMasked,
     SurfacePass::LightBlended,
+    SurfacePass::LightBehindFront,
+    SurfacePass::FrontDepth,
+    SurfacePass::FrontLight,
+    SurfacePass::FrontLightMasked,
     SurfacePass::Visibility,
     SurfacePass::VisibilityMasked,
+    SurfacePass::VisibilityFront,
 ];
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
@@ -87,6 +110,7 @@ pub struct SurfacePipelines {
     lit_layout: wgpu::PipelineLayout,
     masked_layout: wgpu::PipelineLayout,
     masked_unlit_layout: wgpu::PipelineLayout,
+    behind_front_layout: wgpu::PipelineLayout,
     pipelines: Vec<Option<wgpu::RenderPipeline>>,
     /// Pipelines made so far; does not grow in a steady frame.
     pub created: usize,
@@ -135,6 +159,11 @@ impl SurfacePipelines {
             lit_layout: layout("lit surface", Some(&layouts.light), None),
             masked_layout: layout("masked surface", Some(&layouts.light), Some(&layouts.mask)),
             masked_unlit_layout: layout("mask of a surface", None, Some(&layouts.mask)),
+            behind_front_layout: layout(
+                "behind the front layer",
+                Some(&layouts.light),
+                Some(&layouts.depth),
+            ),
             pipelines: vec![None; PASSES.len() * VARIANT_COUNT],
             created: 0,
         })
@@ -190,7 +219,7 @@ impl SurfacePipelines {
                 GreaterEqual,
                 Default::default(),
             ),
-            SurfacePass::Light => (
+            SurfacePass::Light | SurfacePass::FrontLight => (
                 &self.light,
                 &self.lit_layout,
                 RADIANCE_FORMAT,
@@ -203,7 +232,7 @@ impl SurfacePipelines {
                     stencil_test(Equal, 0xff)
                 },
             ),
-            SurfacePass::LightMasked => (
+            SurfacePass::LightMasked | SurfacePass::FrontLightMasked => (
                 &self.light,
                 &self.masked_layout,
                 RADIANCE_FORMAT,
@@ -219,6 +248,33 @@ impl SurfacePipelines {
                 Some(adding),
                 false,
                 GreaterEqual,
+                Default::default(),
+            ),
+            SurfacePass::LightBehindFront => (
+                &self.light,
+                &self.behind_front_layout,
+                RADIANCE_FORMAT,
+                Some(adding),
+                false,
+                GreaterEqual,
+                Default::default(),
+            ),
+            SurfacePass::FrontDepth => (
+                &self.ambient,
+                &self.unlit_layout,
+                RADIANCE_FORMAT,
+                None,
+                true,
+                Greater,
+                Default::default(),
+            ),
+            SurfacePass::VisibilityFront => (
+                &self.visibility,
+                &self.unlit_layout,
+                VISIBILITY_FORMAT,
+                None,
+                false,
+                Equal,
                 Default::default(),
             ),
             SurfacePass::Visibility => (
@@ -240,14 +296,31 @@ impl SurfacePipelines {
                 Default::default(),
             ),
         };
-        let masked = matches!(pass, SurfacePass::LightMasked | SurfacePass::VisibilityMasked);
-        let fragment = if masked && !variant.unshadowed {
-            "masked"
-        } else {
-            "fragment"
+        let fragment = match pass {
+            SurfacePass::FrontDepth => "depth_of_blended",
+            SurfacePass::LightBehindFront => "behind_front",
+            SurfacePass::VisibilityFront => "lit",
+            SurfacePass::LightMasked | SurfacePass::FrontLightMasked | SurfacePass::VisibilityMasked
+                if !variant.unshadowed =>
+            {
+                "masked"
+            }
+            _ => "fragment",
         };
+        let color = Some(wgpu::ColorTargetState {
+            format,
+            blend,
+            write_mask: wgpu::ColorWrites::ALL,
+        });
         debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests above rely on the top bit");
-        let blended = matches!(pass, SurfacePass::AmbientBlended | SurfacePass::LightBlended);
+        let blended = matches!(
+            pass,
+            SurfacePass::AmbientBlended
+                | SurfacePass::LightBlended
+                | SurfacePass::LightBehindFront
+                | SurfacePass::FrontLight
+                | SurfacePass::FrontLightMasked
+        );
         let constants: &[(&str, f64)] = if blended { &[("BLENDED", 1.0)] } else { &[] };
         context
             .device
@@ -280,11 +353,11 @@ impl SurfacePipelines {
                         constants,
                         ..Default::default()
                     },
-                    targets: &[Some(wgpu::ColorTargetState {
-                        format,
-                        blend,
-                        write_mask: wgpu::ColorWrites::ALL,
-                    })],
+                    targets: if pass == SurfacePass::FrontDepth {
+                        &[]
+                    } else {
+                        std::slice::from_ref(&color)
+                    },
                 }),
                 multiview_mask: None,
                 cache: None,

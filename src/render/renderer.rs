@@ -10,7 +10,7 @@ use super::buffers::GrowingBuffer;
 use super::draw_list::{Batch, DrawListBuilder};
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
-use super::nodes::blended::BlendedDraw;
+use super::nodes::blended::{BlendedDraw, BlendedLight};
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::surfaces::SurfaceResources;
@@ -82,6 +82,9 @@ pub struct ActiveLight {
     pub depth_range: (f32, f32),
     /// Range of [`FrameData::batches`].
     pub batches: Range<usize>,
+    /// Range of [`FrameData::batches`]: blended surfaces, whose front layer it lights with its shadows. Empty without a
+    /// technique.
+    pub front: Range<usize>,
 }
 
 impl ActiveLight {
@@ -104,14 +107,23 @@ pub struct FrameData {
     pub lights: Vec<ActiveLight>,
     /// Blended surfaces, farthest first.
     pub blended: Vec<BlendedDraw>,
-    /// Slots of the lights of blended surfaces.
-    pub blended_lights: Vec<u32>,
+    /// The lights of blended surfaces.
+    pub blended_lights: Vec<BlendedLight>,
+    /// Range of `batches`: all blended surfaces.
+    pub blended_batches: Range<usize>,
     /// Bytes of the light constants.
     pub light_constants: Vec<u8>,
     /// Whether there is a view to draw.
     pub has_view: bool,
     /// For sorting blended surfaces: distance, object, item.
     pub blended_order: Vec<(u32, u32, u32)>,
+}
+
+impl FrameData {
+    /// Whether a shadowed light reaches a blended surface.
+    pub fn has_front_layer(&self) -> bool {
+        self.lights.iter().any(|light| !light.front.is_empty())
+    }
 }
 
 /// Draws frames. A resource; systems of [`systems`](super::systems) prepare it, [`Renderer::record`] draws.
@@ -139,6 +151,7 @@ pub struct Renderer {
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Vec<Box<dyn ShadowTechnique>>,
     pub(super) targets: Option<(FrameTargets, wgpu::BindGroup)>,
+    pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
     pub(super) depth_copy: DepthCopy,
     pub(super) labels: Vec<String>,
@@ -191,8 +204,9 @@ impl Renderer {
             draw_lists: DrawListBuilder::default(),
             techniques: Vec::new(),
             targets: None,
+            front: None,
             masks: None,
-            depth_copy: DepthCopy::new(&context, &shaders)?,
+            depth_copy: DepthCopy::new(&context, &shaders, &layouts)?,
             labels: Vec::new(),
             frame: FrameData::default(),
             timings: Timings::new(&context),
@@ -294,24 +308,25 @@ impl Renderer {
         {
             return Ok(());
         }
-        self.targets = FrameTargets::new(&self.context, size)?.map(|targets| {
+        self.targets = FrameTargets::new(&self.context, &self.layouts, size)?.map(|targets| {
             let bind_group = self.tonemap.bind(&self.context, &targets.radiance_view);
             (targets, bind_group)
         });
+        self.front = None;
         self.masks = None;
         Ok(())
     }
 
-    /// Makes the targets of masks if a light of the frame needs them.
-    pub(super) fn require_masks(&mut self) -> Result<(), RenderError> {
-        let needed = self.frame.lights.iter().any(ActiveLight::has_mask);
-        if let (true, None, Some((targets, _))) = (needed, &self.masks, &self.targets) {
-            self.masks = Some(MaskTargets::new(
-                &self.context,
-                &self.layouts,
-                &self.depth_copy,
-                targets,
-            )?);
+    /// Makes the targets of masks and of the front layer if a light of the frame needs them.
+    pub(super) fn require_targets(&mut self) -> Result<(), RenderError> {
+        let Some((targets, _)) = &self.targets else {
+            return Ok(());
+        };
+        if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
+            self.masks = Some(MaskTargets::new(&self.context, &self.layouts, targets)?);
+        }
+        if self.front.is_none() && self.frame.has_front_layer() {
+            self.front = Some(targets.front_layer(&self.context, &self.layouts)?);
         }
         Ok(())
     }

@@ -16,13 +16,14 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 6] = sources![
+pub const COMMON: [(&str, &str); 7] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
     "common/surface.wgsl",
     "common/brdf.wgsl",
     "common/light.wgsl",
     "common/mask.wgsl",
+    "common/front.wgsl",
 ];
 
 /// Files with entry points.

@@ -9,7 +9,7 @@ use super::bind_groups::LIGHT_STRIDE;
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
 use super::gpu_types;
 use super::lights::light_constants;
-use super::nodes::blended::BlendedDraw;
+use super::nodes::blended::{BlendedDraw, BlendedLight};
 use super::objects::NO_MESH;
 use super::renderer::{ActiveLight, FrameData, Renderer};
 use super::technique::PrepareInput;
@@ -207,6 +207,7 @@ pub fn prepare_draws(
             },
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
             batches: first..frame.batches.len(),
+            front: 0..0,
         });
     }
     collect_blended(frame, &input, &visible, &lights, current.mirrored);
@@ -214,7 +215,7 @@ pub fn prepare_draws(
         .instances
         .write(&renderer.context, bytemuck::cast_slice(&frame.instances));
     renderer.write_lights();
-    if let Err(error) = renderer.require_masks() {
+    if let Err(error) = renderer.require_targets() {
         renderer.failure.get_or_insert(error);
         renderer.frame.lights.clear();
     }
@@ -249,12 +250,16 @@ fn collect_blended(
         }
     }
     frame.blended_order.sort_unstable();
+    let first_batch = frame.batches.len();
     for &(_, object, item) in &frame.blended_order {
         let part = input.table.items_of(object as usize)[item as usize];
         let first_light = frame.blended_lights.len();
         for active in &frame.lights {
             if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
-                frame.blended_lights.push(active.slot as u32);
+                frame.blended_lights.push(BlendedLight {
+                    slot: active.slot as u32,
+                    behind_front: active.shadow.is_some(),
+                });
             }
         }
         let at = frame.instances.len() as u32;
@@ -274,5 +279,34 @@ fn collect_blended(
             submesh: part.submesh,
             instances: at..at + 1,
         });
+    }
+    frame.blended_batches = first_batch..frame.batches.len();
+    collect_front(frame, input);
+}
+
+/// Lists for each shadowed light the blended surfaces that it reaches.
+fn collect_front(frame: &mut FrameData, input: &DrawListInput) {
+    for light in &mut frame.lights {
+        let first = frame.batches.len();
+        light.front = first..first;
+        if light.shadow.is_none() {
+            continue;
+        }
+        for draw in &frame.blended {
+            let reached = &frame.blended_lights[draw.lights.clone()];
+            if reached.iter().any(|reached| reached.slot as usize == light.slot) {
+                let batch = &frame.batches[draw.batch];
+                let object = frame.instances[batch.instances.start as usize] as usize;
+                let variant = Variant {
+                    unshadowed: !input.receivers.contains(object),
+                    ..batch.variant
+                };
+                frame.batches.push(Batch {
+                    variant,
+                    ..batch.clone()
+                });
+            }
+        }
+        light.front.end = frame.batches.len();
     }
 }

@@ -5,15 +5,16 @@
 //! | radiance | `Rgba16Float` | background | ambient, light accumulate | tonemap, readback |
 //! | depth | [`RenderContext::depth_stencil_format`] | infinity | ambient | all later passes |
 //! | receiver depth | [`DEPTH_COPY_FORMAT`] | written whole | depth copy | techniques that resolve masks |
+//! | front depth and stencil | as depth | copied from depth | front layer | lights of the front layer |
 //! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques | light accumulate, visibility |
 //! | stencil | beside the depth | by each light, in its scissor | techniques | light accumulate, visibility |
 //!
-//! Receiver depth and mask exist from the first frame on that has a light with a mask.
+//! Receiver depth and mask exist from the first frame on that has a light with a mask, the front layer's from the first
+//! in which a shadowed light reaches a blended surface.
 
 use glam::UVec2;
 
 use super::bind_groups::BindGroupLayouts;
-use super::nodes::depth_copy::DepthCopy;
 use super::{RenderContext, RenderError};
 
 /// Format of the accumulated radiance.
@@ -39,6 +40,8 @@ pub struct FrameTargets {
     pub depth_stencil: wgpu::Texture,
     /// Its view.
     pub depth_stencil_view: wgpu::TextureView,
+    /// Group 3 of passes that read the depth.
+    pub depth_group: wgpu::BindGroup,
 }
 
 /// A 2D texture with one mip level that can be drawn into and read back.
@@ -72,7 +75,8 @@ pub fn create_target(
         format,
         usage: wgpu::TextureUsages::RENDER_ATTACHMENT
             | wgpu::TextureUsages::TEXTURE_BINDING
-            | wgpu::TextureUsages::COPY_SRC,
+            | wgpu::TextureUsages::COPY_SRC
+            | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     }))
 }
@@ -82,20 +86,64 @@ impl FrameTargets {
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
-    pub fn new(context: &RenderContext, size: UVec2) -> Result<Option<Self>, RenderError> {
+    pub fn new(
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        size: UVec2,
+    ) -> Result<Option<Self>, RenderError> {
         if size.min_element() == 0 {
             return Ok(None);
         }
         let radiance = create_target(context, "radiance", size, RADIANCE_FORMAT)?;
-        let depth_stencil =
-            create_target(context, "depth and stencil", size, context.depth_stencil_format())?;
-        Ok(Some(Self {
+        Self::with_radiance(context, layouts, "depth and stencil", size, radiance).map(Some)
+    }
+
+    /// The same radiance with a depth and a stencil of its own.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] beyond the device's largest texture.
+    pub fn front_layer(
+        &self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
+        Self::with_radiance(
+            context,
+            layouts,
+            "front depth and stencil",
+            self.size,
+            self.radiance.clone(),
+        )
+    }
+
+    fn with_radiance(
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        label: &'static str,
+        size: UVec2,
+        radiance: wgpu::Texture,
+    ) -> Result<Self, RenderError> {
+        let depth_stencil = create_target(context, label, size, context.depth_stencil_format())?;
+        let depth = depth_stencil.create_view(&wgpu::TextureViewDescriptor {
+            label: Some("depth"),
+            aspect: wgpu::TextureAspect::DepthOnly,
+            ..Default::default()
+        });
+        Ok(Self {
             size,
             radiance_view: radiance.create_view(&Default::default()),
             depth_stencil_view: depth_stencil.create_view(&Default::default()),
+            depth_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("depth"),
+                layout: &layouts.depth,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&depth),
+                }],
+            }),
             radiance,
             depth_stencil,
-        }))
+        })
     }
 }
 
@@ -112,8 +160,6 @@ pub struct MaskTargets {
     pub mask_view: wgpu::TextureView,
     /// Group 3 of passes that read the mask.
     pub mask_group: wgpu::BindGroup,
-    /// Group 3 of the depth copy.
-    pub(super) depth_group: wgpu::BindGroup,
 }
 
 impl MaskTargets {
@@ -124,7 +170,6 @@ impl MaskTargets {
     pub fn new(
         context: &RenderContext,
         layouts: &BindGroupLayouts,
-        depth_copy: &DepthCopy,
         targets: &FrameTargets,
     ) -> Result<Self, RenderError> {
         let receiver_depth = create_target(context, "receiver depth", targets.size, DEPTH_COPY_FORMAT)?;
@@ -140,7 +185,6 @@ impl MaskTargets {
                     resource: wgpu::BindingResource::TextureView(&mask_view),
                 }],
             }),
-            depth_group: depth_copy.bind(context, targets),
             receiver_depth,
             mask,
             mask_view,

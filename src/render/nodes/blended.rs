@@ -1,12 +1,12 @@
-//! Blended surfaces, back to front: each object over what is behind it, then its lights added, unshadowed.
+//! Blended surfaces, back to front: each object over what is behind it, then its lights added, unshadowed. Shadowed
+//! lights leave out the front layer, which gets them with their shadows afterwards: at its pixels nothing comes later.
 //!
 //! Shaders `shaders/passes/ambient.wgsl`, `shaders/passes/light_accumulate.wgsl` with `BLENDED`
-//! Groups  0 view, 1 light, 2 material
+//! Groups  0 view, 1 light, 2 material, 3 front depth
 //! Reads   depth.  Writes  radiance
-//! Order   after all lights
+//! Order   after all lights and the depth of the front layer, before the lights of the front layer
 //!
-//! A blended surface has no place in the depth buffer, so no per-light visibility can be looked up for it; and
-//! as colour and coverage of one object are written before the next, any number of lights needs no second buffer.
+//! As colour and coverage of one object are written before the next, any number of lights needs no second buffer.
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::render::bind_groups::LIGHT_STRIDE;
@@ -18,8 +18,17 @@ use crate::render::pipelines::SurfacePass;
 pub struct BlendedDraw {
     /// Index into the frame's blended batches.
     pub batch: usize,
-    /// Range of the frame's list of light slots.
+    /// Range of the frame's list of blended lights.
     pub lights: std::ops::Range<usize>,
+}
+
+/// A light that reaches a blended object.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlendedLight {
+    /// Slot of its constants.
+    pub slot: u32,
+    /// Whether the front layer is left out.
+    pub behind_front: bool,
 }
 
 /// Records the draws.
@@ -29,19 +38,28 @@ pub fn record(
     lights: &wgpu::BindGroup,
     draws: &[BlendedDraw],
     batches: &[Batch],
-    light_slots: &[u32],
+    blended_lights: &[BlendedLight],
+    front: Option<&wgpu::BindGroup>,
     resources: &SurfaceResources,
 ) {
     pass.set_bind_group(0, view, &[]);
     // Here ambient and light pipelines take turns. They share one layout, of which the ambient ones leave group 1 unread:
     // with a layout that lacks it, wgpu 29 on lavapipe 22.3 reads the last light as the next object's material.
     pass.set_bind_group(1, lights, &[0]);
+    if let Some(front) = front {
+        pass.set_bind_group(3, front, &[]);
+    }
     for draw in draws {
         let batch = &batches[draw.batch..=draw.batch];
         draw_batches(pass, SurfacePass::AmbientBlended, batch, resources);
-        for &slot in &light_slots[draw.lights.clone()] {
-            pass.set_bind_group(1, lights, &[slot * LIGHT_STRIDE as u32]);
-            draw_batches(pass, SurfacePass::LightBlended, batch, resources);
+        for light in &blended_lights[draw.lights.clone()] {
+            pass.set_bind_group(1, lights, &[light.slot * LIGHT_STRIDE as u32]);
+            let kind = if light.behind_front {
+                SurfacePass::LightBehindFront
+            } else {
+                SurfacePass::LightBlended
+            };
+            draw_batches(pass, kind, batch, resources);
         }
     }
 }

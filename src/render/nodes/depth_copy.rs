@@ -4,8 +4,9 @@
 //! Shader  `shaders/passes/depth_copy.wgsl`
 //! Groups  3 depth
 //! Reads   depth.  Writes  receiver depth
-//! Order   after `ambient`, once a frame; left out when no light of the frame has a mask
+//! Order   after `ambient`, and again after the depth of the front layer; left out when no light has a mask
 
+use crate::render::bind_groups::BindGroupLayouts;
 use crate::render::targets::{DEPTH_COPY_FORMAT, FrameTargets, MaskTargets};
 use crate::render::timings::Timings;
 use crate::render::{RenderContext, RenderError, Shaders};
@@ -14,7 +15,6 @@ use crate::render::{RenderContext, RenderError, Shaders};
 #[derive(Debug)]
 pub struct DepthCopy {
     pipeline: wgpu::RenderPipeline,
-    group_layout: wgpu::BindGroupLayout,
 }
 
 impl DepthCopy {
@@ -22,25 +22,16 @@ impl DepthCopy {
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(context: &RenderContext, shaders: &Shaders) -> Result<Self, RenderError> {
+    pub fn new(
+        context: &RenderContext,
+        shaders: &Shaders,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
         let device = &context.device;
         let module = shaders.module(device, "passes/depth_copy.wgsl")?;
-        let group_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("depth copy"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Depth,
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-                count: None,
-            }],
-        });
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("depth copy"),
-            bind_group_layouts: &[None, None, None, Some(&group_layout)],
+            bind_group_layouts: &[None, None, None, Some(&layouts.depth)],
             immediate_size: 0,
         });
         let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -68,31 +59,17 @@ impl DepthCopy {
             multiview_mask: None,
             cache: None,
         });
-        Ok(Self {
-            pipeline,
-            group_layout,
-        })
+        Ok(Self { pipeline })
     }
 
-    /// The bind group of one depth texture.
-    pub fn bind(&self, context: &RenderContext, targets: &FrameTargets) -> wgpu::BindGroup {
-        let depth = targets.depth_stencil.create_view(&wgpu::TextureViewDescriptor {
-            label: Some("depth"),
-            aspect: wgpu::TextureAspect::DepthOnly,
-            ..Default::default()
-        });
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("depth copy"),
-            layout: &self.group_layout,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&depth),
-            }],
-        })
-    }
-
-    /// Records the copy.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, masks: &MaskTargets, timings: &Timings) {
+    /// Records the copy of the depth of `targets`.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        masks: &MaskTargets,
+        timings: &Timings,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("depth copy"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -108,7 +85,7 @@ impl DepthCopy {
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(3, &masks.depth_group, &[]);
+        pass.set_bind_group(3, &targets.depth_group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

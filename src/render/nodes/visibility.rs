@@ -33,14 +33,41 @@ pub fn record(
     shadow: Option<Shadow>,
     resources: &SurfaceResources,
 ) {
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
+    let mut pass = begin(encoder, target, depth_stencil, clear);
+    if let Some(shadow) = shadow {
+        draw(&mut pass, view, &shadow, &[shadow.kind], resources);
+    }
+}
+
+/// Records the front layer of blended surfaces over what is there.
+pub fn record_front(
+    encoder: &mut wgpu::CommandEncoder,
+    target: &wgpu::TextureView,
+    depth_stencil: &wgpu::TextureView,
+    view: &wgpu::BindGroup,
+    shadow: Shadow,
+    resources: &SurfaceResources,
+) {
+    let mut pass = begin(encoder, target, depth_stencil, wgpu::LoadOp::Load);
+    let kinds = [SurfacePass::VisibilityFront, shadow.kind];
+    draw(&mut pass, view, &shadow, &kinds, resources);
+}
+
+fn begin<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    target: &wgpu::TextureView,
+    depth_stencil: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("visibility"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: target,
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                load,
                 store: wgpu::StoreOp::Store,
             },
         })],
@@ -50,10 +77,16 @@ pub fn record(
             stencil_ops: None,
         }),
         ..Default::default()
-    });
-    let Some(shadow) = shadow else {
-        return;
-    };
+    })
+}
+
+fn draw(
+    pass: &mut wgpu::RenderPass,
+    view: &wgpu::BindGroup,
+    shadow: &Shadow,
+    kinds: &[SurfacePass],
+    resources: &SurfaceResources,
+) {
     let [x, y, width, height] = shadow.scissor;
     pass.set_scissor_rect(x, y, width, height);
     pass.set_stencil_reference(STENCIL_IN_BOUNDS);
@@ -61,5 +94,7 @@ pub fn record(
     if let Some(mask) = shadow.mask {
         pass.set_bind_group(3, mask, &[]);
     }
-    draw_batches(&mut pass, shadow.kind, shadow.batches, resources);
+    for &kind in kinds {
+        draw_batches(pass, kind, shadow.batches, resources);
+    }
 }

@@ -1,0 +1,52 @@
+//! The depth of the nearest surfaces, blended ones included, so that the nearest blended surface of each pixel receives
+//! shadows.
+//!
+//! Shader  `shaders/passes/ambient.wgsl`, `depth_of_blended`
+//! Groups  0 view, 2 material
+//! Reads   depth.  Writes  front depth
+//! Order   after all lights of opaque surfaces; left out when no shadowed light reaches a blended surface
+//!
+//! A technique finds what a light sees of one surface a pixel: the one in the depth buffer. So blended surfaces get a
+//! depth buffer of their own, and each light that reaches them marks or resolves again, for that. Farther blended
+//! surfaces are lit without shadows.
+
+use super::surfaces::{SurfaceResources, draw_batches};
+use crate::render::draw_list::Batch;
+use crate::render::pipelines::SurfacePass;
+use crate::render::targets::FrameTargets;
+use crate::render::timings::Timings;
+
+/// Records the copy of the depth and the draws of the blended batches over it.
+pub fn record(
+    encoder: &mut wgpu::CommandEncoder,
+    targets: &FrameTargets,
+    front: &FrameTargets,
+    view: &wgpu::BindGroup,
+    batches: &[Batch],
+    resources: &SurfaceResources,
+    timings: &Timings,
+) {
+    encoder.copy_texture_to_texture(
+        targets.depth_stencil.as_image_copy(),
+        front.depth_stencil.as_image_copy(),
+        targets.depth_stencil.size(),
+    );
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("front layer"),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: &front.depth_stencil_view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Load,
+                store: wgpu::StoreOp::Store,
+            }),
+        }),
+        timestamp_writes: timings.pass("front layer"),
+        ..Default::default()
+    });
+    pass.set_bind_group(0, view, &[]);
+    draw_batches(&mut pass, SurfacePass::FrontDepth, batches, resources);
+}
