@@ -1,0 +1,27 @@
+//! Work on disjoint pieces, on all threads if there are any.
+
+use bevy_tasks::ComputeTaskPool;
+
+/// Whether work is worth being handed to other threads at all: there is a [`ComputeTaskPool`], which the app makes
+/// (`TaskPoolPlugin` in Bevy), and it has threads beside the caller's.
+pub(crate) fn has_threads() -> bool {
+    ComputeTaskPool::try_get().is_some_and(|pool| pool.thread_num() > 0)
+}
+
+/// Calls `work` for every piece: on the threads of the [`ComputeTaskPool`] if `parallel` and there are any, else here and
+/// in order. Pieces must not share what they write, so the outcome is the same either way.
+///
+/// A task costs about a microsecond, and so does a sleeping thread's waking some ten; pieces should take longer.
+pub(crate) fn for_each<T: Send>(pieces: impl Iterator<Item = T>, parallel: bool, work: impl Fn(T) + Sync) {
+    let pool = ComputeTaskPool::try_get().filter(|pool| parallel && pool.thread_num() > 0);
+    let Some(pool) = pool else {
+        pieces.for_each(work);
+        return;
+    };
+    let work = &work;
+    pool.scope(|scope| {
+        for piece in pieces {
+            scope.spawn(async move { work(piece) });
+        }
+    });
+}
