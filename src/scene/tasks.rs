@@ -2,14 +2,8 @@
 
 use bevy_tasks::ComputeTaskPool;
 
-/// Whether work is worth being handed to other threads at all: there is a [`ComputeTaskPool`], which the app makes
-/// (`TaskPoolPlugin` in Bevy), and it has threads beside the caller's.
-pub(crate) fn has_threads() -> bool {
-    ComputeTaskPool::try_get().is_some_and(|pool| pool.thread_num() > 0)
-}
-
-/// Calls `work` for every piece: on the threads of the [`ComputeTaskPool`] if `parallel` and there are any, else here and
-/// in order. Pieces must not share what they write, so the outcome is the same either way.
+/// Calls `work` for every piece: on the threads of the [`ComputeTaskPool`] if `parallel` and the app made one
+/// (`TaskPoolPlugin` does), else here and in order. Pieces must not share what they write, so the outcome is the same either way.
 ///
 /// A task costs about a microsecond, and so does a sleeping thread's waking some ten; pieces should take longer.
 pub(crate) fn for_each<T: Send>(pieces: impl Iterator<Item = T>, parallel: bool, work: impl Fn(T) + Sync) {

@@ -17,8 +17,8 @@ type Item = (Vec4, u32);
 /// there are no more than 64. Empty boxes come last.
 ///
 /// Items are split where they are widest: by centre along x, y or z, or by size. What is much larger than its
-/// neighbours (a floor under crates) goes with its like, and does not blow up the boxes of all. O(n log n), and the
-/// outcome follows from the list alone.
+/// neighbours (a floor under crates) goes with its like, and does not blow up the boxes of all: sizes are parted in the
+/// middle of their range, places at their median. O(n log n), and the outcome follows from the list alone.
 ///
 /// Source: Bentley 1975, "Multidimensional binary search trees used for associative searching"; the fourth axis is ours.
 pub(super) fn spatial_order(boxes: impl Iterator<Item = Aabb>) -> Vec<u32> {
@@ -50,32 +50,46 @@ fn split(items: &mut [Item]) {
     }
 }
 
-/// Splits at a whole word, and at a whole block of words if there is more than one.
+/// Splits at a whole word, and at a whole block of words where they are split by place.
 fn halve(items: &mut [Item]) -> [&mut [Item]; 2] {
-    let words = items.len().div_ceil(WORD);
-    if words < 2 {
-        return [items, &mut []];
+    let (mut min, mut max) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
+    for (place, _) in items.iter() {
+        min = min.min(*place);
+        max = max.max(*place);
     }
+    let widths = max - min;
+    let mut axis = widths.max_position();
+    let mut middle = middle(items.len());
+    if axis == SIZE {
+        let large = (min[SIZE] + max[SIZE]) * 0.5;
+        let small = items.iter().filter(|item| item.0[SIZE] < large).count();
+        middle = small / WORD * WORD;
+    }
+    if middle == 0 {
+        axis = widths.truncate().max_position();
+        middle = self::middle(items.len());
+    }
+    if middle < items.len() {
+        let by_place = |a: &Item, b: &Item| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1));
+        items.select_nth_unstable_by(middle, by_place);
+    }
+    let (left, right) = items.split_at_mut(middle);
+    [left, right]
+}
+
+/// Axis of an item's place that is its size.
+const SIZE: usize = 3;
+
+/// Where the first half ends.
+fn middle(len: usize) -> usize {
+    let words = len.div_ceil(WORD);
     let half = words.div_ceil(2);
     let half = if words > WORD {
         half.next_multiple_of(WORD)
     } else {
         half
     };
-    let middle = half * WORD;
-    if middle >= items.len() {
-        return [items, &mut []];
-    }
-    let (mut min, mut max) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
-    for (place, _) in items.iter() {
-        min = min.min(*place);
-        max = max.max(*place);
-    }
-    let axis = (max - min).max_position();
-    let by_place = |a: &Item, b: &Item| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1));
-    items.select_nth_unstable_by(middle, by_place);
-    let (left, right) = items.split_at_mut(middle);
-    [left, right]
+    (half * WORD).min(len)
 }
 
 #[cfg(test)]
@@ -129,8 +143,8 @@ mod tests {
         };
         let mut sizes: Vec<f32> = order.chunks(WORD).map(size).collect();
         sizes.sort_unstable_by(f32::total_cmp);
-        // 62 words of small objects fill a cube of 100 m: a quarter of a side each, halved, if they were cubes.
-        assert!(sizes[61] < 30.0, "{sizes:?}");
+        // 62 words of small objects fill a cube of 100 m: a quarter of a side each, half of it if split evenly.
+        assert!(sizes[61] < 30.0 && sizes[62] > 60.0, "{sizes:?}");
     }
 
     #[test]
