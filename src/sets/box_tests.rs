@@ -71,6 +71,15 @@ impl Boxes {
         })
     }
 
+    /// Bits of the boxes of a word, among `candidates`, that are not wholly in the ball.
+    pub fn leaving_sphere(&self, word: usize, candidates: usize, ball: &Sphere) -> usize {
+        let center = splat(ball.center);
+        let radius_sq = f32x8::splat(ball.radius * ball.radius);
+        self.test(word, candidates, |group| {
+            !farthest_sq(group, &center).simd_le(radius_sq).to_bitmask()
+        })
+    }
+
     /// Which clusters share a point with the ball, and which have no point outside.
     pub fn clusters_touching_sphere(&self, word: usize, candidates: usize, ball: &Sphere) -> Touch {
         let center = splat(ball.center);

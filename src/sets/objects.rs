@@ -1,5 +1,6 @@
 //! The dense object index: which entity has which index, where it is, and what it takes part in.
 
+use bevy_ecs::entity::EntityGeneration;
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
@@ -47,8 +48,8 @@ pub struct Objects {
     pub flags_generation: u64,
     /// Objects with empty bounds.
     pub left_out: usize,
-    /// Index of each entity, by the entity's own index; `u32::MAX` for none. An array, since entity indices are dense.
-    index_of: Vec<u32>,
+    /// Index of each entity, by the entity's own index. An array, since entity indices are dense.
+    slots: Vec<Slot>,
     /// Layers that all objects are on; all if there are no objects.
     pub(super) common_layers: u32,
     /// World bounds as the entities have them.
@@ -58,6 +59,21 @@ pub struct Objects {
     pub(super) decay: Decay,
     /// Of the last frame.
     pub(super) counts: Option<Counts>,
+}
+
+/// Which entity of an entity index is an object. The generation is kept here, so that a walk over entities in their own
+/// order does not jump about in `entities`: that cost half of what moving objects did.
+#[derive(Clone, Copy, Debug)]
+struct Slot {
+    generation: EntityGeneration,
+    index: u32,
+}
+
+impl Slot {
+    const NONE: Self = Self {
+        generation: EntityGeneration::FIRST,
+        index: u32::MAX,
+    };
 }
 
 /// All that a rebuild takes from one entity.
@@ -159,9 +175,9 @@ impl Objects {
 
     /// The index of an entity; `None` if it is no object.
     pub fn index_of(&self, entity: Entity) -> Option<usize> {
-        let &index = self.index_of.get(entity.index_u32() as usize)?;
-        let index = index as usize;
-        (self.entities.get(index) == Some(&entity)).then_some(index)
+        let slot = self.slots.get(entity.index_u32() as usize)?;
+        let held = slot.index != u32::MAX && slot.generation == entity.generation();
+        held.then_some(slot.index as usize)
     }
 
     /// Whether anything moved in this frame.
@@ -200,8 +216,8 @@ impl Objects {
         if same_layout {
             order = vec![0; len];
             for (row, at) in self.rows.iter().zip(0..) {
-                let index = self.index_of[row.entity.index_u32() as usize];
-                order[index as usize] = at;
+                let slot = self.slots[row.entity.index_u32() as usize];
+                order[slot.index as usize] = at;
             }
         } else {
             order = spatial_order(self.rows.iter().map(|row| row.aabb));
@@ -209,13 +225,16 @@ impl Objects {
             self.entities.clear();
             let entities = order.iter().map(|&at| self.rows[at as usize].entity);
             self.entities.extend(entities);
-            self.index_of.fill(u32::MAX);
-            for (index, entity) in self.entities.iter().enumerate() {
+            self.slots.fill(Slot::NONE);
+            for (entity, index) in self.entities.iter().zip(0..) {
                 let slot = entity.index_u32() as usize;
-                if self.index_of.len() <= slot {
-                    self.index_of.resize(slot + 1, u32::MAX);
+                if self.slots.len() <= slot {
+                    self.slots.resize(slot + 1, Slot::NONE);
                 }
-                self.index_of[slot] = index as u32;
+                self.slots[slot] = Slot {
+                    generation: entity.generation(),
+                    index,
+                };
             }
             self.boxes.reset(len);
             self.clusters.reset(len);

@@ -1,22 +1,28 @@
 //! Set S of each light: casters whose shadow can reach what the light lights in view.
 
 use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
 use smallvec::SmallVec;
 
+use super::boxes::WORD;
+use super::clusters::for_bits;
 use super::frustum::FrustumSet;
 use super::illumination::selected;
+use super::light_volume::LightVolume;
 use super::lights::{FrameLight, FrameLights};
 use super::objects::Objects;
 use super::reach::each_light;
 use super::view::{View, ViewData};
 use super::work::SetWork;
-use crate::geometry::{LightHull, Plane, PlaneSet};
+use crate::geometry::{LightHull, Plane, PlaneSet, Sphere};
+use crate::scene::LocalBounds;
 
 /// Computes S of every light that needs it.
 ///
 /// Candidates are the casters of L that cast for this light. If all of the light is inside the frustum, those in F stay;
 /// else those that touch the convex hull of light and frustum. Of these, only those stay that touch the convex hull of
-/// light and the bounds of I's receivers within the light's volume. Without receivers S is empty.
+/// light and the bounds of I's receivers within the light's volume. Without receivers S is empty. Casters whose world
+/// bounds touch a point light's ball, but whose local bounds, as they stand in the world, do not, are left out.
 ///
 /// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
 /// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light. Cost: the
@@ -28,6 +34,7 @@ pub fn collect_shadow_sets(
     objects: Res<Objects>,
     view: Res<View>,
     frustum_set: Res<FrustumSet>,
+    placed: Query<Placed>,
 ) {
     let lights = &mut frame.lights;
     let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
@@ -39,7 +46,7 @@ pub fn collect_shadow_sets(
         match &view.data {
             Some(view) if light.scissor.is_some() => {
                 light.work.shadows += 1;
-                collect(light, &objects, view, &frustum_set);
+                collect(light, &objects, view, &frustum_set, &placed);
             }
             _ => clear(light),
         }
@@ -51,7 +58,16 @@ fn clear(light: &mut FrameLight) {
     light.touched.ones().for_each(|word| s[word] = 0);
 }
 
-fn collect(light: &mut FrameLight, objects: &Objects, view: &ViewData, frustum_set: &FrustumSet) {
+/// Where the local bounds of a caster are.
+type Placed = (&'static LocalBounds, &'static GlobalTransform);
+
+fn collect(
+    light: &mut FrameLight,
+    objects: &Objects,
+    view: &ViewData,
+    frustum_set: &FrustumSet,
+    placed: &Query<Placed>,
+) {
     light.hull = LightHull::of_frustum(&view.frustum, &light.emitter);
     light.inside_frustum = light.hull.inside;
     if light.receiver_bounds.is_empty() {
@@ -83,8 +99,29 @@ fn collect(light: &mut FrameLight, objects: &Objects, view: &ViewData, frustum_s
                 true => objects.boxes.touching_planes(word, s, &cutting),
             };
         }
-        words[word] = selected(objects, word, s, light.selection.casts_for);
+        s = selected(objects, word, s, light.selection.casts_for);
+        if let (LightVolume::Ball(ball), true) = (light.volume, s != 0) {
+            s &= !beyond(&ball, objects, word, s, placed);
+        }
+        words[word] = s;
     }
+}
+
+/// Bits of the casters of a word that the ball excludes as they stand; only the border of its range is looked at.
+fn beyond(ball: &Sphere, objects: &Objects, word: usize, s: usize, placed: &Query<Placed>) -> usize {
+    let mut beyond = 0;
+    let cluster = 1 << (word % WORD);
+    if objects.clusters.words.leaving_sphere(word / WORD, cluster, ball) == 0 {
+        return 0;
+    }
+    for_bits(objects.boxes.leaving_sphere(word, s, ball), |bit| {
+        if let Ok((local, transform)) = placed.get(objects.entities[word * WORD + bit])
+            && ball.excludes_oriented(&local.0, &transform.affine())
+        {
+            beyond |= 1 << bit;
+        }
+    });
+    beyond
 }
 
 /// Collects the planes that leave a part of the word's cluster outside; `false` if one leaves all of it outside.
