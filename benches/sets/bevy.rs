@@ -170,7 +170,12 @@ fn app(objects: usize, lights: usize, range: f32) -> App {
         scale_factor: 1.0,
     });
     let place = Transform::from_translation(field::EYE).looking_at(Vec3::ZERO, Vec3::Y);
-    world.spawn((Camera3d::default(), camera, Projection::Perspective(projection), place));
+    world.spawn((
+        Camera3d::default(),
+        camera,
+        Projection::Perspective(projection),
+        place,
+    ));
     for _ in 0..3 {
         app.update();
     }
@@ -200,15 +205,26 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
         drawn: 0,
         cast: 0,
     };
-    for light in frame.lights.iter().filter(|light| visible.contains(&light.entity)) {
+    for light in frame
+        .lights
+        .iter()
+        .filter(|light| visible.contains(&light.entity))
+    {
         let LightVolume::Ball(ball) = light.volume else {
             return Err(format!("{} has a range, and no ball", light.entity));
         };
         let map = maps.get(world, light.entity).map_err(|error| error.to_string())?;
         let in_map: HashSet<Entity> = map.iter().flat_map(|face| &face.entities).copied().collect();
-        let place = |entity| places.get_manual(world, entity).copied().map_err(|error| error.to_string());
+        let place = |entity| {
+            places
+                .get_manual(world, entity)
+                .copied()
+                .map_err(|error| error.to_string())
+        };
         for &entity in &in_map {
-            let reached = objects.index_of(entity).is_some_and(|object| light.l.contains(object));
+            let reached = objects
+                .index_of(entity)
+                .is_some_and(|object| light.l.contains(object));
             if !reached && gap_of_box(&place(entity)?, ball.center) < f64::from(ball.radius) {
                 return Err(format!("{entity} is in range of {} and not in L", light.entity));
             }
@@ -217,7 +233,10 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
             // At the very border both may round either way; ours in favour of the object, at 200 m by some 0.3 mm.
             let beyond = gap_of_oriented_box(&place(entity)?, ball.center) - f64::from(ball.radius);
             if !in_map.contains(&entity) && beyond.abs() > 1e-3 {
-                return Err(format!("{entity} is in S of {}, and not in its map", light.entity));
+                return Err(format!(
+                    "{entity} is in S of {}, and not in its map",
+                    light.entity
+                ));
             }
         }
         agreement.lights += 1;
@@ -230,7 +249,10 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
 fn assert_agrees(world: &mut World) -> Agreement {
     match compare_sets(world) {
         Ok(agreement) => {
-            assert!(agreement.lights > 0 && agreement.drawn > 0 && agreement.cast > 0, "nothing was compared");
+            assert!(
+                agreement.lights > 0 && agreement.drawn > 0 && agreement.cast > 0,
+                "nothing was compared"
+            );
             agreement
         }
         Err(what) => panic!("{what}"),
@@ -243,7 +265,11 @@ fn assert_comparison_can_fail(world: &mut World) {
     let spoil: [Spoil; 2] = [|light| light.s.insert_range(..), |light| light.l.clear()];
     for spoil in spoil {
         let lights = world.resource::<FrameLights>().lights.clone();
-        world.resource_mut::<FrameLights>().lights.iter_mut().for_each(spoil);
+        world
+            .resource_mut::<FrameLights>()
+            .lights
+            .iter_mut()
+            .for_each(spoil);
         assert!(compare_sets(world).is_err(), "the comparison finds nothing");
         world.resource_mut::<FrameLights>().lights = lights;
     }
@@ -252,7 +278,9 @@ fn assert_comparison_can_fail(world: &mut World) {
 /// Distance from a point to the box in world space around an object of the field.
 fn gap_of_box(place: &GlobalTransform, point: Vec3) -> f64 {
     let affine = place.affine();
-    let half = DVec3::from_array([0, 1, 2].map(|row| f64::from(affine.matrix3.row(row).abs().dot(field::HALF.into()))));
+    let half = DVec3::from_array(
+        [0, 1, 2].map(|row| f64::from(affine.matrix3.row(row).abs().dot(field::HALF.into()))),
+    );
     let offset = (place.translation().as_dvec3() - point.as_dvec3()).abs();
     (offset - half).max(DVec3::ZERO).length()
 }

@@ -1,6 +1,8 @@
 //! The field of all cases: unit boxes in 400×20×400 m, lights over its middle, a camera that sees 61 % of it.
 
-use antumbra::scene::{Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, bounds};
+use antumbra::scene::{
+    Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, bounds,
+};
 use antumbra::sets::{ViewportSize, collect_sets, init_set_resources};
 use antumbra::{geometry::Aabb, scene::Light};
 use bevy_ecs::prelude::*;

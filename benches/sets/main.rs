@@ -12,7 +12,9 @@ mod touched;
 
 fn main() {
     let short = std::env::args().any(|argument| argument == "--short");
-    if std::env::var("ONE").is_err() {naive::run(short);}
+    if std::env::var("ONE").is_err() {
+        naive::run(short);
+    }
     touched::run(short);
     #[cfg(feature = "bevy-bench")]
     bevy::run(short);

@@ -9,13 +9,31 @@ use crate::field;
 
 /// Prints the table.
 pub fn run(short: bool) {
-    println!("\ncost against what the lights touch, this thread alone: static, all objects moving, all lights moving");
+    println!(
+        "\ncost against what the lights touch, this thread alone: static, all objects moving, all lights moving"
+    );
     println!(
         "{:>8} {:>6} {:>6} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11} {:>12}",
-        "objects", "lights", "range", "pairs", "touched", "static µs", "objects µs", "lights µs", "µs/light", "ns/touched"
+        "objects",
+        "lights",
+        "range",
+        "pairs",
+        "touched",
+        "static µs",
+        "objects µs",
+        "lights µs",
+        "µs/light",
+        "ns/touched"
     );
-    if std::env::var("ONE").is_ok() { measure(100_000, 64, 20.0, 300); return; }
-    let objects: &[usize] = if short { &[10_000, 100_000] } else { &[10_000, 100_000, 400_000] };
+    if std::env::var("ONE").is_ok() {
+        measure(100_000, 64, 20.0, 300);
+        return;
+    }
+    let objects: &[usize] = if short {
+        &[10_000, 100_000]
+    } else {
+        &[10_000, 100_000, 400_000]
+    };
     let lights: &[usize] = if short { &[64] } else { &[8, 64, 256] };
     for &objects in objects {
         for &lights in lights {
@@ -47,13 +65,18 @@ fn measure(objects: usize, lights: usize, range: f32, frames: usize) {
     let pairs = touched(&world);
     let work = *world.resource::<SetWork>();
     let at_rest = time(&mut world, &mut |_| ());
-    assert_eq!(work, *world.resource::<SetWork>(), "a frame at rest computed something");
+    assert_eq!(
+        work,
+        *world.resource::<SetWork>(),
+        "a frame at rest computed something"
+    );
     let mut step = 0.01;
     let all_move = time(&mut world, &mut |world| {
         step = -step;
         field::shake(world, 1, step);
     });
-    let mut lights_query = world.query_filtered::<&mut bevy_transform::prelude::GlobalTransform, With<antumbra::scene::Light>>();
+    let mut lights_query =
+        world.query_filtered::<&mut bevy_transform::prelude::GlobalTransform, With<antumbra::scene::Light>>();
     let lights_move = time(&mut world, &mut |world| {
         step = -step;
         for mut place in lights_query.iter_mut(world) {

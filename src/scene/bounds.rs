@@ -79,9 +79,7 @@ const CHUNK: usize = 4096;
 /// Set: `UpdateBounds`, after [`update_local_bounds`]. Reads whole columns of change ticks, so that objects at rest cost
 /// next to nothing; moved ones are computed on all threads. Which code changed them last (bevy's `track_location`) is
 /// not recorded.
-pub fn update_world_bounds(
-    mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTransform>, &mut WorldBounds)>,
-) {
+pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTransform>, &mut WorldBounds)>) {
     let Ok(tables) = objects.contiguous_iter_mut() else {
         unreachable!("all three are kept in tables");
     };
@@ -103,15 +101,21 @@ pub fn update_world_bounds(
             .zip(world_ticks.changed_mut().chunks_mut(CHUNK));
         let chunks = ticks().zip(values).zip(out);
         let chunks = chunks.filter(|((ticks, _), _)| changed(ticks));
-        tasks::for_each(chunks, dirty > 1, |((ticks, (local, transform)), (world, stamp))| {
-            for (at, (local_ticks, transform_ticks)) in ticks.0.chunks(64).zip(ticks.1.chunks(64)).enumerate() {
-                for bit in bits(since.mask(local_ticks) | since.mask(transform_ticks)) {
-                    let row = at * 64 + bit;
-                    world[row] = world_bounds(&local[row], &transform[row]);
-                    stamp[row] = this_run;
+        tasks::for_each(
+            chunks,
+            dirty > 1,
+            |((ticks, (local, transform)), (world, stamp))| {
+                for (at, (local_ticks, transform_ticks)) in
+                    ticks.0.chunks(64).zip(ticks.1.chunks(64)).enumerate()
+                {
+                    for bit in bits(since.mask(local_ticks) | since.mask(transform_ticks)) {
+                        let row = at * 64 + bit;
+                        world[row] = world_bounds(&local[row], &transform[row]);
+                        stamp[row] = this_run;
+                    }
                 }
-            }
-        });
+            },
+        );
     }
 }
 

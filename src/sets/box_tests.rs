@@ -4,7 +4,6 @@
 //! them. The second never drops a cluster with an object in it that the first would keep, rounding included, so that sets
 //! do not depend on which objects share a cluster.
 
-
 use glam::Vec3;
 use wide::f32x8;
 
@@ -109,10 +108,10 @@ impl Boxes {
             let place = axes.place(group, f32x8::ZERO);
             // On the axis any tangent plane will do: `px`, `py` are then far below the floor and the plane leans in.
             let scale = axes.cos / place.radial.fast_max(f32x8::splat(1e-18));
-            let normal = [0, 1, 2].map(|i| {
-                axes.axis[i] * axes.sin - (axes.x[i] * place.px + axes.y[i] * place.py) * scale
-            });
-            let beside = dot(&place.to_center, &normal) + dot(&normal.map(f32x8::abs), &group.half) + place.slack;
+            let normal = [0, 1, 2]
+                .map(|i| axes.axis[i] * axes.sin - (axes.x[i] * place.px + axes.y[i] * place.py) * scale);
+            let beside =
+                dot(&place.to_center, &normal) + dot(&normal.map(f32x8::abs), &group.half) + place.slack;
             place.in_front & beside.simd_ge(f32x8::ZERO).to_bitmask()
         })
     }
@@ -175,8 +174,6 @@ impl Boxes {
     }
 }
 
-
-
 pub(super) fn splat(v: Vec3) -> [f32x8; 3] {
     v.to_array().map(f32x8::splat)
 }
@@ -190,7 +187,10 @@ fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
 #[inline]
 fn along(group: &Group, normal: Vec3) -> (f32x8, f32x8) {
     let normal = splat(normal);
-    (dot(&group.center, &normal), dot(&group.half, &normal.map(f32x8::abs)))
+    (
+        dot(&group.center, &normal),
+        dot(&group.half, &normal.map(f32x8::abs)),
+    )
 }
 
 #[inline]

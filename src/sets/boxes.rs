@@ -146,7 +146,8 @@ impl Boxes {
     #[inline]
     pub(super) fn load(&self, index: usize) -> (Vec3, Vec3) {
         let group = &self.groups[index / LANES];
-        let read = |lanes: &[f32x8; 3]| Vec3::from_array(lanes.each_ref().map(|v| v.as_array()[index % LANES]));
+        let read =
+            |lanes: &[f32x8; 3]| Vec3::from_array(lanes.each_ref().map(|v| v.as_array()[index % LANES]));
         (read(&group.center), read(&group.half))
     }
 

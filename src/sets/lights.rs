@@ -4,11 +4,12 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 use glam::{DVec3, DVec4, Vec3};
+use smallvec::SmallVec;
 
 use super::depth_bounds::DepthBounds;
 use super::light_volume::LightVolume;
 use super::scissor::ScissorRect;
-use crate::geometry::{Aabb, Emitter, LightHull};
+use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
 use crate::scene::{Light, LightError, LightKind, LightSelection, light};
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
@@ -84,7 +85,9 @@ pub struct FrameLight {
     pub(super) reach_written: bool,
     /// What was done for it in this frame.
     pub(super) work: LightWork,
+    /// Kept for their allocations.
     pub(super) found: FixedBitSet,
+    pub(super) cutting: PlaneSet,
     pub(super) seen: Option<Seen>,
 }
 
@@ -156,6 +159,10 @@ impl FrameLight {
             reach_written: true,
             work: LightWork::default(),
             found: FixedBitSet::new(),
+            // Two hulls have some ten planes each.
+            cutting: PlaneSet {
+                planes: SmallVec::with_capacity(32),
+            },
             seen: None,
         }
     }

@@ -46,7 +46,11 @@ fn cut_bounds(groups: &[Group], bits: usize, cut: &Aabb) -> Aabb {
         let low = [0, 1, 2].map(|i| (group.center[i] - group.half[i]).fast_max(cut_min[i]));
         let high = [0, 1, 2].map(|i| (group.center[i] + group.half[i]).fast_min(cut_max[i]));
         let whole = low[0].simd_le(high[0]) & low[1].simd_le(high[1]) & low[2].simd_le(high[2]);
-        let whole = if lanes == 0xff { whole } else { whole & lane_mask(lanes) };
+        let whole = if lanes == 0xff {
+            whole
+        } else {
+            whole & lane_mask(lanes)
+        };
         for axis in 0..3 {
             min[axis] = min[axis].fast_min(whole.bitselect(low[axis], min[axis]));
             max[axis] = max[axis].fast_max(whole.bitselect(high[axis], max[axis]));
@@ -78,4 +82,3 @@ fn reduce(min: [f32x8; 3], max: [f32x8; 3]) -> Aabb {
         max: fold(max, f32::max),
     }
 }
-

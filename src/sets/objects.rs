@@ -283,18 +283,22 @@ impl Objects {
             .zip(self.moved.as_slice().chunks(CHUNK))
             .zip(self.bounds.chunks(CHUNK * WORD));
         let parallel = all || self.moved_words.count_ones(..) > 2 * CHUNK;
-        tasks::for_each(pieces, parallel, |((((groups, clusters), present), moved), bounds)| {
-            for (word, (present, &moved)) in present.iter_mut().zip(moved).enumerate() {
-                let moved = if all { usize::MAX } else { moved };
-                if moved == 0 {
-                    continue;
+        tasks::for_each(
+            pieces,
+            parallel,
+            |((((groups, clusters), present), moved), bounds)| {
+                for (word, (present, &moved)) in present.iter_mut().zip(moved).enumerate() {
+                    let moved = if all { usize::MAX } else { moved };
+                    if moved == 0 {
+                        continue;
+                    }
+                    let groups = &mut groups[word * GROUPS..][..GROUPS];
+                    let bounds = &bounds[word * WORD..];
+                    *present = write_word(groups, &bounds[..bounds.len().min(WORD)], moved);
+                    clusters[word / LANES].set(word % LANES, &around(groups));
                 }
-                let groups = &mut groups[word * GROUPS..][..GROUPS];
-                let bounds = &bounds[word * WORD..];
-                *present = write_word(groups, &bounds[..bounds.len().min(WORD)], moved);
-                clusters[word / LANES].set(word % LANES, &around(groups));
-            }
-        });
+            },
+        );
         self.clusters.refit_blocks();
         self.left_out = self.len() - self.present.count_ones(..);
     }

@@ -34,9 +34,13 @@ pub fn collect_light_sets(
     };
     let any_moved = objects.any_moved();
     let lights = &mut frame.lights;
-    let busy = lights.iter().filter(|light| any_moved || light.moved || light.seen != Some(now));
+    let busy = lights
+        .iter()
+        .filter(|light| any_moved || light.moved || light.seen != Some(now));
     let pairs = busy.count() * objects.boxes.words();
-    each_light(lights, &mut work, pairs, |light| collect_reach(light, &objects, now, any_moved));
+    each_light(lights, &mut work, pairs, |light| {
+        collect_reach(light, &objects, now, any_moved)
+    });
 }
 
 /// Calls `collect` for every light, on all threads if there is enough to do, and sums up what was done.
@@ -49,8 +53,14 @@ pub(super) fn each_light(
 ) {
     let parallel = pairs > PARALLEL && lights.len() > 1;
     // Small, since neighbouring lights may be the costly ones.
-    let chunk = if parallel { lights.len().div_ceil(32) } else { usize::MAX };
-    tasks::for_each(lights.chunks_mut(chunk), parallel, |lights| lights.iter_mut().for_each(&collect));
+    let chunk = if parallel {
+        lights.len().div_ceil(32)
+    } else {
+        usize::MAX
+    };
+    tasks::for_each(lights.chunks_mut(chunk), parallel, |lights| {
+        lights.iter_mut().for_each(&collect)
+    });
     for light in lights {
         let done = std::mem::take(&mut light.work);
         work.light_words += done.words;
@@ -113,9 +123,18 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
         },
     );
     // Words that were asked for and not found are left behind.
-    let mut sets = [light.l.as_mut_slice(), light.i.as_mut_slice(), light.s.as_mut_slice()];
+    let mut sets = [
+        light.l.as_mut_slice(),
+        light.i.as_mut_slice(),
+        light.s.as_mut_slice(),
+    ];
     let asked = |block: usize| among.map_or(usize::MAX, |words| words.as_slice()[block]);
-    for (block, (touched, found)) in touched.as_mut_slice().iter_mut().zip(found.as_slice()).enumerate() {
+    for (block, (touched, found)) in touched
+        .as_mut_slice()
+        .iter_mut()
+        .zip(found.as_slice())
+        .enumerate()
+    {
         let left = *touched & asked(block) & !found;
         super::clusters::for_bits(left, |bit| {
             let word = block * super::boxes::WORD + bit;

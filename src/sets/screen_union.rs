@@ -113,8 +113,7 @@ impl<'a> Union<'a> {
         let mut outside = 0;
         for Side { normal, offset: d } in planes {
             let distance = offset[0] * normal[0] + offset[1] * normal[1] + offset[2] * normal[2] + *d;
-            let extent =
-                reach[0] * normal[0].abs() + reach[1] * normal[1].abs() + reach[2] * normal[2].abs();
+            let extent = reach[0] * normal[0].abs() + reach[1] * normal[1].abs() + reach[2] * normal[2].abs();
             outside |= (distance - extent).simd_lt(f32x8::ZERO).to_bitmask();
         }
         outside as usize & 0xff

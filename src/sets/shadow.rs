@@ -14,7 +14,7 @@ use super::objects::Objects;
 use super::reach::each_light;
 use super::view::{View, ViewData};
 use super::work::SetWork;
-use crate::geometry::{LightHull, Plane, PlaneSet, Sphere};
+use crate::geometry::{LightHull, Plane, Sphere};
 use crate::scene::LocalBounds;
 
 /// Computes S of every light that needs it.
@@ -85,7 +85,7 @@ fn collect(
     let (l, f) = (light.l.as_slice(), frustum_set.set.as_slice());
     let casters = objects.casters.as_slice();
     let words = light.s.as_mut_slice();
-    let mut cutting = PlaneSet::default();
+    let cutting = &mut light.cutting;
     for word in light.touched.ones() {
         let mut s = l[word] & casters[word];
         if light.inside_frustum {
@@ -96,7 +96,7 @@ fn collect(
             s = match cut(objects, word, planes, &mut cutting.planes) {
                 false => 0,
                 true if cutting.planes.is_empty() => s,
-                true => objects.boxes.touching_planes(word, s, &cutting),
+                true => objects.boxes.touching_planes(word, s, cutting),
             };
         }
         s = selected(objects, word, s, light.selection.casts_for);
