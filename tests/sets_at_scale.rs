@@ -5,121 +5,17 @@ mod sets_harness;
 use std::collections::BTreeMap;
 
 use antumbra::geometry::Aabb;
-use antumbra::scene::{Light, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds};
-use antumbra::sets::boxes::WORD;
-use antumbra::sets::{
-    FrameLight, FrameLights, FrustumSet, LightVolume, Objects, SetWork, View, ViewportSize,
-};
+use antumbra::scene::{Light, ShadowCaster, WorldBounds};
+use antumbra::sets::{FrameLights, Objects, SetWork, ViewportSize};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DVec3, Quat, UVec2, Vec3};
 use proptest::prelude::*;
+use sets_harness::flat::{
+    assert_clusters_hold, assert_flat_tests_agree, large_scene, random_thing, spawn_thing,
+};
 use sets_harness::judge::judge;
-use sets_harness::{Id, Random, Scene, Thing, all_sets, random_scene, run, thing, transform};
-
-/// A scene of `count` boxes of very different sizes, some without any, and the lights of a random scene; far from the
-/// origin as often as those.
-fn large_scene(seed: u64, count: usize) -> Scene {
-    let mut scene = random_scene(seed);
-    let origin = scene.world_from_camera.translation().as_dvec3();
-    let mut random = Random(seed ^ 0xfeed);
-    scene.things = (0..count).map(|_| random_thing(&mut random, origin)).collect();
-    scene
-}
-
-fn random_thing(random: &mut Random, origin: DVec3) -> Thing {
-    let center = origin + random.vec(30.0);
-    let half = random.range(0.0, 1.0).powi(8) * 20.0;
-    let mut aabb = thing(center.as_vec3(), half as f32).aabb;
-    if random.chance(0.02) {
-        aabb = Aabb::EMPTY;
-    }
-    Thing {
-        aabb,
-        caster: random.chance(0.8),
-        receiver: random.chance(0.8),
-        drawn: random.chance(0.8),
-        layers: 1 << random.below(2),
-    }
-}
-
-/// F and the reach of every light, by asking all boxes, have the bits that the world has.
-fn assert_flat_tests_agree(world: &World) {
-    let objects = world.resource::<Objects>();
-    let present = objects.present.as_slice();
-    let view = world.resource::<View>().data.as_ref().unwrap();
-    let f = world.resource::<FrustumSet>().set.as_slice();
-    for word in 0..objects.boxes.words() {
-        let flat = objects
-            .boxes
-            .touching_planes(word, present[word], &view.frustum.planes);
-        assert_eq!(f[word], flat, "F, word {word}");
-    }
-    for light in &world.resource::<FrameLights>().lights {
-        for (word, &present) in present.iter().enumerate() {
-            let flat = match &light.volume {
-                LightVolume::Infinite => present,
-                LightVolume::Ball(ball) => objects.boxes.touching_sphere(word, present, ball),
-                LightVolume::Cone(cone) | LightVolume::HalfBall(cone) => {
-                    objects.boxes.touching_cone(word, present, cone)
-                }
-            };
-            let reach = light.reach.as_slice()[word];
-            assert_eq!(reach, flat, "{:?}, word {word}", light.volume);
-            assert!(light.l.as_slice()[word] & !reach == 0);
-            assert!((light.i.as_slice()[word] | light.s.as_slice()[word]) & !light.l.as_slice()[word] == 0);
-        }
-        assert_shadow_set(world, light, f);
-    }
-}
-
-/// S has the bits that both hulls leave, box by box.
-fn assert_shadow_set(world: &World, light: &FrameLight, f: &[usize]) {
-    let objects = world.resource::<Objects>();
-    for (word, &l) in light.l.as_slice().iter().enumerate() {
-        let mut s = l & objects.casters.as_slice()[word];
-        if light.scissor.is_none() || light.receiver_hull.planes.planes.is_empty() {
-            continue;
-        }
-        if light.inside_frustum {
-            s &= f[word];
-        } else {
-            s = objects.boxes.touching_planes(word, s, &light.hull.planes);
-        }
-        s = objects
-            .boxes
-            .touching_planes(word, s, &light.receiver_hull.planes);
-        for bit in 0..WORD {
-            let layers = objects.layers.get(word * WORD + bit).copied().unwrap_or_default();
-            if layers & light.selection.casts_for == 0 {
-                s &= !(1 << bit);
-            }
-        }
-        assert_eq!(
-            light.s.as_slice()[word],
-            s,
-            "S of {:?}, word {word}",
-            light.volume
-        );
-    }
-}
-
-/// Boxes of clusters and blocks hold all that they must.
-fn assert_clusters_hold(world: &World) {
-    let objects = world.resource::<Objects>();
-    let (words, blocks) = (&objects.clusters.words, &objects.clusters.blocks);
-    let holds = |outer: Aabb, inner: Aabb| {
-        inner.is_empty() || (outer.min.cmple(inner.min).all() && inner.max.cmple(outer.max).all())
-    };
-    for index in 0..objects.len() {
-        let aabb = objects.boxes.get(index);
-        assert!(holds(words.get(index / WORD), aabb), "object {index}");
-        assert_eq!(objects.present.contains(index), !aabb.is_empty());
-    }
-    for word in 0..words.len() {
-        assert!(holds(blocks.get(word / WORD), words.get(word)), "word {word}");
-    }
-}
+use sets_harness::{Id, Random, Scene, Thing, all_sets, run, thing, transform};
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, failure_persistence: None, ..Default::default() })]
@@ -210,20 +106,6 @@ fn change(scene: &mut Scene, world: &mut World, random: &mut Random, origin: DVe
     }
 }
 
-fn spawn_thing(world: &mut World, id: usize, thing: &Thing) {
-    let layers = antumbra::scene::SelectionLayers(thing.layers);
-    let mut entity = world.spawn((Id(id), WorldBounds(thing.aabb), layers, GlobalTransform::IDENTITY));
-    if thing.caster {
-        entity.insert(ShadowCaster);
-    }
-    if thing.receiver {
-        entity.insert(ShadowReceiver);
-    }
-    if thing.drawn {
-        entity.insert(SceneMaterials(Default::default()));
-    }
-}
-
 /// F, and L, I, S of each light with its bounds, by the place of a thing among the living.
 fn by_place(world: &World, scene: &Scene) -> (Vec<usize>, Vec<(String, [Vec<usize>; 3])>) {
     let mut living = 0;
@@ -283,90 +165,6 @@ fn an_order_spoilt_by_motion_is_renewed_and_changes_no_set() {
     assert_eq!(all_sets(&world), all_sets(&run(&scene).0));
     let wrong = judge(&scene, &world, 1).wrong;
     assert!(wrong.is_empty(), "{}", wrong[0]);
-}
-
-#[test]
-fn a_million_objects_at_one_point() {
-    let at = Vec3::new(0.0, 0.0, -10.0);
-    let mut scene = sets_harness::simple(
-        vec![thing(at, 0.5); 1_000_000],
-        vec![
-            (Light::point(Vec3::ONE, 1.0, 30.0), Vec3::new(0.0, 6.0, -10.0)),
-            (Light::point(Vec3::ONE, 1.0, 3.0), Vec3::new(0.0, 6.0, -10.0)),
-        ],
-    );
-    scene.things[77].aabb.min.y = f32::NAN;
-    let (mut world, mut schedule) = run(&scene);
-    let check = |world: &World, moved: usize| {
-        let objects = world.resource::<Objects>();
-        assert_eq!((objects.len(), objects.left_out), (1_000_000, 1));
-        let lights = &world.resource::<FrameLights>().lights;
-        for light in lights {
-            let count = if light.light.range > 10.0 { 999_999 } else { moved };
-            for set in [&light.l, &light.i, &light.s] {
-                assert_eq!(set.count_ones(..), count);
-            }
-        }
-    };
-    check(&world, 0);
-    // A few jump to the other light.
-    let mut bounds = world.query::<&mut WorldBounds>();
-    for mut bounds in bounds.iter_mut(&mut world).skip(1000).step_by(100_000) {
-        bounds.0 = thing(Vec3::new(0.0, 3.9, -10.0), 0.5).aabb;
-    }
-    schedule.run(&mut world);
-    check(&world, 10);
-}
-
-#[test]
-fn bounds_without_numbers_and_teleports_leave_and_return() {
-    let mut scene = large_scene(21, 300);
-    let (mut world, mut schedule) = run(&scene);
-    let before = all_sets(&world);
-    let old: Vec<Aabb> = scene.things.iter().map(|thing| thing.aabb).collect();
-    let far = [f32::NAN, f32::INFINITY, 1e30, -3e7];
-    for (turn, far) in far.into_iter().enumerate() {
-        for (id, mut bounds) in world.query::<(&Id, &mut WorldBounds)>().iter_mut(&mut world) {
-            if id.0 % 3 == turn % 3 {
-                bounds.0.min += far;
-                bounds.0.max += far;
-                scene.things[id.0].aabb = bounds.0;
-            }
-        }
-        schedule.run(&mut world);
-        assert_clusters_hold(&world);
-        assert_flat_tests_agree(&world);
-        assert_eq!(all_sets(&world), all_sets(&run(&scene).0), "{far}");
-        for (id, mut bounds) in world.query::<(&Id, &mut WorldBounds)>().iter_mut(&mut world) {
-            bounds.0 = old[id.0];
-            scene.things[id.0].aabb = bounds.0;
-        }
-        schedule.run(&mut world);
-        assert_eq!(all_sets(&world), before, "back from {far}");
-    }
-}
-
-#[test]
-fn worlds_are_filled_and_emptied() {
-    let scene = large_scene(2, 200);
-    let empty = Scene {
-        things: Vec::new(),
-        ..scene.clone()
-    };
-    let (mut world, mut schedule) = run(&empty);
-    assert!(world.resource::<Objects>().is_empty());
-    for (id, thing) in scene.things.iter().enumerate() {
-        spawn_thing(&mut world, id, thing);
-    }
-    schedule.run(&mut world);
-    assert_eq!(all_sets(&world), all_sets(&run(&scene).0));
-    let entities: Vec<Entity> = world.resource::<Objects>().entities.clone();
-    for entity in entities {
-        world.despawn(entity);
-    }
-    schedule.run(&mut world);
-    assert!(world.resource::<Objects>().is_empty());
-    assert_eq!(all_sets(&world), all_sets(&run(&empty).0));
 }
 
 #[test]

@@ -46,7 +46,8 @@ pub fn objects(random: &mut Random, count: usize) -> Vec<Transform> {
             random.unit() * 20.0,
             random.unit() * 400.0 - 200.0,
         );
-        Transform::from_translation(at).with_rotation(Quat::from_rotation_y(random.unit() * 6.28))
+        Transform::from_translation(at)
+            .with_rotation(Quat::from_rotation_y(random.unit() * std::f32::consts::TAU))
     };
     (0..count).map(&mut place).collect()
 }

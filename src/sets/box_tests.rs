@@ -8,7 +8,7 @@ use glam::Vec3;
 use wide::f32x8;
 
 use super::boxes::{Boxes, GROUPS, Group, LANES};
-use crate::geometry::{Cone, PlaneSet, Sphere};
+use crate::geometry::{Aabb, Cone, PlaneSet, Sphere};
 
 /// What a test of clusters says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -116,6 +116,16 @@ impl Boxes {
         })
     }
 
+    /// Bits of the boxes of a word, among `candidates`, that share a point with the box.
+    pub fn touching_box(&self, word: usize, candidates: usize, aabb: &Aabb) -> usize {
+        let (center, half) = (splat(aabb.center()), splat(aabb.half_size()));
+        self.test(word, candidates, |group| {
+            let apart = [0, 1, 2].map(|i| (group.center[i] - center[i]).abs() - group.half[i] - half[i]);
+            let apart = apart[0].fast_max(apart[1]).fast_max(apart[2]);
+            apart.simd_le(f32x8::ZERO).to_bitmask()
+        })
+    }
+
     /// Which clusters may touch the cone; none counts as inside.
     ///
     /// The signed distance to a cone grows by at most the way that one goes. An object `a` beside the cluster's centre, with
@@ -195,23 +205,15 @@ fn along(group: &Group, normal: Vec3) -> (f32x8, f32x8) {
 
 #[inline]
 fn nearest_sq(group: &Group, point: &[f32x8; 3]) -> f32x8 {
-    let mut sum = f32x8::ZERO;
-    for axis in 0..3 {
-        let beyond = (group.center[axis] - point[axis]).abs() - group.half[axis];
-        let beyond = beyond.fast_max(f32x8::ZERO);
-        sum += beyond * beyond;
-    }
-    sum
+    let beyond = [0, 1, 2].map(|i| (group.center[i] - point[i]).abs() - group.half[i]);
+    let beyond = beyond.map(|gap| gap.fast_max(f32x8::ZERO));
+    dot(&beyond, &beyond)
 }
 
 #[inline]
 fn farthest_sq(group: &Group, point: &[f32x8; 3]) -> f32x8 {
-    let mut sum = f32x8::ZERO;
-    for axis in 0..3 {
-        let beyond = (group.center[axis] - point[axis]).abs() + group.half[axis];
-        sum += beyond * beyond;
-    }
-    sum
+    let beyond = [0, 1, 2].map(|i| (group.center[i] - point[i]).abs() + group.half[i]);
+    dot(&beyond, &beyond)
 }
 
 /// A cone in registers.
