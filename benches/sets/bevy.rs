@@ -84,7 +84,7 @@ fn compare(objects: usize, lights: usize, range: f32, short: bool) {
         agreement.lights, agreement.drawn, agreement.cast
     );
     let frames = match (objects * lights) as u64 {
-        _ if short => 5,
+        _ if short => 10,
         0..1_000_000 => 60,
         1_000_000..10_000_000 => 20,
         _ => 8,
@@ -197,7 +197,7 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
         .flat_map(|view| view.get(TypeId::of::<ClusterVisibilityClass>()).to_vec())
         .collect();
     let mut maps = world.query::<&CubemapVisibleEntities>();
-    let mut places = world.query::<&GlobalTransform>();
+    let places = world.query::<&GlobalTransform>();
     let objects = world.resource::<Objects>();
     let frame = world.resource::<FrameLights>();
     let mut agreement = Agreement {

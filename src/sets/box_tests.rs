@@ -70,12 +70,13 @@ impl Boxes {
         })
     }
 
-    /// Bits of the boxes of a word, among `candidates`, that are not wholly in the ball.
-    pub fn leaving_sphere(&self, word: usize, candidates: usize, ball: &Sphere) -> usize {
+    /// Bits of the boxes of a word, among `candidates`, whose centres are not in the ball.
+    pub fn centered_beyond(&self, word: usize, candidates: usize, ball: &Sphere) -> usize {
         let center = splat(ball.center);
         let radius_sq = f32x8::splat(ball.radius * ball.radius);
         self.test(word, candidates, |group| {
-            !farthest_sq(group, &center).simd_le(radius_sq).to_bitmask()
+            let offset = [0, 1, 2].map(|i| group.center[i] - center[i]);
+            !dot(&offset, &offset).simd_le(radius_sq).to_bitmask()
         })
     }
 

@@ -1,8 +1,7 @@
 //! Bounds on the screen of many boxes, of which few are projected.
 
 use fixedbitset::FixedBitSet;
-use glam::{DVec3, Vec3};
-use smallvec::SmallVec;
+use glam::DVec3;
 use wide::f32x8;
 
 use super::box_tests::splat;
@@ -53,16 +52,26 @@ struct Union<'a> {
     projector: &'a Projector,
     target: ScreenBounds,
     bounds: ScreenBounds,
-    /// What a box must lie inside of to add nothing; nothing helps as long as there are no bounds.
-    planes: Option<SmallVec<[Side; 6]>>,
+    /// What a box must lie inside of to add nothing: those of `asked` first.
+    sides: [Side; 6],
+    asked: usize,
     eye: [f32x8; 3],
     projected: u64,
 }
 
 /// A half-space relative to the eye; inside is `normal · p + offset ≥ 0`.
+#[derive(Clone, Copy)]
 struct Side {
     normal: [f32x8; 3],
     offset: f32x8,
+}
+
+impl Side {
+    /// Everything sticks out.
+    const NOWHERE: Self = Self {
+        normal: [f32x8::ZERO; 3],
+        offset: f32x8::new([-1.0; LANES]),
+    };
 }
 
 impl<'a> Union<'a> {
@@ -71,7 +80,8 @@ impl<'a> Union<'a> {
             projector,
             target,
             bounds: ScreenBounds::EMPTY,
-            planes: None,
+            sides: [Side::NOWHERE; 6],
+            asked: 1,
             eye: splat(projector.eye().as_vec3()),
             projected: 0,
         }
@@ -82,7 +92,9 @@ impl<'a> Union<'a> {
         let bounds = self.bounds.union(self.projector.bounds_of_box(center, half));
         if bounds != self.bounds {
             self.bounds = bounds;
-            self.planes = (!bounds.is_empty()).then(|| self.sides());
+            if !bounds.is_empty() {
+                self.ask();
+            }
         }
     }
 
@@ -101,9 +113,6 @@ impl<'a> Union<'a> {
 
     /// Bits of the boxes that may add something; rounding may let one in that does not.
     fn sticking_out(&self, group: &Group) -> usize {
-        let Some(planes) = &self.planes else {
-            return 0xff;
-        };
         let slack = f32x8::splat(16.0 * f32::EPSILON);
         let offset = [0, 1, 2].map(|i| group.center[i] - self.eye[i]);
         let reach = [0, 1, 2].map(|i| {
@@ -111,7 +120,7 @@ impl<'a> Union<'a> {
             group.half[i] + size * slack
         });
         let mut outside = 0;
-        for Side { normal, offset: d } in planes {
+        for Side { normal, offset: d } in &self.sides[..self.asked] {
             let distance = offset[0] * normal[0] + offset[1] * normal[1] + offset[2] * normal[2] + *d;
             let extent = reach[0] * normal[0].abs() + reach[1] * normal[1].abs() + reach[2] * normal[2].abs();
             outside |= (distance - extent).simd_lt(f32x8::ZERO).to_bitmask();
@@ -119,10 +128,10 @@ impl<'a> Union<'a> {
         outside as usize & 0xff
     }
 
-    /// The planes through the sides of the bounds that are still within the target.
+    /// Sets the planes through the sides of the bounds that are still within the target.
     ///
     /// A pixel coordinate x is s·(½ + ½·X/W), and W > 0 in view: x ≥ a where X − (2a/s − 1)·W ≥ 0.
-    fn sides(&self) -> SmallVec<[Side; 6]> {
+    fn ask(&mut self) {
         let [x, y, w] = self.projector.rows();
         let (bounds, target, size) = (&self.bounds, &self.target, self.projector.size());
         let at = |pixel: f64, size: f64| 2.0 * pixel / size - 1.0;
@@ -138,14 +147,15 @@ impl<'a> Union<'a> {
             (w, -bounds.near, bounds.near > target.near),
             (-w, bounds.far, bounds.far < target.far),
         ];
-        let asked = sides.into_iter().filter(|(_, _, within)| *within);
-        let side = |(normal, offset, _): (DVec3, f64, bool)| {
-            let normal: Vec3 = normal.as_vec3();
-            Side {
-                normal: splat(normal),
-                offset: f32x8::splat(offset as f32),
+        self.asked = 0;
+        for (normal, offset, within) in sides {
+            if within {
+                self.sides[self.asked] = Side {
+                    normal: splat(normal.as_vec3()),
+                    offset: f32x8::splat(offset as f32),
+                };
+                self.asked += 1;
             }
-        };
-        asked.map(side).collect()
+        }
     }
 }

@@ -107,14 +107,10 @@ fn collect(
     }
 }
 
-/// Bits of the casters of a word that the ball excludes as they stand; only the border of its range is looked at.
+/// Bits of the casters of a word that the ball excludes as they stand; only those centred beyond its range are asked.
 fn beyond(ball: &Sphere, objects: &Objects, word: usize, s: usize, placed: &Query<Placed>) -> usize {
     let mut beyond = 0;
-    let cluster = 1 << (word % WORD);
-    if objects.clusters.words.leaving_sphere(word / WORD, cluster, ball) == 0 {
-        return 0;
-    }
-    for_bits(objects.boxes.leaving_sphere(word, s, ball), |bit| {
+    for_bits(objects.boxes.centered_beyond(word, s, ball), |bit| {
         if let Ok((local, transform)) = placed.get(objects.entities[word * WORD + bit])
             && ball.excludes_oriented(&local.0, &transform.affine())
         {
