@@ -15,7 +15,7 @@ use crate::geometry::{Aabb, Cone, PlaneSet, Sphere};
 pub struct Touch {
     /// Bits of the boxes that may touch the volume.
     pub touching: usize,
-    /// Bits of those, among them, all of whose parts touch it: whatever lies inside need not be asked.
+    /// Bits of those that lie wholly inside: what is in them need not be asked.
     pub inside: usize,
 }
 
