@@ -86,7 +86,7 @@ fn compare(objects: usize, lights: usize, range: f32, short: bool) {
     let frames = match (objects * lights) as u64 {
         _ if short => 10,
         0..1_000_000 => 60,
-        1_000_000..10_000_000 => 20,
+        1_000_000..10_000_000 => 40,
         _ => 8,
     };
     let mut step = 0.02;
