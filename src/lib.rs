@@ -44,6 +44,7 @@
 //! | `gltf` | yes | import of glTF 2.0 scenes |
 //! | `reference` | no | ray-cast truth on the CPU |
 //! | `profile` | no | GPU timers |
+//! | `bevy-bench` | no | nothing but a baseline: Bevy's light visibility in `benches/sets` |
 //!
 //! Without any, the ECS core remains: sets, silhouettes and shadow volumes as flat arrays.
 

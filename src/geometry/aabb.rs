@@ -18,6 +18,15 @@ impl Aabb {
         max: Vec3::NEG_INFINITY,
     };
 
+    /// Coordinates that [`Aabb::padded`] keeps, metres.
+    pub const LIMIT: f32 = 1e15;
+
+    /// Share of each coordinate by which [`Aabb::padded`] grows a box.
+    pub const PAD: f32 = 8.0 * f32::EPSILON;
+
+    /// Share of the largest coordinate by which it grows all sides.
+    pub const PAD_OF_LARGEST: f32 = 1e-10;
+
     /// The smallest box around `points`; points that are not finite are left out.
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points
@@ -115,10 +124,10 @@ impl Aabb {
         if self.is_empty() {
             return Self::EMPTY;
         }
-        const LIMIT: Vec3 = Vec3::splat(1e15);
-        let (min, max) = (self.min.clamp(-LIMIT, LIMIT), self.max.clamp(-LIMIT, LIMIT));
+        let limit = Vec3::splat(Self::LIMIT);
+        let (min, max) = (self.min.clamp(-limit, limit), self.max.clamp(-limit, limit));
         let size = min.abs().max(max.abs());
-        let pad = size * (8.0 * f32::EPSILON) + Vec3::splat(size.max_element() * 1e-10);
+        let pad = size * Self::PAD + Vec3::splat(size.max_element() * Self::PAD_OF_LARGEST);
         Self {
             min: min - pad,
             max: max + pad,

@@ -1,9 +1,12 @@
 //! Where objects are: boxes in local and world space.
 
+use bevy_ecs::change_detection::{ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
-use super::{PosedMesh, SceneMesh};
+use super::changes::{Since, bits};
+use super::churn::count_churn;
+use super::{PosedMesh, SceneMesh, tasks};
 use crate::geometry::Aabb;
 
 /// Bounds of the mesh as posed, local space. Empty for a mesh without triangles or finite positions.
@@ -18,7 +21,11 @@ impl Default for LocalBounds {
 
 /// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not
 /// finite or singular.
+///
+/// Its change stands for the object having moved: [`update_world_bounds`] marks it whenever the transform or the local
+/// bounds changed, whether or not the box came out the same.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = count_churn, on_remove = count_churn)]
 pub struct WorldBounds(pub Aabb);
 
 impl Default for WorldBounds {
@@ -64,22 +71,58 @@ pub fn update_local_bounds(
     }
 }
 
-/// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed.
+/// Rows of one task.
+const CHUNK: usize = 4096;
+
+/// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed, and marks them as changed.
 ///
-/// Set: `UpdateBounds`, after [`update_local_bounds`].
-#[allow(clippy::type_complexity, reason = "a query says what the system reads")]
-pub fn update_world_bounds(
-    mut objects: Query<
-        (&LocalBounds, &GlobalTransform, &mut WorldBounds),
-        Or<(Changed<LocalBounds>, Changed<GlobalTransform>)>,
-    >,
-) {
-    for (local, transform, mut world) in &mut objects {
-        let aabb = if is_usable_transform(transform) {
-            local.0.transformed(&transform.affine())
-        } else {
-            Aabb::EMPTY
-        };
-        world.set_if_neq(WorldBounds(aabb));
+/// Set: `UpdateBounds`, after [`update_local_bounds`]. Reads whole columns of change ticks, so that objects at rest cost
+/// next to nothing; moved ones are computed on all threads. Which code changed them last (bevy's `track_location`) is
+/// not recorded.
+pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTransform>, &mut WorldBounds)>) {
+    let Ok(tables) = objects.contiguous_iter_mut() else {
+        unreachable!("all three are kept in tables");
+    };
+    for (local, transform, world) in tables {
+        let since = Since::new(local.last_run_tick(), local.this_run_tick());
+        let this_run = local.this_run_tick();
+        let (local_ticks, transform_ticks) = (local.changed_ticks_slice(), transform.changed_ticks_slice());
+        let (local, transform) = (local.into_inner(), transform.into_inner());
+        let (world, mut world_ticks) = ContiguousMut::bypass_change_detection_split(world);
+        let ticks = || local_ticks.chunks(CHUNK).zip(transform_ticks.chunks(CHUNK));
+        let changed = |(local, transform): &(&[Tick], &[Tick])| since.any(local) || since.any(transform);
+        let dirty = ticks().filter(changed).count();
+        if dirty == 0 {
+            continue;
+        }
+        let values = local.chunks(CHUNK).zip(transform.chunks(CHUNK));
+        let out = world
+            .chunks_mut(CHUNK)
+            .zip(world_ticks.changed_mut().chunks_mut(CHUNK));
+        let chunks = ticks().zip(values).zip(out);
+        let chunks = chunks.filter(|((ticks, _), _)| changed(ticks));
+        tasks::for_each(
+            chunks,
+            dirty > 1,
+            |((ticks, (local, transform)), (world, stamp))| {
+                for (at, (local_ticks, transform_ticks)) in
+                    ticks.0.chunks(64).zip(ticks.1.chunks(64)).enumerate()
+                {
+                    for bit in bits(since.mask(local_ticks) | since.mask(transform_ticks)) {
+                        let row = at * 64 + bit;
+                        world[row] = world_bounds(&local[row], &transform[row]);
+                        stamp[row] = this_run;
+                    }
+                }
+            },
+        );
     }
+}
+
+fn world_bounds(local: &LocalBounds, transform: &GlobalTransform) -> WorldBounds {
+    WorldBounds(if is_usable_transform(transform) {
+        local.0.transformed(&transform.affine())
+    } else {
+        Aabb::EMPTY
+    })
 }

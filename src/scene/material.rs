@@ -6,6 +6,8 @@ use bevy_ecs::prelude::*;
 use glam::{Affine2, Vec3, Vec4};
 use smallvec::SmallVec;
 
+use super::churn::count_churn;
+
 /// A surface in the metallic-roughness model of glTF 2.0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -131,4 +133,5 @@ pub enum TextureWrap {
 
 /// The materials of an entity, one for each of the mesh's submeshes.
 #[derive(Component, Clone, Debug)]
+#[component(on_add = count_churn, on_remove = count_churn)]
 pub struct SceneMaterials(pub SmallVec<[Arc<Material>; 1]>);

@@ -16,17 +16,21 @@ pub mod animation;
 pub mod bounds;
 pub mod camera;
 pub mod caster;
+pub(crate) mod changes;
+pub mod churn;
 #[cfg(feature = "gltf")]
 pub mod gltf_import;
 pub mod light;
 pub mod material;
 pub mod mesh;
 pub mod pose;
+pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds};
 pub use camera::Camera;
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};

@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
-use super::boxes::WORD;
 use super::objects::{Objects, resize};
 use super::view::View;
 use super::work::SetWork;
@@ -18,15 +17,11 @@ pub struct FrustumSet {
     seen: (u64, u64),
 }
 
-/// Bits of a word that are objects at all.
-pub(super) fn present_word(objects: &Objects, word: usize) -> usize {
-    objects.present.as_slice()[word]
-}
-
 /// Tests bounds against the frustum: all if the view or the layout changed, else words in which something moved.
 ///
 /// Set: `CollectSets`, after `collect_objects` and `collect_view`. Conservative: it may keep an object whose box passes
-/// outside an edge of the frustum, it never drops one that is inside.
+/// outside an edge of the frustum, it never drops one that is inside. Cost: the clusters; the objects of those that the
+/// frustum's planes cut.
 pub fn collect_frustum_set(
     mut frustum_set: ResMut<FrustumSet>,
     mut work: ResMut<SetWork>,
@@ -35,7 +30,7 @@ pub fn collect_frustum_set(
 ) {
     let now = (objects.layout_generation, view.generation);
     let everything = frustum_set.seen != now;
-    if !everything && objects.moved.is_clear() {
+    if !everything && !objects.any_moved() {
         return;
     }
     let frustum_set = &mut *frustum_set;
@@ -47,17 +42,25 @@ pub fn collect_frustum_set(
     let Some(view) = &view.data else {
         return;
     };
-    let planes = &view.frustum.planes;
     let words = frustum_set.set.as_mut_slice();
-    let mut test = |word: usize| {
-        work.frustum_words += 1;
-        words[word] = objects
-            .boxes
-            .touching_planes(word, present_word(&objects, word), planes);
-    };
-    if everything {
-        (0..objects.len().div_ceil(WORD)).for_each(&mut test);
-    } else {
-        objects.moved_words().for_each(|(word, _)| test(word));
+    let present = objects.present.as_slice();
+    let among = (!everything).then_some(&objects.moved_words);
+    if let Some(moved) = among {
+        moved.ones().for_each(|word| words[word] = 0);
     }
+    let planes = &view.frustum.planes;
+    objects.clusters.find(
+        among,
+        |boxes, word, candidates| boxes.clusters_touching_planes(word, candidates, planes),
+        |found| {
+            work.frustum_words += 1;
+            words[found.word] = if found.inside {
+                present[found.word]
+            } else {
+                objects
+                    .boxes
+                    .touching_planes(found.word, present[found.word], planes)
+            };
+        },
+    );
 }

@@ -3,11 +3,15 @@
 use bevy_ecs::prelude::*;
 
 use super::boxes::WORD;
+use super::clusters::for_bits;
 use super::depth_bounds::DepthBounds;
 use super::lights::{FrameLight, FrameLights, is_dark};
-use super::objects::{Objects, resize};
+use super::lit_bounds::lit_bounds;
+use super::objects::Objects;
+use super::reach::each_light;
 use super::scissor::ScissorRect;
-use super::screen::{Projector, ScreenBounds, ScreenExtents};
+use super::screen::Projector;
+use super::screen_union::screen_union;
 use super::view::{View, ViewData};
 use super::visible::VisibleSet;
 use super::work::SetWork;
@@ -19,30 +23,20 @@ pub(super) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -
         return bits;
     }
     let mut result = 0;
-    let mut rest = bits;
-    while rest != 0 {
-        let lane = rest.trailing_zeros() as usize;
-        rest &= rest - 1;
+    for_bits(bits, |lane| {
         if objects.layers[word * WORD + lane] & mask != 0 {
             result |= 1 << lane;
         }
-    }
+    });
     result
-}
-
-/// The bounds of objects, each cut by the box of a light's volume, joined.
-pub(super) fn lit_bounds(objects: &Objects, indices: impl Iterator<Item = usize>, reach: &Aabb) -> Aabb {
-    indices
-        .map(|index| objects.boxes.get(index).intersection(*reach))
-        .filter(|part| !part.is_empty())
-        .fold(Aabb::EMPTY, Aabb::union)
 }
 
 /// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, then the scissor and depth bounds: those of I's
 /// objects, of the light's volume, and of the objects cut by the volume, intersected. If nothing is left the light
 /// is skipped: I is emptied.
 ///
-/// Set: `CollectSets`, after `collect_light_sets` and `project_visible`. Word-wise; then O(|I|), without projections.
+/// Set: `CollectSets`, after `collect_light_occlusion`. Cost: the words that the light touches, eight objects at a time;
+/// only objects that stick out of the bounds so far are projected.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.3.3 and §15.5.
 pub fn collect_illumination(
     mut frame: ResMut<FrameLights>,
@@ -50,60 +44,70 @@ pub fn collect_illumination(
     objects: Res<Objects>,
     view: Res<View>,
     visible: Res<VisibleSet>,
-    extents: Res<ScreenExtents>,
 ) {
-    for light in frame.lights.iter_mut().filter(|light| light.stale) {
-        resize(&mut light.i, objects.len());
-        light.scissor = None;
-        light.depth_bounds = None;
-        work.illuminations += 1;
-        let Some(view) = &view.data else {
-            continue;
-        };
-        if !is_dark(&light.light) {
+    let lights = &mut frame.lights;
+    let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
+    each_light(lights, &mut work, pairs, |light| {
+        if !light.stale {
+            return;
+        }
+        light.work.illuminations += 1;
+        (light.scissor, light.depth_bounds) = (None, None);
+        light.receiver_bounds = Aabb::EMPTY;
+        let shines = !is_dark(&light.light);
+        let bounds = view.data.as_ref().filter(|_| shines).and_then(|view| {
             intersect(light, &objects, &visible);
+            bound(light, &objects, view)
+        });
+        match bounds {
+            Some((scissor, depth_bounds)) => {
+                (light.scissor, light.depth_bounds) = (Some(scissor), Some(depth_bounds));
+            }
+            None => {
+                let i = light.i.as_mut_slice();
+                light.touched.ones().for_each(|word| i[word] = 0);
+            }
         }
-        if !light.i.is_clear() && bound(light, &objects, view, &extents).is_none() {
-            light.scissor = None;
-            light.depth_bounds = None;
-            light.i.clear();
-        }
-    }
+    });
 }
 
 fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     let (v, l) = (visible.set.as_slice(), light.l.as_slice());
     let drawn = objects.drawn.as_slice();
-    for (word, bits) in light.i.as_mut_slice().iter_mut().enumerate() {
+    let i = light.i.as_mut_slice();
+    for word in light.touched.ones() {
         let candidates = v[word] & l[word] & drawn[word];
-        *bits = selected(objects, word, candidates, light.selection.affects);
+        i[word] = selected(objects, word, candidates, light.selection.affects);
     }
 }
 
-fn bound(light: &mut FrameLight, objects: &Objects, view: &ViewData, extents: &ScreenExtents) -> Option<()> {
-    let projector = Projector::new(view);
-    let mut bounds = light
-        .i
-        .ones()
-        .map(|index| extents.bounds[index])
-        .fold(ScreenBounds::EMPTY, ScreenBounds::union)
-        .intersection(light.volume.screen_bounds(&projector));
+fn bound(light: &mut FrameLight, objects: &Objects, view: &ViewData) -> Option<(ScissorRect, DepthBounds)> {
     let reach = light.volume.aabb();
-    // Mostly all are receivers, and one pass serves S too.
-    let lit = lit_bounds(objects, light.i.ones(), &reach);
-    light.receiver_bounds = if light.i.is_subset(&objects.receivers) {
-        lit
-    } else {
-        lit_bounds(objects, light.i.intersection(&objects.receivers), &reach)
+    let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
+    let bounds_of = |set: &dyn Fn(usize) -> usize| {
+        lit_bounds(&objects.boxes, &objects.clusters, &light.touched, set, &reach)
     };
+    let lit = bounds_of(&|word| i[word]);
     if lit.is_empty() {
         return None;
     }
+    // Mostly all are receivers, and one pass serves S too.
+    let all_receive = light.touched.ones().all(|word| i[word] & !receivers[word] == 0);
+    light.receiver_bounds = if all_receive {
+        lit
+    } else {
+        bounds_of(&|word| i[word] & receivers[word])
+    };
+    let projector = Projector::new(view);
+    let mut target = light.volume.screen_bounds(&projector);
     if reach.max.is_finite() && reach.min.is_finite() {
         let lit = projector.bounds_of_box(lit.center().as_dvec3(), lit.half_size().as_dvec3());
-        bounds = bounds.intersection(lit);
+        target = target.intersection(lit);
     }
-    light.scissor = Some(ScissorRect::around(&bounds, view.viewport)?);
-    light.depth_bounds = Some(DepthBounds::of_screen(&bounds, view.near)?);
-    Some(())
+    let (union, projected) = screen_union(&projector, objects, &light.touched, |word| i[word], target);
+    light.work.projected += projected;
+    let bounds = union.intersection(target);
+    let scissor = ScissorRect::around(&bounds, view.viewport)?;
+    let depth_bounds = DepthBounds::of_screen(&bounds, view.near)?;
+    Some((scissor, depth_bounds))
 }

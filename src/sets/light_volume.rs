@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::box_tests::Touch;
 use super::boxes::Boxes;
 use super::screen::{Projector, ScreenBounds};
 use crate::geometry::{Aabb, Cone, Sphere};
@@ -77,6 +78,18 @@ impl LightVolume {
             Self::Infinite => candidates,
             Self::Ball(ball) => boxes.touching_sphere(word, candidates, ball),
             Self::Cone(cone) | Self::HalfBall(cone) => boxes.touching_cone(word, candidates, cone),
+        }
+    }
+
+    /// Which clusters may touch the volume, and which are known to lie inside.
+    pub(super) fn clusters_touching(&self, boxes: &Boxes, word: usize, candidates: usize) -> Touch {
+        match self {
+            Self::Infinite => Touch {
+                touching: candidates,
+                inside: candidates,
+            },
+            Self::Ball(ball) => boxes.clusters_touching_sphere(word, candidates, ball),
+            Self::Cone(cone) | Self::HalfBall(cone) => boxes.clusters_touching_cone(word, candidates, cone),
         }
     }
 

@@ -1,20 +1,15 @@
-//! The lights of the frame, and set L of each.
+//! The lights of the frame.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 use glam::{DVec3, DVec4, Vec3};
+use smallvec::SmallVec;
 
-use super::boxes::WORD;
 use super::depth_bounds::DepthBounds;
-use super::frustum::present_word;
 use super::light_volume::LightVolume;
-use super::objects::{Objects, resize};
 use super::scissor::ScissorRect;
-use super::view::View;
-use super::visible::VisibleSet;
-use super::work::SetWork;
-use crate::geometry::{Aabb, Emitter, LightHull};
+use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
 use crate::scene::{Light, LightError, LightKind, LightSelection, light};
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
@@ -82,20 +77,36 @@ pub struct FrameLight {
     pub depth_bounds: Option<DepthBounds>,
     /// Bounds of the receivers of I, each cut by the box of the volume.
     pub(super) receiver_bounds: Aabb,
+    /// Words in which `reach` may not be 0, and so L, I and S neither.
+    pub(super) touched: FixedBitSet,
     /// Whether I and what follows from it are to be computed in this frame.
     pub(super) stale: bool,
-    /// Whether `reach` was written in this frame.
+    /// Whether `reach`, or where its objects are, may have changed in this frame.
     pub(super) reach_written: bool,
-    seen: Option<Seen>,
+    /// What was done for it in this frame.
+    pub(super) work: LightWork,
+    /// Kept for their allocations.
+    pub(super) found: FixedBitSet,
+    pub(super) cutting: PlaneSet,
+    pub(super) seen: Option<Seen>,
+}
+
+/// Work for one light, which may have been done on any thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LightWork {
+    pub words: u64,
+    pub projected: u64,
+    pub illuminations: u64,
+    pub shadows: u64,
 }
 
 /// Generations of all that set I of a light depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Seen {
-    layout: u64,
-    flags: u64,
-    view: u64,
-    visible: u64,
+pub(super) struct Seen {
+    pub layout: u64,
+    pub flags: u64,
+    pub view: u64,
+    pub visible: u64,
 }
 
 /// A light as its entity has it in this frame.
@@ -143,8 +154,15 @@ impl FrameLight {
             scissor: None,
             depth_bounds: None,
             receiver_bounds: Aabb::EMPTY,
+            touched: FixedBitSet::new(),
             stale: true,
             reach_written: true,
+            work: LightWork::default(),
+            found: FixedBitSet::new(),
+            // Two hulls have some ten planes each.
+            cutting: PlaneSet {
+                planes: SmallVec::with_capacity(32),
+            },
             seen: None,
         }
     }
@@ -164,34 +182,6 @@ impl FrameLight {
             self.emitter = candidate.placed.emitter;
             self.direction = candidate.placed.direction;
             self.volume = candidate.placed.volume;
-        }
-    }
-
-    /// Brings `reach` up to date and says whether I must follow.
-    fn collect_reach(&mut self, objects: &Objects, now: Seen, work: &mut SetWork) {
-        let everything = self.moved || self.seen.map(|seen| seen.layout) != Some(now.layout);
-        self.stale = everything || self.seen != Some(now);
-        self.seen = Some(now);
-        self.reach_written = everything || !objects.moved.is_clear();
-        if everything {
-            resize(&mut self.reach, objects.len());
-            let words = self.reach.as_mut_slice();
-            for (word, bits) in words.iter_mut().enumerate().take(objects.len().div_ceil(WORD)) {
-                *bits = self
-                    .volume
-                    .touching(&objects.boxes, word, present_word(objects, word));
-            }
-            work.light_words += words.len() as u64;
-        } else if !objects.moved.is_clear() {
-            let words = self.reach.as_mut_slice();
-            for (word, moved) in objects.moved_words() {
-                let candidates = moved & present_word(objects, word);
-                let touching = self.volume.touching(&objects.boxes, word, candidates);
-                // What moved within reach, out of it or into it changes I or S.
-                self.stale |= (words[word] | touching) & moved != 0;
-                words[word] = (words[word] & !moved) | touching;
-                work.light_words += 1;
-            }
         }
     }
 }
@@ -298,28 +288,5 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
             None => FrameLight::new(candidate),
         };
         frame.lights.push(light);
-    }
-}
-
-/// Computes [`FrameLight::reach`] of every light: all words if the light or the layout changed, else words in which something moved.
-///
-/// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. O(lights × objects),
-/// eight objects at a time.
-/// Source: McGuire 2004, GPU Gems ch. 9, §9.5.2: boxes against the range's ball or the cone.
-pub fn collect_light_sets(
-    mut frame: ResMut<FrameLights>,
-    mut work: ResMut<SetWork>,
-    objects: Res<Objects>,
-    view: Res<View>,
-    visible: Res<VisibleSet>,
-) {
-    let now = Seen {
-        layout: objects.layout_generation,
-        flags: objects.flags_generation,
-        view: view.generation,
-        visible: visible.generation,
-    };
-    for light in &mut frame.lights {
-        light.collect_reach(&objects, now, &mut work);
     }
 }

@@ -10,8 +10,11 @@
 //! | I [`FrameLight::i`] | V ∩ L, drawn and affected: what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
 //! | S [`FrameLight::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
 //!
-//! Beside them: [`View`] by [`collect_view`], [`ScreenExtents`] by [`project_visible`], [`ScissorRect`] and
-//! [`DepthBounds`] by [`collect_illumination`].
+//! Beside them: [`View`] by [`collect_view`], [`ScissorRect`] and [`DepthBounds`] by [`collect_illumination`].
+//!
+//! The index is in spatial order, so that a word of a bitset is 64 neighbours with a box around them ([`Clusters`]): every
+//! set is found from boxes around boxes down to the objects, and costs what it touches. Where more than one thread is
+//! there (bevy's `ComputeTaskPool`), lights and pieces of the index are shared among them, with the same outcome.
 //!
 //! Each step recomputes what its inputs changed and nothing else; a frame in which nothing moved computes no set and
 //! allocates nothing ([`SetWork`] counts).
@@ -22,18 +25,25 @@
 //! Source: O'Rorke 2004, "Managing Visibility for Per-Pixel Lighting", GPU Gems ch. 15; McGuire 2004, "Efficient
 //! Shadow Volume Rendering", GPU Gems ch. 9; Everitt & Kilgard 2003, "Optimized Stencil Shadow Volumes".
 
+pub mod box_tests;
 pub mod boxes;
+pub mod clusters;
+pub mod collect_objects;
 pub mod depth_bounds;
 pub mod frustum;
 pub mod illumination;
 pub mod light_occlusion;
 pub mod light_volume;
 pub mod lights;
+mod lit_bounds;
 pub mod objects;
+pub mod reach;
 pub mod scissor;
 pub mod screen;
+mod screen_union;
 pub mod seen_into;
 pub mod shadow;
+mod spatial_order;
 pub mod view;
 pub mod visible;
 pub mod work;
@@ -42,31 +52,37 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleConfigs;
 use bevy_ecs::system::ScheduleSystem;
 
+pub use box_tests::Touch;
 pub use boxes::Boxes;
+pub use clusters::{Clusters, Found};
+pub use collect_objects::collect_objects;
 pub use depth_bounds::{DepthBounds, shadow_depth_range};
 pub use frustum::{FrustumSet, collect_frustum_set};
 pub use illumination::collect_illumination;
 pub use light_occlusion::collect_light_occlusion;
 pub use light_volume::LightVolume;
-pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, collect_light_sets};
-pub use objects::{Objects, collect_objects};
+pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights};
+pub use objects::Objects;
+pub use reach::collect_light_sets;
 pub use scissor::ScissorRect;
-pub use screen::{Projector, ScreenBounds, ScreenExtents, project_visible};
+pub use screen::{Projector, ScreenBounds};
 pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use shadow::collect_shadow_sets;
 pub use view::{View, ViewData, ViewportSize, collect_view};
 pub use visible::{VisibleSet, collect_visible_set};
 pub use work::SetWork;
 
+use crate::scene::ObjectChurn;
+
 /// Inserts the resources of the sets, those that are missing.
 pub fn init_set_resources(world: &mut World) {
     world.init_resource::<SetWork>();
+    world.init_resource::<ObjectChurn>();
     world.init_resource::<Objects>();
     world.init_resource::<ViewportSize>();
     world.init_resource::<View>();
     world.init_resource::<FrustumSet>();
     world.init_resource::<VisibleSet>();
-    world.init_resource::<ScreenExtents>();
     world.init_resource::<FrameLights>();
 }
 
@@ -77,7 +93,6 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         collect_view,
         collect_frustum_set,
         collect_visible_set, // occlusion from the camera comes here
-        project_visible,
         collect_frame_lights,
         collect_light_sets,
         collect_light_occlusion, // occlusion from the lights comes here

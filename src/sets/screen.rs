@@ -1,13 +1,8 @@
 //! Bounds on the screen and in view depth, of boxes and of convex hulls of homogeneous points.
 
-use bevy_ecs::prelude::*;
 use glam::{DVec2, DVec3, DVec4};
 
-use super::boxes::Boxes;
-use super::objects::Objects;
-use super::view::{View, ViewData};
-use super::visible::VisibleSet;
-use super::work::SetWork;
+use super::view::ViewData;
 
 /// A rectangle in pixels (row 0 at the top, not yet rounded or clipped to the picture) and a range of view depth.
 /// Empty when a minimum exceeds its maximum.
@@ -138,6 +133,21 @@ impl Projector {
         self.rows[2].dot(point - self.eye)
     }
 
+    /// Rows x, y and w of clip from world, on vectors from the eye.
+    pub(super) fn rows(&self) -> [DVec3; 3] {
+        self.rows
+    }
+
+    /// Position of the eye, world space.
+    pub(super) fn eye(&self) -> DVec3 {
+        self.eye
+    }
+
+    /// Size of the picture, pixels.
+    pub(super) fn size(&self) -> DVec2 {
+        self.size
+    }
+
     /// View depth of the near plane.
     pub fn near(&self) -> f64 {
         self.near
@@ -262,50 +272,5 @@ impl Projector {
             bounds.include(crossing, self.size);
         }
         bounds
-    }
-}
-
-/// Screen bounds of every object of V that is drawn, by dense index; stale entries of other objects mean nothing.
-/// Written by [`project_visible`], read once per light and object, so that no light projects anything again.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct ScreenExtents {
-    /// Bounds by dense index.
-    pub bounds: Vec<ScreenBounds>,
-    seen: (u64, u64, u64),
-}
-
-/// Projects the bounds of visible objects; only of those that moved if view, V and objects are as before.
-///
-/// Set: `CollectSets`, after `collect_visible_set`.
-pub fn project_visible(
-    mut extents: ResMut<ScreenExtents>,
-    mut work: ResMut<SetWork>,
-    objects: Res<Objects>,
-    view: Res<View>,
-    visible: Res<VisibleSet>,
-) {
-    let now = (view.generation, visible.generation, objects.flags_generation);
-    let everything = extents.seen != now;
-    let Some(view) = &view.data else {
-        return;
-    };
-    if !everything && objects.moved.is_clear() {
-        return;
-    }
-    let extents = &mut *extents;
-    extents.seen = now;
-    if extents.bounds.len() != objects.len() {
-        extents.bounds.resize(objects.len(), ScreenBounds::EMPTY);
-    }
-    let projector = Projector::new(view);
-    let mut project = |index: usize, boxes: &Boxes| {
-        let (center, half) = boxes.center_half(index);
-        extents.bounds[index] = projector.bounds_of_box(center, half);
-        work.objects_projected += 1;
-    };
-    for index in visible.set.intersection(&objects.drawn) {
-        if everything || objects.moved.contains(index) {
-            project(index, &objects.boxes);
-        }
     }
 }

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
-use super::{Objects, View};
+use super::{Objects, Touch, View};
 use crate::geometry::Aabb;
 use crate::scene::{AlphaMode, MeshData, SceneMaterials, SceneMesh};
 
@@ -22,7 +22,7 @@ pub struct SeeThrough {
 
 /// Collects [`SeeThrough`] and [`SeenInto`].
 ///
-/// Set: `CollectSets`, after the objects and the view. Cost: one box test an object, nothing at rest.
+/// Set: `CollectSets`, after the objects and the view. Cost: the clusters, nothing at rest.
 pub fn collect_seen_into(
     mut seen_into: ResMut<SeenInto>,
     mut see_through: ResMut<SeeThrough>,
@@ -53,12 +53,20 @@ pub fn collect_seen_into(
     let Some(view) = &view.data else {
         return;
     };
-    let near = Aabb::from_points(view.near_corners.map(|corner| corner.as_vec3()));
-    for object in 0..objects.len() {
-        if objects.boxes.get(object).intersects(&near) {
-            seen_into.0.insert(object);
-        }
-    }
+    // Padded like the boxes, so that rounding of its corners loses nothing.
+    let near = Aabb::from_points(view.near_corners.map(|corner| corner.as_vec3())).padded();
+    let words = seen_into.0.as_mut_slice();
+    objects.clusters.find(
+        None,
+        |boxes, word, candidates| Touch {
+            touching: boxes.touching_box(word, candidates, &near),
+            inside: 0,
+        },
+        |found| {
+            let present = objects.present.as_slice()[found.word];
+            words[found.word] |= objects.boxes.touching_box(found.word, present, &near);
+        },
+    );
 }
 
 /// Whether every triangle of the mesh is drawn, and opaque.

@@ -1,6 +1,7 @@
 //! Random scenes, and a judge of their sets that shares no code with the crate.
 #![allow(dead_code, reason = "each test file uses a part")]
 
+pub mod flat;
 pub mod judge;
 
 use antumbra::geometry::Aabb;

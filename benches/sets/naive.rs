@@ -1,9 +1,7 @@
-//! Time of the sets, per object and light: `cargo bench --bench sets [-- --short]`.
-//!
-//! The baseline in the same run is the obvious loop with the same outcome: it reads the bounds from the world into an
-//! array of structures, tests each with scalars, keeps a `Vec` of indices a set and projects the boxes of I for the
-//! scissor. It does so every frame, so one figure stands for both kinds of frame. Both are asserted to agree before
-//! they are timed: ours may keep more in F, L, I, by rounding only, and has fewer in S, where it asks for receivers.
+//! Beside the obvious loop with the same outcome: it reads the bounds from the world into an array of structures, tests
+//! each with scalars, keeps a `Vec` of indices a set and projects the boxes of I for the scissor. It does so every
+//! frame, so one figure stands for both kinds of frame. Both are asserted to agree before they are timed: ours may keep
+//! more in F, L, I, by rounding only, and has fewer in S, where it asks for receivers. Both on one thread.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -32,8 +30,8 @@ struct NaiveSets {
     screen: Option<ScreenBounds>,
 }
 
-fn main() {
-    let short = std::env::args().any(|argument| argument == "--short");
+/// Prints the table.
+pub fn run(short: bool) {
     let budget = Duration::from_millis(if short { 60 } else { 600 });
     println!(
         "{:>7} {:>6}  {:>8} {:>12} {:>12} {:>12} {:>7}",

@@ -1,0 +1,31 @@
+//! Time of the sets F, V, L, I, S: `cargo bench --bench sets --features bevy-bench [-- [--short] [--only PART]]`.
+//!
+//! [`bevy`](mod@bevy) (feature `bevy-bench`) is the comparison that counts: beside Bevy's own light visibility, in one
+//! world and one run. [`naive`] compares with the obvious loop, [`touched`] shows what the cost follows. Answers are
+//! asserted before anything is timed.
+
+#[cfg(feature = "bevy-bench")]
+mod bevy;
+mod field;
+mod naive;
+mod touched;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().collect();
+    let short = arguments.iter().any(|argument| argument == "--short");
+    let only = arguments.iter().position(|argument| argument == "--only");
+    let only = only.and_then(|at| arguments.get(at + 1));
+    let wanted = |part: &str| only.is_none_or(|only| only == part);
+    if wanted("naive") {
+        naive::run(short);
+    }
+    if wanted("touched") {
+        touched::run(short);
+    }
+    if wanted("bevy") {
+        #[cfg(feature = "bevy-bench")]
+        bevy::run(short);
+        #[cfg(not(feature = "bevy-bench"))]
+        println!("\nwithout Bevy: its comparison needs `--features bevy-bench`");
+    }
+}

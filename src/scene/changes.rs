@@ -1,0 +1,93 @@
+//! Change ticks of whole columns: what changed among 100 000 objects, at a few microseconds a column.
+
+use bevy_ecs::change_detection::{MAX_CHANGE_AGE, Tick};
+
+/// Rows that one mask tells of.
+const BLOCK: usize = u64::BITS as usize;
+
+/// The time since a system last ran.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Since {
+    this_run: u32,
+    age: u32,
+}
+
+impl Since {
+    /// The time between two runs.
+    pub(crate) fn new(last_run: Tick, this_run: Tick) -> Self {
+        let (last_run, this_run) = (last_run.get(), this_run.get());
+        Self {
+            this_run,
+            age: this_run.wrapping_sub(last_run).min(MAX_CHANGE_AGE),
+        }
+    }
+
+    /// [`Tick::is_newer_than`], without branches.
+    #[inline]
+    fn holds(self, tick: Tick) -> bool {
+        self.this_run.wrapping_sub(tick.get()) < self.age
+    }
+
+    /// Whether any of the rows changed.
+    pub(crate) fn any(self, ticks: &[Tick]) -> bool {
+        ticks.chunks(8 * BLOCK).any(|chunk| {
+            let fold = |any: bool, &tick: &Tick| any | self.holds(tick);
+            chunk.iter().fold(false, fold)
+        })
+    }
+
+    /// Bits of the rows that changed, at most 64 of them.
+    pub(crate) fn mask(self, ticks: &[Tick]) -> u64 {
+        let set = |(mask, bit): (u64, u64), &tick: &Tick| {
+            let mask = if self.holds(tick) { mask | bit } else { mask };
+            (mask, bit << 1)
+        };
+        ticks.iter().fold((0, 1), set).0
+    }
+
+    /// First row and mask of each block of 64 in which something changed, ascending.
+    pub(crate) fn blocks(self, ticks: &[Tick]) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let blocks = ticks.chunks(BLOCK).enumerate();
+        blocks
+            .filter(move |(_, block)| self.any(block))
+            .map(move |(at, block)| (at * BLOCK, self.mask(block)))
+    }
+}
+
+/// The set bits of a mask, ascending.
+pub(crate) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let bit = mask.trailing_zeros() as usize;
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            bit
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masks_say_what_bevy_says() {
+        let at = |tick: u32| Tick::new(tick);
+        let runs = [(0, 1), (5, 9), (u32::MAX - 2, 3), (7, 7), (9, 5), (1, 1 << 31)];
+        for (last, this) in runs {
+            let since = Since::new(at(last), at(this));
+            let near = (0..64).map(|i| at(last.wrapping_add(i).wrapping_sub(20)));
+            let far = (0..64).map(|i| at(i * 0x0400_0001));
+            for ticks in [near.collect::<Vec<_>>(), far.collect()] {
+                let expected = |tick: &Tick| tick.is_newer_than(at(last), at(this));
+                let mask = since.mask(&ticks);
+                for (bit, tick) in ticks.iter().enumerate() {
+                    assert_eq!(mask >> bit & 1 == 1, expected(tick), "{last} {this} {tick:?}");
+                }
+                assert_eq!(since.any(&ticks), ticks.iter().any(expected));
+                assert_eq!(bits(mask).count(), mask.count_ones() as usize);
+                let blocks: Vec<_> = since.blocks(&ticks).collect();
+                assert_eq!(blocks, if mask == 0 { vec![] } else { vec![(0, mask)] });
+            }
+        }
+    }
+}
