@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`SceneMesh`], [`SceneMaterials`] | what an entity looks like |
 //! | [`ShadowCaster`], [`ShadowReceiver`] | which part it takes in shadows |
+//! | [`Occluder`] | whether it may hide others |
 //! | [`SelectionLayers`] | which lights select it ([`LightSelection`]) |
 //! | [`Light`] | a light; its shadow technique is a component of [`techniques`](crate::techniques) beside it |
 //! | [`Camera`] | the view |
@@ -21,6 +22,7 @@ pub mod gltf_import;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod occluder;
 pub mod pose;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
@@ -30,4 +32,5 @@ pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
+pub use occluder::Occluder;
 pub use pose::{MorphWeights, PosedMesh, Skin};

@@ -30,6 +30,7 @@ pub mod light_occlusion;
 pub mod light_volume;
 pub mod lights;
 pub mod objects;
+pub mod occlusion;
 pub mod scissor;
 pub mod screen;
 pub mod seen_into;
@@ -50,12 +51,13 @@ pub use light_occlusion::collect_light_occlusion;
 pub use light_volume::LightVolume;
 pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, collect_light_sets};
 pub use objects::{Objects, collect_objects};
+pub use occlusion::{AutoOccluders, Occluders, OcclusionSettings, collect_occluders};
 pub use scissor::ScissorRect;
 pub use screen::{Projector, ScreenBounds, ScreenExtents, project_visible};
 pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use shadow::collect_shadow_sets;
 pub use view::{View, ViewData, ViewportSize, collect_view};
-pub use visible::{VisibleSet, collect_visible_set};
+pub use visible::{CameraOcclusion, VisibleSet, collect_visible_set};
 pub use work::SetWork;
 
 /// Inserts the resources of the sets, those that are missing.
@@ -65,6 +67,9 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<ViewportSize>();
     world.init_resource::<View>();
     world.init_resource::<FrustumSet>();
+    world.init_resource::<OcclusionSettings>();
+    world.init_resource::<Occluders>();
+    world.init_resource::<CameraOcclusion>();
     world.init_resource::<VisibleSet>();
     world.init_resource::<ScreenExtents>();
     world.init_resource::<FrameLights>();
@@ -76,7 +81,8 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         collect_objects,
         collect_view,
         collect_frustum_set,
-        collect_visible_set, // occlusion from the camera comes here
+        collect_occluders,
+        collect_visible_set, // what the camera does not see costs nothing from here on
         project_visible,
         collect_frame_lights,
         collect_light_sets,

@@ -5,6 +5,10 @@ use fixedbitset::FixedBitSet;
 
 use super::frustum::FrustumSet;
 use super::objects::Objects;
+use super::occlusion::viewpoint::Blocks;
+use super::occlusion::{Occluders, OcclusionSettings, Projection, Rasterizer, Viewpoint};
+use super::view::View;
+use super::work::SetWork;
 
 /// Set V. Written by [`collect_visible_set`].
 #[derive(Resource, Clone, Debug, Default)]
@@ -13,29 +17,112 @@ pub struct VisibleSet {
     pub set: FixedBitSet,
     /// Increases when objects may have entered or left the set other than by having moved themselves.
     pub generation: u64,
-    seen: u64,
+    seen: Option<Seen>,
+    previous: FixedBitSet,
 }
 
-/// V = F: there is no occlusion from the camera yet, and this step is where it takes objects out.
+/// All that V depends on beside what moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    frustum_set: u64,
+    occluders: u64,
+    settings: OcclusionSettings,
+}
+
+/// What stands before the camera. Written by [`collect_visible_set`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct CameraOcclusion {
+    /// The depth buffer, as of the last frame in which view or occluders changed.
+    pub viewpoint: Viewpoint,
+    rasterizer: Rasterizer,
+}
+
+/// V = F less what is hidden in the camera's depth buffer.
 ///
-/// Set: `CollectSets`, after `collect_frustum_set`.
+/// Set: `CollectSets`, after `collect_frustum_set` and `collect_occluders`. The buffer is drawn when the view or the
+/// occluders changed or one of them moved in view, and then all of F is tested; else only what moved. Conservative: it
+/// may keep an object that is hidden, it never drops one of which a pixel shows.
 pub fn collect_visible_set(
     mut visible: ResMut<VisibleSet>,
+    mut occlusion: ResMut<CameraOcclusion>,
+    mut work: ResMut<SetWork>,
     frustum_set: Res<FrustumSet>,
     objects: Res<Objects>,
+    occluders: Res<Occluders>,
+    settings: Res<OcclusionSettings>,
+    view: Res<View>,
 ) {
-    let anew = visible.seen != frustum_set.generation;
-    if anew {
-        visible.seen = frustum_set.generation;
-        visible.generation += 1;
+    let now = Seen {
+        frustum_set: frustum_set.generation,
+        occluders: occluders.generation,
+        settings: *settings,
+    };
+    let (visible, occlusion) = (&mut *visible, &mut *occlusion);
+    let anew = visible.seen != Some(now);
+    if !anew && objects.moved.is_clear() {
+        return;
+    }
+    visible.seen = Some(now);
+    let redraw = settings.from_camera && (anew || occluder_moved(occlusion, &occluders, &frustum_set.set));
+    if anew || redraw {
         if visible.set.len() != frustum_set.set.len() {
             visible.set = FixedBitSet::with_capacity(frustum_set.set.len());
+            visible.previous = visible.set.clone();
+        }
+        visible.previous.clone_from(&visible.set);
+        visible.set.clone_from(&frustum_set.set);
+        occlusion.viewpoint.clear();
+        if let Some(view) = view.data.as_ref().filter(|_| settings.from_camera) {
+            let projection = Projection::of_view(view, settings.camera_texels.clamp(16, 2048));
+            let candidates = frustum_set.set.intersection(&occluders.camera);
+            occlusion.viewpoint.draw(
+                &mut occlusion.rasterizer,
+                &[projection],
+                candidates,
+                &objects,
+                &occluders,
+                &settings,
+                Blocks::Sight,
+            );
+            work.depth_buffers += 1;
+        }
+        for object in frustum_set.set.ones() {
+            if occlusion.viewpoint.hides(&objects, object) {
+                visible.set.remove(object);
+            }
+        }
+        work.occlusion_tests += frustum_set.set.count_ones(..) as u64;
+        if anew || differs_at_rest(visible, &objects) {
+            visible.generation += 1;
+        }
+        return;
+    }
+    for (word, moved) in objects.moved_words() {
+        let bits = &mut visible.set.as_mut_slice()[word];
+        *bits = *bits & !moved | frustum_set.set.as_slice()[word] & moved;
+    }
+    for object in objects.moved.ones() {
+        if visible.set.contains(object) {
+            work.occlusion_tests += 1;
+            if occlusion.viewpoint.hides(&objects, object) {
+                visible.set.remove(object);
+            }
         }
     }
-    if anew || !objects.moved.is_clear() {
-        visible
-            .set
-            .as_mut_slice()
-            .copy_from_slice(frustum_set.set.as_slice());
-    }
+}
+
+/// Whether an occluder that was drawn moved, or one that might be moved within the frustum.
+fn occluder_moved(occlusion: &CameraOcclusion, occluders: &Occluders, frustum_set: &FixedBitSet) -> bool {
+    let mut moved = occluders.moved.intersection(&occluders.camera);
+    moved.any(|object| frustum_set.contains(object) || occlusion.viewpoint.drawn.contains(object))
+}
+
+/// Whether V changed by an object that did not move.
+fn differs_at_rest(visible: &VisibleSet, objects: &Objects) -> bool {
+    let (new, old, moved) = (
+        visible.set.as_slice(),
+        visible.previous.as_slice(),
+        objects.moved.as_slice(),
+    );
+    new.iter().zip(old).zip(moved).any(|((new, old), moved)| (new ^ old) & !moved != 0)
 }

@@ -1,0 +1,36 @@
+//! What stands before what, from the camera and from every light, and conservative: an object is left out only if no
+//! pixel of the real picture would show anything of it.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `settings` | [`OcclusionSettings`]: what is switched on and what it may cost |
+//! | `occluders` | [`Occluders`]: which objects may hide others |
+//! | `occluder_mesh` | [`OccluderMesh`]: their triangles and edges |
+//! | `projection` | [`Projection`]: from the world to the texels of a picture |
+//! | `clip` | cutting triangles to what a picture can hold |
+//! | `layers` | what a texel may claim, and why that holds |
+//! | `raster` | [`Rasterizer`]: triangles to layers |
+//! | `depth_buffer` | [`DepthBuffer`]: how near something surely stands; the test of boxes |
+//! | `viewpoint` | [`Viewpoint`]: the depth buffers of the camera or of a light |
+//!
+//! Source: Zhang, Manocha, Hudson & Hoff 1997, "Visibility Culling using Hierarchical Occlusion Maps", for testing bounds
+//! against a hierarchy of a rasterised picture of chosen occluders; O'Rorke 2004, GPU Gems ch. 15, §15.4, for doing so
+//! from every light. What a texel may claim is ours.
+
+mod clip;
+pub mod depth_buffer;
+mod layers;
+pub mod occluder_mesh;
+pub mod occluders;
+pub mod projection;
+pub mod raster;
+pub mod settings;
+pub mod viewpoint;
+
+pub use depth_buffer::DepthBuffer;
+pub use occluder_mesh::OccluderMesh;
+pub use occluders::{Occluders, collect_occluders};
+pub use projection::Projection;
+pub use raster::{Rasterizer, Sides};
+pub use settings::{AutoOccluders, OcclusionSettings};
+pub use viewpoint::Viewpoint;
