@@ -29,7 +29,7 @@ pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds};
 pub use camera::Camera;
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
-pub use light::{Light, LightError, LightKind, LightSelection};
+pub use light::{Light, LightError, LightKind, LightSelection, ShadowedLight};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;

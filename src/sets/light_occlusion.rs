@@ -1,14 +1,192 @@
 //! Set L of each light: what it reaches and may see.
 
 use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
 
-use super::lights::FrameLights;
+use super::lights::{FrameLight, FrameLights};
+use super::objects::Objects;
+use super::occlusion::light_views::light_views;
+use super::occlusion::viewpoint::Blocks;
+use super::occlusion::{Occluders, OcclusionSettings, Rasterizer, Viewpoint};
+use super::work::SetWork;
+use crate::geometry::Aabb;
+use crate::scene::ShadowedLight;
 
-/// L = reach: there is no occlusion from the lights yet, and this step is where it takes objects out.
-///
-/// Set: `CollectSets`, after `collect_light_sets`.
-pub fn collect_light_occlusion(mut frame: ResMut<FrameLights>) {
-    for light in frame.lights.iter_mut().filter(|light| light.reach_written) {
-        light.l.clone_from(&light.reach);
+/// What stands before each light. Written by [`collect_light_occlusion`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct LightOcclusion {
+    /// One for each light of [`FrameLights`], in its order.
+    lights: Vec<Entry>,
+    previous: Vec<Entry>,
+    frame_lights: u64,
+    rasterizer: Rasterizer,
+    old: FixedBitSet,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    light: Entity,
+    viewpoint: Viewpoint,
+    seen: Option<Seen>,
+}
+
+/// All that occlusion from a light depends on beside the light and what moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    occluders: u64,
+    settings: OcclusionSettings,
+    is_shadowed: bool,
+}
+
+impl LightOcclusion {
+    /// What stands before the light at this index of [`FrameLights`].
+    pub fn viewpoint(&self, light: usize) -> Option<&Viewpoint> {
+        Some(&self.lights.get(light)?.viewpoint)
     }
+
+    /// Keeps what is known of lights that are still there.
+    fn follow(&mut self, frame: &FrameLights) {
+        if self.frame_lights == frame.generation && self.lights.len() == frame.lights.len() {
+            return;
+        }
+        self.frame_lights = frame.generation;
+        std::mem::swap(&mut self.lights, &mut self.previous);
+        let mut old = self.previous.drain(..).peekable();
+        for light in &frame.lights {
+            while old.next_if(|entry| entry.light < light.entity).is_some() {}
+            let known = old.next_if(|entry| entry.light == light.entity);
+            self.lights.push(known.unwrap_or_else(|| Entry {
+                light: light.entity,
+                viewpoint: Viewpoint::default(),
+                seen: None,
+            }));
+        }
+    }
+}
+
+/// L = reach less what is hidden in the light's depth buffers.
+///
+/// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
+/// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
+/// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
+/// its reach, moved; then all that it reaches is tested, else only what moved. If L changed by an object at rest, I and S
+/// are computed anew.
+///
+/// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
+pub fn collect_light_occlusion(
+    mut frame: ResMut<FrameLights>,
+    mut occlusion: ResMut<LightOcclusion>,
+    mut work: ResMut<SetWork>,
+    objects: Res<Objects>,
+    occluders: Res<Occluders>,
+    settings: Res<OcclusionSettings>,
+    shadowed: Query<(), With<ShadowedLight>>,
+) {
+    let occlusion = &mut *occlusion;
+    occlusion.follow(&frame);
+    let LightOcclusion {
+        lights,
+        rasterizer,
+        old,
+        ..
+    } = occlusion;
+    for (light, entry) in frame.lights.iter_mut().zip(lights) {
+        let now = Seen {
+            occluders: occluders.generation,
+            settings: *settings,
+            is_shadowed: shadowed.contains(light.entity),
+        };
+        let anew = light.moved || entry.seen != Some(now);
+        if !anew && !light.reach_written {
+            continue;
+        }
+        entry.seen = Some(now);
+        if !(settings.from_lights && now.is_shadowed) {
+            entry.viewpoint.clear();
+            light.stale |= anew;
+            light.l.clone_from(&light.reach);
+            continue;
+        }
+        if anew || occluder_moved(light, &entry.viewpoint, &objects, &occluders) {
+            draw(light, &mut entry.viewpoint, rasterizer, &objects, &occluders, &settings);
+            work.depth_buffers += entry.viewpoint.buffers().len() as u64;
+            old.clone_from(&light.l);
+            light.l.clone_from(&light.reach);
+            for object in light.reach.intersection(&occluders.shadeable) {
+                work.occlusion_tests += 1;
+                if entry.viewpoint.hides(&objects, object) {
+                    light.l.remove(object);
+                }
+            }
+            light.stale |= anew || differs_at_rest(&light.l, old, &objects);
+            continue;
+        }
+        for (word, moved) in objects.moved_words() {
+            let bits = &mut light.l.as_mut_slice()[word];
+            *bits = *bits & !moved | light.reach.as_slice()[word] & moved;
+        }
+        for object in objects.moved.intersection(&occluders.shadeable) {
+            if light.l.contains(object) {
+                work.occlusion_tests += 1;
+                if entry.viewpoint.hides(&objects, object) {
+                    light.l.remove(object);
+                }
+            }
+        }
+    }
+}
+
+/// Whether an object may hide others from this light.
+fn hides_from(light: &FrameLight, objects: &Objects, occluders: &Occluders, object: usize) -> bool {
+    occluders.light.contains(object) && objects.layers[object] & light.selection.casts_for != 0
+}
+
+/// Whether an occluder that was drawn moved, or one that reaches the light's volume.
+fn occluder_moved(light: &FrameLight, viewpoint: &Viewpoint, objects: &Objects, occluders: &Occluders) -> bool {
+    occluders.moved.ones().any(|object| {
+        hides_from(light, objects, occluders, object)
+            && (light.reach.contains(object) || viewpoint.drawn.contains(object))
+    })
+}
+
+fn draw(
+    light: &FrameLight,
+    viewpoint: &mut Viewpoint,
+    rasterizer: &mut Rasterizer,
+    objects: &Objects,
+    occluders: &Occluders,
+    settings: &OcclusionSettings,
+) {
+    let candidates = || {
+        let within = light.reach.intersection(&occluders.light);
+        within.filter(|&object| hides_from(light, objects, occluders, object))
+    };
+    if candidates().next().is_none() {
+        viewpoint.clear();
+        return;
+    }
+    let bounds = light
+        .reach
+        .ones()
+        .fold(Aabb::EMPTY, |bounds, object| bounds.union(objects.boxes.get(object)));
+    let views = light_views(light, &bounds, settings.light_texels.clamp(16, 1024));
+    viewpoint.draw(
+        rasterizer,
+        &views,
+        candidates(),
+        objects,
+        occluders,
+        settings,
+        Blocks::Light,
+    );
+}
+
+/// Whether L changed by an object that did not move.
+fn differs_at_rest(new: &FixedBitSet, old: &FixedBitSet, objects: &Objects) -> bool {
+    if new.len() != old.len() {
+        return true;
+    }
+    let words = new.as_slice().iter().zip(old.as_slice()).zip(objects.moved.as_slice());
+    words.into_iter().any(|((new, old), moved)| (new ^ old) & !moved != 0)
 }

@@ -47,7 +47,7 @@ pub use boxes::Boxes;
 pub use depth_bounds::{DepthBounds, shadow_depth_range};
 pub use frustum::{FrustumSet, collect_frustum_set};
 pub use illumination::collect_illumination;
-pub use light_occlusion::collect_light_occlusion;
+pub use light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light_volume::LightVolume;
 pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, collect_light_sets};
 pub use objects::{Objects, collect_objects};
@@ -73,6 +73,7 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<VisibleSet>();
     world.init_resource::<ScreenExtents>();
     world.init_resource::<FrameLights>();
+    world.init_resource::<LightOcclusion>();
 }
 
 /// The systems of the sets, chained; they belong into `AntumbraSystems::CollectSets`.
@@ -86,7 +87,7 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         project_visible,
         collect_frame_lights,
         collect_light_sets,
-        collect_light_occlusion, // occlusion from the lights comes here
+        collect_light_occlusion, // what a light does not see is dark already
         collect_illumination,    // scissor and depth bounds too: an empty one skips the light
         collect_shadow_sets,     // last: it asks which receivers are left
     )

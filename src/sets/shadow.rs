@@ -6,6 +6,7 @@ use super::frustum::FrustumSet;
 use super::illumination::selected;
 use super::lights::{FrameLight, FrameLights};
 use super::objects::{Objects, resize};
+use super::occlusion::OcclusionSettings;
 use super::view::{View, ViewData};
 use super::work::SetWork;
 use crate::geometry::LightHull;
@@ -16,6 +17,8 @@ use crate::geometry::LightHull;
 /// else those that touch the convex hull of light and frustum. Of these, only those stay that touch the convex hull of
 /// light and the bounds of I's receivers within the light's volume. Without receivers S is empty.
 ///
+/// [`OcclusionSettings::of_shadows`] off leaves S at all casters of L that cast for the light.
+///
 /// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
 /// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second hull is ours.
@@ -25,6 +28,7 @@ pub fn collect_shadow_sets(
     objects: Res<Objects>,
     view: Res<View>,
     frustum_set: Res<FrustumSet>,
+    settings: Res<OcclusionSettings>,
 ) {
     for light in frame.lights.iter_mut().filter(|light| light.stale) {
         resize(&mut light.s, objects.len());
@@ -34,7 +38,18 @@ pub fn collect_shadow_sets(
         {
             work.shadows += 1;
             collect(light, &objects, view, &frustum_set);
+            if !settings.of_shadows && !light.receiver_bounds.is_empty() {
+                all_casters(light, &objects);
+            }
         }
+    }
+}
+
+/// S as it is without a shadow set: whatever of L casts for the light.
+fn all_casters(light: &mut FrameLight, objects: &Objects) {
+    let (l, casters) = (light.l.as_slice(), objects.casters.as_slice());
+    for (word, bits) in light.s.as_mut_slice().iter_mut().enumerate() {
+        *bits = selected(objects, word, l[word] & casters[word], light.selection.casts_for);
     }
 }
 

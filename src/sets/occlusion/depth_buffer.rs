@@ -98,11 +98,16 @@ impl DepthBuffer {
         }
     }
 
-    /// Whether nothing of a box can be seen in the picture: it is out of the picture, or behind what is there.
+    /// Whether nothing of a box can be seen in the picture: it is behind what is there, or out of the picture of a
+    /// perspective view.
     pub fn hides(&self, center: DVec3, half: DVec3) -> bool {
         match self.projection.image_of_box(center, half) {
+            Some(image) if self.projection.is_parallel() => {
+                // What lies beside the picture is not known.
+                image.is_within(&self.projection) && self.hides_image(&image)
+            }
             Some(image) => self.hides_image(&image),
-            None => true,
+            None => !self.projection.is_parallel(),
         }
     }
 

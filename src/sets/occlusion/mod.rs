@@ -11,6 +11,7 @@
 //! | `layers` | what a texel may claim, and why that holds |
 //! | `raster` | [`Rasterizer`]: triangles to layers |
 //! | `depth_buffer` | [`DepthBuffer`]: how near something surely stands; the test of boxes |
+//! | `light_views` | the pictures that together show all that a light sees |
 //! | `viewpoint` | [`Viewpoint`]: the depth buffers of the camera or of a light |
 //!
 //! Source: Zhang, Manocha, Hudson & Hoff 1997, "Visibility Culling using Hierarchical Occlusion Maps", for testing bounds
@@ -20,6 +21,7 @@
 mod clip;
 pub mod depth_buffer;
 mod layers;
+pub mod light_views;
 pub mod occluder_mesh;
 pub mod occluders;
 pub mod projection;

@@ -73,6 +73,14 @@ impl BoxImage {
     }
 }
 
+impl BoxImage {
+    /// Whether all of the rectangle is in the picture.
+    pub fn is_within(&self, projection: &Projection) -> bool {
+        let (width, height) = (f64::from(projection.size.x), f64::from(projection.size.y));
+        self.x.0 >= 0.0 && self.x.1 <= width && self.y.0 >= 0.0 && self.y.1 <= height
+    }
+}
+
 /// A projection from an object's local space.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalProjection {
@@ -161,6 +169,11 @@ impl Projection {
         LocalProjection {
             rows: self.rows.map(|row| transposed * row),
         }
+    }
+
+    /// Whether it is the picture of a directional light.
+    pub fn is_parallel(&self) -> bool {
+        self.slant.is_none()
     }
 
     /// Smallest `w` in the picture.
