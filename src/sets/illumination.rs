@@ -4,12 +4,15 @@ use bevy_ecs::prelude::*;
 
 use super::boxes::WORD;
 use super::depth_bounds::DepthBounds;
+use super::light_occlusion::LightOcclusion;
 use super::lights::{FrameLight, FrameLights, is_dark};
 use super::objects::{Objects, resize};
+use super::occlusion::Occluders;
 use super::scissor::ScissorRect;
 use super::screen::{Projector, ScreenBounds, ScreenExtents};
 use super::view::{View, ViewData};
 use super::visible::VisibleSet;
+use super::visible_parts::VisibleParts;
 use super::work::SetWork;
 use crate::geometry::Aabb;
 
@@ -30,15 +33,20 @@ pub(super) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -
     result
 }
 
-/// The bounds of objects, each cut by the box of a light's volume, joined.
-pub(super) fn lit_bounds(objects: &Objects, indices: impl Iterator<Item = usize>, reach: &Aabb) -> Aabb {
+/// The bounds of visible parts of objects, each cut by the box of a light's volume, joined.
+pub(super) fn lit_bounds(
+    objects: &Objects,
+    parts: &VisibleParts,
+    indices: impl Iterator<Item = usize>,
+    reach: &Aabb,
+) -> Aabb {
     indices
-        .map(|index| objects.boxes.get(index).intersection(*reach))
+        .map(|index| parts.get(objects, index).intersection(*reach))
         .filter(|part| !part.is_empty())
         .fold(Aabb::EMPTY, Aabb::union)
 }
 
-/// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, then the scissor and depth bounds: those of I's
+/// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, less objects of which all that is seen is dark, then the scissor and depth bounds: those of I's
 /// objects, of the light's volume, and of the objects cut by the volume, intersected. If nothing is left the light
 /// is skipped: I is emptied.
 ///
@@ -51,8 +59,11 @@ pub fn collect_illumination(
     view: Res<View>,
     visible: Res<VisibleSet>,
     extents: Res<ScreenExtents>,
+    parts: Res<VisibleParts>,
+    occlusion: Res<LightOcclusion>,
+    occluders: Res<Occluders>,
 ) {
-    for light in frame.lights.iter_mut().filter(|light| light.stale) {
+    for (at, light) in frame.lights.iter_mut().enumerate().filter(|(_, light)| light.stale) {
         resize(&mut light.i, objects.len());
         light.scissor = None;
         light.depth_bounds = None;
@@ -62,8 +73,9 @@ pub fn collect_illumination(
         };
         if !is_dark(&light.light) {
             intersect(light, &objects, &visible);
+            parts.cut_illumination(light, occlusion.viewpoint(at), &occluders);
         }
-        if !light.i.is_clear() && bound(light, &objects, view, &extents).is_none() {
+        if !light.i.is_clear() && bound(light, &objects, view, &extents, &parts).is_none() {
             light.scissor = None;
             light.depth_bounds = None;
             light.i.clear();
@@ -80,7 +92,13 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     }
 }
 
-fn bound(light: &mut FrameLight, objects: &Objects, view: &ViewData, extents: &ScreenExtents) -> Option<()> {
+fn bound(
+    light: &mut FrameLight,
+    objects: &Objects,
+    view: &ViewData,
+    extents: &ScreenExtents,
+    parts: &VisibleParts,
+) -> Option<()> {
     let projector = Projector::new(view);
     let mut bounds = light
         .i
@@ -90,11 +108,11 @@ fn bound(light: &mut FrameLight, objects: &Objects, view: &ViewData, extents: &S
         .intersection(light.volume.screen_bounds(&projector));
     let reach = light.volume.aabb();
     // Mostly all are receivers, and one pass serves S too.
-    let lit = lit_bounds(objects, light.i.ones(), &reach);
+    let lit = lit_bounds(objects, parts, light.i.ones(), &reach);
     light.receiver_bounds = if light.i.is_subset(&objects.receivers) {
         lit
     } else {
-        lit_bounds(objects, light.i.intersection(&objects.receivers), &reach)
+        lit_bounds(objects, parts, light.i.intersection(&objects.receivers), &reach)
     };
     if lit.is_empty() {
         return None;

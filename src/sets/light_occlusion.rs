@@ -1,7 +1,6 @@
 //! Set L of each light: what it reaches and may see.
 
 use bevy_ecs::prelude::*;
-use fixedbitset::FixedBitSet;
 
 use super::lights::{FrameLight, FrameLights};
 use super::objects::Objects;
@@ -20,7 +19,6 @@ pub struct LightOcclusion {
     previous: Vec<Entry>,
     frame_lights: u64,
     rasterizer: Rasterizer,
-    old: FixedBitSet,
 }
 
 #[derive(Clone, Debug)]
@@ -69,8 +67,8 @@ impl LightOcclusion {
 /// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
 /// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
 /// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
-/// its reach, moved; then all that it reaches is tested, else only what moved. If L changed by an object at rest, I and S
-/// are computed anew.
+/// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
+/// then computed anew.
 ///
 /// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
@@ -88,7 +86,6 @@ pub fn collect_light_occlusion(
     let LightOcclusion {
         lights,
         rasterizer,
-        old,
         ..
     } = occlusion;
     for (light, entry) in frame.lights.iter_mut().zip(lights) {
@@ -111,7 +108,6 @@ pub fn collect_light_occlusion(
         if anew || occluder_moved(light, &entry.viewpoint, &objects, &occluders) {
             draw(light, &mut entry.viewpoint, rasterizer, &objects, &occluders, &settings);
             work.depth_buffers += entry.viewpoint.buffers().len() as u64;
-            old.clone_from(&light.l);
             light.l.clone_from(&light.reach);
             for object in light.reach.intersection(&occluders.shadeable) {
                 work.occlusion_tests += 1;
@@ -119,7 +115,8 @@ pub fn collect_light_occlusion(
                     light.l.remove(object);
                 }
             }
-            light.stale |= anew || differs_at_rest(&light.l, old, &objects);
+            // Even where L is as before, what is seen of its objects may have become lit or dark.
+            light.stale = true;
             continue;
         }
         for (word, moved) in objects.moved_words() {
@@ -180,13 +177,4 @@ fn draw(
         settings,
         Blocks::Light,
     );
-}
-
-/// Whether L changed by an object that did not move.
-fn differs_at_rest(new: &FixedBitSet, old: &FixedBitSet, objects: &Objects) -> bool {
-    if new.len() != old.len() {
-        return true;
-    }
-    let words = new.as_slice().iter().zip(old.as_slice()).zip(objects.moved.as_slice());
-    words.into_iter().any(|((new, old), moved)| (new ^ old) & !moved != 0)
 }

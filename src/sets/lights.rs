@@ -84,6 +84,8 @@ pub struct FrameLight {
     pub(super) receiver_bounds: Aabb,
     /// Whether I and what follows from it are to be computed in this frame.
     pub(super) stale: bool,
+    /// Casters of S that some receiver needs; scratch.
+    pub(super) kept: FixedBitSet,
     /// Whether `reach` was written in this frame.
     pub(super) reach_written: bool,
     seen: Option<Seen>,
@@ -144,6 +146,7 @@ impl FrameLight {
             depth_bounds: None,
             receiver_bounds: Aabb::EMPTY,
             stale: true,
+            kept: FixedBitSet::new(),
             reach_written: true,
             seen: None,
         }

@@ -37,6 +37,7 @@ pub mod seen_into;
 pub mod shadow;
 pub mod view;
 pub mod visible;
+pub mod visible_parts;
 pub mod work;
 
 use bevy_ecs::prelude::*;
@@ -58,6 +59,7 @@ pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use shadow::collect_shadow_sets;
 pub use view::{View, ViewData, ViewportSize, collect_view};
 pub use visible::{CameraOcclusion, VisibleSet, collect_visible_set};
+pub use visible_parts::VisibleParts;
 pub use work::SetWork;
 
 /// Inserts the resources of the sets, those that are missing.
@@ -71,6 +73,7 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<Occluders>();
     world.init_resource::<CameraOcclusion>();
     world.init_resource::<VisibleSet>();
+    world.init_resource::<VisibleParts>();
     world.init_resource::<ScreenExtents>();
     world.init_resource::<FrameLights>();
     world.init_resource::<LightOcclusion>();

@@ -8,6 +8,7 @@ use super::lights::{FrameLight, FrameLights};
 use super::objects::{Objects, resize};
 use super::occlusion::OcclusionSettings;
 use super::view::{View, ViewData};
+use super::visible_parts::{VisibleParts, cut_casters};
 use super::work::SetWork;
 use crate::geometry::LightHull;
 
@@ -15,13 +16,14 @@ use crate::geometry::LightHull;
 ///
 /// Candidates are the casters of L that cast for this light. If all of the light is inside the frustum, those in F stay;
 /// else those that touch the convex hull of light and frustum. Of these, only those stay that touch the convex hull of
-/// light and the bounds of I's receivers within the light's volume. Without receivers S is empty.
+/// light and the bounds of I's receivers within the light's volume, and the hull of light and one of these. Without
+/// receivers S is empty.
 ///
 /// [`OcclusionSettings::of_shadows`] off leaves S at all casters of L that cast for the light.
 ///
 /// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
 /// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light.
-/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second hull is ours.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second and third hull are ours.
 pub fn collect_shadow_sets(
     mut frame: ResMut<FrameLights>,
     mut work: ResMut<SetWork>,
@@ -29,6 +31,7 @@ pub fn collect_shadow_sets(
     view: Res<View>,
     frustum_set: Res<FrustumSet>,
     settings: Res<OcclusionSettings>,
+    parts: Res<VisibleParts>,
 ) {
     for light in frame.lights.iter_mut().filter(|light| light.stale) {
         resize(&mut light.s, objects.len());
@@ -38,7 +41,9 @@ pub fn collect_shadow_sets(
         {
             work.shadows += 1;
             collect(light, &objects, view, &frustum_set);
-            if !settings.of_shadows && !light.receiver_bounds.is_empty() {
+            if settings.of_shadows {
+                cut_casters(light, &parts, &objects);
+            } else if !light.receiver_bounds.is_empty() {
                 all_casters(light, &objects);
             }
         }

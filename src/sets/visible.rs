@@ -8,6 +8,7 @@ use super::objects::Objects;
 use super::occlusion::viewpoint::Blocks;
 use super::occlusion::{Occluders, OcclusionSettings, Projection, Rasterizer, Viewpoint};
 use super::view::View;
+use super::visible_parts::VisibleParts;
 use super::work::SetWork;
 
 /// Set V. Written by [`collect_visible_set`].
@@ -45,6 +46,7 @@ pub struct CameraOcclusion {
 pub fn collect_visible_set(
     mut visible: ResMut<VisibleSet>,
     mut occlusion: ResMut<CameraOcclusion>,
+    mut parts: ResMut<VisibleParts>,
     mut work: ResMut<SetWork>,
     frustum_set: Res<FrustumSet>,
     objects: Res<Objects>,
@@ -66,33 +68,25 @@ pub fn collect_visible_set(
     let redraw = settings.from_camera && (anew || occluder_moved(occlusion, &occluders, &frustum_set.set));
     if anew || redraw {
         if visible.set.len() != frustum_set.set.len() {
-            visible.set = FixedBitSet::with_capacity(frustum_set.set.len());
-            visible.previous = visible.set.clone();
+            visible.previous = FixedBitSet::with_capacity(frustum_set.set.len());
         }
-        visible.previous.clone_from(&visible.set);
+        std::mem::swap(&mut visible.set, &mut visible.previous);
         visible.set.clone_from(&frustum_set.set);
-        occlusion.viewpoint.clear();
-        if let Some(view) = view.data.as_ref().filter(|_| settings.from_camera) {
-            let projection = Projection::of_view(view, settings.camera_texels.clamp(16, 2048));
-            let candidates = frustum_set.set.intersection(&occluders.camera);
-            occlusion.viewpoint.draw(
-                &mut occlusion.rasterizer,
-                &[projection],
-                candidates,
-                &objects,
-                &occluders,
-                &settings,
-                Blocks::Sight,
-            );
+        draw(occlusion, &frustum_set.set, &objects, &occluders, &settings, &view);
+        let mut changed = false;
+        if occlusion.viewpoint.buffers().is_empty() {
+            parts.forget();
+        } else {
             work.depth_buffers += 1;
-        }
-        for object in frustum_set.set.ones() {
-            if occlusion.viewpoint.hides(&objects, object) {
-                visible.set.remove(object);
+            work.occlusion_tests += frustum_set.set.count_ones(..) as u64;
+            parts.begin(objects.len());
+            for object in frustum_set.set.ones() {
+                let part = occlusion.viewpoint.visible_part(&objects, object);
+                visible.set.set(object, !part.is_empty());
+                changed |= parts.set(object, part) && !objects.moved.contains(object);
             }
         }
-        work.occlusion_tests += frustum_set.set.count_ones(..) as u64;
-        if anew || differs_at_rest(visible, &objects) {
+        if anew || changed || differs_at_rest(visible, &objects) {
             visible.generation += 1;
         }
         return;
@@ -101,14 +95,42 @@ pub fn collect_visible_set(
         let bits = &mut visible.set.as_mut_slice()[word];
         *bits = *bits & !moved | frustum_set.set.as_slice()[word] & moved;
     }
-    for object in objects.moved.ones() {
-        if visible.set.contains(object) {
-            work.occlusion_tests += 1;
-            if occlusion.viewpoint.hides(&objects, object) {
-                visible.set.remove(object);
-            }
-        }
+    if occlusion.viewpoint.buffers().is_empty() {
+        return;
     }
+    for object in objects.moved.intersection(&frustum_set.set) {
+        work.occlusion_tests += 1;
+        let part = occlusion.viewpoint.visible_part(&objects, object);
+        visible.set.set(object, !part.is_empty());
+        parts.set(object, part);
+    }
+}
+
+/// Draws the depth buffer; none if nothing can occlude.
+fn draw(
+    occlusion: &mut CameraOcclusion,
+    frustum_set: &FixedBitSet,
+    objects: &Objects,
+    occluders: &Occluders,
+    settings: &OcclusionSettings,
+    view: &View,
+) {
+    occlusion.viewpoint.clear();
+    let candidates = || frustum_set.intersection(&occluders.camera);
+    let Some(view) = &view.data else { return };
+    if !settings.from_camera || candidates().next().is_none() {
+        return;
+    }
+    let projection = Projection::of_view(view, settings.camera_texels.clamp(16, 2048));
+    occlusion.viewpoint.draw(
+        &mut occlusion.rasterizer,
+        &[projection],
+        candidates(),
+        objects,
+        occluders,
+        settings,
+        Blocks::Sight,
+    );
 }
 
 /// Whether an occluder that was drawn moved, or one that might be moved within the frustum.

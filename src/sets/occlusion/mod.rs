@@ -7,6 +7,7 @@
 //! | `occluders` | [`Occluders`]: which objects may hide others |
 //! | `occluder_mesh` | [`OccluderMesh`]: their triangles and edges |
 //! | `projection` | [`Projection`]: from the world to the texels of a picture |
+//! | `beam` | the part of space behind a rectangle of a picture |
 //! | `clip` | cutting triangles to what a picture can hold |
 //! | `layers` | what a texel may claim, and why that holds |
 //! | `raster` | [`Rasterizer`]: triangles to layers |
@@ -18,6 +19,7 @@
 //! against a hierarchy of a rasterised picture of chosen occluders; O'Rorke 2004, GPU Gems ch. 15, §15.4, for doing so
 //! from every light. What a texel may claim is ours.
 
+mod beam;
 mod clip;
 pub mod depth_buffer;
 mod layers;

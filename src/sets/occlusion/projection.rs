@@ -171,6 +171,15 @@ impl Projection {
         }
     }
 
+    pub(super) fn rows(&self) -> [DVec4; 4] {
+        self.rows
+    }
+
+    /// Where directions and depths are measured from, world space.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
     /// Whether it is the picture of a directional light.
     pub fn is_parallel(&self) -> bool {
         self.slant.is_none()

@@ -1,12 +1,14 @@
 //! What one viewpoint, the camera or a light, knows to stand before other things.
 
 use fixedbitset::FixedBitSet;
+use glam::DVec3;
 
 use super::depth_buffer::DepthBuffer;
 use super::occluders::Occluders;
 use super::projection::Projection;
 use super::raster::{Rasterizer, Sides};
 use super::settings::OcclusionSettings;
+use crate::geometry::Aabb;
 use crate::sets::objects::Objects;
 
 /// The depth buffers of a viewpoint, and which occluders are in them.
@@ -98,9 +100,23 @@ impl Viewpoint {
         }
     }
 
+    /// The box around what the first picture may show of an object; empty if nothing.
+    pub fn visible_part(&self, objects: &Objects, object: usize) -> Aabb {
+        let (center, half) = objects.boxes.center_half(object);
+        match self.buffers().first() {
+            Some(buffer) => buffer.visible_part(center, half),
+            None => objects.boxes.get(object),
+        }
+    }
+
+    /// Whether no picture shows anything of a box.
+    pub fn hides_box(&self, center: DVec3, half: DVec3) -> bool {
+        self.count > 0 && self.buffers().iter().all(|buffer| buffer.hides(center, half))
+    }
+
     /// Whether no picture shows anything of an object's bounds.
     pub fn hides(&self, objects: &Objects, object: usize) -> bool {
         let (center, half) = objects.boxes.center_half(object);
-        self.count > 0 && self.buffers().iter().all(|buffer| buffer.hides(center, half))
+        self.hides_box(center, half)
     }
 }

@@ -1,0 +1,111 @@
+//! What may be seen of each object, and what that spares the lights.
+//!
+//! A floor is seen in one room of ten. Where the camera's depth buffer knows that, a light in another room need not draw
+//! the floor, and no caster that shadows the floor there matters.
+
+use bevy_ecs::prelude::*;
+
+use super::lights::FrameLight;
+use super::objects::Objects;
+use super::occlusion::{Occluders, Viewpoint};
+use crate::geometry::{Aabb, LightHull};
+
+/// Bounds of the part of each object of V that may be seen. Written by
+/// [`collect_visible_set`](super::collect_visible_set).
+#[derive(Resource, Clone, Debug, Default)]
+pub struct VisibleParts {
+    /// By dense index, those of objects of V; not used while nothing occludes.
+    parts: Vec<Aabb>,
+    in_use: bool,
+}
+
+impl VisibleParts {
+    /// Bounds of what may be seen of an object of V, world space: of all of it while nothing occludes.
+    pub fn get(&self, objects: &Objects, object: usize) -> Aabb {
+        if self.in_use {
+            self.parts[object]
+        } else {
+            objects.boxes.get(object)
+        }
+    }
+
+    /// All is seen whole.
+    pub(super) fn forget(&mut self) {
+        self.in_use = false;
+    }
+
+    /// Parts are about to be set, of objects of this layout.
+    pub(super) fn begin(&mut self, len: usize) {
+        if self.parts.len() != len {
+            self.parts.clear();
+            self.parts.resize(len, Aabb::EMPTY);
+        }
+        self.in_use = true;
+    }
+
+    /// Sets a part; whether it is another than before.
+    pub(super) fn set(&mut self, object: usize, part: Aabb) -> bool {
+        std::mem::replace(&mut self.parts[object], part) != part
+    }
+
+    /// Takes objects out of I of which no visible point is in the light's volume, or which show nothing that the light
+    /// sees.
+    pub(super) fn cut_illumination(
+        &self,
+        light: &mut FrameLight,
+        viewpoint: Option<&Viewpoint>,
+        occluders: &Occluders,
+    ) {
+        if !self.in_use {
+            return;
+        }
+        let reach = light.volume.aabb();
+        for word in 0..light.i.as_slice().len() {
+            let mut rest = light.i.as_slice()[word];
+            while rest != 0 {
+                let object = word * usize::BITS as usize + rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let part = self.parts[object].intersection(reach);
+                let hidden = || {
+                    let (center, half) = (part.center().as_dvec3(), part.half_size().as_dvec3());
+                    occluders.shadeable.contains(object)
+                        && viewpoint.is_some_and(|viewpoint| viewpoint.hides_box(center, half))
+                };
+                if part.is_empty() || hidden() {
+                    light.i.remove(object);
+                }
+            }
+        }
+    }
+}
+
+/// Tests of a word of casters against a receiver that one light may cost; a light with more of both keeps what the hull
+/// of all its receivers leaves.
+const MAX_TESTS: usize = 1024;
+
+/// Takes casters out of S that stand between the light and none of its receivers, each by itself.
+pub(super) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
+    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    let receivers = light.i.intersection(&objects.receivers);
+    if words == 0 || receivers.count() * words > MAX_TESTS {
+        return;
+    }
+    let reach = light.volume.aabb();
+    light.kept.clear();
+    light.kept.grow(light.s.len());
+    for receiver in light.i.intersection(&objects.receivers) {
+        let part = parts.get(objects, receiver).intersection(reach);
+        if part.is_empty() {
+            continue;
+        }
+        let hull = LightHull::of_aabb(&part, &light.emitter);
+        let (s, kept) = (light.s.as_slice(), light.kept.as_mut_slice());
+        for (word, (s, kept)) in s.iter().zip(kept).enumerate() {
+            let open = s & !*kept;
+            if open != 0 {
+                *kept |= objects.boxes.touching_planes(word, open, &hull.planes);
+            }
+        }
+    }
+    light.s.intersect_with(&light.kept);
+}
