@@ -6,6 +6,7 @@
 //! | [`ShadowCaster`], [`ShadowReceiver`] | which part it takes in shadows |
 //! | [`Occluder`] | whether it may hide others |
 //! | [`SelectionLayers`] | which lights select it ([`LightSelection`]) |
+//! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a component of [`techniques`](crate::techniques) beside it |
 //! | [`Camera`] | the view |
 //! | [`Skin`], [`MorphWeights`] | a mesh that is posed each frame into [`PosedMesh`] |
@@ -17,6 +18,7 @@ pub mod animation;
 pub mod bounds;
 pub mod camera;
 pub mod caster;
+pub mod cell;
 #[cfg(feature = "gltf")]
 pub mod gltf_import;
 pub mod light;
@@ -29,6 +31,7 @@ pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds};
 pub use camera::Camera;
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use cell::{Cell, InCells, Portal};
 pub use light::{Light, LightError, LightKind, LightSelection, ShadowedLight};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};

@@ -6,7 +6,7 @@ use super::lights::{FrameLight, FrameLights};
 use super::objects::Objects;
 use super::occlusion::light_views::light_views;
 use super::occlusion::viewpoint::Blocks;
-use super::occlusion::{Occluders, OcclusionSettings, Rasterizer, Viewpoint};
+use super::occlusion::{Cells, Occluders, OcclusionSettings, Rasterizer, Sightings, Standpoint, Viewpoint};
 use super::work::SetWork;
 use crate::geometry::Aabb;
 use crate::scene::ShadowedLight;
@@ -25,6 +25,7 @@ pub struct LightOcclusion {
 struct Entry {
     light: Entity,
     viewpoint: Viewpoint,
+    sightings: Sightings,
     seen: Option<Seen>,
 }
 
@@ -32,6 +33,7 @@ struct Entry {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     occluders: u64,
+    cells: u64,
     settings: OcclusionSettings,
     is_shadowed: bool,
 }
@@ -56,13 +58,14 @@ impl LightOcclusion {
             self.lights.push(known.unwrap_or_else(|| Entry {
                 light: light.entity,
                 viewpoint: Viewpoint::default(),
+                sightings: Sightings::default(),
                 seen: None,
             }));
         }
     }
 }
 
-/// L = reach less what is hidden in the light's depth buffers.
+/// L = reach less what no portal shows to the light, less what is hidden in its depth buffers.
 ///
 /// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
 /// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
@@ -78,6 +81,7 @@ pub fn collect_light_occlusion(
     mut work: ResMut<SetWork>,
     objects: Res<Objects>,
     occluders: Res<Occluders>,
+    cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
     shadowed: Query<(), With<ShadowedLight>>,
 ) {
@@ -91,6 +95,7 @@ pub fn collect_light_occlusion(
     for (light, entry) in frame.lights.iter_mut().zip(lights) {
         let now = Seen {
             occluders: occluders.generation,
+            cells: cells.generation,
             settings: *settings,
             is_shadowed: shadowed.contains(light.entity),
         };
@@ -101,17 +106,24 @@ pub fn collect_light_occlusion(
         entry.seen = Some(now);
         if !(settings.from_lights && now.is_shadowed) {
             entry.viewpoint.clear();
+            entry.sightings.forget();
             light.stale |= anew;
             light.l.clone_from(&light.reach);
             continue;
         }
+        if anew {
+            look_around(&mut entry.sightings, light, &cells);
+        }
+        let unseen = |entry: &Entry, object: usize| {
+            !entry.sightings.sees(&cells, &objects, object) || entry.viewpoint.hides(&objects, object)
+        };
         if anew || occluder_moved(light, &entry.viewpoint, &objects, &occluders) {
             draw(light, &mut entry.viewpoint, rasterizer, &objects, &occluders, &settings);
             work.depth_buffers += entry.viewpoint.buffers().len() as u64;
             light.l.clone_from(&light.reach);
             for object in light.reach.intersection(&occluders.shadeable) {
                 work.occlusion_tests += 1;
-                if entry.viewpoint.hides(&objects, object) {
+                if unseen(entry, object) {
                     light.l.remove(object);
                 }
             }
@@ -126,12 +138,37 @@ pub fn collect_light_occlusion(
         for object in objects.moved.intersection(&occluders.shadeable) {
             if light.l.contains(object) {
                 work.occlusion_tests += 1;
-                if entry.viewpoint.hides(&objects, object) {
+                if unseen(entry, object) {
                     light.l.remove(object);
                 }
             }
         }
     }
+}
+
+/// Looks through the portals from the light's cells, as far as it reaches. Not for directional lights, which stand
+/// nowhere, nor where the cells' walls do not cast for the light. An area light looks from all of itself: through all
+/// portals that are connected, without clipping.
+fn look_around(sightings: &mut Sightings, light: &FrameLight, cells: &Cells) {
+    sightings.forget();
+    if cells.is_empty() || light.point_world.w == 0.0 || !cells.cast_for(light.selection.casts_for) {
+        return;
+    }
+    let eye = light.point_world.truncate();
+    let extent = light.emitter.bounding_radius();
+    let corner = |i: u8| {
+        let sign = |bit: u8| if i & bit == 0 { -extent } else { extent };
+        eye + glam::DVec3::new(sign(1), sign(2), sign(4))
+    };
+    let standpoint = Standpoint {
+        eye,
+        points: if extent > 0.0 { (0..8).map(corner).collect() } else { [eye].into_iter().collect() },
+        reach: extent + 1e-4 + 1e-6 * eye.abs().max_element(),
+        corners: Default::default(),
+        clips: extent == 0.0,
+        range: f64::from(light.light.range),
+    };
+    sightings.flood(cells, &standpoint);
 }
 
 /// Whether an object may hide others from this light.

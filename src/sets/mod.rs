@@ -52,7 +52,7 @@ pub use light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light_volume::LightVolume;
 pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, collect_light_sets};
 pub use objects::{Objects, collect_objects};
-pub use occlusion::{AutoOccluders, Occluders, OcclusionSettings, collect_occluders};
+pub use occlusion::{AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders};
 pub use scissor::ScissorRect;
 pub use screen::{Projector, ScreenBounds, ScreenExtents, project_visible};
 pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
@@ -71,6 +71,7 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<FrustumSet>();
     world.init_resource::<OcclusionSettings>();
     world.init_resource::<Occluders>();
+    world.init_resource::<Cells>();
     world.init_resource::<CameraOcclusion>();
     world.init_resource::<VisibleSet>();
     world.init_resource::<VisibleParts>();
@@ -85,7 +86,7 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         collect_objects,
         collect_view,
         collect_frustum_set,
-        collect_occluders,
+        (collect_cells, collect_occluders),
         collect_visible_set, // what the camera does not see costs nothing from here on
         project_visible,
         collect_frame_lights,

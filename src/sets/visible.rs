@@ -3,10 +3,13 @@
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
+use super::boxes::WORD;
 use super::frustum::FrustumSet;
 use super::objects::Objects;
 use super::occlusion::viewpoint::Blocks;
-use super::occlusion::{Occluders, OcclusionSettings, Projection, Rasterizer, Viewpoint};
+use super::occlusion::{
+    Cells, Occluders, OcclusionSettings, Projection, Rasterizer, Sightings, Standpoint, Viewpoint,
+};
 use super::view::View;
 use super::visible_parts::VisibleParts;
 use super::work::SetWork;
@@ -27,6 +30,7 @@ pub struct VisibleSet {
 struct Seen {
     frustum_set: u64,
     occluders: u64,
+    cells: u64,
     settings: OcclusionSettings,
 }
 
@@ -35,10 +39,11 @@ struct Seen {
 pub struct CameraOcclusion {
     /// The depth buffer, as of the last frame in which view or occluders changed.
     pub viewpoint: Viewpoint,
+    sightings: Sightings,
     rasterizer: Rasterizer,
 }
 
-/// V = F less what is hidden in the camera's depth buffer.
+/// V = F less what no portal shows, less what is hidden in the camera's depth buffer.
 ///
 /// Set: `CollectSets`, after `collect_frustum_set` and `collect_occluders`. The buffer is drawn when the view or the
 /// occluders changed or one of them moved in view, and then all of F is tested; else only what moved. Conservative: it
@@ -51,12 +56,14 @@ pub fn collect_visible_set(
     frustum_set: Res<FrustumSet>,
     objects: Res<Objects>,
     occluders: Res<Occluders>,
+    cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
     view: Res<View>,
 ) {
     let now = Seen {
         frustum_set: frustum_set.generation,
         occluders: occluders.generation,
+        cells: cells.generation,
         settings: *settings,
     };
     let (visible, occlusion) = (&mut *visible, &mut *occlusion);
@@ -72,18 +79,31 @@ pub fn collect_visible_set(
         }
         std::mem::swap(&mut visible.set, &mut visible.previous);
         visible.set.clone_from(&frustum_set.set);
-        draw(occlusion, &frustum_set.set, &objects, &occluders, &settings, &view);
+        if anew {
+            look_around(&mut occlusion.sightings, &cells, &settings, &view);
+        }
+        if occlusion.sightings.is_limited() {
+            for (word, bits) in visible.set.as_mut_slice().iter_mut().enumerate() {
+                *bits = occlusion.sightings.seen_of_word(&cells, &objects, word, *bits);
+            }
+        }
+        draw(occlusion, &visible.set, &objects, &occluders, &settings, &view);
         let mut changed = false;
         if occlusion.viewpoint.buffers().is_empty() {
             parts.forget();
         } else {
             work.depth_buffers += 1;
-            work.occlusion_tests += frustum_set.set.count_ones(..) as u64;
+            work.occlusion_tests += visible.set.count_ones(..) as u64;
             parts.begin(objects.len());
-            for object in frustum_set.set.ones() {
-                let part = occlusion.viewpoint.visible_part(&objects, object);
-                visible.set.set(object, !part.is_empty());
-                changed |= parts.set(object, part) && !objects.moved.contains(object);
+            for word in 0..visible.set.as_slice().len() {
+                let mut rest = visible.set.as_slice()[word];
+                while rest != 0 {
+                    let object = word * WORD + rest.trailing_zeros() as usize;
+                    rest &= rest - 1;
+                    let part = occlusion.viewpoint.visible_part(&objects, object);
+                    visible.set.set(object, !part.is_empty());
+                    changed |= parts.set(object, part) && !objects.moved.contains(object);
+                }
             }
         }
         if anew || changed || differs_at_rest(visible, &objects) {
@@ -93,17 +113,42 @@ pub fn collect_visible_set(
     }
     for (word, moved) in objects.moved_words() {
         let bits = &mut visible.set.as_mut_slice()[word];
-        *bits = *bits & !moved | frustum_set.set.as_slice()[word] & moved;
+        let candidates = frustum_set.set.as_slice()[word] & moved;
+        let seen = occlusion.sightings.seen_of_word(&cells, &objects, word, candidates);
+        *bits = *bits & !moved | seen;
     }
     if occlusion.viewpoint.buffers().is_empty() {
         return;
     }
-    for object in objects.moved.intersection(&frustum_set.set) {
+    for object in objects.moved.ones() {
+        if !visible.set.contains(object) {
+            continue;
+        }
         work.occlusion_tests += 1;
         let part = occlusion.viewpoint.visible_part(&objects, object);
         visible.set.set(object, !part.is_empty());
         parts.set(object, part);
     }
+}
+
+/// Looks through the portals from the camera's cells. The near rectangle must be in cells too: what stands before it is
+/// not drawn, and does not hide.
+fn look_around(sightings: &mut Sightings, cells: &Cells, settings: &OcclusionSettings, view: &View) {
+    sightings.forget();
+    let Some(view) = view.data.as_ref().filter(|_| settings.from_camera && !cells.is_empty()) else {
+        return;
+    };
+    let corners = view.near_corners.map(|corner| corner - view.eye);
+    let around = [corners[0], corners[1], corners[3], corners[2]];
+    let standpoint = Standpoint {
+        eye: view.eye,
+        points: std::iter::once(view.eye).chain(view.near_corners).collect(),
+        reach: corners.iter().map(|corner| corner.length()).fold(0.0, f64::max) * (1.0 + 1e-6),
+        corners: around.into_iter().collect(),
+        clips: true,
+        range: f64::INFINITY,
+    };
+    sightings.flood(cells, &standpoint);
 }
 
 /// Draws the depth buffer; none if nothing can occlude.

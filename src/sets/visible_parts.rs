@@ -4,9 +4,10 @@
 //! the floor, and no caster that shadows the floor there matters.
 
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 
 use super::lights::FrameLight;
-use super::objects::Objects;
+use super::objects::{Objects, resize};
 use super::occlusion::{Occluders, Viewpoint};
 use crate::geometry::{Aabb, LightHull};
 
@@ -79,33 +80,48 @@ impl VisibleParts {
     }
 }
 
-/// Tests of a word of casters against a receiver that one light may cost; a light with more of both keeps what the hull
-/// of all its receivers leaves.
+/// Tests of a word of casters against a receiver that one light may cost.
 const MAX_TESTS: usize = 1024;
 
-/// Takes casters out of S that stand between the light and none of its receivers, each by itself.
+/// Receivers beyond these tests are joined by the cells of a grid over them, this many along each axis.
+const GRID: usize = 4;
+
+/// Takes casters out of S that stand between the light and none of its receivers, each by itself, or, if these are many,
+/// between the light and those of a part of space.
 pub(super) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
     let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    let receivers = light.i.intersection(&objects.receivers);
-    if words == 0 || receivers.count() * words > MAX_TESTS {
-        return;
-    }
+    let count = light.i.intersection(&objects.receivers).count();
     let reach = light.volume.aabb();
-    light.kept.clear();
-    light.kept.grow(light.s.len());
-    for receiver in light.i.intersection(&objects.receivers) {
-        let part = parts.get(objects, receiver).intersection(reach);
-        if part.is_empty() {
-            continue;
-        }
-        let hull = LightHull::of_aabb(&part, &light.emitter);
-        let (s, kept) = (light.s.as_slice(), light.kept.as_mut_slice());
-        for (word, (s, kept)) in s.iter().zip(kept).enumerate() {
+    let lit = |receiver: usize| parts.get(objects, receiver).intersection(reach);
+    resize(&mut light.kept, light.s.len());
+    let (s, i, kept) = (light.s.as_slice(), &light.i, &mut light.kept);
+    let mut keep = |part: &Aabb| {
+        let hull = LightHull::of_aabb(part, &light.emitter);
+        for (word, (s, kept)) in s.iter().zip(kept.as_mut_slice()).enumerate() {
             let open = s & !*kept;
             if open != 0 {
                 *kept |= objects.boxes.touching_planes(word, open, &hull.planes);
             }
         }
+    };
+    let receivers = i.intersection(&objects.receivers).map(lit).filter(|part| !part.is_empty());
+    if count * words <= MAX_TESTS {
+        receivers.for_each(|part| keep(&part));
+    } else if GRID.pow(3) * words <= 4 * MAX_TESTS {
+        let mut cells = [Aabb::EMPTY; GRID.pow(3)];
+        let (min, size) = (
+            light.receiver_bounds.min,
+            (light.receiver_bounds.max - light.receiver_bounds.min).max(Vec3::splat(1e-6)),
+        );
+        for part in receivers {
+            let cell = ((part.center() - min) / size * GRID as f32).clamp(Vec3::ZERO, Vec3::splat(GRID as f32 - 1.0));
+            let [x, y, z] = cell.to_array().map(|at| at as usize);
+            let cell = &mut cells[(x * GRID + y) * GRID + z];
+            *cell = cell.union(part);
+        }
+        cells.iter().filter(|part| !part.is_empty()).for_each(keep);
+    } else {
+        return;
     }
     light.s.intersect_with(&light.kept);
 }

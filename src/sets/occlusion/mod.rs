@@ -6,6 +6,9 @@
 //! | `settings` | [`OcclusionSettings`]: what is switched on and what it may cost |
 //! | `occluders` | [`Occluders`]: which objects may hide others |
 //! | `occluder_mesh` | [`OccluderMesh`]: their triangles and edges |
+//! | `cells` | [`Cells`]: rooms, openings, and which object is where |
+//! | `flood` | what is seen from a place in a cell, through one portal after the other |
+//! | `sight` | a convex cone of directions, and what of it passes an opening |
 //! | `projection` | [`Projection`]: from the world to the texels of a picture |
 //! | `beam` | the part of space behind a rectangle of a picture |
 //! | `clip` | cutting triangles to what a picture can hold |
@@ -20,8 +23,10 @@
 //! from every light. What a texel may claim is ours.
 
 mod beam;
+pub mod cells;
 mod clip;
 pub mod depth_buffer;
+mod flood;
 mod layers;
 pub mod light_views;
 pub mod occluder_mesh;
@@ -29,9 +34,12 @@ pub mod occluders;
 pub mod projection;
 pub mod raster;
 pub mod settings;
+mod sight;
 pub mod viewpoint;
 
+pub use cells::{CellIssue, Cells, collect_cells};
 pub use depth_buffer::DepthBuffer;
+pub(super) use flood::{Sightings, Standpoint};
 pub use occluder_mesh::OccluderMesh;
 pub use occluders::{Occluders, collect_occluders};
 pub use projection::Projection;
