@@ -72,6 +72,17 @@ pub(super) struct Opening {
     pub normal: Option<DVec3>,
 }
 
+impl Opening {
+    /// Whether it leads out of a cell. One that joins something which is no cell leads out of every cell that it touches:
+    /// whichever was meant is among them.
+    pub(super) fn leads_out_of(&self, cells: &Cells, cell: u32) -> bool {
+        let dangles = self.joins.contains(&None);
+        let bounds = || Aabb::from_points(self.points.iter().map(|point| point.as_vec3())).padded();
+        self.joins.contains(&Some(cell))
+            || dangles && (self.points.is_empty() || cells.cells[cell as usize].touches(&bounds()))
+    }
+}
+
 /// Off a plane by this part of an outline's size still counts as flat.
 const FLAT: f64 = 1e-4;
 

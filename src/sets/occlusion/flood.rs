@@ -90,14 +90,16 @@ impl Sightings {
         for (index, portal) in cells.portals.iter().enumerate() {
             let index = index as u32;
             // A straight line crosses the plane of a portal once.
-            if !portal.open || !portal.joins.contains(&Some(cell)) || way.contains(&index) {
+            if !portal.open || !portal.leads_out_of(cells, cell) || way.contains(&index) {
                 continue;
             }
             let Some(beyond) = look_through(portal, from, sight) else {
                 continue;
             };
-            let other = if portal.joins[0] == Some(cell) { portal.joins[1] } else { portal.joins[0] };
-            let Some(other) = other else { return false };
+            let [Some(first), Some(second)] = portal.joins else {
+                return false;
+            };
+            let other = if first == cell { second } else { first };
             if other == cell {
                 continue;
             }
