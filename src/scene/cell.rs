@@ -10,8 +10,8 @@ use smallvec::SmallVec;
 ///
 /// Objects that touch the box are in the cell; those in several cells, in all of them; [`InCells`] says otherwise. Objects
 /// in no cell are seen from everywhere, and a camera or light that stands in no cell sees everything. Cells may overlap:
-/// who stands in several looks out of each. A cell whose box is empty or not finite holds nothing, and is reported
-/// ([`Cells::issues`](crate::sets::Cells)).
+/// who stands in several looks out of each. While a cell's box is empty, sheared or not finite, no cell hides
+/// anything, and it is reported ([`Cells::issues`](crate::sets::Cells)).
 ///
 /// Its [`SelectionLayers`](super::SelectionLayers) are those of its walls: lights for which they do not cast see through.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]

@@ -32,8 +32,8 @@ pub struct Cells {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CellIssue {
-    /// The cell holds nothing.
-    #[error("the cell's box is empty or not finite; it holds nothing")]
+    /// Nothing is occluded by cells as long as one is not sound.
+    #[error("the cell's box is empty, sheared or not finite; no cell hides anything")]
     Volume,
     /// The outline counts as its convex hull.
     #[error("the portal's outline is not flat; its convex hull counts")]
@@ -259,6 +259,11 @@ impl Cells {
     /// Whether there are no cells: nothing is occluded by them then.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
+    }
+
+    /// Whether all cells have a box: who stands in one that has none would not know.
+    pub fn are_sound(&self) -> bool {
+        self.cells.iter().all(|cell| cell.usable)
     }
 
     /// Whether the walls of all cells cast for a light of this mask.

@@ -56,7 +56,7 @@ impl Sightings {
         self.visits.clear();
         let bounds = Aabb::from_points(from.points.iter().map(|point| point.as_vec3())).padded();
         let in_a_cell = |point: &DVec3| cells.cells.iter().any(|cell| cell.contains(*point));
-        self.limited = !from.points.is_empty() && from.points.iter().all(in_a_cell);
+        self.limited = cells.are_sound() && !from.points.is_empty() && from.points.iter().all(in_a_cell);
         if !self.limited {
             return;
         }
