@@ -26,6 +26,15 @@ pub struct Batches {
     pub blended: usize,
 }
 
+impl std::ops::AddAssign for Batches {
+    fn add_assign(&mut self, other: Self) {
+        self.ambient += other.ambient;
+        self.shadow += other.shadow;
+        self.light += other.light;
+        self.blended += other.blended;
+    }
+}
+
 impl Batches {
     /// Those of the frame that was prepared last.
     pub fn of_frame(renderer: &Renderer) -> Self {

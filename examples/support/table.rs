@@ -78,11 +78,17 @@ pub fn walking_camera(size: UVec2) -> Camera {
 }
 
 impl Walked {
-    /// Loads a scene and finds a walk through it.
+    /// Loads a scene and finds a walk through it. Of its lights those shine whose number is chosen.
     ///
     /// # Errors
     /// One line that names the file.
-    pub fn new(scene: &Path, context: &RenderContext, size: UVec2, frames: usize) -> Result<Self, String> {
+    pub fn new(
+        scene: &Path,
+        context: &RenderContext,
+        size: UVec2,
+        frames: usize,
+        shines: impl Fn(usize) -> bool,
+    ) -> Result<Self, String> {
         let named = |error: &dyn std::error::Error| format!("{}: {}", scene.display(), one_line(error));
         let mut stage = Stage::empty(size, walking_camera(size), Transform::IDENTITY);
         let loaded = load_gltf(scene).map_err(|error| one_line(&error))?;
@@ -90,7 +96,11 @@ impl Walked {
         for &camera in &spawned.cameras {
             stage.world.entity_mut(camera).remove::<Camera>();
         }
-        for &light in &spawned.lights {
+        for (number, &light) in spawned.lights.iter().enumerate() {
+            if !shines(number) {
+                stage.world.entity_mut(light).remove::<Light>();
+                continue;
+            }
             stage.world.entity_mut(light).insert(StencilVolume::default());
             stage.lights.push(light);
         }
@@ -115,6 +125,21 @@ impl Walked {
     pub fn set_view(&mut self, frame: usize) {
         let camera = self.stage.camera;
         self.stage.world.entity_mut(camera).insert(self.views[frame]);
+    }
+
+    /// Prepares one frame of the walk without drawing it; its batches.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn count(&mut self, frame: usize) -> Result<Batches, RenderError> {
+        self.set_view(frame);
+        self.stage.schedule.run(&mut self.stage.world);
+        let mut renderer = self.stage.world.resource_mut::<Renderer>();
+        if let Some(failure) = renderer.take_failure() {
+            return Err(failure);
+        }
+        renderer.context().queue.submit([]); // or what was written waits for the next
+        Ok(Batches::of_frame(&renderer))
     }
 
     /// Draws one frame of the walk; batches, and the time until the device was done.

@@ -22,6 +22,14 @@ pub struct PooledContour {
     pub caps_away_start: u32,
 }
 
+impl PooledContour {
+    /// Whether two silhouettes have equal counts, wherever they stand.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let counts = |contour: &Self| (contour.edge_count, contour.cap_count, contour.caps_away_start);
+        counts(self) == counts(other)
+    }
+}
+
 #[derive(Default)]
 struct Slot {
     revision: u64,
