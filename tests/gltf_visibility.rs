@@ -74,15 +74,28 @@ fn a_door_of_a_file_opens_and_closes() {
 fn a_mesh_may_say_what_a_cell_or_portal_is() {
     let mut builder = two_rooms(door(false));
     let portal = json!({"antumbra": {"portal": {"joins": ["left", "right"]}}});
-    let turn = [0.0, std::f32::consts::FRAC_1_SQRT_2, 0.0, std::f32::consts::FRAC_1_SQRT_2];
+    let turn = [
+        0.0,
+        std::f32::consts::FRAC_1_SQRT_2,
+        0.0,
+        std::f32::consts::FRAC_1_SQRT_2,
+    ];
     builder.root_node(json!({"translation": [2.0, 0.0, 0.5], "rotation": turn, "mesh": 0, "extras": portal}));
     let loaded = load(&builder);
     assert!(loaded.report.is_empty(), "{}", loaded.report);
     let (mut world, seen) = seen(&loaded);
     assert_eq!(seen, 2);
-    let outlines: Vec<usize> = world.query::<&Portal>().iter(&world).map(|portal| portal.outline.len()).collect();
+    let outlines: Vec<usize> = world
+        .query::<&Portal>()
+        .iter(&world)
+        .map(|portal| portal.outline.len())
+        .collect();
     assert_eq!(outlines, [4, 4]);
-    assert_eq!(world.resource::<Objects>().len(), 2, "the portal's mesh is not drawn");
+    assert_eq!(
+        world.resource::<Objects>().len(),
+        2,
+        "the portal's mesh is not drawn"
+    );
 }
 
 #[test]
@@ -93,7 +106,10 @@ fn lists_and_occluders_are_components() {
     let (mut world, seen) = seen(&load(&builder));
     assert_eq!(seen, 2, "it is in the left room, wherever it stands");
     assert_eq!(world.query::<&InCells>().iter(&world).count(), 1);
-    assert!(matches!(world.query::<&Occluder>().single(&world), Ok(Occluder::Never)));
+    assert!(matches!(
+        world.query::<&Occluder>().single(&world),
+        Ok(Occluder::Never)
+    ));
 }
 
 #[test]
@@ -115,7 +131,12 @@ fn what_cannot_be_read_is_reported_and_hides_nothing() {
         let mut builder = two_rooms(door(false));
         builder.root_node(json!({"extras": {"antumbra": extras}}));
         let loaded = load(&builder);
-        assert_eq!(loaded.report.count(SkipKind::Visibility), 1, "{extras}: {}", loaded.report);
+        assert_eq!(
+            loaded.report.count(SkipKind::Visibility),
+            1,
+            "{extras}: {}",
+            loaded.report
+        );
         let (mut world, seen) = seen(&loaded);
         assert_eq!(seen, 2, "{extras}");
         assert_eq!(world.query::<&Cell>().iter(&world).count(), 0);

@@ -8,7 +8,7 @@
 mod occlusion_harness;
 
 use antumbra::prelude::*;
-use antumbra::sets::{CellIssue, Cells, FrustumSet, Objects, OcclusionSettings, VisibleSet};
+use antumbra::sets::{CellIssue, Cells, FrustumSet, Objects, OcclusionSettings, SetWork, VisibleSet};
 use bevy_ecs::prelude::*;
 use glam::Vec3;
 use occlusion_harness::rooms::{Rooms, random_rooms};
@@ -21,12 +21,19 @@ fn no_object_seen_by_a_ray_is_missing() {
     for seed in 0..160 {
         let mut scene = random_scene(seed);
         let verdict = judge(&mut scene, seed);
-        if !verdict.wrong.is_empty() { println!("seed {seed}: {} {:#?}", verdict.wrong.len(), &verdict.wrong[..verdict.wrong.len().min(5)]); let o = scene.resource::<Objects>(); for (i,l) in scene.resource::<FrameLights>().lights.iter().enumerate() { println!("{i} {:?} {:?} {:?} buffers {}", l.light.kind, l.scissor, l.i.count_ones(..), scene.resource::<antumbra::sets::LightOcclusion>().viewpoint(i).unwrap().buffers().len()); } let _ = o; }
+        assert!(
+            verdict.wrong.is_empty(),
+            "seed {seed}: {:#?}",
+            &verdict.wrong[..1]
+        );
         counts += verdict.counts;
     }
     println!("{counts:?}");
     assert!(counts.camera_rays > 50_000 && counts.light_rays > 50_000 && counts.lit_points > 10_000);
-    assert!(counts.hidden_from_camera > 200, "something is hidden from cameras");
+    assert!(
+        counts.hidden_from_camera > 200,
+        "something is hidden from cameras"
+    );
     assert!(counts.hidden_from_lights > 500, "and from lights");
 }
 
@@ -41,11 +48,18 @@ fn no_object_seen_through_portals_is_missing() {
             ..OcclusionSettings::default()
         });
         let verdict = judge(&mut world, seed);
-        assert!(verdict.wrong.is_empty(), "seed {seed}: {:#?}", &verdict.wrong[..1]);
+        assert!(
+            verdict.wrong.is_empty(),
+            "seed {seed}: {:#?}",
+            &verdict.wrong[..1]
+        );
         counts += verdict.counts;
     }
     println!("{counts:?}");
-    assert!(counts.hidden_from_camera > 1000 && counts.hidden_from_lights > 1000, "{counts:?}");
+    assert!(
+        counts.hidden_from_camera > 1000 && counts.hidden_from_lights > 1000,
+        "{counts:?}"
+    );
 }
 
 #[test]
@@ -79,6 +93,70 @@ fn a_portal_that_is_not_there_is_missed() {
         found += usize::from(!judge(&mut world, seed).wrong.is_empty());
     }
     assert!(found > 20, "{found} of 40 were found");
+}
+
+#[test]
+fn a_frame_at_rest_draws_and_tests_nothing() {
+    for mut world in [random_scene(5), random_rooms(5).world] {
+        let mut schedule = antumbra::plugin::standalone_schedule();
+        schedule.run(&mut world);
+        let first = *world.resource::<SetWork>();
+        assert!(first.depth_buffers > 0 && first.occlusion_tests > 0);
+        schedule.run(&mut world);
+        assert_eq!(*world.resource::<SetWork>(), first);
+    }
+}
+
+#[test]
+fn occluders_that_move_hide_and_show_again() {
+    let mut world = World::new();
+    antumbra::plugin::init_resources(&mut world);
+    world.insert_resource(ViewportSize(occlusion_harness::VIEWPORT));
+    let material = std::sync::Arc::new(Material::matte(Vec3::ONE));
+    let mut spawn = |mesh: MeshData, at: Vec3| {
+        let place = bevy_transform::prelude::Transform::from_translation(at);
+        let looks = SceneMaterials([material.clone()].into());
+        let parts = (ShadowCaster, ShadowReceiver);
+        world
+            .spawn((SceneMesh(std::sync::Arc::new(mesh)), looks, parts, place))
+            .id()
+    };
+    let wall = spawn(
+        MeshData::cuboid(Vec3::new(4.0, 4.0, 0.1)),
+        Vec3::new(0.0, 0.0, -4.0),
+    );
+    let thing = spawn(MeshData::cuboid(Vec3::splat(0.3)), Vec3::new(0.0, 0.0, -8.0));
+    world.spawn((Camera::default(), bevy_transform::prelude::Transform::IDENTITY));
+    let at = bevy_transform::prelude::Transform::from_xyz(0.0, 1.0, 0.0);
+    world.spawn((Light::point(Vec3::ONE, 10.0, 30.0), StencilVolume::default(), at));
+    let mut schedule = antumbra::plugin::standalone_schedule();
+    let mut sets = |world: &mut World| {
+        schedule.run(world);
+        let index = world.resource::<Objects>().index_of(thing).unwrap();
+        let light = &world.resource::<FrameLights>().lights[0];
+        let in_v = world.resource::<VisibleSet>().set.contains(index);
+        [
+            in_v,
+            light.l.contains(index),
+            light.i.contains(index),
+            light.s.contains(index),
+        ]
+    };
+    assert_eq!(sets(&mut world), [false; 4], "behind the wall");
+    // Through the camera, and away.
+    for (x, z, seen) in [(0.0, -0.05, true), (20.0, -4.0, true), (0.0, -4.0, false)] {
+        let mut place = world.get_mut::<bevy_transform::prelude::Transform>(wall).unwrap();
+        place.translation = Vec3::new(x, 0.0, z);
+        let got = sets(&mut world);
+        assert_eq!(got[0], seen, "wall at {x} {z}");
+        assert!(z == -0.05 || got == [seen; 4], "wall at {x} {z}: {got:?}");
+    }
+    world
+        .get_mut::<bevy_transform::prelude::Transform>(thing)
+        .unwrap()
+        .translation
+        .z = -2.0;
+    assert_eq!(sets(&mut world), [true; 4], "before the wall");
 }
 
 #[test]
@@ -131,10 +209,18 @@ fn bad_cells_and_portals_hide_nothing_that_shows() {
             .iter(&world)
             .collect();
         if seed % 4 == 0 {
-            world.get_mut::<antumbra::scene::Cell>(cells[0]).unwrap().half_size.y = f32::NAN;
+            world
+                .get_mut::<antumbra::scene::Cell>(cells[0])
+                .unwrap()
+                .half_size
+                .y = f32::NAN;
         }
         let verdict = judge(&mut world, seed);
-        assert!(verdict.wrong.is_empty(), "seed {seed}: {:#?}", &verdict.wrong[..1]);
+        assert!(
+            verdict.wrong.is_empty(),
+            "seed {seed}: {:#?}",
+            &verdict.wrong[..1]
+        );
         for (_, issue) in &world.resource::<Cells>().issues {
             reported.insert(format!("{issue:?}"));
         }
@@ -146,7 +232,10 @@ fn bad_cells_and_portals_hide_nothing_that_shows() {
         CellIssue::Outline,
         CellIssue::Volume,
     ];
-    assert_eq!(reported.into_iter().collect::<Vec<_>>(), all.map(|issue| format!("{issue:?}")));
+    assert_eq!(
+        reported.into_iter().collect::<Vec<_>>(),
+        all.map(|issue| format!("{issue:?}"))
+    );
 }
 
 #[test]

@@ -42,7 +42,9 @@ fn pictures(walked: &mut Walked, row: &Row, frames: impl Iterator<Item = usize>)
 fn differing(a: &[Vec<u8>], b: &[Vec<u8>]) -> Vec<(usize, usize)> {
     let pixels = |frame: usize| {
         let pairs = a[frame].chunks(PIXEL).zip(b[frame].chunks(PIXEL)).enumerate();
-        pairs.filter(|(_, (a, b))| a != b).map(move |(pixel, _)| (frame, pixel))
+        pairs
+            .filter(|(_, (a, b))| a != b)
+            .map(move |(pixel, _)| (frame, pixel))
     };
     (0..a.len()).flat_map(pixels).collect()
 }
@@ -57,10 +59,15 @@ fn plain_is_wrong(walked: &mut Walked, scene: &RayScene, frame: usize, pixel: us
     let place = world.get::<GlobalTransform>(walked.stage.camera).unwrap();
     let culling = antumbra::reference::PrimaryCulling::SingleSided;
     let hits: HitImage = primary_hits_culled(scene, camera, place, SIZE, culling).unwrap();
-    walked.stage.lights.iter().zip(&rendered.visibility).any(|(&light, got)| {
-        let truth = hard_visibility(scene, &hits, &LightSource::of_entity(world, light).unwrap());
-        got[pixel] > 0.5 && truth.values()[pixel] < 0.5
-    })
+    walked
+        .stage
+        .lights
+        .iter()
+        .zip(&rendered.visibility)
+        .any(|(&light, got)| {
+            let truth = hard_visibility(scene, &hits, &LightSource::of_entity(world, light).unwrap());
+            got[pixel] > 0.5 && truth.values()[pixel] < 0.5
+        })
 }
 
 fn walked(test: &str, file: &str, shines: fn(usize) -> bool) -> Option<Walked> {
@@ -87,7 +94,10 @@ fn count_batches(test: &str, file: &str) {
         "{file}: {:.1} % fewer batches than by the frustum alone",
         100.0 * (1.0 - after as f64 / before as f64)
     );
-    assert!(totals.is_sorted_by(|a, b| a >= b), "each step leaves fewer: {totals:?}");
+    assert!(
+        totals.is_sorted_by(|a, b| a >= b),
+        "each step leaves fewer: {totals:?}"
+    );
     assert!(after * 10 <= before * 4, "{after} of {before} batches are left");
 }
 
@@ -101,7 +111,10 @@ fn compare_pictures(test: &str, file: &str, shines: fn(usize) -> bool) {
     assert!(with.iter().any(|picture| picture != &with[0]), "the walk moves");
     let differing = differing(&without, &with);
     let pixels = FRAMES * SIZE.element_product() as usize;
-    println!("{file}: {} of {pixels} pixels differ: {differing:?}", differing.len());
+    println!(
+        "{file}: {} of {pixels} pixels differ: {differing:?}",
+        differing.len()
+    );
     let scene = RayScene::from_world(&mut walked.stage.world);
     for &(frame, pixel) in &differing {
         assert!(
@@ -109,7 +122,11 @@ fn compare_pictures(test: &str, file: &str, shines: fn(usize) -> bool) {
             "{file}: frame {frame}, pixel {pixel} is right without occlusion and another with it"
         );
     }
-    assert!(differing.len() * 100_000 <= pixels, "{} pixels differ", differing.len());
+    assert!(
+        differing.len() * 100_000 <= pixels,
+        "{} pixels differ",
+        differing.len()
+    );
 }
 
 #[test]
@@ -124,21 +141,27 @@ fn interior_has_fewer_batches() {
 
 #[test]
 fn dungeon_pictures_are_equal() {
-    compare_pictures("dungeon_pictures_are_equal", "look/d-scenes/dungeon_A.glb", |light| {
-        light % 6 == 0
-    });
+    compare_pictures(
+        "dungeon_pictures_are_equal",
+        "look/d-scenes/dungeon_A.glb",
+        |light| light % 6 == 0,
+    );
 }
 
 #[test]
 fn interior_pictures_are_equal() {
-    compare_pictures("interior_pictures_are_equal", "copy/d-scenes/interior.glb", |light| {
-        light % 4 == 0
-    });
+    compare_pictures(
+        "interior_pictures_are_equal",
+        "copy/d-scenes/interior.glb",
+        |light| light % 4 == 0,
+    );
 }
 
 #[test]
 fn a_lying_occluder_shows() {
-    let Some(mut walked) = walked("a_lying_occluder_shows", "copy/d-scenes/interior.glb", |light| light == 0) else {
+    let Some(mut walked) = walked("a_lying_occluder_shows", "copy/d-scenes/interior.glb", |light| {
+        light == 0
+    }) else {
         return;
     };
     let [frustum, .., all] = rows();

@@ -39,7 +39,10 @@ impl Batches {
     /// Those of the frame that was prepared last.
     pub fn of_frame(renderer: &Renderer) -> Self {
         let frame = renderer.frame();
-        let shadow = frame.lights.iter().map(|light| renderer.shadow_batch_count(light));
+        let shadow = frame
+            .lights
+            .iter()
+            .map(|light| renderer.shadow_batch_count(light));
         Self {
             ambient: frame.ambient.len(),
             shadow: shadow.sum(),

@@ -52,7 +52,12 @@ pub fn rows() -> [Row; 5] {
         chapter,
     };
     [
-        row("Frustum-based visibility", none, false, [(0.87, 1171), (0.56, 1414)]),
+        row(
+            "Frustum-based visibility",
+            none,
+            false,
+            [(0.87, 1171), (0.56, 1414)],
+        ),
         row("Visibility occlusion", camera, false, [(0.92, 492), (0.80, 521)]),
         row("Lighting occlusion", lights, false, [(0.99, 468), (0.98, 438)]),
         row("Shadow occlusion", all, false, [(0.99, 460), (0.98, 437)]),

@@ -42,7 +42,7 @@ struct Arguments {
     /// Folder for pictures of the sets, one a scene; made if it is not there.
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Light of the pictures, by its place among those of the file; the first that lights most if it is left out.
+    /// Light of the pictures, by its place among those of the file; the one that lights most if it is left out.
     #[arg(long)]
     light: Option<usize>,
     /// Frame of the pictures.
@@ -75,18 +75,27 @@ fn main() -> ExitCode {
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
-    let context =
-        pollster::block_on(RenderContext::headless(RequestedFeatures::default())).map_err(|error| one_line(&error))?;
+    let context = pollster::block_on(RenderContext::headless(RequestedFeatures::default()))
+        .map_err(|error| one_line(&error))?;
     let size = UVec2::new(arguments.width, (arguments.width * 9 / 16).max(1));
     let mut scenes = Vec::new();
     for path in &arguments.scenes {
         let mut walked = Walked::new(path, &context, size, arguments.frames as usize, |_| true)?;
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let name = path
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         let measured = measure(&name, &mut walked)
             .map_err(|error| format!("{}: {}", path.display(), one_line(&error)))?;
         if let Some(out) = &arguments.out {
             let frame = (arguments.frame as usize).min(walked.views.len() - 1);
-            top_view::write(&mut walked, frame, arguments.light, &out.join(format!("{name}.png")))?;
+            top_view::write(
+                &mut walked,
+                frame,
+                arguments.light,
+                &out.join(format!("{name}.png")),
+            )?;
         }
         if !arguments.json {
             print(&measured);
@@ -141,7 +150,15 @@ fn print(scene: &Scene) {
     println!("{}, mean of {} frames", scene.name, scene.frames);
     println!(
         "{:<26} {:>10} {:>9} {:>8} {:>8} {:>8} {:>8}   {:>16} {:>16}",
-        "", "Normalized", "Batches", "ambient", "shadow", "light", "blended", "chapter, scene 1", "chapter, scene 2"
+        "",
+        "Normalized",
+        "Batches",
+        "ambient",
+        "shadow",
+        "light",
+        "blended",
+        "chapter, scene 1",
+        "chapter, scene 2"
     );
     println!("{:<26} {:>10}", "", "frame rate");
     for row in &scene.rows {

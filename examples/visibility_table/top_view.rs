@@ -20,7 +20,7 @@ const CAPTION: u32 = 48;
 type Rgb = [u8; 3];
 
 const PANELS: [(char, Rgb); 5] = [
-    ('F', [110, 110, 125]),
+    ('F', [150, 150, 165]),
     ('V', [70, 150, 255]),
     ('L', [255, 170, 40]),
     ('I', [80, 210, 90]),
@@ -82,7 +82,10 @@ impl Panel {
     }
 
     fn rectangle(&self, canvas: &mut Canvas, aabb: &Aabb, color: Rgb, filled: bool) {
-        let (a, b) = (self.pixel(aabb.min.x, aabb.min.z), self.pixel(aabb.max.x, aabb.max.z));
+        let (a, b) = (
+            self.pixel(aabb.min.x, aabb.min.z),
+            self.pixel(aabb.max.x, aabb.max.z),
+        );
         let ([x0, y0], [x1, y1]) = ([a.x as i64, a.y as i64], [b.x as i64, b.y as i64]);
         for y in y0..=y1 {
             for x in x0..=x1 {
@@ -127,8 +130,17 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
     let world = &stage.world;
     let lights = &world.resource::<FrameLights>().lights;
     let lit_most = || {
-        let rank = |index: &usize| (lights[*index].i.count_ones(..), std::cmp::Reverse(*index));
-        (0..lights.len()).filter(|index| !lights[*index].is_skipped()).max_by_key(rank)
+        let rank = |index: &usize| {
+            let light = &lights[*index];
+            (
+                light.point_world.w != 0.0,
+                light.i.count_ones(..),
+                std::cmp::Reverse(*index),
+            )
+        };
+        (0..lights.len())
+            .filter(|index| !lights[*index].is_skipped())
+            .max_by_key(rank)
     };
     let index = match light {
         Some(light) => indices
@@ -150,9 +162,10 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
         &light.i,
         &light.s,
     ];
-    let mut canvas = Canvas::new(UVec2::new(PANEL * 5, PANEL + CAPTION));
-    let extent = (bounds.max - bounds.min).max_element().max(1e-3);
-    let scale = (PANEL as f32 - 2.0 * MARGIN) / extent;
+    let size = (bounds.max - bounds.min).max(glam::Vec3::splat(1e-3));
+    let scale = (PANEL as f32 - 2.0 * MARGIN) / size.x.max(size.z * 0.5);
+    let height = (size.z * scale + 2.0 * MARGIN) as u32 + CAPTION;
+    let mut canvas = Canvas::new(UVec2::new(PANEL * 5, height));
     for (at, ((name, color), set)) in PANELS.into_iter().zip(sets).enumerate() {
         let panel = Panel {
             left: at as f32 * PANEL as f32,
@@ -160,14 +173,21 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
             scale,
         };
         for object in 0..objects.len() {
-            let outline = if set.contains(object) { color } else { [52, 54, 62] };
-            panel.rectangle(&mut canvas, &objects.boxes.get(object), outline, set.contains(object));
+            let outline = if set.contains(object) { color } else { [66, 69, 80] };
+            panel.rectangle(
+                &mut canvas,
+                &objects.boxes.get(object),
+                outline,
+                set.contains(object),
+            );
         }
         if let Some(view) = &world.resource::<View>().data {
             let eye = panel.pixel(view.eye.x as f32, view.eye.z as f32);
             for side in 0..4 {
                 let ray = view.frustum.corners[4 + side];
-                let flat = DVec2::new(f64::from(ray.x), f64::from(ray.z)).normalize_or_zero().as_vec2();
+                let flat = DVec2::new(f64::from(ray.x), f64::from(ray.z))
+                    .normalize_or_zero()
+                    .as_vec2();
                 panel.line(&mut canvas, eye, eye + flat * PANEL as f32 * 1.5, [255, 255, 255]);
             }
         }
@@ -178,7 +198,13 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
                 panel.ring(&mut canvas, center, light.light.range * scale, [255, 235, 60]);
             }
         }
-        caption(&mut canvas, &panel, name, color, set.count_ones(..) as f32 / objects.len().max(1) as f32);
+        caption(
+            &mut canvas,
+            &panel,
+            name,
+            color,
+            set.count_ones(..) as f32 / objects.len().max(1) as f32,
+        );
     }
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;

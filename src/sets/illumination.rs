@@ -63,7 +63,12 @@ pub fn collect_illumination(
     occlusion: Res<LightOcclusion>,
     occluders: Res<Occluders>,
 ) {
-    for (at, light) in frame.lights.iter_mut().enumerate().filter(|(_, light)| light.stale) {
+    for (at, light) in frame
+        .lights
+        .iter_mut()
+        .enumerate()
+        .filter(|(_, light)| light.stale)
+    {
         resize(&mut light.i, objects.len());
         light.scissor = None;
         light.depth_bounds = None;

@@ -88,9 +88,7 @@ pub fn collect_light_occlusion(
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
     let LightOcclusion {
-        lights,
-        rasterizer,
-        ..
+        lights, rasterizer, ..
     } = occlusion;
     for (light, entry) in frame.lights.iter_mut().zip(lights) {
         let now = Seen {
@@ -118,7 +116,14 @@ pub fn collect_light_occlusion(
             !entry.sightings.sees(&cells, &objects, object) || entry.viewpoint.hides(&objects, object)
         };
         if anew || occluder_moved(light, &entry.viewpoint, &objects, &occluders) {
-            draw(light, &mut entry.viewpoint, rasterizer, &objects, &occluders, &settings);
+            draw(
+                light,
+                &mut entry.viewpoint,
+                rasterizer,
+                &objects,
+                &occluders,
+                &settings,
+            );
             work.depth_buffers += entry.viewpoint.buffers().len() as u64;
             light.l.clone_from(&light.reach);
             for object in light.reach.intersection(&occluders.shadeable) {
@@ -162,7 +167,11 @@ fn look_around(sightings: &mut Sightings, light: &FrameLight, cells: &Cells) {
     };
     let standpoint = Standpoint {
         eye,
-        points: if extent > 0.0 { (0..8).map(corner).collect() } else { [eye].into_iter().collect() },
+        points: if extent > 0.0 {
+            (0..8).map(corner).collect()
+        } else {
+            [eye].into_iter().collect()
+        },
         reach: extent + 1e-4 + 1e-6 * eye.abs().max_element(),
         corners: Default::default(),
         clips: extent == 0.0,
@@ -177,7 +186,12 @@ fn hides_from(light: &FrameLight, objects: &Objects, occluders: &Occluders, obje
 }
 
 /// Whether an occluder that was drawn moved, or one that reaches the light's volume.
-fn occluder_moved(light: &FrameLight, viewpoint: &Viewpoint, objects: &Objects, occluders: &Occluders) -> bool {
+fn occluder_moved(
+    light: &FrameLight,
+    viewpoint: &Viewpoint,
+    objects: &Objects,
+    occluders: &Occluders,
+) -> bool {
     occluders.moved.ones().any(|object| {
         hides_from(light, objects, occluders, object)
             && (light.reach.contains(object) || viewpoint.drawn.contains(object))
@@ -200,10 +214,9 @@ fn draw(
         viewpoint.clear();
         return;
     }
-    let bounds = light
-        .reach
-        .ones()
-        .fold(Aabb::EMPTY, |bounds, object| bounds.union(objects.boxes.get(object)));
+    let bounds = light.reach.ones().fold(Aabb::EMPTY, |bounds, object| {
+        bounds.union(objects.boxes.get(object))
+    });
     let views = light_views(light, &bounds, settings.light_texels.clamp(16, 1024));
     viewpoint.draw(
         rasterizer,

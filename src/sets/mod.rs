@@ -52,7 +52,9 @@ pub use light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light_volume::LightVolume;
 pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights, collect_light_sets};
 pub use objects::{Objects, collect_objects};
-pub use occlusion::{AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders};
+pub use occlusion::{
+    AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders,
+};
 pub use scissor::ScissorRect;
 pub use screen::{Projector, ScreenBounds, ScreenExtents, project_visible};
 pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};

@@ -114,7 +114,9 @@ pub fn collect_visible_set(
     for (word, moved) in objects.moved_words() {
         let bits = &mut visible.set.as_mut_slice()[word];
         let candidates = frustum_set.set.as_slice()[word] & moved;
-        let seen = occlusion.sightings.seen_of_word(&cells, &objects, word, candidates);
+        let seen = occlusion
+            .sightings
+            .seen_of_word(&cells, &objects, word, candidates);
         *bits = *bits & !moved | seen;
     }
     if occlusion.viewpoint.buffers().is_empty() {
@@ -135,7 +137,11 @@ pub fn collect_visible_set(
 /// not drawn, and does not hide.
 fn look_around(sightings: &mut Sightings, cells: &Cells, settings: &OcclusionSettings, view: &View) {
     sightings.forget();
-    let Some(view) = view.data.as_ref().filter(|_| settings.from_camera && !cells.is_empty()) else {
+    let Some(view) = view
+        .data
+        .as_ref()
+        .filter(|_| settings.from_camera && !cells.is_empty())
+    else {
         return;
     };
     let corners = view.near_corners.map(|corner| corner - view.eye);
@@ -191,5 +197,8 @@ fn differs_at_rest(visible: &VisibleSet, objects: &Objects) -> bool {
         visible.previous.as_slice(),
         objects.moved.as_slice(),
     );
-    new.iter().zip(old).zip(moved).any(|((new, old), moved)| (new ^ old) & !moved != 0)
+    new.iter()
+        .zip(old)
+        .zip(moved)
+        .any(|((new, old), moved)| (new ^ old) & !moved != 0)
 }

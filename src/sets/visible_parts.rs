@@ -104,7 +104,10 @@ pub(super) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects:
             }
         }
     };
-    let receivers = i.intersection(&objects.receivers).map(lit).filter(|part| !part.is_empty());
+    let receivers = i
+        .intersection(&objects.receivers)
+        .map(lit)
+        .filter(|part| !part.is_empty());
     if count * words <= MAX_TESTS {
         receivers.for_each(|part| keep(&part));
     } else if GRID.pow(3) * words <= 4 * MAX_TESTS {
@@ -114,7 +117,8 @@ pub(super) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects:
             (light.receiver_bounds.max - light.receiver_bounds.min).max(Vec3::splat(1e-6)),
         );
         for part in receivers {
-            let cell = ((part.center() - min) / size * GRID as f32).clamp(Vec3::ZERO, Vec3::splat(GRID as f32 - 1.0));
+            let cell = ((part.center() - min) / size * GRID as f32)
+                .clamp(Vec3::ZERO, Vec3::splat(GRID as f32 - 1.0));
             let [x, y, z] = cell.to_array().map(|at| at as usize);
             let cell = &mut cells[(x * GRID + y) * GRID + z];
             *cell = cell.union(part);

@@ -46,7 +46,11 @@ impl Random {
     }
 
     pub fn vec(&mut self, half: f32) -> glam::Vec3 {
-        glam::Vec3::new(self.range(-half, half), self.range(-half, half), self.range(-half, half))
+        glam::Vec3::new(
+            self.range(-half, half),
+            self.range(-half, half),
+            self.range(-half, half),
+        )
     }
 
     pub fn direction(&mut self) -> DVec3 {
@@ -98,7 +102,10 @@ pub fn judge(world: &mut World, seed: u64) -> Verdict {
     let mut verdict = Verdict::default();
     let objects = world.resource::<Objects>();
     let index = |triangle: &SceneTriangle| objects.index_of(triangle.entity.unwrap()).unwrap();
-    let (f, v) = (&world.resource::<FrustumSet>().set, &world.resource::<VisibleSet>().set);
+    let (f, v) = (
+        &world.resource::<FrustumSet>().set,
+        &world.resource::<VisibleSet>().set,
+    );
     verdict.counts.hidden_from_camera += f.count_ones(..) - v.count_ones(..);
     for (ray, near) in view_rays(world) {
         verdict.counts.camera_rays += 1;
@@ -111,7 +118,11 @@ pub fn judge(world: &mut World, seed: u64) -> Verdict {
         let shown = |triangle: &SceneTriangle| drawn(world, triangle) && !culled(triangle);
         walk(&scene, &ray, near, f64::INFINITY, &shown, |triangle, t| {
             if !v.contains(index(triangle)) {
-                let text = format!("{:?} not in V, seen at {}", triangle.entity, ray.origin + ray.direction * t);
+                let text = format!(
+                    "{:?} not in V, seen at {}",
+                    triangle.entity,
+                    ray.origin + ray.direction * t
+                );
                 verdict.wrong.push(text);
             }
             triangle.is_primary && !is_masked(world, triangle)
@@ -132,7 +143,9 @@ fn drawn(world: &World, triangle: &SceneTriangle) -> bool {
 
 fn is_masked(world: &World, triangle: &SceneTriangle) -> bool {
     let materials = &world.get::<SceneMaterials>(triangle.entity.unwrap()).unwrap().0;
-    materials.iter().any(|material| material.alpha_mode != AlphaMode::Opaque)
+    materials
+        .iter()
+        .any(|material| material.alpha_mode != AlphaMode::Opaque)
 }
 
 /// Rays through pixels, with the depth of the near plane as their parameter.
@@ -143,7 +156,9 @@ fn view_rays(world: &World) -> Vec<(Ray, f64)> {
     let camera = world.get::<Camera>(view.camera).unwrap();
     let transform = world.get::<GlobalTransform>(view.camera).unwrap();
     let rays = camera_rays(camera, transform, VIEWPORT).unwrap();
-    rays.into_iter().map(|ray| (ray, f64::from(camera.near))).collect()
+    rays.into_iter()
+        .map(|ray| (ray, f64::from(camera.near)))
+        .collect()
 }
 
 /// Visits the triangles along a ray, nearest first, until `visit` says that one ends it.
@@ -196,7 +211,13 @@ fn look_from_light(
         let (ray, reach) = if light.point_world.w == 0.0 {
             let direction = -light.point_world.truncate();
             let from = random.vec(12.0).as_dvec3() - direction * 100.0;
-            (Ray { origin: from, direction }, f64::INFINITY)
+            (
+                Ray {
+                    origin: from,
+                    direction,
+                },
+                f64::INFINITY,
+            )
         } else {
             let direction = random.direction();
             let origin = light.point_world.truncate() + area_offset(light, random);
@@ -260,25 +281,42 @@ fn look_at_lit(world: &World, scene: &RayScene, light: &FrameLight, verdict: &mu
             origin: point,
             direction: to_light,
         };
-        let end = if light.point_world.w == 0.0 { f64::INFINITY } else { 1.0 - 2e-3 / distance };
+        let end = if light.point_world.w == 0.0 {
+            f64::INFINITY
+        } else {
+            1.0 - 2e-3 / distance
+        };
         let blocker = scene.closest_hit(&from, 1e-4 / distance, end, |other| casts(light, other));
         let shadowed = world.get::<ShadowedLight>(light.entity).is_some() && triangle.receives;
         let index = objects.index_of(triangle.entity.unwrap()).unwrap();
         if blocker.is_none() || !shadowed {
             verdict.counts.lit_points += 1;
             if !light.i.contains(index) {
-                let text = format!("{:?} not in I of {:?}, lit at {point}", triangle.entity, light.light.kind);
+                let text = format!(
+                    "{:?} not in I of {:?}, lit at {point}",
+                    triangle.entity, light.light.kind
+                );
                 verdict.wrong.push(text);
             }
         } else if light.i.contains(index) {
             // Dark: some caster on the way must be in S.
             let mut blocked = false;
-            walk(scene, &from, 1e-6 / distance, end, &|other| casts(light, other), |other, _| {
-                blocked |= light.s.contains(objects.index_of(other.entity.unwrap()).unwrap());
-                blocked
-            });
+            walk(
+                scene,
+                &from,
+                1e-6 / distance,
+                end,
+                &|other| casts(light, other),
+                |other, _| {
+                    blocked |= light.s.contains(objects.index_of(other.entity.unwrap()).unwrap());
+                    blocked
+                },
+            );
             if !blocked {
-                let text = format!("{point} of {:?} has no blocker in S of {:?}", triangle.entity, light.light.kind);
+                let text = format!(
+                    "{point} of {:?} has no blocker in S of {:?}",
+                    triangle.entity, light.light.kind
+                );
                 verdict.wrong.push(text);
             }
         }

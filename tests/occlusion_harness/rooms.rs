@@ -76,7 +76,10 @@ pub fn random_rooms(seed: u64) -> Rooms {
     };
     let end = SIDE as f32 * SIZE;
     build.block(Vec3::new(-1.0, -0.2, -1.0), Vec3::new(end + 1.0, 0.0, end + 1.0));
-    build.block(Vec3::new(-1.0, HEIGHT, -1.0), Vec3::new(end + 1.0, HEIGHT + 0.2, end + 1.0));
+    build.block(
+        Vec3::new(-1.0, HEIGHT, -1.0),
+        Vec3::new(end + 1.0, HEIGHT + 0.2, end + 1.0),
+    );
     let cell = |x: usize, z: usize| x * SIDE + z;
     let cells: Vec<Entity> = (0..SIDE * SIDE)
         .map(|at| {
@@ -85,7 +88,10 @@ pub fn random_rooms(seed: u64) -> Rooms {
             // Some overlap their neighbours by a little.
             let grow = if random.chance(0.2) { 0.0005 } else { 0.0 };
             let half_size = Vec3::new(SIZE * 0.5 + grow, HEIGHT * 0.5, SIZE * 0.5 + grow);
-            build.world.spawn((Cell { half_size }, Transform::from_translation(middle))).id()
+            build
+                .world
+                .spawn((Cell { half_size }, Transform::from_translation(middle)))
+                .id()
         })
         .collect();
     let mut portals = Vec::new();
@@ -98,7 +104,10 @@ pub fn random_rooms(seed: u64) -> Rooms {
                 let inner = line > 0 && line < SIDE;
                 let opening = (inner && random.chance(0.75)).then(|| {
                     let from = Vec2::new(along.0 + random.range(0.3, 3.0), random.range(0.0, 1.2));
-                    (from, from + Vec2::new(random.range(0.3, 1.6), random.range(0.4, 1.7)))
+                    (
+                        from,
+                        from + Vec2::new(random.range(0.3, 1.6), random.range(0.4, 1.7)),
+                    )
                 });
                 build.wall(axis, at, along, opening);
                 let Some((from, to)) = opening else { continue };
@@ -111,7 +120,11 @@ pub fn random_rooms(seed: u64) -> Rooms {
                 let mut point = Vec3::new(0.0, middle.y, 0.0);
                 point[axis] = at;
                 point[2 - axis] = middle.x;
-                let turn = if axis == 0 { std::f32::consts::FRAC_PI_2 } else { 0.0 };
+                let turn = if axis == 0 {
+                    std::f32::consts::FRAC_PI_2
+                } else {
+                    0.0
+                };
                 let portal = Portal::rectangle([cells[a], cells[b]], half.x, half.y);
                 let place = Transform::from_translation(point).with_rotation(Quat::from_rotation_y(turn));
                 portals.push(build.world.spawn((portal, place)).id());
@@ -122,12 +135,20 @@ pub fn random_rooms(seed: u64) -> Rooms {
         }
     }
     for _ in 0..40 {
-        let at = Vec3::new(random.range(0.1, end - 0.1), random.range(0.2, 2.6), random.range(0.1, end - 0.1));
+        let at = Vec3::new(
+            random.range(0.1, end - 0.1),
+            random.range(0.2, 2.6),
+            random.range(0.1, end - 0.1),
+        );
         let half = random.vec(0.3).abs() + 0.02;
         build.block(at - half, at + half);
     }
     let place = |random: &mut Random| {
-        let free = Vec3::new(random.range(0.3, end - 0.3), random.range(0.3, 2.7), random.range(0.3, end - 0.3));
+        let free = Vec3::new(
+            random.range(0.3, end - 0.3),
+            random.range(0.3, 2.7),
+            random.range(0.3, end - 0.3),
+        );
         match (random.below(6), doorways.is_empty()) {
             (0, false) => doorways[random.below(doorways.len())].0,
             (1, false) => doorways[random.below(doorways.len())].1,
@@ -141,9 +162,16 @@ pub fn random_rooms(seed: u64) -> Rooms {
         near: random.range(0.01, 0.1),
         aspect: 16.0 / 9.0,
     };
-    let look = Quat::from_euler(glam::EulerRot::YXZ, random.range(-3.2, 3.2), random.range(-0.5, 0.5), 0.0);
+    let look = Quat::from_euler(
+        glam::EulerRot::YXZ,
+        random.range(-3.2, 3.2),
+        random.range(-0.5, 0.5),
+        0.0,
+    );
     let eye = place(&mut random);
-    build.world.spawn((camera, Transform::from_translation(eye).with_rotation(look)));
+    build
+        .world
+        .spawn((camera, Transform::from_translation(eye).with_rotation(look)));
     for _ in 0..5 {
         let at = place(&mut random);
         super::scenes::spawn_light(&mut build.world, &mut random, at);

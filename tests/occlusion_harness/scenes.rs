@@ -93,7 +93,8 @@ pub fn random_scene(seed: u64) -> World {
     world.spawn((camera, view));
     let meshes: Vec<Arc<MeshData>> = (0..8).map(|_| Arc::new(mesh(&mut random))).collect();
     for _ in 0..60 {
-        let mut place = Transform::from_translation(origin + random.vec(8.0)).with_rotation(random.rotation());
+        let mut place =
+            Transform::from_translation(origin + random.vec(8.0)).with_rotation(random.rotation());
         place.scale = Vec3::new(
             random.range(0.4, 2.5) * mirror(&mut random),
             random.range(0.4, 2.5),

@@ -73,7 +73,9 @@ impl GltfVisibility {
                     let names = value.as_array().ok_or("in_cells is not a list")?;
                     visibility.in_cells = Some(names.iter().map(name).collect::<Result<_, _>>()?);
                 }
-                "occluder" => visibility.occluder = Some(value.as_bool().ok_or("occluder is not true or false")?),
+                "occluder" => {
+                    visibility.occluder = Some(value.as_bool().ok_or("occluder is not true or false")?)
+                }
                 other => return Err(format!("antumbra.{other} is not known")),
             }
         }
@@ -85,7 +87,10 @@ impl GltfVisibility {
 }
 
 fn name(value: &Value) -> Result<String, String> {
-    value.as_str().map(str::to_owned).ok_or_else(|| format!("{value} is not the name of a cell"))
+    value
+        .as_str()
+        .map(str::to_owned)
+        .ok_or_else(|| format!("{value} is not the name of a cell"))
 }
 
 fn portal(value: &Value) -> Result<GltfPortal, String> {
@@ -111,7 +116,9 @@ fn half_size(value: &Value) -> Result<Vec3, String> {
         size[axis] = number.as_f64().unwrap_or(0.0) as f32;
     }
     if !(2..=3).contains(&numbers.len()) || !size.is_finite() || size.min_element() <= 0.0 {
-        return Err(format!("half_size is {value}, two or three positive numbers are needed"));
+        return Err(format!(
+            "half_size is {value}, two or three positive numbers are needed"
+        ));
     }
     Ok(size)
 }
@@ -135,7 +142,9 @@ pub(super) fn load(accessors: &Accessors<'_>, nodes: &mut [GltfNode], report: &m
     }
     let mut names: HashMap<&str, usize> = HashMap::new();
     for (index, node) in nodes.iter().enumerate() {
-        let Some(cell) = &node.visibility.cell else { continue };
+        let Some(cell) = &node.visibility.cell else {
+            continue;
+        };
         if let Some(first) = names.insert(cell, index) {
             sound = false;
             let reason = format!("cell {cell:?} is node {first} too");
@@ -160,7 +169,12 @@ fn check_shape(visibility: GltfVisibility, has_mesh: bool) -> Result<GltfVisibil
 }
 
 /// Gives the entities of a scene their cells, portals, lists and occluders.
-pub(super) fn spawn(world: &mut World, gltf: &LoadedGltf, entities: &[Option<Entity>], meshes: &[Option<Entity>]) {
+pub(super) fn spawn(
+    world: &mut World,
+    gltf: &LoadedGltf,
+    entities: &[Option<Entity>],
+    meshes: &[Option<Entity>],
+) {
     let mut cells: HashMap<&str, Entity> = HashMap::new();
     for (node, entity) in gltf.nodes.iter().zip(entities) {
         let (Some(cell), Some(entity)) = (&node.visibility.cell, entity) else {
@@ -169,7 +183,10 @@ pub(super) fn spawn(world: &mut World, gltf: &LoadedGltf, entities: &[Option<Ent
         let half = |half_size| (Vec3::ZERO, half_size);
         let (center, half_size) = node.visibility.half_size.map_or_else(|| bounds(gltf, node), half);
         let place = Transform::from_translation(center);
-        cells.insert(cell, world.spawn((Cell { half_size }, place, ChildOf(*entity))).id());
+        cells.insert(
+            cell,
+            world.spawn((Cell { half_size }, place, ChildOf(*entity))).id(),
+        );
     }
     // Whoever is meant is not in this scene; who looks there sees everything.
     let find = |name: &String| cells.get(name.as_str()).copied().unwrap_or(Entity::PLACEHOLDER);
@@ -189,7 +206,9 @@ pub(super) fn spawn(world: &mut World, gltf: &LoadedGltf, entities: &[Option<Ent
         }
         let Some(mesh) = meshes[index] else { continue };
         if let Some(list) = &node.visibility.in_cells {
-            world.entity_mut(mesh).insert(InCells(list.iter().map(find).collect()));
+            world
+                .entity_mut(mesh)
+                .insert(InCells(list.iter().map(find).collect()));
         }
         match node.visibility.occluder {
             Some(true) => world.entity_mut(mesh).insert(Occluder::Own),
@@ -205,7 +224,9 @@ fn mesh_of<'a>(gltf: &'a LoadedGltf, node: &GltfNode) -> Option<&'a Arc<MeshData
 
 /// Centre and half size of a node's mesh.
 fn bounds(gltf: &LoadedGltf, node: &GltfNode) -> (Vec3, Vec3) {
-    let aabb = mesh_of(gltf, node).map_or(Aabb::EMPTY, |mesh| Aabb::from_points(mesh.positions.iter().copied()));
+    let aabb = mesh_of(gltf, node).map_or(Aabb::EMPTY, |mesh| {
+        Aabb::from_points(mesh.positions.iter().copied())
+    });
     if aabb.is_empty() {
         return (Vec3::ZERO, Vec3::ZERO);
     }

@@ -142,7 +142,10 @@ mod tests {
         let (min, max) = (DVec3::new(0.0, 0.0, -3.0), DVec3::new(1.0, 1.0, -2.0));
         let (s0, s1) = beam.depths(min, max, -1e9, 1e9).unwrap();
         assert!((s0 - 2.0).abs() < 1e-9 && (s1 - 3.0).abs() < 1e-9);
-        assert_eq!(beam.depths(min - DVec3::X * 2.0, max - DVec3::X * 2.0, -1e9, 1e9), None);
+        assert_eq!(
+            beam.depths(min - DVec3::X * 2.0, max - DVec3::X * 2.0, -1e9, 1e9),
+            None
+        );
         let (low, high) = beam.bounds(s0, s1);
         assert!(low.z <= -3.0 && high.z >= -2.0 && high.x < 1.1);
     }

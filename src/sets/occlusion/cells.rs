@@ -125,7 +125,10 @@ impl CellBox {
         if !self.usable || aabb.is_empty() || !self.bounds.intersects(aabb) {
             return false;
         }
-        let (center, half) = (aabb.center().as_dvec3() - self.center, aabb.half_size().as_dvec3());
+        let (center, half) = (
+            aabb.center().as_dvec3() - self.center,
+            aabb.half_size().as_dvec3(),
+        );
         self.axes
             .iter()
             .all(|(axis, size)| axis.dot(center).abs() <= size * (1.0 + 1e-6) + 1e-6 + axis.abs().dot(half))
@@ -169,7 +172,10 @@ impl Opening {
                 .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
         };
         let normal = pairs(&opening.points).filter(|normal| normal.length() > 1e-9 * size * size);
-        let Some(normal) = normal.and_then(DVec3::try_normalize).filter(|_| size.is_finite() && size > 0.0) else {
+        let Some(normal) = normal
+            .and_then(DVec3::try_normalize)
+            .filter(|_| size.is_finite() && size > 0.0)
+        else {
             opening.points.clear();
             return (opening, Some(CellIssue::Outline));
         };
@@ -204,7 +210,16 @@ fn is_convex(points: &[DVec3], middle: DVec3, normal: DVec3) -> bool {
 /// What [`collect_cells`] reads.
 #[derive(SystemParam)]
 pub struct CellParts<'w, 's> {
-    cells: Query<'w, 's, (Entity, &'static Cell, &'static GlobalTransform, Option<&'static SelectionLayers>)>,
+    cells: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static Cell,
+            &'static GlobalTransform,
+            Option<&'static SelectionLayers>,
+        ),
+    >,
     portals: Query<'w, 's, (Entity, &'static Portal, &'static GlobalTransform)>,
     lists: Query<'w, 's, &'static InCells>,
     changed: Query<
@@ -300,7 +315,10 @@ impl Cells {
 
     /// Index of a cell that has a volume.
     fn index_of(&self, entity: Entity) -> Option<u32> {
-        let at = self.cells.binary_search_by_key(&entity, |cell| cell.entity).ok()?;
+        let at = self
+            .cells
+            .binary_search_by_key(&entity, |cell| cell.entity)
+            .ok()?;
         self.cells[at].usable.then_some(at as u32)
     }
 

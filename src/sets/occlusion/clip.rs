@@ -10,7 +10,13 @@ const GUARD: f64 = 3.0;
 /// Distances of a point inside of the planes: near, left, right, bottom, top.
 fn distances(point: &ClipPoint, near: f64) -> [f64; 5] {
     let ClipPoint { x, y, w, .. } = *point;
-    [w - near, GUARD * w + x, GUARD * w - x, GUARD * w + y, GUARD * w - y]
+    [
+        w - near,
+        GUARD * w + x,
+        GUARD * w - x,
+        GUARD * w + y,
+        GUARD * w - y,
+    ]
 }
 
 /// A bit for each plane that the point is outside of.
@@ -29,7 +35,10 @@ pub(super) type Polygon = SmallVec<[ClipPoint; 8]>;
 /// near plane made: boundary edges that the mesh does not have.
 ///
 /// Source: Sutherland & Hodgman 1974, "Reentrant Polygon Clipping".
-pub(super) fn clip_triangle(projection: &Projection, corners: [ClipPoint; 3]) -> (Polygon, Option<[ClipPoint; 2]>) {
+pub(super) fn clip_triangle(
+    projection: &Projection,
+    corners: [ClipPoint; 3],
+) -> (Polygon, Option<[ClipPoint; 2]>) {
     let mut polygon = Polygon::from_slice(&corners);
     let mut cut = None;
     for plane in 0..5 {
@@ -41,7 +50,11 @@ pub(super) fn clip_triangle(projection: &Projection, corners: [ClipPoint; 3]) ->
             let (a, b) = (distance(from), distance(to));
             if (a >= 0.0) != (b >= 0.0) {
                 // From the inside out, so that both triangles of an edge cut it at the same point.
-                let (inside, outer, d_in, d_out) = if a >= 0.0 { (from, to, a, b) } else { (to, from, b, a) };
+                let (inside, outer, d_in, d_out) = if a >= 0.0 {
+                    (from, to, a, b)
+                } else {
+                    (to, from, b, a)
+                };
                 let crossing = ClipPoint::mix(*inside, *outer, d_in / (d_in - d_out));
                 kept.push(crossing);
                 crossings.push(crossing);
@@ -62,7 +75,10 @@ pub(super) fn clip_triangle(projection: &Projection, corners: [ClipPoint; 3]) ->
 }
 
 /// The part of a segment behind the near plane and inside of the guard band.
-pub(super) fn clip_segment(projection: &Projection, [mut a, mut b]: [ClipPoint; 2]) -> Option<[ClipPoint; 2]> {
+pub(super) fn clip_segment(
+    projection: &Projection,
+    [mut a, mut b]: [ClipPoint; 2],
+) -> Option<[ClipPoint; 2]> {
     for plane in 0..5 {
         let distance = |point: &ClipPoint| distances(point, projection.near())[plane];
         let (da, db) = (distance(&a), distance(&b));

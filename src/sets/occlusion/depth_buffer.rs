@@ -48,10 +48,13 @@ impl DepthBuffer {
         self.tile_stride = width.div_ceil(TILE);
         self.stride = self.tile_stride * TILE;
         self.texels.clear();
-        self.texels.resize(self.stride * height.div_ceil(TILE) * TILE, f32::NEG_INFINITY);
+        self.texels
+            .resize(self.stride * height.div_ceil(TILE) * TILE, f32::NEG_INFINITY);
         self.tiles.clear();
-        self.tiles
-            .resize(self.tile_stride * height.div_ceil(TILE), (f32::NEG_INFINITY, f32::NEG_INFINITY));
+        self.tiles.resize(
+            self.tile_stride * height.div_ceil(TILE),
+            (f32::NEG_INFINITY, f32::NEG_INFINITY),
+        );
     }
 
     /// The picture's projection.
@@ -118,7 +121,10 @@ impl DepthBuffer {
     /// The box around what may be seen of a box; empty if nothing may.
     pub fn visible_part(&self, center: DVec3, half: DVec3) -> Aabb {
         let mut part = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let whole = (center - half - self.projection.origin(), center + half - self.projection.origin());
+        let whole = (
+            center - half - self.projection.origin(),
+            center + half - self.projection.origin(),
+        );
         let hidden = self.look(center, half, &mut |low, high| {
             part = (part.0.min(low.max(whole.0)), part.1.max(high.min(whole.1)));
             part != whole
@@ -172,8 +178,14 @@ impl DepthBuffer {
         };
         for tile_row in rows.0 / TILE..=rows.1 / TILE {
             for tile_column in columns.0 / TILE..=columns.1 / TILE {
-                let columns = (columns.0.max(tile_column * TILE), columns.1.min(tile_column * TILE + TILE - 1));
-                let rows = (rows.0.max(tile_row * TILE), rows.1.min(tile_row * TILE + TILE - 1));
+                let columns = (
+                    columns.0.max(tile_column * TILE),
+                    columns.1.min(tile_column * TILE + TILE - 1),
+                );
+                let rows = (
+                    rows.0.max(tile_row * TILE),
+                    rows.1.min(tile_row * TILE + TILE - 1),
+                );
                 if !search.tile(tile_row * self.tile_stride + tile_column, columns, rows, visit) {
                     return false;
                 }
@@ -225,7 +237,8 @@ impl Search<'_> {
         }
         for row in rows.0..=rows.1 {
             let at = row * self.buffer.stride + columns.0 / TILE * TILE;
-            let nearer = load(&self.buffer.texels[at..at + TILE]).simd_gt(f32x8::splat(self.nearest as f32 * (1.0 + f32::EPSILON)));
+            let nearer = load(&self.buffer.texels[at..at + TILE])
+                .simd_gt(f32x8::splat(self.nearest as f32 * (1.0 + f32::EPSILON)));
             let hidden = nearer.to_bitmask();
             for column in columns.0..=columns.1 {
                 if self.nearest > 0.0 && hidden >> (column % TILE) & 1 != 0 {
@@ -240,7 +253,11 @@ impl Search<'_> {
                     continue;
                 }
                 // Nothing farther than what covers the texel shows, up to what the margin leaves open.
-                let s1 = if texel > f64::NEG_INFINITY { s1.min(self.depth_beyond(texel)).max(s0) } else { s1 };
+                let s1 = if texel > f64::NEG_INFINITY {
+                    s1.min(self.depth_beyond(texel)).max(s0)
+                } else {
+                    s1
+                };
                 let (low, high) = beam.bounds(s0, s1);
                 if !visit(low, high) {
                     return false;
@@ -267,7 +284,11 @@ impl Search<'_> {
     }
 
     fn key(&self, depth: f64) -> f64 {
-        if self.buffer.projection.is_parallel() { -depth } else { 1.0 / depth }
+        if self.buffer.projection.is_parallel() {
+            -depth
+        } else {
+            1.0 / depth
+        }
     }
 
     /// A depth beyond which a key is exceeded by this one, margin and all.

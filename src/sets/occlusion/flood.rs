@@ -147,9 +147,12 @@ fn look_through(portal: &Opening, from: &Standpoint, sight: &Sight) -> Option<Si
     if portal.points.is_empty() {
         return Some(sight.clone());
     }
-    let bounds = portal.points.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), point| {
-        (min.min(*point), max.max(*point))
-    });
+    let bounds = portal
+        .points
+        .iter()
+        .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), point| {
+            (min.min(*point), max.max(*point))
+        });
     let outside = (bounds.0 - from.eye).max(from.eye - bounds.1).max(DVec3::ZERO);
     if outside.length() > from.range + from.reach {
         return None;

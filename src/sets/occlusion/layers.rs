@@ -155,14 +155,22 @@ mod tests {
 
     #[test]
     fn overlapping_intervals_are_one_cluster() {
-        let chain = [(3.0, 2.0, false, true), (1.0, 0.5, true, false), (2.5, 0.8, false, false)];
+        let chain = [
+            (3.0, 2.0, false, true),
+            (1.0, 0.5, true, false),
+            (2.5, 0.8, false, false),
+        ];
         assert_eq!(layers(&chain).covered(), f32::NEG_INFINITY);
         assert_eq!(layers(&chain[..2]).covered(), 2.0);
     }
 
     #[test]
     fn what_was_forgotten_never_joins_a_cluster_unseen() {
-        let three = [(9.0, 8.0, true, true), (6.0, 5.0, false, true), (3.0, 2.0, true, true)];
+        let three = [
+            (9.0, 8.0, true, true),
+            (6.0, 5.0, false, true),
+            (3.0, 2.0, true, true),
+        ];
         assert_eq!(layers(&three).covered(), 5.0);
         // A triangle that reaches from the second cluster into the forgotten third.
         let mut bridged = three.to_vec();
@@ -175,7 +183,9 @@ mod tests {
         // Against keeping every interval: whatever is claimed must be true.
         let mut state = 7u64;
         let mut random = |n: u64| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
             (state >> 33) % n
         };
         for _ in 0..20_000 {

@@ -75,7 +75,10 @@ impl OccluderMesh {
             for edge in range {
                 let lanes = edges.regular_lanes()[edge].map(u32::from);
                 let [a, b] = [0, 1].map(|i| clusters[pair[i] as usize].first_triangle + lanes[i]);
-                push(edges.regular_vertices()[edge], &mut [a << 1, b << 1 | 1].into_iter());
+                push(
+                    edges.regular_vertices()[edge],
+                    &mut [a << 1, b << 1 | 1].into_iter(),
+                );
             }
         };
         for (index, cluster) in clusters.iter().enumerate() {

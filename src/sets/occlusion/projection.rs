@@ -125,7 +125,13 @@ impl Projection {
     }
 
     /// A perspective picture with unit axes at right angles, `tan` wide and high at distance 1.
-    pub fn perspective(eye: DVec3, [right, up, forward]: [DVec3; 3], tan: f64, near: f64, width: u32) -> Self {
+    pub fn perspective(
+        eye: DVec3,
+        [right, up, forward]: [DVec3; 3],
+        tan: f64,
+        near: f64,
+        width: u32,
+    ) -> Self {
         Self {
             rows: [
                 (right / tan).extend(0.0),
@@ -311,7 +317,11 @@ mod tests {
     fn fronts_have_the_sign_that_is_told() {
         for axes in [AXES, [DVec3::NEG_X, DVec3::Y, DVec3::NEG_Z]] {
             let projection = Projection::perspective(DVec3::ZERO, axes, 1.0, 0.1, 100);
-            let corners = [Vec3::new(0.0, 0.0, -1.0), Vec3::new(1.0, 0.0, -1.0), Vec3::new(0.0, 1.0, -1.0)];
+            let corners = [
+                Vec3::new(0.0, 0.0, -1.0),
+                Vec3::new(1.0, 0.0, -1.0),
+                Vec3::new(0.0, 1.0, -1.0),
+            ];
             let local = projection.from_local(&DMat4::IDENTITY);
             let [a, b, c] = corners.map(|corner| {
                 let point = local.point(corner);

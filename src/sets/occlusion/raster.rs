@@ -82,7 +82,13 @@ pub struct Rasterizer {
 
 impl Rasterizer {
     /// Draws what an occluder covers, by those of its sides that count.
-    pub fn draw(&mut self, buffer: &mut DepthBuffer, mesh: &OccluderMesh, world_from_local: &DMat4, sides: Sides) {
+    pub fn draw(
+        &mut self,
+        buffer: &mut DepthBuffer,
+        mesh: &OccluderMesh,
+        world_from_local: &DMat4,
+        sides: Sides,
+    ) {
         let projection = *buffer.projection();
         let flipped = world_from_local.determinant() < 0.0;
         if !self.project(&projection, mesh, world_from_local) {
@@ -189,7 +195,8 @@ impl Rasterizer {
             if bits == [0; 2] {
                 let ends = ends.map(|end| self.vertices[end as usize]);
                 self.boundary(buffer, ends);
-            } else if let Some(segment) = clip_segment(projection, ends.map(|end| self.points[end as usize])) {
+            } else if let Some(segment) = clip_segment(projection, ends.map(|end| self.points[end as usize]))
+            {
                 self.boundary(buffer, segment.map(|point| vertex(projection, &point)));
             }
         }
@@ -248,7 +255,13 @@ impl Rasterizer {
             // Positive inside: to the left of the edge with y pointing down and positive area.
             let (nx, ny) = (-ey, ex);
             let reach = nx.abs() + ny.abs();
-            (nx, ny, from, reach * (0.5 + SLACK), (nx * nx + ny * ny).sqrt() * CENTER_SLACK)
+            (
+                nx,
+                ny,
+                from,
+                reach * (0.5 + SLACK),
+                (nx * nx + ny * ny).sqrt() * CENTER_SLACK,
+            )
         });
         for row in rows.0..rows.1 {
             let y = row as f32 + 0.5;
@@ -275,8 +288,12 @@ impl Rasterizer {
                 if touched != 0 {
                     let key = (x - f32x8::splat(a.x)) * f32x8::splat(slope_x)
                         + f32x8::splat(a.key + (y - a.y) * slope_y);
-                    let nears = (key + f32x8::splat(spread)).fast_min(f32x8::splat(near)).to_array();
-                    let fars = (key - f32x8::splat(spread)).fast_max(f32x8::splat(far)).to_array();
+                    let nears = (key + f32x8::splat(spread))
+                        .fast_min(f32x8::splat(near))
+                        .to_array();
+                    let fars = (key - f32x8::splat(spread))
+                        .fast_max(f32x8::splat(far))
+                        .to_array();
                     while touched != 0 {
                         let lane = touched.trailing_zeros() as usize;
                         touched &= touched - 1;

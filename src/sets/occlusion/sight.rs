@@ -90,7 +90,9 @@ fn normals(corners: &[DVec3]) -> SmallVec<[DVec3; 8]> {
     let middle: DVec3 = corners.iter().map(|corner| corner.normalize_or_zero()).sum();
     (0..corners.len())
         .filter_map(|i| {
-            let normal = corners[i].cross(corners[(i + 1) % corners.len()]).try_normalize()?;
+            let normal = corners[i]
+                .cross(corners[(i + 1) % corners.len()])
+                .try_normalize()?;
             Some(if normal.dot(middle) < 0.0 { -normal } else { normal })
         })
         .collect()
@@ -153,7 +155,8 @@ mod tests {
     use super::*;
 
     fn square(z: f64, half: f64, x: f64) -> [DVec3; 4] {
-        [(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)].map(|(a, b)| DVec3::new(x + a * half, b * half, z))
+        [(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)]
+            .map(|(a, b)| DVec3::new(x + a * half, b * half, z))
     }
 
     fn sees(sight: &Sight, point: DVec3) -> bool {
