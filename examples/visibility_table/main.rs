@@ -16,6 +16,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
+use antumbra::plugin::SetTimes;
 use antumbra::prelude::*;
 use clap::Parser;
 use glam::UVec2;
@@ -55,6 +56,8 @@ struct Measured {
     row: Row,
     batches: Batches,
     time: Duration,
+    /// CPU time of the sets.
+    sets: Duration,
 }
 
 /// One scene, measured.
@@ -123,11 +126,17 @@ fn measure(name: &str, walked: &mut Walked) -> Result<Scene, antumbra::render::R
             row,
             batches: Batches::default(),
             time: Duration::ZERO,
+            sets: Duration::ZERO,
         };
         for frame in 0..scene.frames {
             let (batches, time) = walked.draw(frame)?;
             measured.batches += batches;
             measured.time += time;
+            let times = walked.stage.world.resource::<SetTimes>();
+            let at = AntumbraSystems::ALL
+                .iter()
+                .position(|set| *set == AntumbraSystems::CollectSets);
+            measured.sets += at.map_or(Duration::ZERO, |at| times.durations[at]);
         }
         scene.rows.push(measured);
     }
@@ -149,7 +158,7 @@ impl Scene {
 fn print(scene: &Scene) {
     println!("{}, mean of {} frames", scene.name, scene.frames);
     println!(
-        "{:<26} {:>10} {:>9} {:>8} {:>8} {:>8} {:>8}   {:>16} {:>16}",
+        "{:<26} {:>10} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8}   {:>16} {:>16}",
         "",
         "Normalized",
         "Batches",
@@ -157,6 +166,7 @@ fn print(scene: &Scene) {
         "shadow",
         "light",
         "blended",
+        "sets ms",
         "chapter, scene 1",
         "chapter, scene 2"
     );
@@ -167,7 +177,7 @@ fn print(scene: &Scene) {
             .chapter
             .map(|(rate, batches)| format!("{rate:.2} {batches:>5}"));
         println!(
-            "{:<26} {:>10.2} {:>9.1} {:>8.1} {:>8.1} {:>8.1} {:>8.1}   {one:>16} {two:>16}",
+            "{:<26} {:>10.2} {:>9.1} {:>8.1} {:>8.1} {:>8.1} {:>8.1} {:>8.2}   {one:>16} {two:>16}",
             row.row.name,
             scene.rate(row),
             scene.per_frame(row.batches.total()),
@@ -175,6 +185,7 @@ fn print(scene: &Scene) {
             scene.per_frame(row.batches.shadow),
             scene.per_frame(row.batches.light),
             scene.per_frame(row.batches.blended),
+            row.sets.as_secs_f64() * 1e3 / scene.frames as f64,
         );
     }
     let (first, last) = (&scene.rows[0], &scene.rows[scene.rows.len() - 1]);
@@ -195,6 +206,7 @@ fn to_json(scene: &Scene) -> serde_json::Value {
                 "name": row.row.name,
                 "normalized_frame_rate": scene.rate(row),
                 "frame_ms": row.time.as_secs_f64() * 1e3 / scene.frames as f64,
+                "sets_ms": row.sets.as_secs_f64() * 1e3 / scene.frames as f64,
                 "batches": scene.per_frame(row.batches.total()),
                 "ambient": scene.per_frame(row.batches.ambient),
                 "shadow": scene.per_frame(row.batches.shadow),

@@ -5,10 +5,12 @@
 //! | set | holds | written by | error allowed |
 //! | --- | --- | --- | --- |
 //! | F [`FrustumSet`] | objects whose bounds touch the view frustum, occluded or not | [`collect_frustum_set`] | may keep too many |
-//! | V [`VisibleSet`] | F less what is occluded from the camera | [`collect_visible_set`] | same |
+//! | V [`VisibleSet`] | F less what is occluded from the camera ([`occlusion`]) | [`collect_visible_set`] | same |
 //! | L [`FrameLight::l`] | objects within the light's volume ([`FrameLight::reach`], by [`collect_light_sets`]), less what is occluded from it | [`collect_light_occlusion`] | same |
-//! | I [`FrameLight::i`] | V ∩ L, drawn and affected: what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
+//! | I [`FrameLight::i`] | V ∩ L, drawn and affected, less what is dark wherever it is seen ([`VisibleParts`]): what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
 //! | S [`FrameLight::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
+//!
+//! S asks F and the hulls of the light, not V: what is hidden can still cast into view (chapter 15, figure 15-2).
 //!
 //! Beside them: [`View`] by [`collect_view`], [`ScreenExtents`] by [`project_visible`], [`ScissorRect`] and
 //! [`DepthBounds`] by [`collect_illumination`].

@@ -6,6 +6,7 @@ use std::sync::{Arc, Weak};
 use glam::Vec3;
 
 use crate::conventions::CLUSTER_TRIANGLES;
+use crate::geometry::Aabb;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput};
 use crate::scene::MeshData;
 
@@ -27,7 +28,8 @@ pub struct OccluderMesh {
 }
 
 impl OccluderMesh {
-    /// The mesh of some data; `None` if that has no triangles or is no mesh.
+    /// The mesh of some data; `None` if that has no triangles, is no mesh, or lies so far from its origin that `f32`
+    /// vertices on a GPU may be drawn elsewhere.
     pub fn build(mesh: &MeshData) -> Option<Self> {
         let edges = EdgeMesh::build(EdgeMeshInput {
             positions: &mesh.positions,
@@ -37,6 +39,9 @@ impl OccluderMesh {
         })
         .ok()?;
         if edges.triangle_count() == 0 {
+            return None;
+        }
+        if !is_precise(&mesh.positions) {
             return None;
         }
         let mut numbers = vec![u32::MAX; mesh.positions.len()];
@@ -106,6 +111,15 @@ impl OccluderMesh {
             .iter()
             .map(|side| ((side >> 1) as usize, side & 1 != 0))
     }
+}
+
+/// A mesh may be this many times its size away from its origin.
+const MAX_DISTANCE: f32 = 256.0;
+
+fn is_precise(positions: &[Vec3]) -> bool {
+    let bounds = Aabb::from_points(positions.iter().copied());
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    !bounds.is_empty() && farthest <= MAX_DISTANCE * bounds.half_size().max_element()
 }
 
 /// The occluder meshes in use, by the address of their data, which the weak handle tells from later data there.
