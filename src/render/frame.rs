@@ -65,6 +65,7 @@ impl Renderer {
                 }
                 self.record_visibility(encoder, targets, light, outputs);
             }
+            self.record_dark(encoder, targets, outputs);
         } else if !self.frame.lights.is_empty() {
             let mut pass = begin_light_pass(encoder, targets, "lights", None);
             for light in &self.frame.lights {
@@ -139,7 +140,28 @@ impl Renderer {
         );
     }
 
-    /// Lights that are skipped have visibility 1 everywhere.
+    /// Surfaces that were not drawn for a light because it does not see them.
+    fn record_dark(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        outputs: &FrameOutputs,
+    ) {
+        for (light, batches) in &self.frame.dark {
+            if let Some(target) = outputs.visibility.get(*light) {
+                nodes::visibility::record_dark(
+                    encoder,
+                    target,
+                    &targets.depth_stencil_view,
+                    &self.view_group,
+                    &self.frame.batches[batches.clone()],
+                    &self.surface_resources(),
+                );
+            }
+        }
+    }
+
+    /// Lights that are skipped have visibility 1 but where they do not see a surface.
     fn clear_visibility(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
         for (index, target) in outputs.visibility.iter().enumerate() {
             if self.frame.lights.iter().any(|light| light.light == index) {
@@ -188,6 +210,9 @@ impl Renderer {
         for light in &frame.lights {
             require(SurfacePass::Light, light.batches.clone());
             require(SurfacePass::Visibility, light.batches.clone());
+        }
+        for (_, batches) in &frame.dark {
+            require(SurfacePass::Dark, batches.clone());
         }
         for draw in &frame.blended {
             require(SurfacePass::AmbientBlended, draw.batch..draw.batch + 1);

@@ -20,14 +20,17 @@ pub enum SurfacePass {
     LightBlended,
     /// Writes 0 where the stencil says shadowed.
     Visibility,
+    /// Writes 0 wherever the surface is seen: objects that the light does not see.
+    Dark,
 }
 
-const PASSES: [SurfacePass; 5] = [
+const PASSES: [SurfacePass; 6] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
     SurfacePass::LightBlended,
     SurfacePass::Visibility,
+    SurfacePass::Dark,
 ];
 
 /// Format of the visibility picture.
@@ -187,6 +190,15 @@ impl SurfacePipelines {
                 false,
                 Equal,
                 stencil_test(Less, 0xff),
+            ),
+            SurfacePass::Dark => (
+                &self.visibility,
+                &self.unlit_layout,
+                VISIBILITY_FORMAT,
+                None,
+                false,
+                Equal,
+                Default::default(),
             ),
         };
         debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests above rely on the top bit");

@@ -140,6 +140,7 @@ pub fn prepare_draws(
     frame.batches.clear();
     frame.instances.clear();
     frame.lights.clear();
+    frame.dark.clear();
     frame.blended.clear();
     frame.blended_lights.clear();
     frame.light_constants.clear();
@@ -203,6 +204,23 @@ pub fn prepare_draws(
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
             batches: first..frame.batches.len(),
         });
+    }
+    for (index, light) in lights
+        .lights
+        .iter()
+        .enumerate()
+        .filter(|(_, light)| !light.dark.is_clear())
+    {
+        let first = frame.batches.len();
+        renderer.draw_lists.build(
+            &input,
+            &light.dark,
+            ItemFilter::OpaqueLit,
+            true,
+            &mut frame.batches,
+            &mut frame.instances,
+        );
+        frame.dark.push((index, first..frame.batches.len()));
     }
     collect_blended(frame, &input, &visible, &lights, current.mirrored);
     renderer

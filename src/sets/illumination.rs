@@ -70,6 +70,7 @@ pub fn collect_illumination(
         .filter(|(_, light)| light.stale)
     {
         resize(&mut light.i, objects.len());
+        resize(&mut light.dark, objects.len());
         light.scissor = None;
         light.depth_bounds = None;
         work.illuminations += 1;
@@ -93,6 +94,11 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     let drawn = objects.drawn.as_slice();
     for (word, bits) in light.i.as_mut_slice().iter_mut().enumerate() {
         let candidates = v[word] & l[word] & drawn[word];
+        *bits = selected(objects, word, candidates, light.selection.affects);
+    }
+    let reach = light.reach.as_slice();
+    for (word, bits) in light.dark.as_mut_slice().iter_mut().enumerate() {
+        let candidates = v[word] & reach[word] & !l[word] & drawn[word];
         *bits = selected(objects, word, candidates, light.selection.affects);
     }
 }

@@ -68,6 +68,8 @@ pub struct FrameLight {
     pub l: FixedBitSet,
     /// Set I: objects that the light pass draws. Empty: the light is skipped.
     pub i: FixedBitSet,
+    /// Objects of V within reach that were left out of I because the light sees nothing of what is seen of them.
+    pub dark: FixedBitSet,
     /// Set S: casters whose shadow can reach a receiver of I.
     pub s: FixedBitSet,
     /// Convex hull of light and view frustum; of the last frame in which I was not empty.
@@ -138,6 +140,7 @@ impl FrameLight {
             reach: FixedBitSet::new(),
             l: FixedBitSet::new(),
             i: FixedBitSet::new(),
+            dark: FixedBitSet::new(),
             s: FixedBitSet::new(),
             hull: LightHull::default(),
             receiver_hull: LightHull::default(),

@@ -35,6 +35,7 @@ pub fn collect_shadow_sets(
 ) {
     for light in frame.lights.iter_mut().filter(|light| light.stale) {
         resize(&mut light.s, objects.len());
+        resize(&mut light.kept, objects.len());
         light.inside_frustum = false;
         if let Some(view) = &view.data
             && !light.i.is_clear()

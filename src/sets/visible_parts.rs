@@ -72,7 +72,10 @@ impl VisibleParts {
                     occluders.shadeable.contains(object)
                         && viewpoint.is_some_and(|viewpoint| viewpoint.hides_box(center, half))
                 };
-                if part.is_empty() || hidden() {
+                if part.is_empty() {
+                    light.i.remove(object);
+                } else if hidden() {
+                    light.dark.insert(object);
                     light.i.remove(object);
                 }
             }
