@@ -73,8 +73,9 @@ pub mod prelude {
         RenderContext, RenderSettings, Renderer, RequestedFeatures, frame::FrameOutputs,
     };
     pub use crate::scene::{
-        AlphaMode, Camera, FaceCulling, Light, LightKind, LightSelection, Material, MeshData, SceneMaterials,
-        SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+        AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
+        Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+        ShadowedLight,
     };
     pub use crate::sets::{FrameLights, ViewportSize};
     pub use crate::techniques::StencilVolume;

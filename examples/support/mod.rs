@@ -8,3 +8,7 @@ pub mod shot;
 pub mod solid;
 pub mod stage;
 pub mod stats;
+#[cfg(feature = "reference")]
+pub mod table;
+#[cfg(feature = "reference")]
+pub mod walk;

@@ -255,6 +255,37 @@ impl Stage {
         })
     }
 
+    /// Runs and draws a frame, and waits for the device.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn draw(&mut self) -> Result<(), RenderError> {
+        self.schedule.run(&mut self.world);
+        let mut renderer = self.world.resource_mut::<Renderer>();
+        if let Some(failure) = renderer.take_failure() {
+            return Err(failure);
+        }
+        let context = renderer.context();
+        let mut encoder = context.device.create_command_encoder(&Default::default());
+        renderer.record(&mut encoder, &FrameOutputs::default());
+        context.queue.submit([encoder.finish()]);
+        let waited = context.device.poll(wgpu::PollType::wait_indefinitely());
+        waited.map(|_| ()).map_err(|_| RenderError::DeviceLost)
+    }
+
+    /// Bytes of the radiance of the last frame, before any tonemap: what pictures are compared by, bit for bit.
+    ///
+    /// # Errors
+    /// What the device refuses.
+    pub fn radiance_bytes(&self) -> Result<Vec<u8>, RenderError> {
+        let renderer = self.world.resource::<Renderer>();
+        let Some(targets) = renderer.targets() else {
+            return Ok(Vec::new());
+        };
+        let all = wgpu::TextureAspect::All;
+        Ok(read_texture(renderer.context(), &targets.radiance, all, "radiance")?.bytes)
+    }
+
     /// Runs and draws a frame of which only the GPU times are wanted.
     ///
     /// # Errors

@@ -10,6 +10,50 @@ use serde_json::{Map, Value, json};
 
 use super::stage::{Rendered, Stage};
 
+/// Draw calls of a frame, by stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Batches {
+    /// The ambient pass.
+    pub ambient: usize,
+    /// Shadow volumes of all lights.
+    pub shadow: usize,
+    /// Light passes of all lights.
+    pub light: usize,
+    /// Blended surfaces, and each light on each of them.
+    pub blended: usize,
+}
+
+impl std::ops::AddAssign for Batches {
+    fn add_assign(&mut self, other: Self) {
+        self.ambient += other.ambient;
+        self.shadow += other.shadow;
+        self.light += other.light;
+        self.blended += other.blended;
+    }
+}
+
+impl Batches {
+    /// Those of the frame that was prepared last.
+    pub fn of_frame(renderer: &Renderer) -> Self {
+        let frame = renderer.frame();
+        let shadow = frame
+            .lights
+            .iter()
+            .map(|light| renderer.shadow_batch_count(light));
+        Self {
+            ambient: frame.ambient.len(),
+            shadow: shadow.sum(),
+            light: frame.lights.iter().map(|light| light.batches.len()).sum(),
+            blended: frame.blended.len() + frame.blended_lights.len(),
+        }
+    }
+
+    /// All of them.
+    pub fn total(&self) -> usize {
+        self.ambient + self.shadow + self.light + self.blended
+    }
+}
+
 /// Collects the statistics of the last frame.
 pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
     let triangles: usize = stage
@@ -28,16 +72,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
             None => json!({ "skipped": skip_reason(world, stage.lights[light]) }),
         })
         .collect();
-    let frame = renderer.frame();
-    let shadow_batches: usize = frame
-        .lights
-        .iter()
-        .map(|light| renderer.shadow_batch_count(light))
-        .sum();
-    let light_batches: usize = frame.lights.iter().map(|light| light.batches.len()).sum();
-    let ambient_batches = frame.ambient.len();
-    let front_batches: usize = frame.lights.iter().map(|light| light.front.len()).sum();
-    let blended_batches = frame.blended.len() + frame.blended_lights.len() + front_batches;
+    let batches = Batches::of_frame(renderer);
     let times = world.resource::<SetTimes>();
     let cpu: Map<String, Value> = AntumbraSystems::ALL
         .iter()
@@ -59,11 +94,11 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         "V": world.resource::<VisibleSet>().set.count_ones(..),
         "lights": lights,
         "batches": {
-            "ambient": ambient_batches,
-            "shadow": shadow_batches,
-            "light": light_batches,
-            "blended": blended_batches,
-            "frame": ambient_batches + shadow_batches + light_batches + blended_batches,
+            "ambient": batches.ambient,
+            "shadow": batches.shadow,
+            "light": batches.light,
+            "blended": batches.blended,
+            "frame": batches.total(),
         },
         "cpu_ms": cpu,
         "gpu_ms": gpu,

@@ -90,6 +90,7 @@ impl Renderer {
                 self.record_visibility(encoder, targets, light, outputs);
             }
         }
+        self.record_dark(encoder, targets, outputs);
 
         // Last of the radiance: blended surfaces stand before all that was lit.
         let front = self.front.as_ref().filter(|_| self.frame.has_front_layer());
@@ -241,7 +242,28 @@ impl Renderer {
         );
     }
 
-    /// Lights that are skipped have visibility 1 everywhere.
+    /// Surfaces that were not drawn for a light because it does not see them.
+    fn record_dark(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        outputs: &FrameOutputs,
+    ) {
+        for (light, batches) in &self.frame.dark {
+            if let Some(target) = outputs.visibility.get(*light) {
+                nodes::visibility::record_dark(
+                    encoder,
+                    target,
+                    &targets.depth_stencil_view,
+                    &self.view_group,
+                    &self.frame.batches[batches.clone()],
+                    &self.surface_resources(),
+                );
+            }
+        }
+    }
+
+    /// Lights that are skipped have visibility 1 but where they do not see a surface.
     fn record_skipped_visibility(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -291,6 +313,9 @@ impl Renderer {
             if let Some(visibility) = visibility {
                 require(SurfacePass::visibility(visibility), light.batches.clone());
             }
+        }
+        for (_, batches) in &frame.dark {
+            require(SurfacePass::Dark, batches.clone());
         }
         for light in &frame.lights {
             if let Some((_, visibility)) = light.shadow {

@@ -35,6 +35,8 @@ pub enum SurfacePass {
     VisibilityMasked,
     /// Writes 1, where the front layer hides what was there.
     VisibilityFront,
+    /// Writes 0 wherever the surface is seen: objects that the light does not see.
+    Dark,
 }
 
 impl SurfacePass {
@@ -63,7 +65,7 @@ impl SurfacePass {
     }
 }
 
-const PASSES: [SurfacePass; 12] = [
+const PASSES: [SurfacePass; 13] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
@@ -76,6 +78,7 @@ const PASSES: [SurfacePass; 12] = [
     SurfacePass::Visibility,
     SurfacePass::VisibilityMasked,
     SurfacePass::VisibilityFront,
+    SurfacePass::Dark,
 ];
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
@@ -268,7 +271,7 @@ impl SurfacePipelines {
                 Greater,
                 Default::default(),
             ),
-            SurfacePass::VisibilityFront => (
+            SurfacePass::VisibilityFront | SurfacePass::Dark => (
                 &self.visibility,
                 &self.unlit_layout,
                 VISIBILITY_FORMAT,

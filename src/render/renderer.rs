@@ -105,6 +105,9 @@ pub struct FrameData {
     pub ambient: Range<usize>,
     /// Lights with something to light.
     pub lights: Vec<ActiveLight>,
+    /// By index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches`: surfaces that the light does not see.
+    /// Drawn into pictures of its visibility alone.
+    pub dark: Vec<(usize, Range<usize>)>,
     /// Blended surfaces, farthest first.
     pub blended: Vec<BlendedDraw>,
     /// The lights of blended surfaces.

@@ -144,6 +144,7 @@ pub fn prepare_draws(
     frame.batches.clear();
     frame.instances.clear();
     frame.lights.clear();
+    frame.dark.clear();
     frame.blended.clear();
     frame.blended_lights.clear();
     frame.light_constants.clear();
@@ -209,6 +210,23 @@ pub fn prepare_draws(
             batches: first..frame.batches.len(),
             front: 0..0,
         });
+    }
+    for (index, light) in lights
+        .lights
+        .iter()
+        .enumerate()
+        .filter(|(_, light)| !light.dark.is_clear())
+    {
+        let first = frame.batches.len();
+        renderer.draw_lists.build(
+            &input,
+            &light.dark,
+            ItemFilter::OpaqueLit,
+            true,
+            &mut frame.batches,
+            &mut frame.instances,
+        );
+        frame.dark.push((index, first..frame.batches.len()));
     }
     collect_blended(frame, &input, &visible, &lights, current.mirrored);
     renderer

@@ -4,7 +4,9 @@
 //! | --- | --- |
 //! | [`SceneMesh`], [`SceneMaterials`] | what an entity looks like |
 //! | [`ShadowCaster`], [`ShadowReceiver`] | which part it takes in shadows |
+//! | [`Occluder`] | whether it may hide others |
 //! | [`SelectionLayers`] | which lights select it ([`LightSelection`]) |
+//! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a component of [`techniques`](crate::techniques) beside it |
 //! | [`Camera`] | the view |
 //! | [`Skin`], [`MorphWeights`] | a mesh that is posed each frame into [`PosedMesh`] |
@@ -16,6 +18,7 @@ pub mod animation;
 pub mod bounds;
 pub mod camera;
 pub mod caster;
+pub mod cell;
 pub(crate) mod changes;
 pub mod churn;
 #[cfg(feature = "gltf")]
@@ -23,6 +26,7 @@ pub mod gltf_import;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod occluder;
 pub mod pose;
 pub(crate) mod tasks;
 
@@ -30,8 +34,10 @@ pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds};
 pub use camera::Camera;
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
-pub use light::{Light, LightError, LightKind, LightSelection};
+pub use light::{Light, LightError, LightKind, LightSelection, ShadowedLight};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
+pub use occluder::Occluder;
 pub use pose::{MorphWeights, PosedMesh, Skin};

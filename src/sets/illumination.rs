@@ -5,15 +5,17 @@ use bevy_ecs::prelude::*;
 use super::boxes::WORD;
 use super::clusters::for_bits;
 use super::depth_bounds::DepthBounds;
+use super::light_occlusion::LightOcclusion;
 use super::lights::{FrameLight, FrameLights, is_dark};
-use super::lit_bounds::lit_bounds;
 use super::objects::Objects;
+use super::occlusion::Occluders;
 use super::reach::each_light;
 use super::scissor::ScissorRect;
 use super::screen::Projector;
 use super::screen_union::screen_union;
 use super::view::{View, ViewData};
 use super::visible::VisibleSet;
+use super::visible_parts::VisibleParts;
 use super::work::SetWork;
 use crate::geometry::Aabb;
 
@@ -31,7 +33,8 @@ pub(super) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -
     result
 }
 
-/// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, then the scissor and depth bounds: those of I's
+/// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, less objects of which all that is seen is dark,
+/// then the scissor and depth bounds: those of I's
 /// objects, of the light's volume, and of the objects cut by the volume, intersected. If nothing is left the light
 /// is skipped: I is emptied.
 ///
@@ -44,6 +47,9 @@ pub fn collect_illumination(
     objects: Res<Objects>,
     view: Res<View>,
     visible: Res<VisibleSet>,
+    parts: Res<VisibleParts>,
+    occlusion: Res<LightOcclusion>,
+    occluders: Res<Occluders>,
 ) {
     let lights = &mut frame.lights;
     let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
@@ -54,10 +60,13 @@ pub fn collect_illumination(
         light.work.illuminations += 1;
         (light.scissor, light.depth_bounds) = (None, None);
         light.receiver_bounds = Aabb::EMPTY;
+        let dark = light.dark.as_mut_slice();
+        light.touched.ones().for_each(|word| dark[word] = 0);
         let shines = !is_dark(&light.light);
         let bounds = view.data.as_ref().filter(|_| shines).and_then(|view| {
             intersect(light, &objects, &visible);
-            bound(light, &objects, view)
+            parts.cut_illumination(light, occlusion.viewpoint_of(light.entity), &occluders);
+            bound(light, &objects, view, &parts)
         });
         match bounds {
             Some((scissor, depth_bounds)) => {
@@ -79,14 +88,22 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
         let candidates = v[word] & l[word] & drawn[word];
         i[word] = selected(objects, word, candidates, light.selection.affects);
     }
+    let (reach, dark) = (light.reach.as_slice(), light.dark.as_mut_slice());
+    for word in light.touched.ones() {
+        let candidates = v[word] & reach[word] & !l[word] & drawn[word];
+        dark[word] = selected(objects, word, candidates, light.selection.affects);
+    }
 }
 
-fn bound(light: &mut FrameLight, objects: &Objects, view: &ViewData) -> Option<(ScissorRect, DepthBounds)> {
+fn bound(
+    light: &mut FrameLight,
+    objects: &Objects,
+    view: &ViewData,
+    parts: &VisibleParts,
+) -> Option<(ScissorRect, DepthBounds)> {
     let reach = light.volume.aabb();
     let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
-    let bounds_of = |set: &dyn Fn(usize) -> usize| {
-        lit_bounds(&objects.boxes, &objects.clusters, &light.touched, set, &reach)
-    };
+    let bounds_of = |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.touched, set, &reach);
     let lit = bounds_of(&|word| i[word]);
     if lit.is_empty() {
         return None;

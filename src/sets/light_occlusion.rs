@@ -2,13 +2,245 @@
 
 use bevy_ecs::prelude::*;
 
-use super::lights::FrameLights;
+use super::lights::{FrameLight, FrameLights};
+use super::objects::Objects;
+use super::occlusion::light_views::light_views;
+use super::occlusion::viewpoint::Blocks;
+use super::occlusion::{Cells, Occluders, OcclusionSettings, Rasterizer, Sightings, Standpoint, Viewpoint};
+use super::work::SetWork;
+use crate::geometry::Aabb;
+use crate::scene::ShadowedLight;
 
-/// L = reach: there is no occlusion from the lights yet, and this step is where it takes objects out.
-///
-/// Set: `CollectSets`, after `collect_light_sets`.
-pub fn collect_light_occlusion(mut frame: ResMut<FrameLights>) {
-    for light in frame.lights.iter_mut().filter(|light| light.reach_written) {
-        light.l.clone_from(&light.reach);
+/// What stands before each light. Written by [`collect_light_occlusion`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct LightOcclusion {
+    /// One for each light of [`FrameLights`], in its order.
+    lights: Vec<Entry>,
+    previous: Vec<Entry>,
+    frame_lights: u64,
+    rasterizer: Rasterizer,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    light: Entity,
+    viewpoint: Viewpoint,
+    sightings: Sightings,
+    seen: Option<Seen>,
+}
+
+/// All that occlusion from a light depends on beside the light and what moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    occluders: u64,
+    cells: u64,
+    settings: OcclusionSettings,
+    is_shadowed: bool,
+}
+
+impl LightOcclusion {
+    /// What stands before the light at this index of [`FrameLights`].
+    pub fn viewpoint(&self, light: usize) -> Option<&Viewpoint> {
+        Some(&self.lights.get(light)?.viewpoint)
     }
+
+    /// What stands before a light of [`FrameLights`].
+    pub(super) fn viewpoint_of(&self, light: Entity) -> Option<&Viewpoint> {
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
+        Some(&self.lights[at].viewpoint)
+    }
+
+    /// Keeps what is known of lights that are still there.
+    fn follow(&mut self, frame: &FrameLights) {
+        if self.frame_lights == frame.generation && self.lights.len() == frame.lights.len() {
+            return;
+        }
+        self.frame_lights = frame.generation;
+        std::mem::swap(&mut self.lights, &mut self.previous);
+        let mut old = self.previous.drain(..).peekable();
+        for light in &frame.lights {
+            while old.next_if(|entry| entry.light < light.entity).is_some() {}
+            let known = old.next_if(|entry| entry.light == light.entity);
+            self.lights.push(known.unwrap_or_else(|| Entry {
+                light: light.entity,
+                viewpoint: Viewpoint::default(),
+                sightings: Sightings::default(),
+                seen: None,
+            }));
+        }
+    }
+}
+
+/// L = reach less what no portal shows to the light, less what is hidden in its depth buffers.
+///
+/// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
+/// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
+/// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
+/// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
+/// then computed anew.
+///
+/// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
+pub fn collect_light_occlusion(
+    mut frame: ResMut<FrameLights>,
+    mut occlusion: ResMut<LightOcclusion>,
+    mut work: ResMut<SetWork>,
+    objects: Res<Objects>,
+    occluders: Res<Occluders>,
+    cells: Res<Cells>,
+    settings: Res<OcclusionSettings>,
+    shadowed: Query<(), With<ShadowedLight>>,
+) {
+    let occlusion = &mut *occlusion;
+    occlusion.follow(&frame);
+    let LightOcclusion {
+        lights, rasterizer, ..
+    } = occlusion;
+    for (light, entry) in frame.lights.iter_mut().zip(lights) {
+        let now = Seen {
+            occluders: occluders.generation,
+            cells: cells.generation,
+            settings: *settings,
+            is_shadowed: shadowed.contains(light.entity),
+        };
+        let anew = light.moved || entry.seen != Some(now);
+        if !anew && !light.reach_written {
+            continue;
+        }
+        entry.seen = Some(now);
+        if !(settings.from_lights && now.is_shadowed) {
+            entry.viewpoint.clear();
+            entry.sightings.forget();
+            light.stale |= anew;
+            see_all(light);
+            continue;
+        }
+        if anew {
+            look_around(&mut entry.sightings, light, &cells);
+        }
+        let unseen = |entry: &Entry, object: usize| {
+            !entry.sightings.sees(&cells, &objects, object) || entry.viewpoint.hides(&objects, object)
+        };
+        if anew || occluder_moved(light, &entry.viewpoint, &objects, &occluders) {
+            draw(
+                light,
+                &mut entry.viewpoint,
+                rasterizer,
+                &objects,
+                &occluders,
+                &settings,
+            );
+            work.depth_buffers += entry.viewpoint.buffers().len() as u64;
+            see_all(light);
+            for object in light.reach.intersection(&occluders.shadeable) {
+                work.occlusion_tests += 1;
+                if unseen(entry, object) {
+                    light.l.remove(object);
+                }
+            }
+            // Even where L is as before, what is seen of its objects may have become lit or dark.
+            light.stale = true;
+            continue;
+        }
+        for word in objects.moved_words.ones() {
+            let moved = objects.moved.as_slice()[word];
+            let bits = &mut light.l.as_mut_slice()[word];
+            *bits = *bits & !moved | light.reach.as_slice()[word] & moved;
+        }
+        for object in objects.moved.intersection(&occluders.shadeable) {
+            if light.l.contains(object) {
+                work.occlusion_tests += 1;
+                if unseen(entry, object) {
+                    light.l.remove(object);
+                }
+            }
+        }
+    }
+}
+
+/// L = reach. Words that the light no longer touches were cleared with those of `reach`.
+fn see_all(light: &mut FrameLight) {
+    let (l, reach) = (light.l.as_mut_slice(), light.reach.as_slice());
+    light.touched.ones().for_each(|word| l[word] = reach[word]);
+}
+
+/// Looks through the portals from the light's cells, as far as it reaches. Not for directional lights, which stand
+/// nowhere, nor where the cells' walls do not cast for the light. An area light looks from all of itself: through all
+/// portals that are connected, without clipping.
+fn look_around(sightings: &mut Sightings, light: &FrameLight, cells: &Cells) {
+    sightings.forget();
+    if cells.is_empty() || light.point_world.w == 0.0 || !cells.cast_for(light.selection.casts_for) {
+        return;
+    }
+    let eye = light.point_world.truncate();
+    let extent = light.emitter.bounding_radius();
+    let corner = |i: u8| {
+        let sign = |bit: u8| if i & bit == 0 { -extent } else { extent };
+        eye + glam::DVec3::new(sign(1), sign(2), sign(4))
+    };
+    let standpoint = Standpoint {
+        eye,
+        points: if extent > 0.0 {
+            (0..8).map(corner).collect()
+        } else {
+            [eye].into_iter().collect()
+        },
+        reach: extent + 1e-4 + 1e-6 * eye.abs().max_element(),
+        corners: Default::default(),
+        clips: extent == 0.0,
+        range: f64::from(light.light.range),
+    };
+    sightings.flood(cells, &standpoint);
+}
+
+/// Whether an object may hide others from this light.
+fn hides_from(light: &FrameLight, objects: &Objects, occluders: &Occluders, object: usize) -> bool {
+    occluders.light.contains(object) && objects.layers[object] & light.selection.casts_for != 0
+}
+
+/// Whether an occluder that was drawn moved, or one that reaches the light's volume.
+fn occluder_moved(
+    light: &FrameLight,
+    viewpoint: &Viewpoint,
+    objects: &Objects,
+    occluders: &Occluders,
+) -> bool {
+    occluders.moved.ones().any(|object| {
+        hides_from(light, objects, occluders, object)
+            && (light.reach.contains(object) || viewpoint.drawn.contains(object))
+    })
+}
+
+fn draw(
+    light: &FrameLight,
+    viewpoint: &mut Viewpoint,
+    rasterizer: &mut Rasterizer,
+    objects: &Objects,
+    occluders: &Occluders,
+    settings: &OcclusionSettings,
+) {
+    let candidates = || {
+        let within = light.reach.intersection(&occluders.light);
+        within.filter(|&object| hides_from(light, objects, occluders, object))
+    };
+    if candidates().next().is_none() {
+        viewpoint.clear();
+        return;
+    }
+    let bounds = light.reach.ones().fold(Aabb::EMPTY, |bounds, object| {
+        bounds.union(objects.boxes.get(object))
+    });
+    let views = light_views(light, &bounds, settings.light_texels.clamp(16, 1024));
+    viewpoint.draw(
+        rasterizer,
+        &views,
+        candidates(),
+        objects,
+        occluders,
+        settings,
+        Blocks::Light,
+    );
 }

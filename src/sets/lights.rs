@@ -63,6 +63,8 @@ pub struct FrameLight {
     pub l: FixedBitSet,
     /// Set I: objects that the light pass draws. Empty: the light is skipped.
     pub i: FixedBitSet,
+    /// Objects of V within reach that were left out of I because the light sees nothing of what is seen of them.
+    pub dark: FixedBitSet,
     /// Set S: casters whose shadow can reach a receiver of I.
     pub s: FixedBitSet,
     /// Convex hull of light and view frustum; of the last frame in which I was not empty.
@@ -81,6 +83,8 @@ pub struct FrameLight {
     pub(super) touched: FixedBitSet,
     /// Whether I and what follows from it are to be computed in this frame.
     pub(super) stale: bool,
+    /// Casters of S that some receiver needs; scratch.
+    pub(super) kept: FixedBitSet,
     /// Whether `reach`, or where its objects are, may have changed in this frame.
     pub(super) reach_written: bool,
     /// What was done for it in this frame.
@@ -147,6 +151,7 @@ impl FrameLight {
             reach: FixedBitSet::new(),
             l: FixedBitSet::new(),
             i: FixedBitSet::new(),
+            dark: FixedBitSet::new(),
             s: FixedBitSet::new(),
             hull: LightHull::default(),
             receiver_hull: LightHull::default(),
@@ -156,6 +161,7 @@ impl FrameLight {
             receiver_bounds: Aabb::EMPTY,
             touched: FixedBitSet::new(),
             stale: true,
+            kept: FixedBitSet::new(),
             reach_written: true,
             work: LightWork::default(),
             found: FixedBitSet::new(),

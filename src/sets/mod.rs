@@ -5,10 +5,12 @@
 //! | set | holds | written by | error allowed |
 //! | --- | --- | --- | --- |
 //! | F [`FrustumSet`] | objects whose bounds touch the view frustum, occluded or not | [`collect_frustum_set`] | may keep too many |
-//! | V [`VisibleSet`] | F less what is occluded from the camera | [`collect_visible_set`] | same |
+//! | V [`VisibleSet`] | F less what is occluded from the camera ([`occlusion`]) | [`collect_visible_set`] | same |
 //! | L [`FrameLight::l`] | objects within the light's volume ([`FrameLight::reach`], by [`collect_light_sets`]), less what is occluded from it | [`collect_light_occlusion`] | same |
-//! | I [`FrameLight::i`] | V ∩ L, drawn and affected: what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
+//! | I [`FrameLight::i`] | V ∩ L, drawn and affected, less what is dark wherever it is seen ([`VisibleParts`]): what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
 //! | S [`FrameLight::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
+//!
+//! S asks F and the hulls of the light, not V: what is hidden can still cast into view (chapter 15, figure 15-2).
 //!
 //! Beside them: [`View`] by [`collect_view`], [`ScissorRect`] and [`DepthBounds`] by [`collect_illumination`].
 //!
@@ -37,6 +39,7 @@ pub mod light_volume;
 pub mod lights;
 mod lit_bounds;
 pub mod objects;
+pub mod occlusion;
 pub mod reach;
 pub mod scissor;
 pub mod screen;
@@ -46,6 +49,7 @@ pub mod shadow;
 mod spatial_order;
 pub mod view;
 pub mod visible;
+pub mod visible_parts;
 pub mod work;
 
 use bevy_ecs::prelude::*;
@@ -59,17 +63,21 @@ pub use collect_objects::collect_objects;
 pub use depth_bounds::{DepthBounds, shadow_depth_range};
 pub use frustum::{FrustumSet, collect_frustum_set};
 pub use illumination::collect_illumination;
-pub use light_occlusion::collect_light_occlusion;
+pub use light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light_volume::LightVolume;
 pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights};
 pub use objects::Objects;
+pub use occlusion::{
+    AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders,
+};
 pub use reach::collect_light_sets;
 pub use scissor::ScissorRect;
 pub use screen::{Projector, ScreenBounds};
 pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use shadow::collect_shadow_sets;
 pub use view::{View, ViewData, ViewportSize, collect_view};
-pub use visible::{VisibleSet, collect_visible_set};
+pub use visible::{CameraOcclusion, VisibleSet, collect_visible_set};
+pub use visible_parts::VisibleParts;
 pub use work::SetWork;
 
 use crate::scene::ObjectChurn;
@@ -82,8 +90,14 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<ViewportSize>();
     world.init_resource::<View>();
     world.init_resource::<FrustumSet>();
+    world.init_resource::<OcclusionSettings>();
+    world.init_resource::<Occluders>();
+    world.init_resource::<Cells>();
+    world.init_resource::<CameraOcclusion>();
     world.init_resource::<VisibleSet>();
+    world.init_resource::<VisibleParts>();
     world.init_resource::<FrameLights>();
+    world.init_resource::<LightOcclusion>();
 }
 
 /// The systems of the sets, chained; they belong into `AntumbraSystems::CollectSets`.
@@ -92,10 +106,11 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         collect_objects,
         collect_view,
         collect_frustum_set,
-        collect_visible_set, // occlusion from the camera comes here
+        (collect_cells, collect_occluders),
+        collect_visible_set, // what the camera does not see costs nothing from here on
         collect_frame_lights,
         collect_light_sets,
-        collect_light_occlusion, // occlusion from the lights comes here
+        collect_light_occlusion, // what a light does not see is dark already
         collect_illumination,    // scissor and depth bounds too: an empty one skips the light
         collect_shadow_sets,     // last: it asks which receivers are left
     )

@@ -79,7 +79,13 @@ fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved
     light.seen = Some(now);
     if new_layout {
         let words = objects.boxes.words();
-        for set in [&mut light.reach, &mut light.l, &mut light.i, &mut light.s] {
+        for set in [
+            &mut light.reach,
+            &mut light.l,
+            &mut light.i,
+            &mut light.s,
+            &mut light.dark,
+        ] {
             resize(set, objects.len());
         }
         resize(&mut light.touched, words);
@@ -127,6 +133,7 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
         light.l.as_mut_slice(),
         light.i.as_mut_slice(),
         light.s.as_mut_slice(),
+        light.dark.as_mut_slice(),
     ];
     let asked = |block: usize| among.map_or(usize::MAX, |words| words.as_slice()[block]);
     for (block, (touched, found)) in touched

@@ -11,8 +11,10 @@ use super::illumination::selected;
 use super::light_volume::LightVolume;
 use super::lights::{FrameLight, FrameLights};
 use super::objects::Objects;
+use super::occlusion::OcclusionSettings;
 use super::reach::each_light;
 use super::view::{View, ViewData};
+use super::visible_parts::{VisibleParts, cut_casters};
 use super::work::SetWork;
 use crate::geometry::{LightHull, Plane, Sphere};
 use crate::scene::LocalBounds;
@@ -21,13 +23,16 @@ use crate::scene::LocalBounds;
 ///
 /// Candidates are the casters of L that cast for this light. If all of the light is inside the frustum, those in F stay;
 /// else those that touch the convex hull of light and frustum. Of these, only those stay that touch the convex hull of
-/// light and the bounds of I's receivers within the light's volume. Without receivers S is empty. Casters whose world
-/// bounds touch a point light's ball, but whose local bounds, as they stand in the world, do not, are left out.
+/// light and the bounds of I's receivers within the light's volume, and, where something occludes, the hull of light and
+/// one of these. Without receivers S is empty. Casters whose world bounds touch a point light's ball, but whose local
+/// bounds, as they stand in the world, do not, are left out.
+///
+/// [`OcclusionSettings::of_shadows`] off leaves S at all casters of L that cast for the light.
 ///
 /// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
 /// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light. Cost: the
 /// clusters that the light touches; the objects of those that a plane of the hulls cuts, against those planes alone.
-/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second hull is ours.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second and third hull are ours.
 pub fn collect_shadow_sets(
     mut frame: ResMut<FrameLights>,
     mut work: ResMut<SetWork>,
@@ -35,6 +40,8 @@ pub fn collect_shadow_sets(
     view: Res<View>,
     frustum_set: Res<FrustumSet>,
     placed: Query<Placed>,
+    settings: Res<OcclusionSettings>,
+    parts: Res<VisibleParts>,
 ) {
     let lights = &mut frame.lights;
     let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
@@ -47,10 +54,24 @@ pub fn collect_shadow_sets(
             Some(view) if light.scissor.is_some() => {
                 light.work.shadows += 1;
                 collect(light, &objects, view, &frustum_set, &placed);
+                if settings.of_shadows {
+                    cut_casters(light, &parts, &objects);
+                } else if !light.receiver_bounds.is_empty() {
+                    all_casters(light, &objects);
+                }
             }
             _ => clear(light),
         }
     });
+}
+
+/// S as it is without a shadow set: whatever of L casts for the light.
+fn all_casters(light: &mut FrameLight, objects: &Objects) {
+    let (l, casters) = (light.l.as_slice(), objects.casters.as_slice());
+    let s = light.s.as_mut_slice();
+    for word in light.touched.ones() {
+        s[word] = selected(objects, word, l[word] & casters[word], light.selection.casts_for);
+    }
 }
 
 fn clear(light: &mut FrameLight) {

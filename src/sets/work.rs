@@ -13,6 +13,10 @@ pub struct SetWork {
     pub views: u64,
     /// Bitset words tested against the frustum.
     pub frustum_words: u64,
+    /// Depth buffers drawn, of the camera and of lights.
+    pub depth_buffers: u64,
+    /// Objects tested for being occluded.
+    pub occlusion_tests: u64,
     /// Objects projected to the screen.
     pub objects_projected: u64,
     /// Bitset words tested against lights' volumes.

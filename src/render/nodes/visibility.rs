@@ -1,5 +1,5 @@
 //! The visibility that the light pass used, as a picture: 0 on shadowed surfaces of the light's set I or what the mask
-//! says, else 1.
+//! says, and 0 on surfaces that were left out of I because the light does not see them, else 1.
 //!
 //! Shader  `shaders/passes/visibility.wgsl`
 //! Groups  0 view, 2 material, 3 mask
@@ -22,6 +22,20 @@ pub struct Shadow<'a> {
     pub scissor: [u32; 4],
     /// What the light lights.
     pub batches: &'a [Batch],
+}
+
+/// Adds the surfaces that the light does not see.
+pub fn record_dark(
+    encoder: &mut wgpu::CommandEncoder,
+    target: &wgpu::TextureView,
+    depth_stencil: &wgpu::TextureView,
+    view: &wgpu::BindGroup,
+    batches: &[Batch],
+    resources: &SurfaceResources,
+) {
+    let mut pass = begin(encoder, target, depth_stencil, wgpu::LoadOp::Load);
+    pass.set_bind_group(0, view, &[]);
+    draw_batches(&mut pass, SurfacePass::Dark, batches, resources);
 }
 
 /// Clears the target and records the draws; without a shadow it stays all lit.

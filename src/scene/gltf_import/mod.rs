@@ -8,6 +8,7 @@
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | materials, textures | `material.rs`, `texture.rs` |
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs` |
+//! | cells, portals, occluders in extras | `visibility.rs` |
 //! | animation clips | `clips.rs` |
 //! | entities | `spawn.rs` |
 //!
@@ -28,6 +29,7 @@ mod texture;
 mod transforms;
 mod triangles;
 mod vertices;
+mod visibility;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,6 +40,7 @@ pub use mesh::GltfMesh;
 pub use nodes::{GltfNode, GltfSceneRoots, GltfSkin, MAX_NODE_DEPTH};
 pub use report::{Element, Report, Skip, SkipKind};
 pub use spawn::{SpawnedScene, spawn_scene};
+pub use visibility::{GltfPortal, GltfVisibility};
 
 use super::animation::AnimationClip;
 use super::{Camera, Light, Material};

@@ -11,6 +11,7 @@ use gltf::json::validation::Checked;
 use super::accessors::Accessors;
 use super::mesh::GltfMesh;
 use super::transforms::transform_of;
+use super::visibility::{self, GltfVisibility};
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{Camera, Light, LightKind, MeshData};
 
@@ -36,6 +37,8 @@ pub struct GltfNode {
     pub camera: Option<usize>,
     /// One for each morph target of the mesh.
     pub weights: Vec<f32>,
+    /// Cells, portals and occluders of its extras.
+    pub visibility: GltfVisibility,
 }
 
 /// A scene: what can be spawned.
@@ -114,9 +117,11 @@ pub(super) fn load(
             skin,
             light: light.map(|light| light.light.value()),
             camera: node.camera.map(|camera| camera.value()),
+            visibility: GltfVisibility::default(),
         });
     }
     check_forest(accessors, &nodes)?;
+    visibility::load(accessors, &mut nodes, report);
     Ok(nodes)
 }
 

@@ -90,6 +90,8 @@ pub enum SkipKind {
     NodeTransform,
     /// A node whose skin or morph weights do not fit its mesh. Counts nodes.
     NodeMesh,
+    /// Extras of a node that cannot be read; the file has no cells and portals then. Counts nodes.
+    Visibility,
     /// A texture that a material does without. Counts textures or images.
     Texture,
     /// A material number that is out of range and was clamped. Counts numbers.
@@ -114,6 +116,7 @@ impl fmt::Display for SkipKind {
             Self::VertexData => "vertex data",
             Self::NodeTransform => "node transform",
             Self::NodeMesh => "node mesh",
+            Self::Visibility => "visibility extras",
             Self::Texture => "texture",
             Self::MaterialValue => "material value",
             Self::Camera => "camera",

@@ -7,6 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 
 use super::nodes::GltfNode;
+use super::visibility;
 use super::{Element, GltfError, LoadedGltf};
 use crate::scene::animation::{AnimationClips, SceneNodes};
 use crate::scene::{MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin};
@@ -86,6 +87,7 @@ pub fn spawn_scene(
         world.entity_mut(entity).insert(ChildOf(parent));
         spawn_node(world, gltf, index, entity, &mut spawned);
     }
+    visibility::spawn(world, gltf, &spawned.nodes.nodes, &spawned.nodes.meshes);
     world.entity_mut(root).insert(spawned.nodes.clone());
     Ok(spawned)
 }
@@ -108,6 +110,9 @@ fn spawn_node(
     {
         world.entity_mut(entity).insert(camera);
         spawned.cameras.push(entity);
+    }
+    if node.visibility.takes_mesh() {
+        return; // its mesh is the shape of a cell or portal
     }
     let Some(mesh) = node.mesh.and_then(|mesh| gltf.meshes.get(mesh)) else {
         return;

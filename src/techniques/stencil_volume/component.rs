@@ -1,7 +1,10 @@
 //! What a user sets on a light.
 
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 
+use crate::scene::ShadowedLight;
 use crate::silhouettes::NeedsSilhouettes;
 
 /// Gives a light hard shadows by stencil shadow volumes. Area lights cast from their centre.
@@ -9,12 +12,21 @@ use crate::silhouettes::NeedsSilhouettes;
 /// Exact for any triangle mesh, open or closed; alpha-tested surfaces cast whole. At most 127 volumes may stand one
 /// behind the other at a pixel: the stencil counts modulo 128.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[require(NeedsSilhouettes)]
+#[require(NeedsSilhouettes, ShadowedLight)]
+#[component(on_remove = light_up)]
 pub struct StencilVolume {
     /// Which way intersections with the volumes are counted.
     pub counting: Counting,
     /// How far the volumes reach.
     pub extent: Extent,
+}
+
+/// A light whose technique is taken away lights everything again.
+fn light_up(mut world: DeferredWorld, context: HookContext) {
+    world
+        .commands()
+        .entity(context.entity)
+        .try_remove::<ShadowedLight>();
 }
 
 /// Which way intersections with a shadow volume are counted. The pictures are the same.

@@ -24,6 +24,21 @@ pub struct PooledContour {
     pub caps_away_start: u32,
 }
 
+impl PooledContour {
+    /// Whether two silhouettes have equal counts, wherever they stand.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let counts = |contour: &Self| {
+            (
+                contour.single_count,
+                contour.double_count,
+                contour.cap_count,
+                contour.caps_away_start,
+            )
+        };
+        counts(self) == counts(other)
+    }
+}
+
 /// Bytes of an edge: two vertices.
 const EDGE_SIZE: u64 = 8;
 

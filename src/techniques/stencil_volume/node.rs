@@ -14,7 +14,7 @@
 
 use bevy_ecs::prelude::*;
 
-use super::contour_pool::ContourPool;
+use super::contour_pool::{ContourPool, PooledContour};
 use super::volume_pipelines::{Key, Part, Purpose, VolumePipelines};
 use super::volumes::{CasterVolume, StencilVolumes};
 use crate::conventions::STENCIL_IN_BOUNDS;
@@ -24,12 +24,13 @@ use crate::render::gpu_types;
 use crate::render::technique::{PrepareInput, RecordInput, ShadowTechnique, Visibility};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::FrameLights;
-use crate::silhouettes::Silhouettes;
+use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
 
 /// Name of the technique.
 pub const NAME: &str = "stencil_volume";
 
-/// One draw call.
+/// One draw call: materials do not split it, and casters of one mesh that see the light alike share it.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.2.2, for batches of shadows apart from those of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Draw {
     key: Key,
@@ -37,7 +38,9 @@ struct Draw {
     /// First index of a cap in the pool; 0 for sides.
     first: u32,
     count: u32,
+    /// First of the casters.
     caster: u32,
+    caster_count: u32,
 }
 
 #[derive(Debug)]
@@ -57,7 +60,11 @@ pub struct StencilVolumeNode {
     caster_constants: Vec<gpu_types::Caster>,
     draws: Vec<Draw>,
     lights: Vec<LightDraws>,
+    order: Vec<(Likeness, usize)>,
 }
+
+/// Casters alike in this have the same silhouette: the mesh, and the light in its space, bit for bit.
+type Likeness = (u32, [u32; 4], bool);
 
 impl StencilVolumeNode {
     /// Compiles the shader; pipelines come when a frame needs them.
@@ -95,6 +102,7 @@ impl StencilVolumeNode {
             caster_constants: Vec::new(),
             draws: Vec::new(),
             lights: Vec::new(),
+            order: Vec::new(),
         })
     }
 
@@ -120,7 +128,7 @@ impl StencilVolumeNode {
                 last_key = Some(draw.key);
             }
             let range = draw.first..draw.first + draw.count;
-            let caster = draw.caster..draw.caster + 1;
+            let caster = draw.caster..draw.caster + draw.caster_count;
             let Some(mesh) = input.meshes.get(draw.mesh) else {
                 continue;
             };
@@ -134,13 +142,62 @@ impl StencilVolumeNode {
         }
     }
 
+    /// Appends the draws of a light's casters, those with equal silhouettes one behind the other.
+    fn push_light(&mut self, volumes: &[CasterVolume], known: &LightSilhouettes, input: &PrepareInput) {
+        let mut order = std::mem::take(&mut self.order);
+        order.clear();
+        order.extend(volumes.iter().enumerate().map(|(at, volume)| {
+            let mesh = input.table.mesh[volume.object as usize];
+            let all = known.slots[volume.slot as usize].mode == CapMode::AllTriangles;
+            ((mesh, volume.light_local.to_array().map(f32::to_bits), all), at)
+        }));
+        order.sort_unstable();
+        let first = self.draws.len();
+        let mut last: Option<(Likeness, PooledContour)> = None;
+        for &(likeness, at) in &order {
+            let volume = &volumes[at];
+            let Some(own) = self.pool.get(known.light, volume.slot as usize) else {
+                continue;
+            };
+            let pooled = match last {
+                Some((like, pooled)) if like == likeness && pooled.is_like(&own) => pooled,
+                _ => own,
+            };
+            last = Some((likeness, pooled));
+            self.push_draws(volume, pooled, input);
+        }
+        self.order = order;
+        self.draws[first..].sort_unstable();
+        self.join_draws(first);
+    }
+
+    /// Makes one draw of those that differ in their casters alone, where these follow each other.
+    fn join_draws(&mut self, first: usize) {
+        let mut end = first;
+        for at in first..self.draws.len() {
+            let draw = self.draws[at];
+            if end > first {
+                let last = &mut self.draws[end - 1];
+                let next = Draw {
+                    caster: last.caster + last.caster_count,
+                    ..draw
+                };
+                let same = (last.key, last.mesh, last.first, last.count);
+                if draw == next && same == (draw.key, draw.mesh, draw.first, draw.count) {
+                    last.caster_count += draw.caster_count;
+                    continue;
+                }
+            }
+            self.draws[end] = draw;
+            end += 1;
+        }
+        self.draws.truncate(end);
+    }
+
     /// Appends the draws of one caster.
-    fn push_draws(&mut self, volume: &CasterVolume, light: Entity, input: &PrepareInput) {
+    fn push_draws(&mut self, volume: &CasterVolume, pooled: PooledContour, input: &PrepareInput) {
         let object = volume.object as usize;
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
-        let Some(pooled) = self.pool.get(light, volume.slot as usize) else {
-            return;
-        };
         let corners_per_edge = if volume.light_local.w == 0.0 { 3 } else { 6 };
         let caster = self.caster_constants.len() as u32;
         self.caster_constants.push(gpu_types::Caster {
@@ -165,6 +222,7 @@ impl StencilVolumeNode {
                     first,
                     count,
                     caster,
+                    caster_count: 1,
                 });
             }
         };
@@ -231,11 +289,9 @@ impl ShadowTechnique for StencilVolumeNode {
         let mut rebind = self.pool.update(input.context, silhouettes)?;
         for light in &volumes.lights {
             let first = self.draws.len();
-            let entity = lights.lights[light.light].entity;
-            for volume in &light.casters {
-                self.push_draws(volume, entity, input);
+            if let Some(known) = silhouettes.of_light(lights.lights[light.light].entity) {
+                self.push_light(&light.casters, known, input);
             }
-            self.draws[first..].sort_unstable();
             self.lights.push(LightDraws {
                 light: light.light,
                 draws: first..self.draws.len(),

@@ -1,0 +1,245 @@
+//! Cells, portals and occluders in the `extras` of nodes.
+//!
+//! ```json
+//! {"extras": {"antumbra": {"cell": "kitchen", "half_size": [2.0, 1.3, 2.5]}}}
+//! {"extras": {"antumbra": {"portal": {"joins": ["kitchen", "hall"], "open": true}, "half_size": [0.45, 1.0]}}}
+//! {"extras": {"antumbra": {"in_cells": ["kitchen"]}}}
+//! {"extras": {"antumbra": {"occluder": false}}}
+//! ```
+//!
+//! A cell is a box around the node's origin, a portal a rectangle in its XY plane. Without `half_size` the node's mesh says
+//! what they are: its bounds for a cell, the convex hull of its vertices for a portal; that mesh is not drawn then.
+//!
+//! A file in which one of these cannot be read, or two cells have one name, has no cells and no portals at all: a portal
+//! left out would hide what should show.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::Vec3;
+use gltf::json::{Value, deserialize::from_str};
+use smallvec::SmallVec;
+
+use super::accessors::Accessors;
+use super::nodes::GltfNode;
+use super::{Element, LoadedGltf, Report, SkipKind};
+use crate::geometry::Aabb;
+use crate::scene::{Cell, InCells, MeshData, Occluder, Portal};
+
+/// What the `extras` of a node say about visibility.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GltfVisibility {
+    /// The node is a cell of this name.
+    pub cell: Option<String>,
+    /// The node is a portal.
+    pub portal: Option<GltfPortal>,
+    /// Half of the size of the cell or portal, metres; `None`: that of the mesh.
+    pub half_size: Option<Vec3>,
+    /// Names of the cells that the node's mesh is in.
+    pub in_cells: Option<Vec<String>>,
+    /// Whether the node's mesh hides others.
+    pub occluder: Option<bool>,
+}
+
+/// A portal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GltfPortal {
+    /// Names of the two cells.
+    pub joins: [String; 2],
+    /// Seen through.
+    pub open: bool,
+}
+
+impl GltfVisibility {
+    /// Whether the node's mesh is but the shape of a cell or portal, and not drawn.
+    pub fn takes_mesh(&self) -> bool {
+        (self.cell.is_some() || self.portal.is_some()) && self.half_size.is_none()
+    }
+
+    fn read(value: &Value) -> Result<Self, String> {
+        let Some(value) = value.get("antumbra") else {
+            return Ok(Self::default());
+        };
+        let object = value.as_object().ok_or("antumbra is not an object")?;
+        let mut visibility = Self::default();
+        for (key, value) in object {
+            match key.as_str() {
+                "cell" => visibility.cell = Some(name(value)?),
+                "portal" => visibility.portal = Some(portal(value)?),
+                "half_size" => visibility.half_size = Some(half_size(value)?),
+                "in_cells" => {
+                    let names = value.as_array().ok_or("in_cells is not a list")?;
+                    visibility.in_cells = Some(names.iter().map(name).collect::<Result<_, _>>()?);
+                }
+                "occluder" => {
+                    visibility.occluder = Some(value.as_bool().ok_or("occluder is not true or false")?)
+                }
+                other => return Err(format!("antumbra.{other} is not known")),
+            }
+        }
+        if visibility.cell.is_some() && visibility.portal.is_some() {
+            return Err("it is both a cell and a portal".to_owned());
+        }
+        Ok(visibility)
+    }
+}
+
+fn name(value: &Value) -> Result<String, String> {
+    value
+        .as_str()
+        .map(str::to_owned)
+        .ok_or_else(|| format!("{value} is not the name of a cell"))
+}
+
+fn portal(value: &Value) -> Result<GltfPortal, String> {
+    let joins = value.get("joins").and_then(Value::as_array);
+    let [a, b] = joins.map(Vec::as_slice).unwrap_or_default() else {
+        return Err("portal.joins is not a list of two cells".to_owned());
+    };
+    let open = match value.get("open") {
+        None => true,
+        Some(open) => open.as_bool().ok_or("portal.open is not true or false")?,
+    };
+    Ok(GltfPortal {
+        joins: [name(a)?, name(b)?],
+        open,
+    })
+}
+
+/// Two or three positive numbers.
+fn half_size(value: &Value) -> Result<Vec3, String> {
+    let numbers = value.as_array().map(Vec::as_slice).unwrap_or_default();
+    let mut size = Vec3::ONE;
+    for (axis, number) in numbers.iter().enumerate().take(3) {
+        size[axis] = number.as_f64().unwrap_or(0.0) as f32;
+    }
+    if !(2..=3).contains(&numbers.len()) || !size.is_finite() || size.min_element() <= 0.0 {
+        return Err(format!(
+            "half_size is {value}, two or three positive numbers are needed"
+        ));
+    }
+    Ok(size)
+}
+
+/// Reads the extras of all nodes.
+pub(super) fn load(accessors: &Accessors<'_>, nodes: &mut [GltfNode], report: &mut Report) {
+    let mut sound = true;
+    for (index, (json, node)) in accessors.root.nodes.iter().zip(nodes.iter_mut()).enumerate() {
+        let Some(extras) = &json.extras else { continue };
+        // Extras of others may be anything.
+        let Ok(value) = from_str::<Value>(extras.get()) else {
+            continue;
+        };
+        match GltfVisibility::read(&value).and_then(|read| check_shape(read, node.mesh.is_some())) {
+            Ok(visibility) => node.visibility = visibility,
+            Err(reason) => {
+                sound = false;
+                report.add(SkipKind::Visibility, Element::Node(index), 1, reason);
+            }
+        }
+    }
+    let mut names: HashMap<&str, usize> = HashMap::new();
+    for (index, node) in nodes.iter().enumerate() {
+        let Some(cell) = &node.visibility.cell else {
+            continue;
+        };
+        if let Some(first) = names.insert(cell, index) {
+            sound = false;
+            let reason = format!("cell {cell:?} is node {first} too");
+            report.add(SkipKind::Visibility, Element::Node(index), 1, reason);
+        }
+    }
+    if !sound {
+        for node in nodes {
+            node.visibility = GltfVisibility {
+                occluder: node.visibility.occluder,
+                ..GltfVisibility::default()
+            };
+        }
+    }
+}
+
+fn check_shape(visibility: GltfVisibility, has_mesh: bool) -> Result<GltfVisibility, String> {
+    if visibility.takes_mesh() && !has_mesh {
+        return Err("it has neither half_size nor a mesh".to_owned());
+    }
+    Ok(visibility)
+}
+
+/// Gives the entities of a scene their cells, portals, lists and occluders.
+pub(super) fn spawn(
+    world: &mut World,
+    gltf: &LoadedGltf,
+    entities: &[Option<Entity>],
+    meshes: &[Option<Entity>],
+) {
+    let mut cells: HashMap<&str, Entity> = HashMap::new();
+    for (node, entity) in gltf.nodes.iter().zip(entities) {
+        let (Some(cell), Some(entity)) = (&node.visibility.cell, entity) else {
+            continue;
+        };
+        let half = |half_size| (Vec3::ZERO, half_size);
+        let (center, half_size) = node.visibility.half_size.map_or_else(|| bounds(gltf, node), half);
+        let place = Transform::from_translation(center);
+        cells.insert(
+            cell,
+            world.spawn((Cell { half_size }, place, ChildOf(*entity))).id(),
+        );
+    }
+    // Whoever is meant is not in this scene; who looks there sees everything.
+    let find = |name: &String| cells.get(name.as_str()).copied().unwrap_or(Entity::PLACEHOLDER);
+    for (index, node) in gltf.nodes.iter().enumerate() {
+        if let (Some(portal), Some(entity)) = (&node.visibility.portal, entities[index]) {
+            let joins = [find(&portal.joins[0]), find(&portal.joins[1])];
+            let mut component = match node.visibility.half_size {
+                Some(half) => Portal::rectangle(joins, half.x, half.y),
+                None => Portal {
+                    joins,
+                    open: true,
+                    outline: outline(gltf, node),
+                },
+            };
+            component.open = portal.open;
+            world.entity_mut(entity).insert(component);
+        }
+        let Some(mesh) = meshes[index] else { continue };
+        if let Some(list) = &node.visibility.in_cells {
+            world
+                .entity_mut(mesh)
+                .insert(InCells(list.iter().map(find).collect()));
+        }
+        match node.visibility.occluder {
+            Some(true) => world.entity_mut(mesh).insert(Occluder::Own),
+            Some(false) => world.entity_mut(mesh).insert(Occluder::Never),
+            None => continue,
+        };
+    }
+}
+
+fn mesh_of<'a>(gltf: &'a LoadedGltf, node: &GltfNode) -> Option<&'a Arc<MeshData>> {
+    Some(&gltf.meshes.get(node.mesh?)?.data)
+}
+
+/// Centre and half size of a node's mesh.
+fn bounds(gltf: &LoadedGltf, node: &GltfNode) -> (Vec3, Vec3) {
+    let aabb = mesh_of(gltf, node).map_or(Aabb::EMPTY, |mesh| {
+        Aabb::from_points(mesh.positions.iter().copied())
+    });
+    if aabb.is_empty() {
+        return (Vec3::ZERO, Vec3::ZERO);
+    }
+    (aabb.center(), aabb.half_size())
+}
+
+/// The vertices of a node's mesh, each place once.
+fn outline(gltf: &LoadedGltf, node: &GltfNode) -> SmallVec<[Vec3; 4]> {
+    let mut outline: SmallVec<[Vec3; 4]> = SmallVec::new();
+    for &position in mesh_of(gltf, node).iter().flat_map(|mesh| &mesh.positions) {
+        if !outline.contains(&position) {
+            outline.push(position);
+        }
+    }
+    outline
+}

@@ -1,0 +1,339 @@
+//! Cells, portals, and which objects are in which cell.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DVec3, Mat4};
+use smallvec::SmallVec;
+
+use crate::geometry::Aabb;
+use crate::scene::{Cell, InCells, Portal, SelectionLayers};
+use crate::sets::objects::{Objects, resize};
+
+/// Cells and portals of the world, in world space. Written by [`collect_cells`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Cells {
+    /// What cells and portals cannot mean as they are, ascending by entity.
+    pub issues: Vec<(Entity, CellIssue)>,
+    /// Increases when a cell, a portal or a list of cells changed.
+    pub generation: u64,
+    pub(super) cells: Vec<CellBox>,
+    pub(super) portals: Vec<Opening>,
+    /// Objects of each cell.
+    pub(super) members: Vec<FixedBitSet>,
+    /// Objects in no cell.
+    pub(super) loose: FixedBitSet,
+    layout: u64,
+    counts: [usize; 3],
+}
+
+/// What is wrong with a cell or a portal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CellIssue {
+    /// Nothing is occluded by cells as long as one is not sound.
+    #[error("the cell's box is empty, sheared or not finite; no cell hides anything")]
+    Volume,
+    /// The outline counts as its convex hull.
+    #[error("the portal's outline is not flat; its convex hull counts")]
+    NotFlat,
+    /// The outline counts as its convex hull.
+    #[error("the portal's outline is not convex; its convex hull counts")]
+    NotConvex,
+    /// The portal lets all through.
+    #[error("the portal's outline has no area or is not finite; it lets all through")]
+    Outline,
+    /// Who sees the portal sees everything.
+    #[error("the portal joins something that is no cell; who sees it sees everything")]
+    Dangling,
+}
+
+/// A cell's box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellBox {
+    pub entity: Entity,
+    center: DVec3,
+    /// Unit axes and half sizes.
+    axes: [(DVec3, f64); 3],
+    bounds: Aabb,
+    pub layers: u32,
+    usable: bool,
+}
+
+/// A portal.
+#[derive(Clone, Debug)]
+pub(super) struct Opening {
+    pub joins: [Option<u32>; 2],
+    pub open: bool,
+    /// Empty: it lets all through.
+    pub points: SmallVec<[DVec3; 8]>,
+    /// Unit normal, if it is flat.
+    pub normal: Option<DVec3>,
+}
+
+impl Opening {
+    /// Whether it leads out of a cell. One that joins something which is no cell leads out of every cell that it touches:
+    /// whichever was meant is among them.
+    pub(super) fn leads_out_of(&self, cells: &Cells, cell: u32) -> bool {
+        let dangles = self.joins.contains(&None);
+        let bounds = || Aabb::from_points(self.points.iter().map(|point| point.as_vec3())).padded();
+        self.joins.contains(&Some(cell))
+            || dangles && (self.points.is_empty() || cells.cells[cell as usize].touches(&bounds()))
+    }
+}
+
+/// Off a plane by this part of an outline's size still counts as flat.
+const FLAT: f64 = 1e-4;
+
+impl CellBox {
+    fn new(entity: Entity, cell: &Cell, transform: &GlobalTransform, layers: u32) -> Self {
+        let affine = transform.affine();
+        let axis = |axis: glam::Vec3A, half: f32| {
+            let axis = glam::Vec3::from(axis).as_dvec3();
+            let length = axis.length();
+            (axis / length, f64::from(half) * length)
+        };
+        let axes = [
+            axis(affine.matrix3.x_axis, cell.half_size.x),
+            axis(affine.matrix3.y_axis, cell.half_size.y),
+            axis(affine.matrix3.z_axis, cell.half_size.z),
+        ];
+        let half = Aabb {
+            min: -cell.half_size,
+            max: cell.half_size,
+        };
+        let sound = |&(axis, half): &(DVec3, f64)| axis.is_finite() && half.is_finite() && half > 0.0;
+        // Sheared boxes have axes that are no normals.
+        let upright = |a: usize, b: usize| axes[a].0.dot(axes[b].0).abs() < 1e-4;
+        Self {
+            entity,
+            center: affine.translation.as_dvec3(),
+            axes,
+            bounds: half.transformed(&affine).padded(),
+            layers,
+            usable: affine.is_finite()
+                && axes.iter().all(sound)
+                && upright(0, 1)
+                && upright(1, 2)
+                && upright(2, 0),
+        }
+    }
+
+    /// Whether a box may touch the cell; it may say so of one that passes by an edge.
+    pub(super) fn touches(&self, aabb: &Aabb) -> bool {
+        if !self.usable || aabb.is_empty() || !self.bounds.intersects(aabb) {
+            return false;
+        }
+        let (center, half) = (
+            aabb.center().as_dvec3() - self.center,
+            aabb.half_size().as_dvec3(),
+        );
+        self.axes
+            .iter()
+            .all(|(axis, size)| axis.dot(center).abs() <= size * (1.0 + 1e-6) + 1e-6 + axis.abs().dot(half))
+    }
+
+    /// Whether a point is in the cell.
+    pub(super) fn contains(&self, point: DVec3) -> bool {
+        self.usable
+            && self
+                .axes
+                .iter()
+                .all(|(axis, size)| axis.dot(point - self.center).abs() <= *size)
+    }
+}
+
+impl Opening {
+    fn new(portal: &Portal, transform: &GlobalTransform) -> (Self, Option<CellIssue>) {
+        let world_from_local = Mat4::from(transform.affine()).as_dmat4();
+        let points: SmallVec<[DVec3; 8]> = portal
+            .outline
+            .iter()
+            .map(|point| world_from_local.transform_point3(point.as_dvec3()))
+            .collect();
+        let mut opening = Self {
+            joins: [None; 2],
+            open: portal.open,
+            points,
+            normal: None,
+        };
+        let middle = opening.points.iter().sum::<DVec3>() / opening.points.len().max(1) as f64;
+        let size = opening
+            .points
+            .iter()
+            .map(|point| point.distance(middle))
+            .fold(0.0, f64::max);
+        // The widest of the triangles with the middle tells the plane.
+        let pairs = |points: &[DVec3]| {
+            let pair = |i: usize, j: usize| (points[i] - middle).cross(points[j] - middle);
+            let all = (0..points.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
+            all.map(|(i, j)| pair(i, j))
+                .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))
+        };
+        let normal = pairs(&opening.points).filter(|normal| normal.length() > 1e-9 * size * size);
+        let Some(normal) = normal
+            .and_then(DVec3::try_normalize)
+            .filter(|_| size.is_finite() && size > 0.0)
+        else {
+            opening.points.clear();
+            return (opening, Some(CellIssue::Outline));
+        };
+        let is_flat = |point: &DVec3| (*point - middle).dot(normal).abs() <= FLAT * size;
+        if !opening.points.iter().all(is_flat) {
+            return (opening, Some(CellIssue::NotFlat));
+        }
+        let issue = (!is_convex(&opening.points, middle, normal)).then_some(CellIssue::NotConvex);
+        opening.normal = Some(normal);
+        (opening, issue)
+    }
+}
+
+/// Whether every point is a corner of the convex hull of all, or on its rim.
+fn is_convex(points: &[DVec3], middle: DVec3, normal: DVec3) -> bool {
+    let (right, up) = normal.any_orthonormal_pair();
+    let mut around: SmallVec<[(f64, DVec3); 8]> = points
+        .iter()
+        .map(|point| {
+            let from = *point - middle;
+            (up.dot(from).atan2(right.dot(from)), from)
+        })
+        .collect();
+    around.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let count = around.len();
+    (0..count).all(|i| {
+        let [a, b, c] = [0, 1, 2].map(|step| around[(i + step) % count].1);
+        (b - a).cross(c - b).dot(normal) >= -1e-6 * (b - a).length() * (c - b).length()
+    })
+}
+
+/// What [`collect_cells`] reads.
+#[derive(SystemParam)]
+pub struct CellParts<'w, 's> {
+    cells: Query<
+        'w,
+        's,
+        (
+            Entity,
+            &'static Cell,
+            &'static GlobalTransform,
+            Option<&'static SelectionLayers>,
+        ),
+    >,
+    portals: Query<'w, 's, (Entity, &'static Portal, &'static GlobalTransform)>,
+    lists: Query<'w, 's, &'static InCells>,
+    changed: Query<
+        'w,
+        's,
+        (),
+        Or<(
+            Changed<Cell>,
+            Changed<Portal>,
+            Changed<InCells>,
+            (Or<(With<Cell>, With<Portal>)>, Changed<GlobalTransform>),
+            (With<Cell>, Changed<SelectionLayers>),
+        )>,
+    >,
+}
+
+/// Brings [`Cells`] up to date: all when a cell, portal or list changed or objects came and went, else the objects that
+/// moved.
+///
+/// Set: `CollectSets`, after `collect_objects`. Cost: O(objects × cells) when something changed; at rest it counts.
+pub fn collect_cells(mut cells: ResMut<Cells>, objects: Res<Objects>, parts: CellParts) {
+    let counts = [
+        parts.cells.iter().len(),
+        parts.portals.iter().len(),
+        parts.lists.iter().len(),
+    ];
+    if counts == [0; 3] && cells.counts == counts {
+        return; // a world without cells
+    }
+    let cells = &mut *cells;
+    if counts != cells.counts || !parts.changed.is_empty() {
+        cells.counts = counts;
+        cells.rebuild(&parts);
+    } else if cells.layout == objects.layout_generation {
+        for object in objects.moved.ones() {
+            cells.place(object, &objects, &parts.lists);
+        }
+        return;
+    }
+    cells.layout = objects.layout_generation;
+    cells.members.resize_with(cells.cells.len(), FixedBitSet::new);
+    for members in &mut cells.members {
+        resize(members, objects.len());
+    }
+    resize(&mut cells.loose, objects.len());
+    for object in 0..objects.len() {
+        cells.place(object, &objects, &parts.lists);
+    }
+}
+
+impl Cells {
+    /// Whether there are no cells: nothing is occluded by them then.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Whether all cells have a box: who stands in one that has none would not know.
+    pub fn are_sound(&self) -> bool {
+        self.cells.iter().all(|cell| cell.usable)
+    }
+
+    /// Whether the walls of all cells cast for a light of this mask.
+    pub fn cast_for(&self, casts_for: u32) -> bool {
+        self.cells.iter().all(|cell| cell.layers & casts_for != 0)
+    }
+
+    fn rebuild(&mut self, parts: &CellParts) {
+        self.generation += 1;
+        self.issues.clear();
+        self.cells.clear();
+        self.cells
+            .extend(parts.cells.iter().map(|(entity, cell, transform, layers)| {
+                CellBox::new(entity, cell, transform, layers.copied().unwrap_or_default().0)
+            }));
+        self.cells.sort_unstable_by_key(|cell| cell.entity);
+        for cell in self.cells.iter().filter(|cell| !cell.usable) {
+            self.issues.push((cell.entity, CellIssue::Volume));
+        }
+        let mut portals: Vec<_> = parts.portals.iter().collect();
+        portals.sort_unstable_by_key(|(entity, ..)| *entity);
+        self.portals.clear();
+        for (entity, portal, transform) in portals {
+            let (mut opening, issue) = Opening::new(portal, transform);
+            opening.joins = portal.joins.map(|cell| self.index_of(cell));
+            self.issues.extend(issue.map(|issue| (entity, issue)));
+            if opening.joins.contains(&None) {
+                self.issues.push((entity, CellIssue::Dangling));
+            }
+            self.portals.push(opening);
+        }
+        self.issues.sort_by_key(|(entity, _)| *entity);
+    }
+
+    /// Index of a cell that has a volume.
+    fn index_of(&self, entity: Entity) -> Option<u32> {
+        let at = self
+            .cells
+            .binary_search_by_key(&entity, |cell| cell.entity)
+            .ok()?;
+        self.cells[at].usable.then_some(at as u32)
+    }
+
+    fn place(&mut self, object: usize, objects: &Objects, lists: &Query<&InCells>) {
+        let mut loose = true;
+        let list = lists.get(objects.entities[object]).ok();
+        let bounds = objects.boxes.get(object);
+        for (cell, members) in self.cells.iter().zip(&mut self.members) {
+            let inside = match list {
+                Some(list) => cell.usable && list.0.contains(&cell.entity),
+                None => cell.touches(&bounds),
+            };
+            members.set(object, inside);
+            loose &= !inside;
+        }
+        self.loose.set(object, loose);
+    }
+}

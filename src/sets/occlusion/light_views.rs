@@ -1,0 +1,49 @@
+//! The pictures that together show all that a light sees.
+
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::projection::Projection;
+use crate::geometry::Aabb;
+use crate::scene::LightKind;
+use crate::sets::FrameLight;
+
+/// Half-angle up to which the cone of a spot light is one picture, radians.
+const ONE_PICTURE: f32 = 1.0;
+
+/// Occluders nearer to a light than this hide nothing, metres; or this part of its range, if that is less.
+const NEAR: f64 = 1e-3;
+
+/// How much wider a spot light's picture is than its cone: bounds on its rim are in the picture whatever rounding does.
+const RIM: f64 = 1.01;
+
+/// Pictures of a light: six faces of a cube around a point, one along the axis of a spot, one parallel for a directional
+/// light, of all that is within `bounds`. None for a light with an extent: what one of its points does not see another
+/// may.
+pub fn light_views(light: &FrameLight, bounds: &Aabb, width: u32) -> SmallVec<[Projection; 6]> {
+    if light.emitter.bounding_radius() > 0.0 || bounds.is_empty() {
+        return SmallVec::new();
+    }
+    let eye = light.point_world.truncate();
+    let axes = |forward: DVec3| {
+        let (right, up) = forward.any_orthonormal_pair();
+        [right, up, forward]
+    };
+    let near = NEAR.min(f64::from(light.light.range) * NEAR);
+    match light.light.kind {
+        LightKind::Directional => {
+            let axes = axes(-eye.normalize());
+            SmallVec::from_slice(&[Projection::parallel(bounds, axes, width)])
+        }
+        LightKind::Spot { outer_angle, .. } if outer_angle <= ONE_PICTURE => {
+            let tan = f64::from(outer_angle).tan() * RIM + 1e-3;
+            let axes = axes(light.direction.as_dvec3().normalize());
+            SmallVec::from_slice(&[Projection::perspective(eye, axes, tan, near, width)])
+        }
+        _ => [DVec3::X, DVec3::Y, DVec3::Z]
+            .into_iter()
+            .flat_map(|axis| [axis, -axis])
+            .map(|axis| Projection::perspective(eye, axes(axis), 1.0, near, width))
+            .collect(),
+    }
+}

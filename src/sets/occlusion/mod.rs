@@ -1,0 +1,48 @@
+//! What stands before what, from the camera and from every light, and conservative: an object is left out only if no
+//! pixel of the real picture would show anything of it.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `settings` | [`OcclusionSettings`]: what is switched on and what it may cost |
+//! | `occluders` | [`Occluders`]: which objects may hide others |
+//! | `occluder_mesh` | [`OccluderMesh`]: their triangles and edges |
+//! | `cells` | [`Cells`]: rooms, openings, and which object is where |
+//! | `flood` | what is seen from a place in a cell, through one portal after the other |
+//! | `sight` | a convex cone of directions, and what of it passes an opening |
+//! | `projection` | [`Projection`]: from the world to the texels of a picture |
+//! | `beam` | the part of space behind a rectangle of a picture |
+//! | `clip` | cutting triangles to what a picture can hold |
+//! | `layers` | what a texel may claim, and why that holds |
+//! | `raster` | [`Rasterizer`]: triangles to layers |
+//! | `depth_buffer` | [`DepthBuffer`]: how near something surely stands; the test of boxes |
+//! | `light_views` | the pictures that together show all that a light sees |
+//! | `viewpoint` | [`Viewpoint`]: the depth buffers of the camera or of a light |
+//!
+//! Source: Zhang, Manocha, Hudson & Hoff 1997, "Visibility Culling using Hierarchical Occlusion Maps", for testing bounds
+//! against a hierarchy of a rasterised picture of chosen occluders; O'Rorke 2004, GPU Gems ch. 15, §15.4, for doing so
+//! from every light. What a texel may claim is ours.
+
+mod beam;
+pub mod cells;
+mod clip;
+pub mod depth_buffer;
+mod flood;
+mod layers;
+pub mod light_views;
+pub mod occluder_mesh;
+pub mod occluders;
+pub mod projection;
+pub mod raster;
+pub mod settings;
+mod sight;
+pub mod viewpoint;
+
+pub use cells::{CellIssue, Cells, collect_cells};
+pub use depth_buffer::DepthBuffer;
+pub(super) use flood::{Sightings, Standpoint};
+pub use occluder_mesh::OccluderMesh;
+pub use occluders::{Occluders, collect_occluders};
+pub use projection::Projection;
+pub use raster::{Rasterizer, Sides};
+pub use settings::{AutoOccluders, OcclusionSettings};
+pub use viewpoint::Viewpoint;

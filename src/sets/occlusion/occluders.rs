@@ -1,0 +1,209 @@
+//! Which objects may hide others, from the camera and from lights.
+
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DMat4, Mat4};
+
+use super::occluder_mesh::{OccluderMesh, OccluderMeshes};
+use super::raster::Sides;
+use super::settings::OcclusionSettings;
+use crate::geometry::Aabb;
+use crate::scene::{AlphaMode, FaceCulling, MeshData, Occluder, PosedMesh, SceneMaterials, SceneMesh};
+use crate::sets::objects::{Objects, resize};
+
+/// Occluders by dense object index. Written by [`collect_occluders`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Occluders {
+    /// Objects that may hide others from the camera.
+    pub camera: FixedBitSet,
+    /// Objects that may hide others from lights for which they cast.
+    pub light: FixedBitSet,
+    /// Objects that need no light which does not see them: they are not drawn, or every surface of theirs shows shadows.
+    pub shadeable: FixedBitSet,
+    /// Increases when occluders came or went.
+    pub generation: u64,
+    /// Occluders that moved in this frame.
+    pub moved: FixedBitSet,
+    entries: Vec<Option<Entry>>,
+    meshes: OccluderMeshes,
+    seen: Option<(u64, OcclusionSettings, FaceCulling, [usize; 2])>,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    mesh: Arc<OccluderMesh>,
+    world_from_local: DMat4,
+    drawn_sides: Sides,
+}
+
+/// What [`collect_occluders`] reads of objects.
+#[derive(SystemParam)]
+pub struct OccluderParts<'w, 's> {
+    objects: Query<
+        'w,
+        's,
+        (
+            Option<&'static SceneMesh>,
+            Option<&'static SceneMaterials>,
+            Option<&'static Occluder>,
+            Has<PosedMesh>,
+        ),
+    >,
+    exchanged: Query<'w, 's, (), Or<(Changed<SceneMesh>, Changed<SceneMaterials>, Changed<Occluder>)>>,
+    occluders: Query<'w, 's, (), With<Occluder>>,
+    posed: Query<'w, 's, (), With<PosedMesh>>,
+    transforms: Query<'w, 's, &'static GlobalTransform>,
+}
+
+impl Occluders {
+    /// Triangles of an occluder; 0 if it is none.
+    pub fn triangle_count(&self, object: usize) -> usize {
+        self.entries[object]
+            .as_ref()
+            .map_or(0, |entry| entry.mesh.triangles.len())
+    }
+
+    /// Mesh, place, and the sides that are drawn, of an occluder.
+    pub(super) fn get(&self, object: usize) -> Option<(&OccluderMesh, &DMat4, Sides)> {
+        let entry = self.entries[object].as_ref()?;
+        Some((&entry.mesh, &entry.world_from_local, entry.drawn_sides))
+    }
+}
+
+/// Brings [`Occluders`] up to date: all of them when objects, meshes, materials or settings changed, else those that
+/// moved.
+///
+/// Set: `CollectSets`, after `collect_objects`. Cost: the triangles of new occluder meshes; O(objects) when something
+/// came or went; at rest it compares generations.
+pub fn collect_occluders(
+    mut occluders: ResMut<Occluders>,
+    objects: Res<Objects>,
+    settings: Res<OcclusionSettings>,
+    face_culling: Option<Res<FaceCulling>>,
+    parts: OccluderParts,
+) {
+    let occluders = &mut *occluders;
+    let culling = face_culling.map_or_else(FaceCulling::default, |culling| *culling);
+    let counts = [parts.occluders.iter().len(), parts.posed.iter().len()];
+    let now = Some((objects.flags_generation, *settings, culling, counts));
+    if occluders.seen != now || !parts.exchanged.is_empty() {
+        occluders.seen = now;
+        occluders.rebuild(&objects, &settings, culling, &parts);
+        return;
+    }
+    if occluders.generation == 0 || (objects.moved.is_clear() && occluders.moved.is_clear()) {
+        return;
+    }
+    occluders.moved.clear();
+    for object in objects.moved.ones() {
+        if let Some(entry) = &mut occluders.entries[object] {
+            entry.world_from_local = world_from_local(&parts.transforms, objects.entities[object]);
+            occluders.moved.insert(object);
+        }
+    }
+}
+
+fn world_from_local(transforms: &Query<&GlobalTransform>, entity: Entity) -> DMat4 {
+    transforms
+        .get(entity)
+        .map_or(DMat4::ZERO, |transform| Mat4::from(transform.affine()).as_dmat4())
+}
+
+impl Occluders {
+    fn rebuild(
+        &mut self,
+        objects: &Objects,
+        settings: &OcclusionSettings,
+        culling: FaceCulling,
+        parts: &OccluderParts,
+    ) {
+        self.generation += 1;
+        for set in [
+            &mut self.camera,
+            &mut self.light,
+            &mut self.shadeable,
+            &mut self.moved,
+        ] {
+            resize(set, objects.len());
+        }
+        self.entries.clear();
+        self.entries.resize(objects.len(), None);
+        if !settings.from_camera && !settings.from_lights {
+            return;
+        }
+        for (object, &entity) in objects.entities.iter().enumerate() {
+            let drawn = objects.drawn.contains(object);
+            let Ok((mesh, materials, occluder, posed)) = parts.objects.get(entity) else {
+                continue;
+            };
+            let blends = materials.is_some_and(|materials| {
+                let mut modes = materials.0.iter().map(|material| material.alpha_mode);
+                modes.any(|mode| mode == AlphaMode::Blend)
+            });
+            let shadeable = !drawn || (objects.receivers.contains(object) && !blends);
+            self.shadeable.set(object, shadeable);
+            let Some(mesh) = mesh else { continue };
+            if posed || !is_opaque(&mesh.0, materials) {
+                continue;
+            }
+            let bounds = objects.boxes.get(object);
+            let source = match occluder {
+                Some(Occluder::Never) => None,
+                Some(Occluder::Own) => Some(&mesh.0),
+                Some(Occluder::Proxy(proxy)) => Some(proxy),
+                None => settings
+                    .auto
+                    .filter(|auto| {
+                        mesh.0.triangle_count() <= auto.max_triangles && face_area(&bounds) >= auto.min_area
+                    })
+                    .map(|_| &mesh.0),
+            };
+            let Some(mesh) = source.and_then(|source| self.meshes.get_or_build(source)) else {
+                continue;
+            };
+            let all_double = materials.is_some_and(|materials| {
+                let mut sides = materials.0.iter().map(|material| material.double_sided);
+                sides.all(|double_sided| double_sided)
+            });
+            self.camera.set(object, drawn);
+            self.light.set(object, objects.casters.contains(object));
+            self.entries[object] = Some(Entry {
+                mesh,
+                world_from_local: world_from_local(&parts.transforms, entity),
+                drawn_sides: if all_double || culling == FaceCulling::None {
+                    Sides::DRAWN
+                } else {
+                    Sides::DRAWN_FRONTS
+                },
+            });
+        }
+    }
+}
+
+/// Area of the largest face of a box, square metres.
+fn face_area(bounds: &Aabb) -> f32 {
+    if bounds.is_empty() {
+        return 0.0;
+    }
+    let size = bounds.half_size() * 2.0;
+    (size.x * size.y).max(size.y * size.z).max(size.z * size.x)
+}
+
+/// Whether every triangle of the mesh is drawn opaque, or, of an object that is not drawn, would be.
+fn is_opaque(mesh: &MeshData, materials: Option<&SceneMaterials>) -> bool {
+    let Some(materials) = materials else { return true };
+    let drawn: usize = mesh
+        .submeshes
+        .iter()
+        .map(|part| mesh.submesh_range(part).len())
+        .sum();
+    drawn >= mesh.indices.len()
+        && materials.0.len() >= mesh.submeshes.len()
+        && materials.0[..mesh.submeshes.len()]
+            .iter()
+            .all(|material| material.alpha_mode == AlphaMode::Opaque)
+}

@@ -1,0 +1,187 @@
+//! What can be seen from a point: a convex cone of directions.
+
+use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
+
+use crate::geometry::{Plane, PlaneSet};
+
+/// Directions count as inside a plane that they miss by less than this sine.
+const ANGLE_SLACK: f64 = 1e-6;
+
+/// Planes are moved outward by this much, metres, and by this part of the eye's coordinates.
+const PLANE_SLACK: (f64, f64) = (1e-4, 1e-6);
+
+/// Directions farther than this cosine from the middle of an outline are too oblique to be laid into a plane.
+const MIN_COSINE: f64 = 0.05;
+
+/// A convex cone of directions from an eye, beyond some planes.
+#[derive(Clone, Debug)]
+pub(super) struct Sight {
+    eye: DVec3,
+    /// Corners of the cone, in order; `None`: all directions.
+    corners: Option<SmallVec<[DVec3; 8]>>,
+    /// Half-spaces beyond which everything seen lies: unit normal, and a point on the plane.
+    beyond: SmallVec<[(DVec3, DVec3); 8]>,
+}
+
+impl Sight {
+    /// All around.
+    pub(super) fn everywhere(eye: DVec3) -> Self {
+        Self {
+            eye,
+            corners: None,
+            beyond: SmallVec::new(),
+        }
+    }
+
+    /// Within the cone around these directions.
+    pub(super) fn towards(eye: DVec3, corners: &[DVec3]) -> Self {
+        Self {
+            corners: convex_cone(corners),
+            ..Self::everywhere(eye)
+        }
+    }
+
+    /// What of this can be seen through the convex hull of points; `None` if nothing. With a plane, the points lie on it
+    /// and what is seen lies beyond it.
+    pub(super) fn through(&self, points: &[DVec3], plane: Option<DVec3>) -> Option<Self> {
+        let directions: SmallVec<[DVec3; 8]> = points.iter().map(|point| *point - self.eye).collect();
+        let mut seen = self.clone();
+        if let Some(mut opening) = convex_cone(&directions) {
+            if let Some(corners) = &self.corners {
+                for normal in normals(corners) {
+                    opening = clip(&opening, normal);
+                    if opening.len() < 3 {
+                        return None;
+                    }
+                }
+            }
+            seen.corners = Some(opening);
+        }
+        if let Some(normal) = plane {
+            let away = normal.dot(points[0] - self.eye).signum();
+            seen.beyond.push((normal * away, points[0]));
+        }
+        Some(seen)
+    }
+
+    /// The half-spaces that hold all that is seen.
+    pub(super) fn planes(&self) -> PlaneSet {
+        let slack = PLANE_SLACK.0 + PLANE_SLACK.1 * self.eye.abs().max_element();
+        let plane = |normal: DVec3, point: DVec3| {
+            let normal: Vec3 = normal.as_vec3();
+            Plane {
+                normal,
+                offset: (slack - normal.as_dvec3().dot(point)) as f32,
+            }
+        };
+        let sides = self.corners.iter().flat_map(|corners| normals(corners));
+        PlaneSet {
+            planes: sides
+                .map(|normal| plane(normal, self.eye))
+                .chain(self.beyond.iter().map(|(normal, point)| plane(*normal, *point)))
+                .collect(),
+        }
+    }
+}
+
+/// Unit normals of the sides of a cone, inward. Sides of no angle are left out.
+fn normals(corners: &[DVec3]) -> SmallVec<[DVec3; 8]> {
+    let middle: DVec3 = corners.iter().map(|corner| corner.normalize_or_zero()).sum();
+    (0..corners.len())
+        .filter_map(|i| {
+            let normal = corners[i]
+                .cross(corners[(i + 1) % corners.len()])
+                .try_normalize()?;
+            Some(if normal.dot(middle) < 0.0 { -normal } else { normal })
+        })
+        .collect()
+}
+
+/// Source: Sutherland & Hodgman 1974, on directions.
+fn clip(corners: &[DVec3], normal: DVec3) -> SmallVec<[DVec3; 8]> {
+    let side = |corner: &DVec3| normal.dot(*corner) + ANGLE_SLACK * corner.length();
+    let mut kept = SmallVec::new();
+    for (i, to) in corners.iter().enumerate() {
+        let from = &corners[(i + corners.len() - 1) % corners.len()];
+        let (a, b) = (side(from), side(to));
+        if (a >= 0.0) != (b >= 0.0) {
+            kept.push(*from + (*to - *from) * (a / (a - b)));
+        }
+        if b >= 0.0 {
+            kept.push(*to);
+        }
+    }
+    kept
+}
+
+/// Corners of the convex cone around directions, in order; `None` if they do not lie within a cone of less than 87°.
+/// Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions", in a plane across the middle.
+fn convex_cone(directions: &[DVec3]) -> Option<SmallVec<[DVec3; 8]>> {
+    let middle: DVec3 = directions.iter().map(|d| d.normalize_or_zero()).sum();
+    let axis = middle.try_normalize()?;
+    let (right, up) = axis.any_orthonormal_pair();
+    let mut flat: SmallVec<[(f64, f64); 8]> = SmallVec::new();
+    for direction in directions {
+        let along = axis.dot(*direction);
+        if !(along > MIN_COSINE * direction.length()) {
+            return None;
+        }
+        flat.push((right.dot(*direction) / along, up.dot(*direction) / along));
+    }
+    flat.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    flat.dedup();
+    let turns_left = |a: (f64, f64), b: (f64, f64), c: (f64, f64)| {
+        (b.0 - a.0) * (c.1 - a.1) - (b.1 - a.1) * (c.0 - a.0) > 0.0
+    };
+    let half = |points: &mut dyn Iterator<Item = (f64, f64)>| {
+        let mut chain: SmallVec<[(f64, f64); 8]> = SmallVec::new();
+        for point in points {
+            while chain.len() >= 2 && !turns_left(chain[chain.len() - 2], chain[chain.len() - 1], point) {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut flat.iter().copied());
+    hull.extend(half(&mut flat.iter().rev().copied()));
+    Some(hull.iter().map(|(x, y)| axis + right * *x + up * *y).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square(z: f64, half: f64, x: f64) -> [DVec3; 4] {
+        [(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)]
+            .map(|(a, b)| DVec3::new(x + a * half, b * half, z))
+    }
+
+    fn sees(sight: &Sight, point: DVec3) -> bool {
+        let planes = sight.planes().planes;
+        planes.iter().all(|plane| plane.distance(point.as_vec3()) >= 0.0)
+    }
+
+    #[test]
+    fn openings_are_clipped_one_by_the_other() {
+        let sight = Sight::everywhere(DVec3::ZERO);
+        let first = sight.through(&square(-1.0, 1.0, 0.0), Some(DVec3::Z)).unwrap();
+        assert!(sees(&first, DVec3::new(1.9, 0.0, -2.0)));
+        assert!(!sees(&first, DVec3::new(2.1, 0.0, -2.0)));
+        assert!(!sees(&first, DVec3::new(0.0, 0.0, -0.5)), "before the opening");
+        let second = first.through(&square(-2.0, 1.0, 2.0), Some(DVec3::Z)).unwrap();
+        assert!(sees(&second, DVec3::new(3.0, 0.0, -4.0)));
+        assert!(!sees(&second, DVec3::new(1.0, 0.0, -4.0)));
+        assert!(!sees(&second, DVec3::new(4.2, 0.0, -4.0)));
+        assert!(second.through(&square(-3.0, 0.4, -2.0), Some(DVec3::Z)).is_none());
+    }
+
+    #[test]
+    fn an_outline_around_the_eye_clips_nothing() {
+        let sight = Sight::everywhere(DVec3::ZERO);
+        let wide = sight.through(&square(-0.01, 5.0, 0.0), Some(DVec3::Z)).unwrap();
+        assert!(sees(&wide, DVec3::new(50.0, 0.0, -0.1)));
+    }
+}

@@ -1,0 +1,168 @@
+//! What may be seen of each object, and what that spares the lights.
+//!
+//! A floor is seen in one room of ten. Where the camera's depth buffer knows that, a light in another room need not draw
+//! the floor, and no caster that shadows the floor there matters.
+
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+use glam::Vec3;
+
+use super::boxes::WORD;
+use super::clusters::for_bits;
+use super::lights::FrameLight;
+use super::lit_bounds::lit_bounds;
+use super::objects::{Objects, resize};
+use super::occlusion::{Occluders, Viewpoint};
+use crate::geometry::{Aabb, LightHull};
+
+/// Bounds of the part of each object of V that may be seen. Written by
+/// [`collect_visible_set`](super::collect_visible_set).
+#[derive(Resource, Clone, Debug, Default)]
+pub struct VisibleParts {
+    /// By dense index, those of objects of V; not used while nothing occludes.
+    parts: Vec<Aabb>,
+    in_use: bool,
+}
+
+impl VisibleParts {
+    /// Bounds of what may be seen of an object of V, world space: of all of it while nothing occludes.
+    pub fn get(&self, objects: &Objects, object: usize) -> Aabb {
+        if self.in_use {
+            self.parts[object]
+        } else {
+            objects.boxes.get(object)
+        }
+    }
+
+    /// All is seen whole.
+    pub(super) fn forget(&mut self) {
+        self.in_use = false;
+    }
+
+    /// Parts are about to be set, of objects of this layout.
+    pub(super) fn begin(&mut self, len: usize) {
+        if self.parts.len() != len {
+            self.parts.clear();
+            self.parts.resize(len, Aabb::EMPTY);
+        }
+        self.in_use = true;
+    }
+
+    /// Sets a part; whether it is another than before.
+    pub(super) fn set(&mut self, object: usize, part: Aabb) -> bool {
+        std::mem::replace(&mut self.parts[object], part) != part
+    }
+
+    /// The box around the visible parts of a set's objects that lie in `cut`; `words` has every word of the set that is
+    /// not 0.
+    pub(super) fn lit_bounds(
+        &self,
+        objects: &Objects,
+        words: &FixedBitSet,
+        set: impl Fn(usize) -> usize,
+        cut: &Aabb,
+    ) -> Aabb {
+        if !self.in_use {
+            return lit_bounds(&objects.boxes, &objects.clusters, words, set, cut);
+        }
+        let mut lit = Aabb::EMPTY;
+        for word in words.ones() {
+            for_bits(set(word), |bit| {
+                let part = self.parts[word * WORD + bit].intersection(*cut);
+                if !part.is_empty() {
+                    lit = lit.union(part);
+                }
+            });
+        }
+        lit
+    }
+
+    /// Takes objects out of I of which no visible point is in the light's volume, or which show nothing that the light
+    /// sees.
+    pub(super) fn cut_illumination(
+        &self,
+        light: &mut FrameLight,
+        viewpoint: Option<&Viewpoint>,
+        occluders: &Occluders,
+    ) {
+        if !self.in_use {
+            return;
+        }
+        let reach = light.volume.aabb();
+        for word in light.touched.ones() {
+            let mut rest = light.i.as_slice()[word];
+            while rest != 0 {
+                let object = word * usize::BITS as usize + rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                let part = self.parts[object].intersection(reach);
+                let hidden = || {
+                    let (center, half) = (part.center().as_dvec3(), part.half_size().as_dvec3());
+                    occluders.shadeable.contains(object)
+                        && viewpoint.is_some_and(|viewpoint| viewpoint.hides_box(center, half))
+                };
+                if part.is_empty() {
+                    light.i.remove(object);
+                } else if hidden() {
+                    light.dark.insert(object);
+                    light.i.remove(object);
+                }
+            }
+        }
+    }
+}
+
+/// Tests of a word of casters against a receiver that one light may cost.
+const MAX_TESTS: usize = 1024;
+
+/// Receivers beyond these tests are joined by the cells of a grid over them, this many along each axis.
+const GRID: usize = 4;
+
+/// Takes casters out of S that stand between the light and none of its receivers, each by itself, or, if these are many,
+/// between the light and those of a part of space.
+///
+/// Only where something occludes: in open scenes receivers see the light from all around, and the hulls cost more than
+/// they spare.
+pub(super) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
+    if !parts.in_use {
+        return;
+    }
+    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    let count = light.i.intersection(&objects.receivers).count();
+    let reach = light.volume.aabb();
+    let lit = |receiver: usize| parts.get(objects, receiver).intersection(reach);
+    resize(&mut light.kept, light.s.len());
+    let (s, i, kept) = (light.s.as_slice(), &light.i, &mut light.kept);
+    let mut keep = |part: &Aabb| {
+        let hull = LightHull::of_aabb(part, &light.emitter);
+        for (word, (s, kept)) in s.iter().zip(kept.as_mut_slice()).enumerate() {
+            let open = s & !*kept;
+            if open != 0 {
+                *kept |= objects.boxes.touching_planes(word, open, &hull.planes);
+            }
+        }
+    };
+    let receivers = i
+        .intersection(&objects.receivers)
+        .map(lit)
+        .filter(|part| !part.is_empty());
+    if count * words <= MAX_TESTS {
+        receivers.for_each(|part| keep(&part));
+    } else if GRID.pow(3) * words <= 4 * MAX_TESTS {
+        let mut cells = [Aabb::EMPTY; GRID.pow(3)];
+        let (min, size) = (
+            light.receiver_bounds.min,
+            (light.receiver_bounds.max - light.receiver_bounds.min).max(Vec3::splat(1e-6)),
+        );
+        for part in receivers {
+            let cell = ((part.center() - min) / size * GRID as f32)
+                .clamp(Vec3::ZERO, Vec3::splat(GRID as f32 - 1.0));
+            let [x, y, z] = cell.to_array().map(|at| at as usize);
+            let cell = &mut cells[(x * GRID + y) * GRID + z];
+            *cell = cell.union(part);
+        }
+        cells.iter().filter(|part| !part.is_empty()).for_each(keep);
+    } else {
+        return;
+    }
+    light.s.intersect_with(&light.kept);
+}

@@ -1,0 +1,183 @@
+//! Occlusion changes what a frame costs and not what it shows. Along a walk of 200 views through each scene the batches of
+//! all lights are counted, and pictures with and without occlusion compared bit for bit. They are drawn small and with
+//! some of the lights, for the software driver's sake.
+//!
+//! A pixel whose centre lies within the GPU's rounding of a shadow volume's edge may count that volume as −1, and then
+//! shine in a light that another caster blocks: the picture *without* occlusion is wrong there. Where occlusion knows that
+//! the light does not reach the object, the pixel is dark, as it should be. Such pixels are the only ones that may differ:
+//! the ray caster must find the plain picture wrong, and of them there may be one in 100,000. The test prints how many.
+
+mod harness;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use antumbra::prelude::*;
+use antumbra::reference::{HitImage, LightSource, RayScene, hard_visibility, primary_hits_culled};
+use antumbra::scene::Occluder;
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use glam::UVec2;
+use harness::support::stats::Batches;
+use harness::support::table::{Row, Walked, rows};
+use harness::{models_folder, strict_context};
+
+const FRAMES: usize = 200;
+const SIZE: UVec2 = UVec2::new(64, 36);
+
+/// Bytes of a pixel of the radiance.
+const PIXEL: usize = 8;
+
+fn pictures(walked: &mut Walked, row: &Row, frames: impl Iterator<Item = usize>) -> Vec<Vec<u8>> {
+    walked.set_row(row);
+    frames
+        .map(|frame| {
+            walked.draw(frame).expect("the frame draws");
+            walked.stage.radiance_bytes().expect("the picture is read")
+        })
+        .collect()
+}
+
+/// Frames and pixels that differ.
+fn differing(a: &[Vec<u8>], b: &[Vec<u8>]) -> Vec<(usize, usize)> {
+    let pixels = |frame: usize| {
+        let pairs = a[frame].chunks(PIXEL).zip(b[frame].chunks(PIXEL)).enumerate();
+        pairs
+            .filter(|(_, (a, b))| a != b)
+            .map(move |(pixel, _)| (frame, pixel))
+    };
+    (0..a.len()).flat_map(pixels).collect()
+}
+
+/// Whether the plain picture shines at a pixel in a light that the ray caster finds blocked there.
+fn plain_is_wrong(walked: &mut Walked, scene: &RayScene, frame: usize, pixel: usize) -> bool {
+    walked.set_row(&rows()[0]);
+    walked.set_view(frame);
+    let rendered = walked.stage.render().expect("the frame renders");
+    let world = &walked.stage.world;
+    let camera = world.get::<Camera>(walked.stage.camera).unwrap();
+    let place = world.get::<GlobalTransform>(walked.stage.camera).unwrap();
+    let culling = antumbra::reference::PrimaryCulling::SingleSided;
+    let hits: HitImage = primary_hits_culled(scene, camera, place, SIZE, culling).unwrap();
+    walked
+        .stage
+        .lights
+        .iter()
+        .zip(&rendered.visibility)
+        .any(|(&light, got)| {
+            let truth = hard_visibility(scene, &hits, &LightSource::of_entity(world, light).unwrap());
+            got[pixel] > 0.5 && truth.values()[pixel] < 0.5
+        })
+}
+
+fn walked(test: &str, file: &str, shines: fn(usize) -> bool) -> Option<Walked> {
+    let path: PathBuf = models_folder(test)?.join(file);
+    let context = strict_context(RequestedFeatures::default());
+    Some(Walked::new(&path, &context, SIZE, FRAMES, shines).expect("the scene loads"))
+}
+
+fn count_batches(test: &str, file: &str) {
+    let Some(mut walked) = walked(test, file, |_| true) else {
+        return;
+    };
+    let totals = rows().map(|row| {
+        walked.set_row(&row);
+        let mut sum = Batches::default();
+        for frame in 0..FRAMES {
+            sum += walked.count(frame).expect("the frame is prepared");
+        }
+        println!("{file}: {:<26} {:>7} {sum:?}", row.name, sum.total());
+        sum.total()
+    });
+    let [before, .., after] = totals;
+    println!(
+        "{file}: {:.1} % fewer batches than by the frustum alone",
+        100.0 * (1.0 - after as f64 / before as f64)
+    );
+    assert!(
+        totals.is_sorted_by(|a, b| a >= b),
+        "each step leaves fewer: {totals:?}"
+    );
+    assert!(after * 10 <= before * 4, "{after} of {before} batches are left");
+}
+
+fn compare_pictures(test: &str, file: &str, shines: fn(usize) -> bool) {
+    let Some(mut walked) = walked(test, file, shines) else {
+        return;
+    };
+    let [frustum, .., all] = rows();
+    let without = pictures(&mut walked, &frustum, 0..FRAMES);
+    let with = pictures(&mut walked, &all, 0..FRAMES);
+    assert!(with.iter().any(|picture| picture != &with[0]), "the walk moves");
+    let differing = differing(&without, &with);
+    let pixels = FRAMES * SIZE.element_product() as usize;
+    println!(
+        "{file}: {} of {pixels} pixels differ: {differing:?}",
+        differing.len()
+    );
+    let scene = RayScene::from_world(&mut walked.stage.world);
+    for &(frame, pixel) in &differing {
+        assert!(
+            plain_is_wrong(&mut walked, &scene, frame, pixel),
+            "{file}: frame {frame}, pixel {pixel} is right without occlusion and another with it"
+        );
+    }
+    assert!(
+        differing.len() * 100_000 <= pixels,
+        "{} pixels differ",
+        differing.len()
+    );
+}
+
+#[test]
+fn dungeon_has_fewer_batches() {
+    count_batches("dungeon_has_fewer_batches", "look/d-scenes/dungeon_A.glb");
+}
+
+#[test]
+fn interior_has_fewer_batches() {
+    count_batches("interior_has_fewer_batches", "copy/d-scenes/interior.glb");
+}
+
+#[test]
+fn dungeon_pictures_are_equal() {
+    compare_pictures(
+        "dungeon_pictures_are_equal",
+        "look/d-scenes/dungeon_A.glb",
+        |light| light % 6 == 0,
+    );
+}
+
+#[test]
+fn interior_pictures_are_equal() {
+    compare_pictures(
+        "interior_pictures_are_equal",
+        "copy/d-scenes/interior.glb",
+        |light| light % 4 == 0,
+    );
+}
+
+#[test]
+fn a_lying_occluder_shows() {
+    let Some(mut walked) = walked("a_lying_occluder_shows", "copy/d-scenes/interior.glb", |light| {
+        light == 0
+    }) else {
+        return;
+    };
+    let [frustum, .., all] = rows();
+    let frames = || (0..FRAMES).step_by(20);
+    let without = pictures(&mut walked, &frustum, frames());
+    let world = &mut walked.stage.world;
+    let things: Vec<(Entity, SceneMesh)> = world
+        .query::<(Entity, &SceneMesh)>()
+        .iter(world)
+        .map(|(entity, mesh)| (entity, mesh.clone()))
+        .collect();
+    for (entity, mesh) in things {
+        let mut bigger = (*mesh.0).clone();
+        bigger.positions.iter_mut().for_each(|position| *position *= 1.5);
+        world.entity_mut(entity).insert(Occluder::Proxy(Arc::new(bigger)));
+    }
+    let with = pictures(&mut walked, &all, frames());
+    assert!(differing(&without, &with).len() > 10, "lies show");
+}
