@@ -6,9 +6,9 @@
 //! Measured over 24 cameras a scene: with the scenes' own lights, skipped ones counted as I = S = 0, F and L are on
 //! average at least twice I and S. What does *not* hold, and is not claimed:
 //!
-//! - F against I and S, each scene alone: the directional light of town_A has L = everything and so I = V, and as
-//!   nothing is occluded from the camera yet, V = F; interior's lights reach most of what is seen, and where
-//!   a light stands outside of the frustum S holds casters beside it too.
+//! - F against I and S, each scene alone: the directional light of town_A sees nearly everything and so I = V, which in
+//!   the open is most of F; interior's lights reach most of what is seen, and where a light stands outside of the
+//!   frustum S holds casters beside it too.
 //! - L against I and S over shining lights of short range alone: such an L is a few objects around the light, mostly
 //!   seen together or not at all. The gain is in lights that are skipped.
 

@@ -1,6 +1,7 @@
 //! The sets of one light, seen from above: five panels, one a set.
 //!
-//! Members are filled with the colour of their panel, all other objects are outlined. White lines are the edges of the view
+//! Members are filled with the colour of their panel (floors and ceilings of the whole scene are outlined with it), all
+//! other objects are outlined in grey. White lines are the edges of the view
 //! frustum, the yellow disc is the light, with a yellow ring at its range.
 
 use std::path::Path;
@@ -16,6 +17,9 @@ use crate::support::table::{Walked, rows};
 const PANEL: u32 = 420;
 const MARGIN: f32 = 14.0;
 const CAPTION: u32 = 48;
+
+/// Objects that cover more than this share of the scene are outlined alone, or they would hide the others.
+const GROUND: f32 = 0.2;
 
 type Rgb = [u8; 3];
 
@@ -174,12 +178,10 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
         };
         for object in 0..objects.len() {
             let outline = if set.contains(object) { color } else { [66, 69, 80] };
-            panel.rectangle(
-                &mut canvas,
-                &objects.boxes.get(object),
-                outline,
-                set.contains(object),
-            );
+            let aabb = objects.boxes.get(object);
+            let side = (aabb.max - aabb.min) / size;
+            let is_ground = side.x * side.z > GROUND;
+            panel.rectangle(&mut canvas, &aabb, outline, set.contains(object) && !is_ground);
         }
         if let Some(view) = &world.resource::<View>().data {
             let eye = panel.pixel(view.eye.x as f32, view.eye.z as f32);

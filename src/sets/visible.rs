@@ -75,7 +75,8 @@ pub fn collect_visible_set(
     let redraw = settings.from_camera && (anew || occluder_moved(occlusion, &occluders, &frustum_set.set));
     if anew || redraw {
         if visible.set.len() != frustum_set.set.len() {
-            visible.previous = FixedBitSet::with_capacity(frustum_set.set.len());
+            visible.set = FixedBitSet::with_capacity(frustum_set.set.len());
+            visible.previous = visible.set.clone();
         }
         std::mem::swap(&mut visible.set, &mut visible.previous);
         visible.set.clone_from(&frustum_set.set);

@@ -1,4 +1,4 @@
-//! Occluders into a depth buffer: one object at a time, its triangles and boundary edges into [`Layers`], what these
+//! Occluders into a depth buffer: one object at a time, its triangles and boundary edges into layers, what these
 //! cover into the buffer.
 
 use glam::{DMat4, DVec3};
