@@ -1,0 +1,213 @@
+// Wedges, separators and caps of one part of a light, blended into the visibility buffer.
+// Host    src/techniques/penumbra_wedge/node.rs
+// Groups  0 view, 2 wedges, 3 receiver depth
+// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
+#import antumbra::view::{objects, clip_position, relative_from_pixel}
+#import antumbra::coverage::{project_to_rect, rect_coverage, project_to_disc, disc_coverage}
+
+struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
+    light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
+    object: u32,
+    padding: array<u32, 3>,
+}
+
+struct Wedge {                      // mirror: techniques::penumbra_wedge::records::Wedge
+    start_local: vec3f,
+    caster: u32,
+    end_local: vec3f,
+    flags: u32,                     // HARD, PIECE, SOFT
+    start_light: vec3f,
+    light: u32,
+    end_light: vec3f,
+    padding: u32,
+    rims: array<vec4f, 12>,         // direction; w: 1 where the ray leaves from the end
+}
+
+struct WedgeLight {                 // mirror: techniques::penumbra_wedge::records::WedgeLight
+    clip_from_light: mat4x4f,
+    light_from_relative_x: vec4f,   // rows of the affine matrix
+    light_from_relative_y: vec4f,
+    light_from_relative_z: vec4f,
+    half_size: vec2f,               // of a sphere: its radius twice
+    share: f32,
+    table: u32,
+    place: vec4f,
+}
+
+@group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
+@group(2) @binding(1) var<storage, read> wedges: array<Wedge>;
+@group(2) @binding(2) var<storage, read> lights: array<WedgeLight>;
+@group(3) @binding(0) var receiver_depth: texture_2d<f32>;
+
+const HARD: u32 = 1u;
+const PIECE: u32 = 2u;
+const SOFT: u32 = 4u;
+
+// The light is a sphere, else a rectangle.
+override IS_SPHERE: bool = false;
+// Sign of the half that is shaded: 1 for the inner half.
+override HALF_SIGN: f32 = 1.0;
+// Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
+override STEPS: f32 = 16384.0;
+
+struct Corner {
+    @builtin(position) @invariant position_clip: vec4f,
+    @location(0) @interpolate(flat) start_light: vec3f,
+    @location(1) @interpolate(flat) end_light: vec3f,
+    @location(2) @interpolate(flat) light: u32,
+    @location(3) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
+    @location(4) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
+}
+
+fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
+    let from_light = position_local * caster.light_local.w - caster.light_local.xyz;
+    return objects[caster.object].clip_from_local * vec4f(from_light, 0.0);
+}
+
+// Vertices as topology.rs names them.
+@vertex
+fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
+    let wedge = wedges[instance];
+    let caster = casters[wedge.caster];
+    let clip_from_light = lights[wedge.light].clip_from_light;
+    let rim_index = select(0u, (vertex - 4u) % 12u, vertex >= 4u);
+    let rim = wedge.rims[rim_index];
+    let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u);
+    let position_local = select(wedge.start_local, wedge.end_local, is_end);
+    let position_light = select(wedge.start_light, wedge.end_light, is_end);
+    let is_piece = (wedge.flags & PIECE) != 0u;
+    let is_soft = (wedge.flags & SOFT) != 0u;
+    let near = select(clip_position(caster.object, position_local), clip_from_light * vec4f(position_light, 1.0), is_piece);
+    let far = select(far_position(caster, position_local), clip_from_light * vec4f(position_light, 0.0), is_piece);
+    let ray = clip_from_light * vec4f(rim.xyz, 0.0);
+    var out: Corner;
+    let is_far = vertex == 2u || vertex == 3u;
+    let is_ray = vertex >= 4u && vertex < 16u && is_soft;
+    out.position_clip = select(select(near, far, is_far), ray, is_ray);
+    out.start_light = wedge.start_light;
+    out.end_light = wedge.end_light;
+    out.light = wedge.light;
+    out.hard = f32(wedge.flags & HARD);
+    out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
+    return out;
+}
+
+@vertex
+fn near_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32)
+    -> @builtin(position) @invariant vec4f {
+    return clip_position(casters[instance].object, position_local);
+}
+
+@vertex
+fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32)
+    -> @builtin(position) @invariant vec4f {
+    return far_position(casters[instance], position_local);
+}
+
+// Share of the part that lies behind the edge, at the surface that the pixel shows.
+fn coverage(in: Corner) -> vec4f {
+    let pixel = in.position_clip.xy;
+    let depth = textureLoad(receiver_depth, vec2u(pixel), 0).r;
+    let relative = vec4f(relative_from_pixel(pixel, max(depth, 1e-30)), 1.0);
+    let light = lights[in.light];
+    let p = vec3f(
+        dot(light.light_from_relative_x, relative),
+        dot(light.light_from_relative_y, relative),
+        dot(light.light_from_relative_z, relative),
+    );
+    var share = 0.0;
+    if IS_SPHERE {
+        share = disc_coverage(project_to_disc(p, in.start_light, in.end_light, light.half_size.x));
+    } else {
+        share = rect_coverage(project_to_rect(p, in.start_light, in.end_light, light.half_size));
+    }
+    // Also against NaN, which compares to nothing.
+    let is_usable = share > 0.0 && share < 1.0 && depth > 0.0 && in.soft != 0.0;
+    return vec4f(select(0.0, round(share * STEPS) / STEPS, is_usable));
+}
+
+// What the faces add. Behind the surface, outside of it: the front of a hard shadow's face gives back 1 to visibility,
+// its back takes 1.
+fn shell_value(in: Corner) -> vec4f {
+    return in.soft * coverage(in);
+}
+
+fn separator_value(in: Corner, front_facing: bool) -> vec4f {
+    return (2.0 * coverage(in) - in.hard) * select(1.0, -1.0, front_facing);
+}
+
+fn hard_value(in: Corner, front_facing: bool) -> vec4f {
+    return vec4f(in.hard * select(-1.0, 1.0, front_facing));
+}
+
+fn cap_value(front_facing: bool) -> vec4f {
+    return vec4f(select(-1.0, 1.0, front_facing));
+}
+
+@fragment
+fn shell(in: Corner) -> @location(0) vec4f {
+    return shell_value(in);
+}
+
+@fragment
+fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    return separator_value(in, front_facing);
+}
+
+@fragment
+fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    return hard_value(in, front_facing);
+}
+
+@fragment
+fn half(in: Corner) -> @location(0) vec4f {
+    return HALF_SIGN * coverage(in);
+}
+
+@fragment
+fn cap(@builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    return cap_value(front_facing);
+}
+
+// Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
+struct Split {
+    @location(0) added: vec4f,
+    @location(1) subtracted: vec4f,
+}
+
+fn split(value: f32) -> Split {
+    let steps = u32(round(abs(value) * 4096.0));
+    let digits = vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
+    return Split(select(vec4f(0.0), digits, value > 0.0), select(vec4f(0.0), digits, value < 0.0));
+}
+
+@fragment
+fn shell_split(in: Corner) -> Split {
+    return split(shell_value(in).r);
+}
+
+@fragment
+fn separator_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
+    return split(separator_value(in, front_facing).r);
+}
+
+@fragment
+fn hard_side_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
+    return split(hard_value(in, front_facing).r);
+}
+
+@fragment
+fn half_split(in: Corner) -> Split {
+    return split(HALF_SIGN * coverage(in).r);
+}
+
+@fragment
+fn cap_split(@builtin(front_facing) front_facing: bool) -> Split {
+    return split(cap_value(front_facing).r);
+}
+
+@fragment
+fn debug(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    return select(vec4f(0.02, 0.0, 0.02, 0.0), vec4f(0.0, 0.02, 0.02, 0.0), in.soft > 0.0)
+        * select(0.5, 1.0, front_facing);
+}
