@@ -7,7 +7,7 @@
 pub mod penumbra_wedge;
 pub mod stencil_volume;
 
-pub use penumbra_wedge::PenumbraWedge;
+pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
 pub use stencil_volume::StencilVolume;
 
 /// Gives a renderer the crate's own techniques, unless techniques of these names were added to it.

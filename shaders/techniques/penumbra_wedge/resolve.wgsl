@@ -8,6 +8,8 @@
 
 // The sums are four bytes each way.
 override IS_SPLIT: bool = false;
+// There is one sum for all colours.
+override IS_SCALAR: bool = false;
 // The coverage of groups was combined.
 override IS_COMBINED: bool = false;
 
@@ -28,7 +30,7 @@ fn sum(pixel: vec2u) -> vec4f {
         }
         return vec4f(dot(first - second, weights));
     }
-    return first;
+    return select(first, first.rrrr, IS_SCALAR);
 }
 
 fn visible(pixel: vec2u) -> vec4f {

@@ -87,7 +87,7 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     out.start_light = wedge.start_light;
     out.end_light = wedge.end_light;
     out.light = wedge.light;
-    out.hard = f32(wedge.flags & HARD);
+    out.hard = select(0.0, f32(wedge.flags & HARD), vertex < 4u);
     out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
     return out;
 }

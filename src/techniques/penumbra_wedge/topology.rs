@@ -60,17 +60,18 @@ pub fn indices() -> Vec<u16> {
 
 /// The side of the hard shadow, then the two triangles and their degenerate companions that extend it to the rims.
 ///
-/// The companions matter when both rims start from one end: then the extension of the other end is a quad.
+/// The first vertex of a triangle tells the fragment stage whether it bounds the hard shadow: rim points do not. The
+/// companions matter when both rims start from one end: then the extension of the other end is a quad.
 fn separator() -> Vec<u16> {
     let (first, last) = (FIRST_RIM, FIRST_RIM + RIM as u16 - 1);
     let apex = |rim: u16| rim - FIRST_RIM + FIRST_APEX;
     [
         [END, START, FAR_START],
         [END, FAR_START, FAR_END],
-        [START, first, FAR_START],
-        [START, apex(first), first],
-        [END, FAR_END, last],
-        [END, last, apex(last)],
+        [first, FAR_START, START],
+        [apex(first), first, START],
+        [last, END, FAR_END],
+        [last, apex(last), END],
     ]
     .concat()
 }

@@ -232,7 +232,8 @@ impl WedgePipelines {
                     buffers,
                 },
                 primitive: wgpu::PrimitiveState {
-                    front_face: front_face(key.mirrored),
+                    // The far cap has the near cap's triangles, seen from the other end.
+                    front_face: front_face(key.mirrored != (key.part == Part::FarCap)),
                     cull_mode: match key.part {
                         Part::ShellEverywhere | Part::Shell | Part::OuterHalf | Part::InnerHalf => {
                             Some(wgpu::Face::Front)
@@ -267,6 +268,7 @@ impl WedgePipelines {
     fn create_resolve(&self, context: &RenderContext, key: ResolveKey) -> wgpu::RenderPipeline {
         let constants = [
             ("IS_SPLIT", f64::from(key.form == Form::Split8)),
+            ("IS_SCALAR", f64::from(key.form == Form::Float)),
             ("IS_COMBINED", f64::from(key.is_combined)),
         ];
         let weighted = wgpu::BlendComponent {
