@@ -44,7 +44,7 @@ fn mirrors() -> Vec<Mirror> {
             relative_from_local_z,
             handedness,
         } in "passes/ambient.wgsl", array: true),
-        mirror!(Light { point_relative, emission, axis, cone } in "passes/light_accumulate.wgsl", array: false),
+        mirror!(Light { point_relative, emission, axis, cone, half_right, half_up } in "passes/light_accumulate.wgsl", array: false),
         mirror!(Slot { uv_matrix, uv_offset, uv_set, present } in "passes/ambient.wgsl", array: false),
         mirror!(Material {
             base_color,

@@ -16,11 +16,12 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 7] = sources![
+pub const COMMON: [(&str, &str); 8] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
     "common/surface.wgsl",
     "common/brdf.wgsl",
+    "common/area_light.wgsl",
     "common/light.wgsl",
     "common/mask.wgsl",
     "common/coverage.wgsl",
