@@ -1,10 +1,12 @@
 // From sums to visibility: what one part of a light adds to the mask. Its share of the light is the blend constant.
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  3 the visibility buffer
-@group(3) @binding(0) var sums: texture_2d<f32>;        // or what was added, in four bytes
-@group(3) @binding(1) var subtracted: texture_2d<f32>;
-@group(3) @binding(2) var combined: texture_2d<f32>;    // coverage of the groups before
+@group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
+@group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
+@group(3) @binding(2) var combined: texture_2d<f32>;            // coverage of the groups before
 @group(3) @binding(3) var<storage, read_write> overflow: atomic<u32>;
+@group(3) @binding(4) var averted_sums: texture_2d<f32>;
+@group(3) @binding(5) var averted_subtracted: texture_2d<f32>;
 
 // The sums are four bytes each way.
 override IS_SPLIT: bool = false;
@@ -19,22 +21,23 @@ fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     return vec4f(corner, 0.0, 1.0);
 }
 
-fn sum(pixel: vec2u) -> vec4f {
-    let first = textureLoad(sums, pixel, 0);
+fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     if IS_SPLIT {
-        let second = textureLoad(subtracted, pixel, 0);
         let weights = vec4f(512.0, 64.0, 8.0, 1.0) * (255.0 / 4096.0);
         // A byte that is full may have lost a carry.
-        if any(max(first, second) >= vec4f(1.0)) {
+        if any(max(added, subtracted) >= vec4f(1.0)) {
             atomicAdd(&overflow, 1u);
         }
-        return vec4f(dot(first - second, weights));
+        return vec4f(dot(added - subtracted, weights));
     }
-    return select(first, first.rrrr, IS_SCALAR);
+    return select(added, added.rrrr, IS_SCALAR);
 }
 
+// What the layer that hides more leaves.
 fn visible(pixel: vec2u) -> vec4f {
-    return clamp(1.0 + sum(pixel), vec4f(0.0), vec4f(1.0));
+    let facing = joined(textureLoad(facing_sums, pixel, 0), textureLoad(facing_subtracted, pixel, 0));
+    let averted = joined(textureLoad(averted_sums, pixel, 0), textureLoad(averted_subtracted, pixel, 0));
+    return clamp(1.0 + min(facing, averted), vec4f(0.0), vec4f(1.0));
 }
 
 @fragment

@@ -15,7 +15,7 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
-    flags: u32,                     // HARD, PIECE, SOFT
+    flags: u32,                     // HARD, PIECE, SOFT; layers from bit 3 on
     start_light: vec3f,
     light: u32,
     end_light: vec3f,
@@ -47,6 +47,8 @@ const SOFT: u32 = 4u;
 override IS_SPHERE: bool = false;
 // Sign of the half that is shaded: 1 for the inner half.
 override HALF_SIGN: f32 = 1.0;
+// Layers that a cap belongs to: 1 facing, 2 averted.
+override CAP_LAYERS: u32 = 3u;
 // Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
 override STEPS: f32 = 16384.0;
 
@@ -57,6 +59,7 @@ struct Corner {
     @location(2) @interpolate(flat) light: u32,
     @location(3) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
     @location(4) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
+    @location(5) @interpolate(flat) layers: u32,
 }
 
 fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
@@ -89,6 +92,7 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     out.light = wedge.light;
     out.hard = select(0.0, f32(wedge.flags & HARD), vertex < 4u);
     out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
+    out.layers = wedge.flags >> 3u;
     return out;
 }
 
@@ -144,66 +148,82 @@ fn cap_value(front_facing: bool) -> vec4f {
     return vec4f(select(-1.0, 1.0, front_facing));
 }
 
-@fragment
-fn shell(in: Corner) -> @location(0) vec4f {
-    return shell_value(in);
+// A sum a layer; the layers that a face belongs to.
+struct Layers {
+    @location(0) facing: vec4f,
+    @location(1) averted: vec4f,
+}
+
+fn layered(value: vec4f, layers: u32) -> Layers {
+    return Layers(value * f32(layers & 1u), value * f32(layers >> 1u));
 }
 
 @fragment
-fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
-    return separator_value(in, front_facing);
+fn shell(in: Corner) -> Layers {
+    return layered(shell_value(in), in.layers);
 }
 
 @fragment
-fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
-    return hard_value(in, front_facing);
+fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
+    return layered(separator_value(in, front_facing), in.layers);
 }
 
 @fragment
-fn half(in: Corner) -> @location(0) vec4f {
-    return HALF_SIGN * coverage(in);
+fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
+    return layered(hard_value(in, front_facing), in.layers);
 }
 
 @fragment
-fn cap(@builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
-    return cap_value(front_facing);
+fn half(in: Corner) -> Layers {
+    return layered(HALF_SIGN * coverage(in), in.layers);
+}
+
+@fragment
+fn cap(@builtin(front_facing) front_facing: bool) -> Layers {
+    return layered(cap_value(front_facing), CAP_LAYERS);
 }
 
 // Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
 struct Split {
-    @location(0) added: vec4f,
-    @location(1) subtracted: vec4f,
+    @location(0) facing_added: vec4f,
+    @location(1) facing_subtracted: vec4f,
+    @location(2) averted_added: vec4f,
+    @location(3) averted_subtracted: vec4f,
 }
 
-fn split(value: f32) -> Split {
+fn split(value: f32, layers: u32) -> Split {
     let steps = u32(round(abs(value) * 4096.0));
     let digits = vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
-    return Split(select(vec4f(0.0), digits, value > 0.0), select(vec4f(0.0), digits, value < 0.0));
+    let added = select(vec4f(0.0), digits, value > 0.0);
+    let subtracted = select(vec4f(0.0), digits, value < 0.0);
+    let facing = f32(layers & 1u);
+    let averted = f32(layers >> 1u);
+    return Split(added * facing, subtracted * facing, added * averted, subtracted * averted);
 }
 
 @fragment
 fn shell_split(in: Corner) -> Split {
-    return split(shell_value(in).r);
+    return split(shell_value(in).r, in.layers);
 }
 
 @fragment
 fn separator_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
-    return split(separator_value(in, front_facing).r);
+    return split(separator_value(in, front_facing).r, in.layers);
 }
 
 @fragment
 fn hard_side_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
-    return split(hard_value(in, front_facing).r);
+    return split(hard_value(in, front_facing).r, in.layers);
 }
 
 @fragment
 fn half_split(in: Corner) -> Split {
-    return split(HALF_SIGN * coverage(in).r);
+    return split(HALF_SIGN * coverage(in).r, in.layers);
 }
 
 @fragment
 fn cap_split(@builtin(front_facing) front_facing: bool) -> Split {
-    return split(cap_value(front_facing).r);
+    return split(cap_value(front_facing).r, CAP_LAYERS);
 }
 
 @fragment

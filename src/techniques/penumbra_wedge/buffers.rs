@@ -14,7 +14,7 @@ use crate::render::{RenderContext, RenderError};
 pub struct Sums {
     /// What they are for.
     pub form: Form,
-    /// One or two.
+    /// One or two a layer: facing, averted.
     pub views: Vec<wgpu::TextureView>,
     /// Group 3 of the resolve: reading either combined texture.
     pub groups: [wgpu::BindGroup; 2],
@@ -52,6 +52,8 @@ impl SumTextures {
                     texture(0),
                     texture(1),
                     texture(2),
+                    texture(4),
+                    texture(5),
                     crate::render::bind_groups::buffer_entry(
                         3,
                         wgpu::ShaderStages::FRAGMENT,
@@ -131,7 +133,9 @@ impl SumTextures {
                 layout: &self.layout,
                 entries: &[
                     texture(0, &views[0]),
-                    texture(1, views.last().unwrap_or(&views[0])),
+                    texture(1, &views[1]),
+                    texture(4, &views[views.len() / 2]),
+                    texture(5, &views[views.len() - 1]),
                     texture(2, &combined[source]),
                     wgpu::BindGroupEntry {
                         binding: 3,

@@ -24,6 +24,7 @@
 #[cfg(feature = "render")]
 pub mod buffers;
 pub mod component;
+pub mod layers;
 #[cfg(feature = "render")]
 pub mod node;
 pub mod overflow;

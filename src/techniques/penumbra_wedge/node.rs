@@ -36,7 +36,7 @@ pub const NAME: &str = "penumbra_wedge";
 #[derive(Clone, Debug)]
 struct CapDraw {
     mesh: u32,
-    caps: Range<u32>,
+    caps: [Range<u32>; 3],
     has_far: bool,
 }
 
@@ -161,6 +161,17 @@ impl PenumbraWedgeNode {
         Some(&self.plans[at])
     }
 
+    /// Draw calls of the caps of a group.
+    fn cap_draw_count(&self, group: &Group) -> usize {
+        let draws = self.cap_draws[group.casters.clone()].iter();
+        draws
+            .map(|draw| {
+                let near = draw.caps.iter().filter(|caps| !caps.is_empty()).count();
+                near * (1 + usize::from(draw.has_far))
+            })
+            .sum()
+    }
+
     fn form(&self, settings: &PenumbraWedge) -> Form {
         match settings.buffer {
             VisibilityBuffer::Float if self.blends_floats => Form::Float,
@@ -203,6 +214,10 @@ impl PenumbraWedgeNode {
                 };
                 self.pipelines.require(context, key);
             };
+            for layers in 1..=3 {
+                require(Part::NearCap(layers), false);
+                require(Part::FarCap(layers), false);
+            }
             for kind in passes(plan.settings.culling, part.has_extent) {
                 require(*kind, part.is_sphere);
             }
@@ -262,12 +277,13 @@ impl PenumbraWedgeNode {
             self.pipelines.get(Key {
                 part: kind,
                 form: plan.form,
-                is_sphere: part.is_sphere,
+                is_sphere: part.is_sphere && !matches!(kind, Part::NearCap(_) | Part::FarCap(_)),
                 mirrored: self.mirrored,
             })
         };
         pass.set_index_buffer(self.caps.buffer.slice(..), wgpu::IndexFormat::Uint32);
-        for (kind, is_far) in [(Part::NearCap, false), (Part::FarCap, true)] {
+        for (layers, is_far) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
+            let kind = if is_far { Part::FarCap(layers) } else { Part::NearCap(layers) };
             let Some(pipeline) = pipeline(kind) else {
                 continue;
             };
@@ -276,11 +292,12 @@ impl PenumbraWedgeNode {
                 let Some(mesh) = input.meshes.get(draw.mesh) else {
                     continue;
                 };
-                if draw.caps.is_empty() || (is_far && !draw.has_far) {
+                let caps = &draw.caps[usize::from(layers) - 1];
+                if caps.is_empty() || (is_far && !draw.has_far) {
                     continue;
                 }
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
-                pass.draw_indexed(draw.caps.clone(), 0, caster as u32..caster as u32 + 1);
+                pass.draw_indexed(caps.clone(), 0, caster as u32..caster as u32 + 1);
             }
         }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
@@ -325,7 +342,7 @@ impl PenumbraWedgeNode {
         receiver: &wgpu::BindGroup,
         input: &ResolveInput,
     ) {
-        let attachments: smallvec::SmallVec<[_; 2]> = sums
+        let attachments: smallvec::SmallVec<[_; 4]> = sums
             .views
             .iter()
             .map(|view| Some(attachment(view, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))))
@@ -428,12 +445,12 @@ fn bind(
 
 /// What the passes of a light draw.
 fn passes(culling: WedgeCulling, has_extent: bool) -> &'static [Part] {
-    use Part::{FarCap, HardSide, InnerHalf, Mark, NearCap, OuterHalf, Separator, Shell, ShellEverywhere};
+    use Part::{HardSide, InnerHalf, Mark, OuterHalf, Separator, Shell, ShellEverywhere};
     match (culling, has_extent) {
-        (_, false) => &[NearCap, FarCap, HardSide],
-        (WedgeCulling::Depth, true) => &[NearCap, FarCap, Separator, Shell],
-        (WedgeCulling::None, true) => &[NearCap, FarCap, Separator, ShellEverywhere],
-        (WedgeCulling::Stencil, true) => &[NearCap, FarCap, HardSide, Mark, OuterHalf, InnerHalf],
+        (_, false) => &[HardSide],
+        (WedgeCulling::Depth, true) => &[Separator, Shell],
+        (WedgeCulling::None, true) => &[Separator, ShellEverywhere],
+        (WedgeCulling::Stencil, true) => &[HardSide, Mark, OuterHalf, InnerHalf],
     }
 }
 
@@ -633,7 +650,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
                             (WedgeCulling::Stencil, true) => 1 + 4 * group.wedges.len(),
                             (_, true) => 2,
                         };
-                        2 * group.casters.len() + faces
+                        self.cap_draw_count(group) + faces
                     })
                     .sum();
                 drawn + 1

@@ -18,7 +18,7 @@ pub struct Wedge {
     pub caster: u32,
     /// End of the edge, the caster's space.
     pub end_local: [f32; 3],
-    /// [`HARD`] and [`PIECE`].
+    /// [`HARD`], [`PIECE`], [`SOFT`], and layers from [`LAYERS_SHIFT`] on.
     pub flags: u32,
     /// Start of the edge or piece, light space.
     pub start_light: [f32; 3],
@@ -41,6 +41,9 @@ pub const PIECE: u32 = 2;
 
 /// The edge has a shell.
 pub const SOFT: u32 = 4;
+
+/// Where the [layers](super::layers) of the edge stand in the flags.
+pub const LAYERS_SHIFT: u32 = 3;
 
 /// One caster of one part of a light.
 #[repr(C)]
@@ -89,6 +92,7 @@ const SPHERE_MARGIN: f64 = 1.005;
 /// record without a shell: they bound the hard shadow. Section 4.1: "that edge should be clipped against the light".
 pub fn push_edge(
     ends_local: [Vec3; 2],
+    layers: u32,
     light_from_local: &DMat4,
     shape: PartShape,
     bounds: WedgeBounds,
@@ -102,7 +106,7 @@ pub fn push_edge(
         end_local: end,
         start_light,
         end_light,
-        flags: HARD,
+        flags: HARD | layers << LAYERS_SHIFT,
         ..Wedge::default()
     };
     if ends[0] == ends[1] {
@@ -124,7 +128,7 @@ pub fn push_edge(
         let mut record = Wedge {
             start_light,
             end_light,
-            flags: PIECE,
+            flags: PIECE | layers << LAYERS_SHIFT,
             ..whole
         };
         let soft = add_shell(piece, shape, bounds, &mut record);

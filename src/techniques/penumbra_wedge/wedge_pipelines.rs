@@ -9,10 +9,10 @@ use crate::render::{RenderContext, RenderError, Shaders};
 /// What a draw draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The casters' own triangles.
-    NearCap,
+    /// The casters' own triangles of these [layers](super::layers).
+    NearCap(u8),
     /// The same at infinity.
-    FarCap,
+    FarCap(u8),
     /// Back faces of shells, wherever the surface is.
     ShellEverywhere,
     /// Back faces of shells that lie behind the surface.
@@ -34,13 +34,13 @@ pub enum Part {
 /// Textures that sums are blended into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// One 32-bit float.
+    /// A 32-bit float a layer.
     Float,
-    /// Four of them: by colour and area.
+    /// Four of them a layer: by colour and area.
     Color,
-    /// Four half floats, where the device blends no more.
+    /// Four half floats a layer, where the device blends no more.
     HalfColor,
-    /// Two textures of four bytes.
+    /// Two textures of four bytes a layer.
     Split8,
 }
 
@@ -48,10 +48,10 @@ impl Form {
     /// Formats of the textures.
     pub fn formats(self) -> &'static [wgpu::TextureFormat] {
         match self {
-            Self::Float => &[wgpu::TextureFormat::R32Float],
-            Self::Color => &[wgpu::TextureFormat::Rgba32Float],
-            Self::HalfColor => &[wgpu::TextureFormat::Rgba16Float],
-            Self::Split8 => &[wgpu::TextureFormat::Rgba8Unorm, wgpu::TextureFormat::Rgba8Unorm],
+            Self::Float => &[wgpu::TextureFormat::R32Float; 2],
+            Self::Color => &[wgpu::TextureFormat::Rgba32Float; 2],
+            Self::HalfColor => &[wgpu::TextureFormat::Rgba16Float; 2],
+            Self::Split8 => &[wgpu::TextureFormat::Rgba8Unorm; 4],
         }
     }
 }
@@ -178,14 +178,14 @@ impl WedgePipelines {
             attributes: &wgpu::vertex_attr_array![0 => Float32x3],
         }];
         let (vertex, buffers) = match key.part {
-            Part::NearCap => ("near_cap", POSITIONS),
-            Part::FarCap => ("far_cap", POSITIONS),
+            Part::NearCap(_) => ("near_cap", POSITIONS),
+            Part::FarCap(_) => ("far_cap", POSITIONS),
             _ => ("wedge_vertex", &[] as &[_]),
         };
         let is_split = key.form == Form::Split8;
         let fragment = match (key.part, is_split) {
-            (Part::NearCap | Part::FarCap, false) => "cap",
-            (Part::NearCap | Part::FarCap, true) => "cap_split",
+            (Part::NearCap(_) | Part::FarCap(_), false) => "cap",
+            (Part::NearCap(_) | Part::FarCap(_), true) => "cap_split",
             (Part::ShellEverywhere | Part::Shell, false) => "shell",
             (Part::ShellEverywhere | Part::Shell, true) => "shell_split",
             (Part::Separator, false) => "separator",
@@ -198,7 +198,15 @@ impl WedgePipelines {
         };
         let debug = key.part == Part::Show;
         let sign = if key.part == Part::OuterHalf { -1.0 } else { 1.0 };
-        let constants = [("IS_SPHERE", f64::from(key.is_sphere)), ("HALF_SIGN", sign)];
+        let layers = match key.part {
+            Part::NearCap(layers) | Part::FarCap(layers) => f64::from(layers),
+            _ => 3.0,
+        };
+        let constants = [
+            ("IS_SPHERE", f64::from(key.is_sphere)),
+            ("HALF_SIGN", sign),
+            ("CAP_LAYERS", layers),
+        ];
         let formats = if debug { &[RADIANCE_FORMAT][..] } else { key.form.formats() };
         let targets: Vec<_> = formats
             .iter()
@@ -233,7 +241,7 @@ impl WedgePipelines {
                 },
                 primitive: wgpu::PrimitiveState {
                     // The far cap has the near cap's triangles, seen from the other end.
-                    front_face: front_face(key.mirrored != (key.part == Part::FarCap)),
+                    front_face: front_face(key.mirrored != matches!(key.part, Part::FarCap(_))),
                     cull_mode: match key.part {
                         Part::ShellEverywhere | Part::Shell | Part::OuterHalf | Part::InnerHalf => {
                             Some(wgpu::Face::Front)

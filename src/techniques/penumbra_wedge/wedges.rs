@@ -6,6 +6,7 @@ use glam::{DMat4, Mat4};
 use std::ops::Range;
 
 use super::component::{Overlap, PenumbraWedge, WedgeBounds};
+use super::layers::{LayeredContour, extract_layers};
 use super::parts::{LightPart, PartShape, push_parts};
 use super::records::{Wedge, WedgeCaster, push_edge};
 use crate::scene::{PosedMesh, SceneMesh};
@@ -13,7 +14,7 @@ use crate::sets::depth_bounds::shadow_depth_range;
 use crate::sets::{FrameLight, FrameLights, Objects, View};
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{
-    CasterEdges, Contour, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify, extract_contour,
+    CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify,
 };
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
@@ -77,8 +78,8 @@ pub struct Group {
 pub struct CasterDraw {
     /// Dense index.
     pub object: u32,
-    /// Range of [`PenumbraWedges::caps`].
-    pub caps: Range<u32>,
+    /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::layers).
+    pub caps: [Range<u32>; 3],
 }
 
 /// What a chunk was made for.
@@ -99,6 +100,7 @@ struct Chunk {
     light_local: [f32; 4],
     wedges: Vec<Wedge>,
     caps: Vec<u32>,
+    cap_counts: [u32; 3],
     last_used: u64,
 }
 
@@ -113,7 +115,7 @@ struct LightChunks {
 #[derive(Debug, Default)]
 struct Scratch {
     bits: FacingBits,
-    contour: Contour,
+    contour: LayeredContour,
     parts: Vec<LightPart>,
     /// What the flat arrays hold, and held in the last frame.
     layout: Vec<Placed>,
@@ -243,8 +245,7 @@ pub fn build_penumbra_wedges(
                 chunk.last_used = frame;
                 if fresh || chunk.key != key {
                     chunk.key = key;
-                    let split = light.point_world != part.point_world;
-                    chunk.build(light, &part, &light_from_local, silhouette, split, item, &mut out.scratch);
+                    chunk.build(light, &part, &light_from_local, silhouette, item, &mut out.scratch);
                     rebuilt = true;
                 }
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
@@ -301,47 +302,36 @@ impl Chunk {
             light_local: [0.0; 4],
             wedges: Vec::new(),
             caps: Vec::new(),
+            cap_counts: [0; 3],
             last_used: 0,
         }
     }
 
-    /// Makes edges and caps anew. `split`: the part does not stand at the light's centre, whose silhouette is known.
+    /// Makes edges and caps anew.
     fn build(
         &mut self,
         light: &FrameLight,
         part: &LightPart,
         light_from_local: &DMat4,
         silhouette: &Silhouette,
-        split: bool,
         (edges, mesh, transform, posed): (&CasterEdges, &SceneMesh, &GlobalTransform, Option<(&PosedMesh, &PosedPlanes)>),
         scratch: &mut Scratch,
     ) {
         self.wedges.clear();
         self.caps.clear();
-        let mut light_local = silhouette.light_local;
-        let mut contour = &silhouette.contour;
-        if split {
-            let Some(local) = light_in_local(transform, part.point_world) else {
-                return;
-            };
-            light_local = local;
-            let (positions, planes) = match posed {
-                Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
-                    (&posed.positions, &planes.0)
-                }
-                _ => (&mesh.0.positions, &edges.0.planes),
-            };
-            classify(&edges.0.edges, planes, local, &mut scratch.bits);
-            extract_contour(
-                &edges.0.edges,
-                positions,
-                planes,
-                &scratch.bits,
-                silhouette.mode,
-                &mut scratch.contour,
-            );
-            contour = &scratch.contour;
-        }
+        self.cap_counts = [0; 3];
+        let Some(light_local) = light_in_local(transform, part.point_world) else {
+            return;
+        };
+        let (positions, planes) = match posed {
+            Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
+                (&posed.positions, &planes.0)
+            }
+            _ => (&mesh.0.positions, &edges.0.planes),
+        };
+        let (bits, contour) = (&mut scratch.bits, &mut scratch.contour);
+        classify(&edges.0.edges, planes, light_local, bits);
+        extract_layers(&edges.0.edges, positions, bits, silhouette.mode, contour);
         self.light_local = light_local.to_array();
         let mirrored = light_from_local.determinant() < 0.0;
         let shape = if light.point_world.w == 0.0 {
@@ -349,16 +339,15 @@ impl Chunk {
         } else {
             part.shape
         };
-        for &[a, b] in &contour.edges {
+        for &([a, b], layers) in &contour.edges {
             let ends = if mirrored { [b, a] } else { [a, b] };
-            push_edge(ends, light_from_local, shape, self.key.bounds, &mut self.wedges);
+            let bounds = self.key.bounds;
+            push_edge(ends, layers, light_from_local, shape, bounds, &mut self.wedges);
         }
-        let (towards, away) = contour.caps.split_at(contour.caps_away_start);
-        for (triangles, turn) in [(towards, mirrored), (away, !mirrored)] {
-            for triangle in triangles.chunks_exact(3) {
-                let [a, b, c] = [triangle[0], triangle[1], triangle[2]];
-                self.caps.extend(if turn { [a, c, b] } else { [a, b, c] });
-            }
+        for (count, triangles) in self.cap_counts.iter_mut().zip(&contour.caps) {
+            *count = 3 * triangles.len() as u32;
+            let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+            self.caps.extend(triangles.iter().flat_map(turned));
         }
     }
 }
@@ -428,9 +417,11 @@ impl PenumbraWedges {
                     }
                     casters.push(CasterDraw {
                         object,
-                        caps: cap_count..cap_count + chunk.caps.len() as u32,
+                        caps: chunk.cap_counts.map(|count| {
+                            cap_count += count;
+                            cap_count - count..cap_count
+                        }),
                     });
-                    cap_count += chunk.caps.len() as u32;
                     wedge_count += chunk.wedges.len() as u32;
                     if overlap == Overlap::Paper {
                         groups.push(Group {
