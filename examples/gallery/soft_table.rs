@@ -14,7 +14,7 @@ use antumbra::reference::{
 };
 use antumbra::scene::animation::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
-use antumbra::techniques::penumbra_wedge::{Overlap, WedgeBounds, WedgeCulling};
+use antumbra::techniques::penumbra_wedge::{CoverageMaths, Overlap, WedgeBounds, WedgeCulling};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
@@ -49,6 +49,7 @@ fn ways() -> Vec<Way> {
         Way::Hard("hard 16", 4),
         Way::Hard("hard 64", 8),
         Way::Wedges("stencil culled", PenumbraWedge { culling: WedgeCulling::Stencil, ..wedge }),
+        Way::Wedges("tables", PenumbraWedge { maths: CoverageMaths::Tables, ..wedge }),
         Way::Wedges("sphere bounds", PenumbraWedge { bounds: WedgeBounds::Sphere, ..wedge }),
         Way::Wedges(
             "plain",

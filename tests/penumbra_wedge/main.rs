@@ -1,7 +1,9 @@
 //! Penumbra wedges against ray-cast truth.
 
+mod bad_input;
 #[path = "../harness/mod.rs"]
 mod harness;
+mod properties;
 mod scenes;
 
 use antumbra::prelude::*;

@@ -138,6 +138,7 @@ pub fn judge(stage: &mut Stage, truth: &VisibilityImage, name: &str) -> SoftErro
 }
 
 /// What the frame that ran last drew, for a person.
+#[allow(dead_code, reason = "called while something is sought")]
 pub fn describe(stage: &Stage) {
     let wedges = stage.world.resource::<antumbra::techniques::PenumbraWedges>();
     let renderer = stage.world.resource::<Renderer>();

@@ -3,7 +3,7 @@
 // Groups  0 view, 2 wedges, 3 receiver depth
 // Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
 #import antumbra::view::{objects, clip_position, relative_from_pixel}
-#import antumbra::coverage::{project_to_rect, rect_coverage, project_to_disc, disc_coverage}
+#import antumbra::coverage::{Chord, Projected, border_place, project_to_rect, rect_coverage, project_to_disc, disc_coverage}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -29,14 +29,17 @@ struct WedgeLight {                 // mirror: techniques::penumbra_wedge::recor
     light_from_relative_y: vec4f,
     light_from_relative_z: vec4f,
     half_size: vec2f,               // of a sphere: its radius twice
-    share: f32,
-    table: u32,
+    table: u32,                     // first entry of the texture's tables
+    padding: u32,
     place: vec4f,
 }
 
 @group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
 @group(2) @binding(1) var<storage, read> wedges: array<Wedge>;
 @group(2) @binding(2) var<storage, read> lights: array<WedgeLight>;
+// Angles and areas, made by lookup.rs; then for each texture sectors along the border of the square and triangles,
+// shares by colour, made by texture.rs.
+@group(2) @binding(3) var<storage, read> tables: array<vec4f>;
 @group(3) @binding(0) var receiver_depth: texture_2d<f32>;
 
 const HARD: u32 = 1u;
@@ -47,6 +50,10 @@ const SOFT: u32 = 4u;
 override IS_SPHERE: bool = false;
 // Sign of the half that is shaded: 1 for the inner half.
 override HALF_SIGN: f32 = 1.0;
+// Angles and areas come from tables.
+override LOOKS_UP: bool = false;
+// The light is a textured rectangle.
+override IS_TEXTURED: bool = false;
 // Layers that a cap belongs to: 1 facing, 2 averted.
 override CAP_LAYERS: u32 = 3u;
 // Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
@@ -108,6 +115,88 @@ fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance
     return far_position(casters[instance], position_local);
 }
 
+const ANGLE_STEPS: u32 = 1024u;
+const SECTOR_STEPS: u32 = 256u;
+
+// Turns, 0..1.
+fn table_angle(direction: vec2f) -> f32 {
+    let size = abs(direction);
+    let at = clamp(size.y / max(size.x + size.y, 1e-20), 0.0, 1.0) * f32(ANGLE_STEPS);
+    let first = min(u32(at), ANGLE_STEPS - 1u);
+    let quarter = mix(tables[first].r, tables[first + 1u].r, at - f32(first));
+    let half_turn = select(quarter, 0.5 - quarter, direction.x < 0.0);
+    return select(half_turn, 1.0 - half_turn, direction.y < 0.0);
+}
+
+fn table_rect_coverage(edge: Projected) -> f32 {
+    let at = clamp(vec2f(table_angle(edge.start), table_angle(edge.end)), vec2f(0.0), vec2f(1.0)) * f32(SECTOR_STEPS);
+    let cell = min(vec2u(at), vec2u(SECTOR_STEPS - 1u));
+    let share = at - vec2f(cell);
+    let first = ANGLE_STEPS + 1u + cell.x * (SECTOR_STEPS + 1u) + cell.y;
+    let low = mix(tables[first].r, tables[first + 1u].r, share.y);
+    let next = first + SECTOR_STEPS + 1u;
+    let high = mix(tables[next].r, tables[next + 1u].r, share.y);
+    let triangle = 0.125 * abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x);
+    return select(0.0, max(mix(low, high, share.x) - triangle, 0.0), edge.is_visible);
+}
+
+fn table_disc_coverage(chord: Chord) -> f32 {
+    // The places of the chord, a quarter turn on: so that no angle is beyond a turn.
+    let angle = abs(table_angle(vec2f(-chord.start, chord.distance)) - table_angle(vec2f(-chord.end, chord.distance)));
+    let triangle = chord.distance * abs(chord.start - chord.end) * 0.15915494;
+    return select(0.0, max(angle - triangle, 0.0), chord.is_visible);
+}
+
+const BORDER_STEPS: f32 = 256.0;
+const NODES: u32 = 16u;
+
+// The texture's integral from the border's start to a place on it.
+fn sector_to(table: u32, place: f32) -> vec3f {
+    let at = clamp((place - 8.0 * floor(place / 8.0)) * (BORDER_STEPS / 8.0), 0.0, BORDER_STEPS);
+    let first = min(u32(at), u32(BORDER_STEPS) - 1u);
+    return mix(tables[table + first].rgb, tables[table + first + 1u].rgb, at - f32(first));
+}
+
+// Interpolated along one end of the edge at a node of the other.
+fn triangle_at(table: u32, node: u32, corner: vec2u, share: vec2f) -> vec3f {
+    let first = table + u32(BORDER_STEPS) + 1u + node * NODES * NODES + corner.y * NODES + corner.x;
+    let low = mix(tables[first].rgb, tables[first + 1u].rgb, share.x);
+    let high = mix(tables[first + NODES].rgb, tables[first + NODES + 1u].rgb, share.x);
+    return mix(low, high, share.y);
+}
+
+// By colour: the sector between the ends, counter-clockwise, less the triangle. A lookup in four dimensions.
+fn textured_coverage(table: u32, edge: Projected) -> vec3f {
+    let turn = edge.start.x * edge.end.y - edge.start.y * edge.end.x;
+    let start = select(edge.end, edge.start, turn >= 0.0);
+    let end = select(edge.start, edge.end, turn >= 0.0);
+    let from_place = border_place(start);
+    let to_place = border_place(end);
+    let low = sector_to(table, from_place);
+    let high = sector_to(table, to_place);
+    let turns = (to_place - 8.0 * floor(to_place / 8.0)) < (from_place - 8.0 * floor(from_place / 8.0));
+    let sector = high - low + select(0.0, 1.0, turns);
+    let last = f32(NODES - 1u);
+    let start_at = (start * 0.5 + 0.5) * last;
+    let end_at = (end * 0.5 + 0.5) * last;
+    let start_cell = min(vec2u(start_at), vec2u(NODES - 2u));
+    let end_cell = min(vec2u(end_at), vec2u(NODES - 2u));
+    let start_share = start_at - vec2f(start_cell);
+    let end_share = end_at - vec2f(end_cell);
+    let node = end_cell.y * NODES + end_cell.x;
+    let lower = mix(
+        triangle_at(table, node, start_cell, start_share),
+        triangle_at(table, node + 1u, start_cell, start_share),
+        end_share.x,
+    );
+    let upper = mix(
+        triangle_at(table, node + NODES, start_cell, start_share),
+        triangle_at(table, node + NODES + 1u, start_cell, start_share),
+        end_share.x,
+    );
+    return max(sector - mix(lower, upper, end_share.y), vec3f(0.0));
+}
+
 // Share of the part that lies behind the edge, at the surface that the pixel shows.
 fn coverage(in: Corner) -> vec4f {
     let pixel = in.position_clip.xy;
@@ -119,15 +208,28 @@ fn coverage(in: Corner) -> vec4f {
         dot(light.light_from_relative_y, relative),
         dot(light.light_from_relative_z, relative),
     );
-    var share = 0.0;
+    var share = vec4f(0.0);
     if IS_SPHERE {
-        share = disc_coverage(project_to_disc(p, in.start_light, in.end_light, light.half_size.x));
+        let chord = project_to_disc(p, in.start_light, in.end_light, light.half_size.x);
+        if LOOKS_UP {
+            share = vec4f(table_disc_coverage(chord));
+        } else {
+            share = vec4f(disc_coverage(chord));
+        }
     } else {
-        share = rect_coverage(project_to_rect(p, in.start_light, in.end_light, light.half_size));
+        let edge = project_to_rect(p, in.start_light, in.end_light, light.half_size);
+        if LOOKS_UP {
+            share = vec4f(table_rect_coverage(edge));
+        } else {
+            share = vec4f(rect_coverage(edge));
+        }
+        if IS_TEXTURED {
+            share = vec4f(textured_coverage(light.table, edge), share.a);
+        }
     }
     // Also against NaN, which compares to nothing.
-    let is_usable = share > 0.0 && share < 1.0 && depth > 0.0 && in.soft != 0.0;
-    return vec4f(select(0.0, round(share * STEPS) / STEPS, is_usable));
+    let is_usable = share.a > 0.0 && share.a < 1.0 && depth > 0.0 && in.soft != 0.0;
+    return select(vec4f(0.0), round(min(share, vec4f(1.0)) * STEPS) / STEPS, is_usable);
 }
 
 // What the faces add. Behind the surface, outside of it: the front of a hard shadow's face gives back 1 to visibility,

@@ -103,6 +103,6 @@ pub enum CoverageMaths {
     /// In the shader.
     #[default]
     Analytic,
-    /// From a table of angles and a table of areas, 256 texels a side. Section 4.2.
+    /// From a table of angles and a table of areas: to about 0.002. Section 4.2.
     Tables,
 }

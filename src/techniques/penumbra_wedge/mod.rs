@@ -25,12 +25,14 @@
 pub mod buffers;
 pub mod component;
 pub mod layers;
+pub mod lookup;
 #[cfg(feature = "render")]
 pub mod node;
 pub mod overflow;
 pub mod parts;
 pub mod records;
 pub mod shell;
+pub mod texture;
 pub mod topology;
 #[cfg(feature = "render")]
 pub mod wedge_pipelines;
@@ -39,5 +41,6 @@ pub mod wedges;
 pub use component::{
     CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling,
 };
+pub use texture::{EmitterTexture, LightTexture, LightTextureError};
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
 pub use wedges::PenumbraWedges;

@@ -9,19 +9,21 @@
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
 use std::ops::Range;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use bevy_ecs::prelude::*;
-use glam::DMat4;
+use glam::{DMat4, Vec3};
 
 use super::buffers::{SumTextures, Sums};
-use super::component::{Overlap, PenumbraWedge, VisibilityBuffer, WedgeCulling};
+use super::component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeCulling};
+use super::lookup::{self, LOOKUP_LENGTH};
 use super::overflow::WedgeOverflow;
-use super::parts::PartShape;
+use super::parts::{LightPart, PartShape};
 use super::records::{Wedge, WedgeCaster, WedgeLight};
+use super::texture::{EmitterTexture, LightTexture, TABLE_LENGTH};
 use super::topology::{self, HARD_SIDE, INNER_HALF, OUTER_HALF, SEPARATORS, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
-use super::wedges::{Group, PartWedges, PenumbraWedges};
+use super::wedges::{Group, LightWedges, PartWedges, PenumbraWedges};
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
@@ -58,6 +60,15 @@ struct LightPlan {
     parts: Range<usize>,
 }
 
+/// Where the tables of all frames of a texture stand, for one part.
+#[derive(Clone, Debug)]
+struct PlacedTables {
+    texture: Arc<LightTexture>,
+    place: [f32; 4],
+    first: u32,
+    means: Vec<Vec3>,
+}
+
 /// The recorder.
 #[derive(Debug)]
 pub struct PenumbraWedgeNode {
@@ -70,6 +81,10 @@ pub struct PenumbraWedgeNode {
     casters: GrowingBuffer,
     wedges: GrowingBuffer,
     lights: GrowingBuffer,
+    tables: GrowingBuffer,
+    table_entries: Vec<[f32; 4]>,
+    lookup_is_new: bool,
+    placed_tables: Vec<PlacedTables>,
     caps: GrowingBuffer,
     group: wgpu::BindGroup,
     generation: u64,
@@ -106,6 +121,7 @@ impl PenumbraWedgeNode {
                     false,
                     size_of::<WedgeLight>(),
                 ),
+                buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
             ],
         });
         let receiver_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
@@ -125,6 +141,7 @@ impl PenumbraWedgeNode {
         let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
         indices.write(context, bytemuck::cast_slice(&topology::indices()));
         let (casters, wedges, lights) = (storage("wedge casters"), storage("wedges"), storage("wedge lights"));
+        let tables = storage("coverage tables");
         let textures = SumTextures::new(context);
         Ok(Self {
             pipelines: WedgePipelines::new(
@@ -135,7 +152,7 @@ impl PenumbraWedgeNode {
                 &receiver_layout,
                 textures.layout(),
             )?,
-            group: bind(context, &wedge_layout, [&casters, &wedges, &lights]),
+            group: bind(context, &wedge_layout, [&casters, &wedges, &lights, &tables]),
             wedge_layout,
             receiver_layout,
             receiver: Mutex::new(None),
@@ -144,6 +161,10 @@ impl PenumbraWedgeNode {
             casters,
             wedges,
             lights,
+            tables,
+            table_entries: lookup::entries(),
+            lookup_is_new: true,
+            placed_tables: Vec::new(),
             caps: GrowingBuffer::new(context, "wedge caps", wgpu::BufferUsages::INDEX),
             generation: 0,
             light_records: Vec::new(),
@@ -172,8 +193,12 @@ impl PenumbraWedgeNode {
             .sum()
     }
 
-    fn form(&self, settings: &PenumbraWedge) -> Form {
-        match settings.buffer {
+    /// Textures need sums by colour, for which there are no bytes.
+    fn form(&self, light: &LightWedges) -> Form {
+        if light.texture.is_some() {
+            return if self.blends_floats { Form::Color } else { Form::HalfColor };
+        }
+        match light.settings.buffer {
             VisibilityBuffer::Float if self.blends_floats => Form::Float,
             VisibilityBuffer::Float | VisibilityBuffer::Split8 => Form::Split8,
         }
@@ -184,7 +209,8 @@ impl PenumbraWedgeNode {
         self.light_records.clear();
         self.light_records
             .extend(world.parts.iter().map(|part| light_record(part, view)));
-        let mut rebind = self
+        let mut rebind = self.place_tables(context, world);
+        rebind |= self
             .lights
             .write(context, bytemuck::cast_slice(&self.light_records));
         if self.generation != world.generation {
@@ -196,20 +222,84 @@ impl PenumbraWedgeNode {
             self.caps.write(context, bytemuck::cast_slice(&world.caps));
         }
         if rebind {
-            let buffers = [&self.casters, &self.wedges, &self.lights];
+            let buffers = [&self.casters, &self.wedges, &self.lights, &self.tables];
             self.group = bind(context, &self.wedge_layout, buffers);
         }
+    }
+
+    /// Builds and uploads the tables of textures that are new, forgets those that are gone, and tells the lights where
+    /// theirs stand; whether the buffer was exchanged.
+    fn place_tables(&mut self, context: &RenderContext, world: &PenumbraWedges) -> bool {
+        let needs = |tables: &PlacedTables| {
+            world.lights.iter().any(|light| {
+                let texture = light.texture.as_ref();
+                texture.is_some_and(|texture| Arc::ptr_eq(&texture.texture, &tables.texture))
+            })
+        };
+        let mut changed = std::mem::take(&mut self.lookup_is_new);
+        if !self.placed_tables.iter().all(needs) {
+            // Rare, and all that stay are rebuilt: places are given out in a row.
+            self.placed_tables.clear();
+            self.table_entries.truncate(LOOKUP_LENGTH);
+        }
+        for light in &world.lights {
+            let Some(EmitterTexture { texture, frame }) = &light.texture else {
+                continue;
+            };
+            for index in light.parts.clone() {
+                let place = world.parts[index].part.place;
+                let known = self
+                    .placed_tables
+                    .iter()
+                    .position(|tables| Arc::ptr_eq(&tables.texture, texture) && tables.place == place);
+                let at = known.unwrap_or_else(|| {
+                    changed = true;
+                    let first = self.table_entries.len() as u32;
+                    let frames = (0..texture.frame_count()).map(|frame| texture.tables(frame, place));
+                    let means = frames
+                        .map(|tables| {
+                            self.table_entries.extend(tables.entries);
+                            tables.mean
+                        })
+                        .collect();
+                    self.placed_tables.push(PlacedTables {
+                        texture: texture.clone(),
+                        place,
+                        first,
+                        means,
+                    });
+                    self.placed_tables.len() - 1
+                });
+                let frame = frame % texture.frame_count();
+                self.light_records[index].table = self.placed_tables[at].first + (frame * TABLE_LENGTH) as u32;
+            }
+        }
+        changed && self.tables.write(context, bytemuck::cast_slice(&self.table_entries))
+    }
+
+    /// What a part gives to the mask where it is wholly seen: by colour, and of the area.
+    fn share(&self, part: &LightPart, texture: Option<&EmitterTexture>, parts: usize) -> [f64; 4] {
+        let share = (parts as f64).recip();
+        let placed = texture.and_then(|texture| {
+            let tables = self.placed_tables.iter();
+            let mut tables = tables.filter(|tables| Arc::ptr_eq(&tables.texture, &texture.texture));
+            let tables = tables.find(|tables| tables.place == part.place)?;
+            Some(tables.means[texture.frame % tables.means.len()].as_dvec3() * share)
+        });
+        placed.map_or([share; 4], |color| color.extend(share).to_array())
     }
 
     /// Pipelines that a light needs.
     fn require(&mut self, context: &RenderContext, plan: &LightPlan, debug: bool) {
         let mirrored = self.mirrored;
+        let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
             let mut require = |part_of_wedge, is_sphere| {
                 let key = Key {
                     part: part_of_wedge,
                     form: plan.form,
                     is_sphere,
+                    looks_up,
                     mirrored,
                 };
                 self.pipelines.require(context, key);
@@ -278,6 +368,7 @@ impl PenumbraWedgeNode {
                 part: kind,
                 form: plan.form,
                 is_sphere: part.is_sphere && !matches!(kind, Part::NearCap(_) | Part::FarCap(_)),
+                looks_up: plan.settings.maths == CoverageMaths::Tables,
                 mirrored: self.mirrored,
             })
         };
@@ -430,7 +521,7 @@ fn depth_stencil<'a>(input: &ResolveInput<'a>) -> wgpu::RenderPassDepthStencilAt
 fn bind(
     context: &RenderContext,
     layout: &wgpu::BindGroupLayout,
-    buffers: [&GrowingBuffer; 3],
+    buffers: [&GrowingBuffer; 4],
 ) -> wgpu::BindGroup {
     let entry = |binding: u32| wgpu::BindGroupEntry {
         binding,
@@ -439,7 +530,7 @@ fn bind(
     context.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("wedges"),
         layout,
-        entries: &[entry(0), entry(1), entry(2)],
+        entries: &[entry(0), entry(1), entry(2), entry(3)],
     })
 }
 
@@ -471,8 +562,8 @@ fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
         light_from_relative_y: rows.y_axis.to_array(),
         light_from_relative_z: rows.z_axis.to_array(),
         half_size,
-        share: 1.0,
         table: 0,
+        padding: 0,
         place: part.place,
     }
 }
@@ -523,11 +614,10 @@ impl ShadowTechnique for PenumbraWedgeNode {
             }));
         for light in &wedges.lights {
             let first = self.parts.len();
-            let share = (light.parts.len() as f64).recip();
             for part in &wedges.parts[light.parts.clone()] {
                 self.parts.push(PartPlan {
                     groups: part.groups.clone(),
-                    share: [share; 4],
+                    share: self.share(&part.part, light.texture.as_ref(), light.parts.len()),
                     has_extent: part.part.shape != PartShape::Point,
                     is_sphere: matches!(part.part.shape, PartShape::Sphere { .. }),
                 });
@@ -535,7 +625,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
             let plan = LightPlan {
                 light: light.light,
                 settings: light.settings,
-                form: self.form(&light.settings),
+                form: self.form(light),
                 parts: first..self.parts.len(),
             };
             self.textures.require(input.context, viewport.0, plan.form)?;
@@ -622,6 +712,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
                 part: Part::Show,
                 form: plan.form,
                 is_sphere: part.is_sphere,
+                looks_up: plan.settings.maths == CoverageMaths::Tables,
                 mirrored: self.mirrored,
             };
             let Some(pipeline) = self.pipelines.get(key) else {

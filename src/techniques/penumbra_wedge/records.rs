@@ -71,10 +71,10 @@ pub struct WedgeLight {
     pub light_from_relative_z: [f32; 4],
     /// Half width and height of a rectangle, or the radius of a sphere twice.
     pub half_size: [f32; 2],
-    /// Share of the light that the part is.
-    pub share: f32,
-    /// Index of the texture's tables in time; 0 without.
+    /// First entry of the texture's tables; 0 without a texture.
     pub table: u32,
+    /// Unused.
+    pub padding: u32,
     /// Centre and half size within the light, −1 to 1.
     pub place: [f32; 4],
 }

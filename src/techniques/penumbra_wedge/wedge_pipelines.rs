@@ -65,6 +65,8 @@ pub struct Key {
     pub form: Form,
     /// The light is a sphere.
     pub is_sphere: bool,
+    /// Angles and areas come from tables.
+    pub looks_up: bool,
     /// The view mirrors.
     pub mirrored: bool,
 }
@@ -206,6 +208,8 @@ impl WedgePipelines {
             ("IS_SPHERE", f64::from(key.is_sphere)),
             ("HALF_SIGN", sign),
             ("CAP_LAYERS", layers),
+            ("LOOKS_UP", f64::from(key.looks_up)),
+            ("IS_TEXTURED", f64::from(matches!(key.form, Form::Color | Form::HalfColor))),
         ];
         let formats = if debug { &[RADIANCE_FORMAT][..] } else { key.form.formats() };
         let targets: Vec<_> = formats

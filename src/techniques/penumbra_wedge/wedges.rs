@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::component::{Overlap, PenumbraWedge, WedgeBounds};
 use super::layers::{LayeredContour, extract_layers};
 use super::parts::{LightPart, PartShape, push_parts};
+use super::texture::EmitterTexture;
 use super::records::{Wedge, WedgeCaster, push_edge};
 use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::depth_bounds::shadow_depth_range;
@@ -51,6 +52,8 @@ pub struct LightWedges {
     pub entity: Entity,
     /// Copy of the component.
     pub settings: PenumbraWedge,
+    /// Copy of the component, for rectangles.
+    pub texture: Option<EmitterTexture>,
     /// Range of [`PenumbraWedges::parts`].
     pub parts: Range<usize>,
 }
@@ -167,7 +170,7 @@ pub fn build_penumbra_wedges(
     objects: Res<Objects>,
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
-    components: Query<&PenumbraWedge>,
+    components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterItem<'static>>,
 ) {
     let out = &mut *wedges;
@@ -182,7 +185,7 @@ pub fn build_penumbra_wedges(
     };
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
-        let Ok(settings) = components.get(light.entity) else {
+        let Ok((settings, texture)) = components.get(light.entity) else {
             continue;
         };
         if light.scissor.is_none() {
@@ -199,6 +202,9 @@ pub fn build_penumbra_wedges(
             light: index,
             entity: light.entity,
             settings: *settings,
+            texture: texture
+                .filter(|_| matches!(out.scratch.parts[0].shape, PartShape::Rect { .. }))
+                .cloned(),
             parts: first..out.parts.len(),
         });
         let Some(known) = silhouettes.of_light(light.entity) else {
