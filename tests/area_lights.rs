@@ -170,5 +170,8 @@ fn irradiance_is_the_integral_over_the_light() {
             );
         }
     }
-    assert!(lit > 40, "{lit}: most cases are lit, so that the comparison can fail");
+    assert!(
+        lit > 40,
+        "{lit}: most cases are lit, so that the comparison can fail"
+    );
 }

@@ -5,6 +5,7 @@ use std::mem::offset_of;
 use antumbra::conventions;
 use antumbra::render::shaders::{COMMON, PASSES};
 use antumbra::render::{Shaders, gpu_types};
+use antumbra::techniques::penumbra_wedge::records;
 use wgpu::naga;
 
 /// A `#[repr(C)]` struct as Rust lays it out.
@@ -22,12 +23,15 @@ struct Mirror {
 
 /// Describes a struct; a field that is left out does not compile.
 macro_rules! mirror {
-    ($name:ident { $($field:ident),* $(,)? } in $pass:literal, array: $in_array:literal) => {{
-        let gpu_types::$name { $($field: _),* } = gpu_types::$name::default();
+    ($name:ident { $($field:ident),* $(,)? } in $pass:literal, array: $in_array:literal) => {
+        mirror!(gpu_types, $name { $($field),* } in $pass, array: $in_array)
+    };
+    ($module:ident, $name:ident { $($field:ident),* $(,)? } in $pass:literal, array: $in_array:literal) => {{
+        let $module::$name { $($field: _),* } = $module::$name::default();
         Mirror {
             name: stringify!($name),
-            size: size_of::<gpu_types::$name>(),
-            fields: vec![$((stringify!($field), offset_of!(gpu_types::$name, $field))),*],
+            size: size_of::<$module::$name>(),
+            fields: vec![$((stringify!($field), offset_of!($module::$name, $field))),*],
             pass: $pass,
             in_array: $in_array,
         }
@@ -71,6 +75,29 @@ fn mirrors() -> Vec<Mirror> {
             corners_per_edge,
             padding,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
+        mirror!(records, WedgeCaster { light_local, object, padding }
+            in "techniques/penumbra_wedge/wedge.wgsl", array: true),
+        mirror!(records, Wedge {
+            start_local,
+            caster,
+            end_local,
+            flags,
+            start_light,
+            light,
+            end_light,
+            padding,
+            rims,
+        } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
+        mirror!(records, WedgeLight {
+            clip_from_light,
+            light_from_relative_x,
+            light_from_relative_y,
+            light_from_relative_z,
+            half_size,
+            table,
+            padding,
+            place,
+        } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
     ]
 }
 

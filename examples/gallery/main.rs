@@ -17,6 +17,7 @@
 //! | `cost` | times of a light with and without its shadows |
 //! | `panels` | pictures on disk |
 //! | `html`, `gallery.css`, `gallery.js` | the page that shows them |
+//! | `soft_pages` | soft shadows side by side, after the figures of their paper |
 //! | `soft_table` | errors and costs of soft shadows, model by model |
 //! | `readme` | the pictures of the README |
 
@@ -29,6 +30,7 @@ mod page;
 mod pages;
 mod panels;
 mod readme;
+mod soft_pages;
 mod soft_table;
 #[path = "../support/mod.rs"]
 mod support;
@@ -65,6 +67,9 @@ struct Arguments {
     /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` names a part of paths.
     #[arg(long, requires = "models")]
     soft_table: bool,
+    /// Writes the page of soft shadows to `--out` instead.
+    #[arg(long, requires = "out")]
+    soft: bool,
 }
 
 fn main() -> ExitCode {
@@ -90,6 +95,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     };
     if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
         return soft_table::print(&bench.context, folder, arguments.size, arguments.only.as_deref());
+    }
+    if let (true, Some(out)) = (arguments.soft, &arguments.out) {
+        return soft_pages::write(&bench.context, &assets, arguments.size, out);
     }
     if arguments.readme {
         return readme::write(&mut bench, &assets);

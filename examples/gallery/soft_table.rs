@@ -42,15 +42,51 @@ fn ways() -> Vec<Way> {
     let wedge = PenumbraWedge::default();
     vec![
         Way::Wedges("wedges", wedge),
-        Way::Wedges("eq. 1", PenumbraWedge { overlap: Overlap::Paper, ..wedge }),
-        Way::Wedges("2x2", PenumbraWedge { split: [2, 2], ..wedge }),
-        Way::Wedges("3x3", PenumbraWedge { split: [3, 3], ..wedge }),
+        Way::Wedges(
+            "eq. 1",
+            PenumbraWedge {
+                overlap: Overlap::Paper,
+                ..wedge
+            },
+        ),
+        Way::Wedges(
+            "2x2",
+            PenumbraWedge {
+                split: [2, 2],
+                ..wedge
+            },
+        ),
+        Way::Wedges(
+            "3x3",
+            PenumbraWedge {
+                split: [3, 3],
+                ..wedge
+            },
+        ),
         Way::Hard("hard 4", 2),
         Way::Hard("hard 16", 4),
         Way::Hard("hard 64", 8),
-        Way::Wedges("stencil culled", PenumbraWedge { culling: WedgeCulling::Stencil, ..wedge }),
-        Way::Wedges("tables", PenumbraWedge { maths: CoverageMaths::Tables, ..wedge }),
-        Way::Wedges("sphere bounds", PenumbraWedge { bounds: WedgeBounds::Sphere, ..wedge }),
+        Way::Wedges(
+            "stencil culled",
+            PenumbraWedge {
+                culling: WedgeCulling::Stencil,
+                ..wedge
+            },
+        ),
+        Way::Wedges(
+            "tables",
+            PenumbraWedge {
+                maths: CoverageMaths::Tables,
+                ..wedge
+            },
+        ),
+        Way::Wedges(
+            "sphere bounds",
+            PenumbraWedge {
+                bounds: WedgeBounds::Sphere,
+                ..wedge
+            },
+        ),
         Way::Wedges(
             "plain",
             PenumbraWedge {
@@ -71,7 +107,10 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, only: Option<&
     collect(folder, &mut files)?;
     files.sort();
     files.retain(|file| only.is_none_or(|only| file.to_string_lossy().contains(only)));
-    println!("RMSE over all receivers / over the penumbra, milliseconds of a frame, {size}, {}", context.adapter);
+    println!(
+        "RMSE over all receivers / over the penumbra, milliseconds of a frame, {size}, {}",
+        context.adapter
+    );
     let ways = ways();
     let mut header = format!("{:<26}", "model");
     for way in &ways {
@@ -89,8 +128,14 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, only: Option<&
         let mut line = format!("{:<26}", file.file_stem().unwrap_or_default().to_string_lossy());
         for (way, sum) in ways.iter().zip(&mut sums) {
             let (error, milliseconds) = subject.judge(way, &truth)?;
-            line += &format!(" {:.4} / {:.4} {milliseconds:>6.1}", error.rmse, error.rmse_penumbra);
-            for (sum, value) in sum.iter_mut().zip([error.rmse, error.rmse_penumbra, milliseconds]) {
+            line += &format!(
+                " {:.4} / {:.4} {milliseconds:>6.1}",
+                error.rmse, error.rmse_penumbra
+            );
+            for (sum, value) in sum
+                .iter_mut()
+                .zip([error.rmse, error.rmse_penumbra, milliseconds])
+            {
                 *sum += value;
             }
         }
@@ -176,13 +221,15 @@ impl Subject {
         let scene = RayScene::from_world(&mut stage.world);
         let light = Transform::from_translation(at(Vec3::new(0.5, 1.0, 0.35), LIGHT.1))
             .looking_at(bounds.center(), Vec3::Z);
-        Ok(Some(Self {
-            stage,
-            scene,
-            light,
-            range: 20.0 * unit,
-        }
-        .with_unit(unit)))
+        Ok(Some(
+            Self {
+                stage,
+                scene,
+                light,
+                range: 20.0 * unit,
+            }
+            .with_unit(unit),
+        ))
     }
 
     fn with_unit(mut self, unit: f32) -> Self {
@@ -205,7 +252,8 @@ impl Subject {
             intensity: 10.0,
             range: self.range,
         };
-        self.stage.spawn_light(light, transform.with_scale(Vec3::ONE), shadow);
+        self.stage
+            .spawn_light(light, transform.with_scale(Vec3::ONE), shadow);
     }
 
     fn clear(&mut self) {

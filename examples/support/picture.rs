@@ -73,7 +73,9 @@ pub fn light_texture(path: &Path) -> Result<EmitterTexture, String> {
             ((value + 0.055) / 1.055).powf(2.4)
         }
     };
-    let texels = picture.pixels().map(|texel| Vec3::from_array(texel.0.map(linear)));
+    let texels = picture
+        .pixels()
+        .map(|texel| Vec3::from_array(texel.0.map(linear)));
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let texture = LightTexture::new(width, height, vec![texels.collect()]).map_err(|error| named(&error))?;
     Ok(EmitterTexture {

@@ -325,16 +325,16 @@ impl ShotLight {
             } => {
                 picture = texture;
                 (
-                LightKind::Rect { width, height },
-                at(position).with_rotation(match up {
-                    Some(up) => frame(direction.into(), up.into(), "direction")?,
-                    None => frame(direction.into(), Vec3::Y, "direction")?,
-                }),
-                range,
-                color,
-                intensity,
-                shadow,
-            )
+                    LightKind::Rect { width, height },
+                    at(position).with_rotation(match up {
+                        Some(up) => frame(direction.into(), up.into(), "direction")?,
+                        None => frame(direction.into(), Vec3::Y, "direction")?,
+                    }),
+                    range,
+                    color,
+                    intensity,
+                    shadow,
+                )
             }
             Self::Sphere {
                 position,

@@ -36,14 +36,26 @@ fn lights_and_casters_may_meet() {
         let inside = shines(&context, "inside", kind, Vec3::new(0.0, 1.0, 0.0), cube());
         assert!(inside < 0.3, "all but dark: {inside}");
         shines(&context, "touching", kind, Vec3::new(0.0, 1.5, 0.0), cube());
-        shines(&context, "crossing", kind, Vec3::new(0.1, 1.6, 0.2), MeshData::cuboid(Vec3::new(0.05, 1.0, 0.05)));
+        shines(
+            &context,
+            "crossing",
+            kind,
+            Vec3::new(0.1, 1.6, 0.2),
+            MeshData::cuboid(Vec3::new(0.05, 1.0, 0.05)),
+        );
         shines(&context, "on an edge", kind, Vec3::new(0.5, 1.5, 0.0), cube());
         shines(&context, "on a vertex", kind, Vec3::new(0.5, 1.5, 0.5), cube());
     }
     for kind in [rect(40.0, 40.0), sphere(20.0), rect(1e6, 1e6), sphere(1e6)] {
         shines(&context, "huge", kind, Vec3::new(0.0, 30.0, 0.0), cube());
     }
-    let edge_on = shines(&context, "edge-on", rect(0.6, 0.4), Vec3::new(6.0, 0.0, 0.0), cube());
+    let edge_on = shines(
+        &context,
+        "edge-on",
+        rect(0.6, 0.4),
+        Vec3::new(6.0, 0.0, 0.0),
+        cube(),
+    );
     assert!(edge_on > 0.5, "{edge_on}");
 }
 
@@ -65,13 +77,23 @@ fn degenerate_and_many_edges_do_no_harm() {
         ],
         (0..9).collect(),
     );
-    shines(&context, "slivers", rect(0.6, 0.4), Vec3::new(0.5, 4.0, 0.3), sliver);
+    shines(
+        &context,
+        "slivers",
+        rect(0.6, 0.4),
+        Vec3::new(0.5, 4.0, 0.3),
+        sliver,
+    );
     // Thousands of triangles apart from one another.
     let mut positions = Vec::new();
     for i in 0..2000 {
         let t = i as f32;
         let at = Vec3::new((t * 0.37).sin(), 0.4 * (t * 0.11).cos(), (t * 0.73).sin()) * 0.8;
-        positions.extend([at, at + Vec3::new(0.05, 0.01, 0.0), at + Vec3::new(0.0, 0.02, 0.05)]);
+        positions.extend([
+            at,
+            at + Vec3::new(0.05, 0.01, 0.0),
+            at + Vec3::new(0.0, 0.02, 0.05),
+        ]);
     }
     let indices = (0..positions.len() as u32).collect();
     let leaves = MeshData::from_triangles("leaves", positions, indices);

@@ -35,8 +35,20 @@ fn box_stage(context: &RenderContext, kind: LightKind, wedge: PenumbraWedge) -> 
 }
 
 const SHAPES: [(&str, LightKind); 3] = [
-    ("square", LightKind::Rect { width: 0.5, height: 0.5 }),
-    ("wide", LightKind::Rect { width: 1.5, height: 0.3 }),
+    (
+        "square",
+        LightKind::Rect {
+            width: 0.5,
+            height: 0.5,
+        },
+    ),
+    (
+        "wide",
+        LightKind::Rect {
+            width: 1.5,
+            height: 0.3,
+        },
+    ),
     ("sphere", LightKind::Sphere { radius: 0.4 }),
 ];
 

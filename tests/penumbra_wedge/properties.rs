@@ -64,7 +64,10 @@ fn with(stage: &mut Stage, wedge: PenumbraWedge) -> VisibilityImage {
 fn both_orders_of_casters_give_one_picture() {
     let context = strict_context(RequestedFeatures::default());
     for buffer in [VisibilityBuffer::Float, VisibilityBuffer::Split8] {
-        let wedge = PenumbraWedge { buffer, ..Default::default() };
+        let wedge = PenumbraWedge {
+            buffer,
+            ..Default::default()
+        };
         let [one, other] = [false, true].map(|reversed| {
             let mut stage = crowd(&context, reversed);
             light(&mut stage, &lit(rect(0.8, 0.5), wedge));
@@ -82,25 +85,55 @@ fn buffers_and_cullings_agree() {
         light(&mut stage, &lit(kind, PenumbraWedge::default()));
         let first = with(&mut stage, PenumbraWedge::default());
         // No more than a dozen edges cover the light at any pixel of this scene.
-        let split = with(&mut stage, PenumbraWedge { buffer: VisibilityBuffer::Split8, ..Default::default() });
+        let split = with(
+            &mut stage,
+            PenumbraWedge {
+                buffer: VisibilityBuffer::Split8,
+                ..Default::default()
+            },
+        );
         let difference = largest_difference(&first, &split);
         println!("float and split8 differ by {difference}");
         assert!(difference <= 12.0 / 4096.0, "{difference}");
         for culling in [WedgeCulling::Stencil, WedgeCulling::None] {
-            let other = with(&mut stage, PenumbraWedge { culling, ..Default::default() });
+            let other = with(
+                &mut stage,
+                PenumbraWedge {
+                    culling,
+                    ..Default::default()
+                },
+            );
             let pairs = first.values().iter().zip(other.values());
             let apart = pairs.filter(|(a, b)| (**a - **b).abs() > 1e-3).count();
             assert!(apart <= 3, "{culling:?}: {apart} pixels");
         }
-        let tables = with(&mut stage, PenumbraWedge { maths: CoverageMaths::Tables, ..Default::default() });
+        let tables = with(
+            &mut stage,
+            PenumbraWedge {
+                maths: CoverageMaths::Tables,
+                ..Default::default()
+            },
+        );
         let difference = largest_difference(&first, &tables);
         println!("tables differ by {difference}");
         assert!(difference > 0.0 && difference <= 0.01, "{difference}");
         let additive = with(&mut stage, PenumbraWedge::default());
-        let paper = with(&mut stage, PenumbraWedge { overlap: Overlap::Paper, ..Default::default() });
+        let paper = with(
+            &mut stage,
+            PenumbraWedge {
+                overlap: Overlap::Paper,
+                ..Default::default()
+            },
+        );
         let pairs = || paper.values().iter().zip(additive.values());
-        assert!(pairs().all(|(paper, additive)| *paper >= additive - 2e-3), "less is covered where casters overlap");
-        assert!(pairs().any(|(paper, additive)| *paper > additive + 0.1), "and they do");
+        assert!(
+            pairs().all(|(paper, additive)| *paper >= additive - 2e-3),
+            "less is covered where casters overlap"
+        );
+        assert!(
+            pairs().any(|(paper, additive)| *paper > additive + 0.1),
+            "and they do"
+        );
     }
 }
 
@@ -109,10 +142,20 @@ fn one_edge_differs_by_a_step_of_twelve_bits() {
     // A huge square whose one edge crosses the picture.
     let context = strict_context(RequestedFeatures::default());
     let mut stage = ground(&context, EYE, Vec3::ZERO);
-    spawn(&mut stage, MeshData::plane(30.0), Transform::from_xyz(-30.0, 2.0, 0.0));
+    spawn(
+        &mut stage,
+        MeshData::plane(30.0),
+        Transform::from_xyz(-30.0, 2.0, 0.0),
+    );
     light(&mut stage, &lit(rect(0.8, 0.5), PenumbraWedge::default()));
     let float = with(&mut stage, PenumbraWedge::default());
-    let split = with(&mut stage, PenumbraWedge { buffer: VisibilityBuffer::Split8, ..Default::default() });
+    let split = with(
+        &mut stage,
+        PenumbraWedge {
+            buffer: VisibilityBuffer::Split8,
+            ..Default::default()
+        },
+    );
     assert!(float.values().iter().any(|v| *v > 0.3 && *v < 0.7));
     // Half floats of the mask round by 1/4096 beside it.
     let difference = largest_difference(&float, &split);
@@ -122,12 +165,21 @@ fn one_edge_differs_by_a_step_of_twelve_bits() {
 #[test]
 fn without_extent_the_shadow_is_that_of_stencil_volumes() {
     let context = strict_context(RequestedFeatures::default());
-    for kind in [rect(0.0, 0.0), sphere(0.0), LightKind::Point, LightKind::Directional] {
+    for kind in [
+        rect(0.0, 0.0),
+        sphere(0.0),
+        LightKind::Point,
+        LightKind::Directional,
+    ] {
         let mut stage = crowd(&context, false);
         let entity = light(&mut stage, &lit(kind, PenumbraWedge::default()));
         let wedges = rendered(&mut stage, 0);
         assert!(wedges.values().iter().any(|v| *v == 0.0));
-        stage.world.entity_mut(entity).remove::<PenumbraWedge>().insert(StencilVolume::default());
+        stage
+            .world
+            .entity_mut(entity)
+            .remove::<PenumbraWedge>()
+            .insert(StencilVolume::default());
         let volumes = rendered(&mut stage, 0);
         assert_eq!(largest_difference(&wedges, &volumes), 0.0, "{kind:?}");
     }
@@ -136,7 +188,10 @@ fn without_extent_the_shadow_is_that_of_stencil_volumes() {
 #[test]
 fn the_camera_may_stand_in_shadow_and_wedge() {
     let context = strict_context(RequestedFeatures::default());
-    for (name, eye) in [("umbra", Vec3::new(0.0, 0.25, 0.1)), ("wedge", Vec3::new(0.95, 0.5, 0.2))] {
+    for (name, eye) in [
+        ("umbra", Vec3::new(0.0, 0.25, 0.1)),
+        ("wedge", Vec3::new(0.95, 0.5, 0.2)),
+    ] {
         let mut stage = ground(&context, eye, Vec3::new(-2.0, 0.0, -2.5));
         spawn(
             &mut stage,
@@ -151,9 +206,15 @@ fn the_camera_may_stand_in_shadow_and_wedge() {
         let truth = truth(&mut stage, 0, SAMPLES);
         for culling in [WedgeCulling::Depth, WedgeCulling::Stencil] {
             let light = stage.lights[0];
-            stage.world.entity_mut(light).insert(PenumbraWedge { culling, ..Default::default() });
+            stage.world.entity_mut(light).insert(PenumbraWedge {
+                culling,
+                ..Default::default()
+            });
             let error = judge(&mut stage, &truth, &format!("inside_{name}_{culling:?}"));
-            assert!(error.penumbra > 100 && error.rmse_penumbra <= 0.01, "{name} {culling:?}: {error:?}");
+            assert!(
+                error.penumbra > 100 && error.rmse_penumbra <= 0.01,
+                "{name} {culling:?}: {error:?}"
+            );
         }
     }
 }
@@ -178,7 +239,9 @@ fn contact_leaks_nothing() {
         let (mut lit, mut dark) = (0, 0);
         for (x, y) in (1..height - 1).flat_map(|y| (1..width - 1).map(move |x| (x, y))) {
             let near = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-            let values: Vec<f32> = near.filter_map(|(dx, dy)| truth.get((x + dx) as u32, (y + dy) as u32)).collect();
+            let values: Vec<f32> = near
+                .filter_map(|(dx, dy)| truth.get((x + dx) as u32, (y + dy) as u32))
+                .collect();
             let value = got.get(x as u32, y as u32).unwrap();
             lit += usize::from(values.iter().all(|v| *v == 0.0) && value > 0.1);
             dark += usize::from(values.iter().all(|v| *v == 1.0) && value < 0.9);
@@ -195,7 +258,10 @@ fn split_lights_err_less() {
     let truth = truth(&mut stage, 0, SAMPLES);
     let errors = [1, 2, 3].map(|parts| {
         let light = stage.lights[0];
-        stage.world.entity_mut(light).insert(PenumbraWedge { split: [parts; 2], ..Default::default() });
+        stage.world.entity_mut(light).insert(PenumbraWedge {
+            split: [parts; 2],
+            ..Default::default()
+        });
         judge(&mut stage, &truth, &format!("split{parts}")).rmse
     });
     assert!(errors[1] < 0.6 * errors[0] && errors[2] < errors[1], "{errors:?}");
@@ -205,10 +271,16 @@ fn split_lights_err_less() {
 fn a_slowly_moving_light_does_not_flicker() {
     let context = strict_context(RequestedFeatures::default());
     let mut stage = ground(&context, EYE, Vec3::ZERO);
-    spawn(&mut stage, MeshData::icosphere(0.5, 3), Transform::from_xyz(0.0, 1.2, 0.0));
+    spawn(
+        &mut stage,
+        MeshData::icosphere(0.5, 3),
+        Transform::from_xyz(0.0, 1.2, 0.0),
+    );
     light(&mut stage, &lit(rect(0.5, 0.5), PenumbraWedge::default()));
     let entity = stage.lights[0];
-    stage.world.insert_resource(ViewportSize(glam::UVec2::new(80, 45)));
+    stage
+        .world
+        .insert_resource(ViewportSize(glam::UVec2::new(80, 45)));
     let mut last: Option<(VisibilityImage, VisibilityImage)> = None;
     let (mut worst, mut moved) = (0.0f32, 0.0f32);
     for frame in 0..60 {
@@ -238,7 +310,11 @@ fn a_slowly_moving_light_does_not_flicker() {
 fn a_textured_rectangle_is_covered_by_colour() {
     let context = strict_context(RequestedFeatures::default());
     let mut stage = ground(&context, EYE, Vec3::ZERO);
-    spawn(&mut stage, MeshData::cuboid(Vec3::new(0.6, 0.1, 0.6)), Transform::from_xyz(0.0, 1.5, 0.0));
+    spawn(
+        &mut stage,
+        MeshData::cuboid(Vec3::new(0.6, 0.1, 0.6)),
+        Transform::from_xyz(0.0, 1.5, 0.0),
+    );
     let side = 16;
     // Red to the light's right, blue to its left with a bright corner.
     let texels: Vec<Vec3> = (0..side * side)
@@ -248,7 +324,8 @@ fn a_textured_rectangle_is_covered_by_colour() {
             _ => Vec3::new(0.1, 0.1, 0.5),
         })
         .collect();
-    let texture = Arc::new(LightTexture::new(side, side, vec![texels, vec![Vec3::ONE; side * side]]).unwrap());
+    let texture =
+        Arc::new(LightTexture::new(side, side, vec![texels, vec![Vec3::ONE; side * side]]).unwrap());
     let above = Lit {
         from: Vec3::new(0.1, 4.5, 0.2),
         to: Vec3::new(0.1, 0.0, 0.2),
@@ -257,13 +334,22 @@ fn a_textured_rectangle_is_covered_by_colour() {
     let entity = light(&mut stage, &above);
     let white = stage.render().expect("a frame");
     for frame in [1, 0] {
-        stage.world.entity_mut(entity).insert(EmitterTexture { texture: texture.clone(), frame });
+        stage.world.entity_mut(entity).insert(EmitterTexture {
+            texture: texture.clone(),
+            frame,
+        });
         for split in [[1, 1], [2, 3]] {
-            stage.world.entity_mut(entity).insert(PenumbraWedge { split, ..Default::default() });
+            stage.world.entity_mut(entity).insert(PenumbraWedge {
+                split,
+                ..Default::default()
+            });
             let got = stage.render().expect("a frame");
             let area = got.visibility[0].iter().zip(&white.visibility[0]);
             let apart = area.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
-            assert!(apart < 2e-3, "the texture does not change what of the area is seen: {apart}");
+            assert!(
+                apart < 2e-3,
+                "the texture does not change what of the area is seen: {apart}"
+            );
             let expected = colored_truth(&mut stage, &texture, frame);
             // What arrives is the light's colour times visibility by colour: compare with the unshadowed white light.
             let (mut sum, mut count) = (0.0f64, 0);
@@ -307,7 +393,8 @@ fn colored_truth(stage: &mut Stage, texture: &LightTexture, frame: usize) -> Vec
             let mut seen = Vec3::ZERO;
             let mut count = 0;
             for i in 0..side * side {
-                let at = Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) * (2.0 / side as f32) - 1.0;
+                let at =
+                    Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) * (2.0 / side as f32) - 1.0;
                 let point = place.transform_point((at * 0.45).extend(0.0)).as_dvec3();
                 if !scene.blocks_segment(hit.position, point, Some(hit.triangle), u32::MAX) {
                     seen += texture.texel(frame, at);
@@ -324,7 +411,10 @@ fn colored_truth(stage: &mut Stage, texture: &LightTexture, frame: usize) -> Vec
 fn overflow_of_bytes_is_reported() {
     let context = strict_context(RequestedFeatures::default());
     let mut stage = ground(&context, EYE, Vec3::ZERO);
-    let wedge = PenumbraWedge { buffer: VisibilityBuffer::Split8, ..Default::default() };
+    let wedge = PenumbraWedge {
+        buffer: VisibilityBuffer::Split8,
+        ..Default::default()
+    };
     light(&mut stage, &lit(rect(0.5, 0.5), wedge));
     let frames = |stage: &mut Stage| {
         for _ in 0..4 {

@@ -109,7 +109,9 @@ pub fn rendered(stage: &mut Stage, light: usize) -> VisibilityImage {
 /// The error of the first light; leaves pictures if `ANTUMBRA_TEST_PICTURES` names a folder.
 pub fn judge(stage: &mut Stage, truth: &VisibilityImage, name: &str) -> SoftError {
     let got = rendered(stage, 0);
-    let error = compare_soft(truth, &got).expect("pictures of one size").expect("pixels that count");
+    let error = compare_soft(truth, &got)
+        .expect("pictures of one size")
+        .expect("pixels that count");
     println!(
         "{name}: rmse {:.4}, penumbra {:.4} ({} px), p99 {:.3}, umbra lit {:.4}, lit dark {:.4}",
         error.rmse, error.rmse_penumbra, error.penumbra, error.p99, error.umbra_lit, error.lit_dark
@@ -121,7 +123,13 @@ pub fn judge(stage: &mut Stage, truth: &VisibilityImage, name: &str) -> SoftErro
             let bytes: Vec<u8> = image
                 .values()
                 .iter()
-                .map(|v| if v.is_nan() { 90 } else { (v.clamp(0.0, 1.0) * 255.0).round() as u8 })
+                .map(|v| {
+                    if v.is_nan() {
+                        90
+                    } else {
+                        (v.clamp(0.0, 1.0) * 255.0).round() as u8
+                    }
+                })
                 .collect();
             image::GrayImage::from_raw(size.x, size.y, bytes)
                 .expect("whole")
@@ -153,6 +161,11 @@ pub fn describe(stage: &Stage) {
         wedges.caps.len()
     );
     for light in &renderer.frame().lights {
-        println!("{} {:?} {}", renderer.technique_name(light), light, renderer.shadow_batch_count(light));
+        println!(
+            "{} {:?} {}",
+            renderer.technique_name(light),
+            light,
+            renderer.shadow_batch_count(light)
+        );
     }
 }

@@ -215,9 +215,11 @@ impl OverflowReport {
             State::Copied => {
                 let mapped = self.mapped.clone();
                 mapped.store(WAITING, Ordering::Release);
-                self.staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-                    mapped.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
-                });
+                self.staging
+                    .slice(..)
+                    .map_async(wgpu::MapMode::Read, move |result| {
+                        mapped.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
+                    });
                 *state = State::Mapping;
                 None
             }

@@ -69,7 +69,12 @@ pub fn extract_layers(
             push_unlike(seam.edges(), [words[a], words[b]]);
         }
     }
-    for (cluster, &word) in mesh.clusters().iter().zip(words).skip(mesh.closed_cluster_count()) {
+    for (cluster, &word) in mesh
+        .clusters()
+        .iter()
+        .zip(words)
+        .skip(mesh.closed_cluster_count())
+    {
         for edge in cluster.boundary() {
             let lane = mesh.boundary_slots()[edge] as usize % CLUSTER_TRIANGLES;
             let is_facing = word >> lane & 1 != 0;
@@ -78,7 +83,8 @@ pub fn extract_layers(
         }
     }
     push_irregular(mesh, facing, mode, |edge, forward, layers| {
-        out.edges.push((at(mesh.irregular_vertices()[edge], forward), layers));
+        out.edges
+            .push((at(mesh.irregular_vertices()[edge], forward), layers));
     });
     for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
         let is_closed = index < mesh.closed_cluster_count();

@@ -27,7 +27,11 @@ pub fn entries() -> Vec<[f32; 4]> {
     let border = |step: usize| {
         let (sin, cos) = (step as f64 / SECTOR_STEPS as f64 * TAU).sin_cos();
         if cos.abs() >= sin.abs() {
-            if cos > 0.0 { (sin / cos).rem_euclid(8.0) } else { 4.0 + sin / cos }
+            if cos > 0.0 {
+                (sin / cos).rem_euclid(8.0)
+            } else {
+                4.0 + sin / cos
+            }
         } else if sin > 0.0 {
             2.0 - cos / sin
         } else {

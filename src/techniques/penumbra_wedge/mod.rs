@@ -38,9 +38,7 @@ pub mod topology;
 pub mod wedge_pipelines;
 pub mod wedges;
 
-pub use component::{
-    CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling,
-};
-pub use texture::{EmitterTexture, LightTexture, LightTextureError};
+pub use component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling};
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
+pub use texture::{EmitterTexture, LightTexture, LightTextureError};
 pub use wedges::PenumbraWedges;

@@ -140,7 +140,11 @@ impl PenumbraWedgeNode {
         let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
         let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
         indices.write(context, bytemuck::cast_slice(&topology::indices()));
-        let (casters, wedges, lights) = (storage("wedge casters"), storage("wedges"), storage("wedge lights"));
+        let (casters, wedges, lights) = (
+            storage("wedge casters"),
+            storage("wedges"),
+            storage("wedge lights"),
+        );
         let tables = storage("coverage tables");
         let textures = SumTextures::new(context);
         Ok(Self {
@@ -196,7 +200,11 @@ impl PenumbraWedgeNode {
     /// Textures need sums by colour, for which there are no bytes.
     fn form(&self, light: &LightWedges) -> Form {
         if light.texture.is_some() {
-            return if self.blends_floats { Form::Color } else { Form::HalfColor };
+            return if self.blends_floats {
+                Form::Color
+            } else {
+                Form::HalfColor
+            };
         }
         match light.settings.buffer {
             VisibilityBuffer::Float if self.blends_floats => Form::Float,
@@ -271,10 +279,14 @@ impl PenumbraWedgeNode {
                     self.placed_tables.len() - 1
                 });
                 let frame = frame % texture.frame_count();
-                self.light_records[index].table = self.placed_tables[at].first + (frame * TABLE_LENGTH) as u32;
+                self.light_records[index].table =
+                    self.placed_tables[at].first + (frame * TABLE_LENGTH) as u32;
             }
         }
-        changed && self.tables.write(context, bytemuck::cast_slice(&self.table_entries))
+        changed
+            && self
+                .tables
+                .write(context, bytemuck::cast_slice(&self.table_entries))
     }
 
     /// What a part gives to the mask where it is wholly seen: by colour, and of the area.
@@ -374,7 +386,11 @@ impl PenumbraWedgeNode {
         };
         pass.set_index_buffer(self.caps.buffer.slice(..), wgpu::IndexFormat::Uint32);
         for (layers, is_far) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
-            let kind = if is_far { Part::FarCap(layers) } else { Part::NearCap(layers) };
+            let kind = if is_far {
+                Part::FarCap(layers)
+            } else {
+                Part::NearCap(layers)
+            };
             let Some(pipeline) = pipeline(kind) else {
                 continue;
             };
@@ -442,7 +458,9 @@ impl PenumbraWedgeNode {
             label: Some("wedges"),
             color_attachments: &attachments,
             depth_stencil_attachment: Some(depth_stencil(input)),
-            timestamp_writes: timestamp(input, "wedges").as_ref().and_then(|label| input.timings.pass(label)),
+            timestamp_writes: timestamp(input, "wedges")
+                .as_ref()
+                .and_then(|label| input.timings.pass(label)),
             ..Default::default()
         });
         if let Some(group) = group {
@@ -471,7 +489,9 @@ impl PenumbraWedgeNode {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("wedge resolve"),
             color_attachments: &[Some(target)],
-            timestamp_writes: timestamp(input, "resolve").as_ref().and_then(|label| input.timings.pass(label)),
+            timestamp_writes: timestamp(input, "resolve")
+                .as_ref()
+                .and_then(|label| input.timings.pass(label)),
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;
@@ -606,12 +626,17 @@ impl ShadowTechnique for PenumbraWedgeNode {
         }
         self.upload(input.context, wedges, view);
         self.groups.extend_from_slice(&wedges.groups);
-        self.cap_draws
-            .extend(wedges.casters.iter().zip(&wedges.caster_records).map(|(caster, record)| CapDraw {
-                mesh: input.table.mesh[caster.object as usize],
-                caps: caster.caps.clone(),
-                has_far: record.light_local[3] != 0.0,
-            }));
+        self.cap_draws.extend(
+            wedges
+                .casters
+                .iter()
+                .zip(&wedges.caster_records)
+                .map(|(caster, record)| CapDraw {
+                    mesh: input.table.mesh[caster.object as usize],
+                    caps: caster.caps.clone(),
+                    has_far: record.light_local[3] != 0.0,
+                }),
+        );
         for light in &wedges.lights {
             let first = self.parts.len();
             for part in &wedges.parts[light.parts.clone()] {

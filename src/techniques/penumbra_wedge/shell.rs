@@ -45,9 +45,8 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4]) -> Option<Shell> {
     let normal = separator_normal(ends)?;
     // The outer half lies where the separator's normal points to, its rays come from where it points away.
     let side = corners.map(|corner| normal.dot(corner));
-    let first = (0..4).min_by(|&i, &j| {
-        (side[i] + side[(i + 1) % 4]).total_cmp(&(side[j] + side[(j + 1) % 4]))
-    })?;
+    let first =
+        (0..4).min_by(|&i, &j| (side[i] + side[(i + 1) % 4]).total_cmp(&(side[j] + side[(j + 1) % 4])))?;
     let (r0, r1) = (corners[first], corners[(first + 1) % 4]);
     let (v0, v1) = (side[first], side[(first + 1) % 4]);
     let share = if v0 + v1 < 0.0 { v1 / (v0 + v1) } else { 0.5 };
@@ -70,16 +69,37 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4]) -> Option<Shell> {
         let (start, end) = (ray(left, middle), ray(right, -middle));
         if left == right {
             // The line of the edge meets the light: all is within the cone of the nearer end.
-            return [start, ray(left, c0), ray(left, c1), ray(left, c1), ray(left, c1), end];
+            return [
+                start,
+                ray(left, c0),
+                ray(left, c1),
+                ray(left, c1),
+                ray(left, c1),
+                end,
+            ];
         }
         let mut tangent = (b - a).cross(c0 - a);
         if tangent.dot(a) < 0.0 {
             tangent = -tangent;
         }
         if tangent.dot(c1 - a) <= 0.0 {
-            [start, ray(left, c0), ray(left, c0), ray(right, c0), ray(right, c1), end]
+            [
+                start,
+                ray(left, c0),
+                ray(left, c0),
+                ray(right, c0),
+                ray(right, c1),
+                end,
+            ]
         } else {
-            [start, ray(left, c0), ray(left, c1), ray(right, c1), ray(right, c1), end]
+            [
+                start,
+                ray(left, c0),
+                ray(left, c1),
+                ray(right, c1),
+                ray(right, c1),
+                end,
+            ]
         }
     };
     let mut rims = [rim(r0, r1), rim(-r1, -r0)];
@@ -106,10 +126,16 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64) -> Option<Shell> {
     let foot = a - along * at_a;
     let height = foot.length();
     if height <= radius * TOUCHING {
-        let near = if a.length_squared() <= b.length_squared() { a } else { b };
+        let near = if a.length_squared() <= b.length_squared() {
+            a
+        } else {
+            b
+        };
         let distance_sq = near.length_squared();
         // A little more than the cone of the nearer end, for the line may pass just outside of the sphere.
-        let half = 1.01 * radius * (distance_sq / (distance_sq - radius * radius).max(1e-6 * radius * radius)).sqrt();
+        let half = 1.01
+            * radius
+            * (distance_sq / (distance_sq - radius * radius).max(1e-6 * radius * radius)).sqrt();
         let across = normal.cross(near).normalize_or_zero() * half;
         let up = normal * half;
         return quad_shell(ends, [across + up, up - across, -across - up, across - up]);

@@ -186,13 +186,16 @@ impl RayIntegrals {
                 .map(|share| texel(at * share) * (share / steps))
                 .sum()
         };
-        let nodes = (0..Self::SIDE * Self::SIDE).map(|i| Vec2::new(node(i % Self::SIDE), node(i / Self::SIDE)));
+        let nodes =
+            (0..Self::SIDE * Self::SIDE).map(|i| Vec2::new(node(i % Self::SIDE), node(i / Self::SIDE)));
         Self(nodes.map(integral).collect())
     }
 
     fn at(&self, place: Vec2) -> Vec3 {
         let scaled = (place * 0.5 + 0.5) * (Self::SIDE - 1) as f32;
-        let cell = scaled.floor().clamp(Vec2::ZERO, Vec2::splat((Self::SIDE - 2) as f32));
+        let cell = scaled
+            .floor()
+            .clamp(Vec2::ZERO, Vec2::splat((Self::SIDE - 2) as f32));
         let share = scaled - cell;
         let first = cell.y as usize * Self::SIDE + cell.x as usize;
         let row = |at: usize| self.0[at].lerp(self.0[at + 1], share.x);
@@ -220,7 +223,11 @@ mod tests {
         assert!((tables.entries[BORDER_STEPS / 4][0] - 0.25).abs() < 1e-4);
         // From the corner (−1, −1) to the corner (1, −1): a quarter of the square.
         let corner = BORDER_STEPS + 1 + (NODES - 1) * NODES * NODES;
-        assert!((tables.entries[corner][1] - 0.25).abs() < 1e-3, "{:?}", tables.entries[corner]);
+        assert!(
+            (tables.entries[corner][1] - 0.25).abs() < 1e-3,
+            "{:?}",
+            tables.entries[corner]
+        );
     }
 
     #[test]

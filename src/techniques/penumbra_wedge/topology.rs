@@ -152,7 +152,10 @@ mod tests {
             (ENDS, sphere_shell(ENDS, 0.4).unwrap()),
             (pointing, quad_shell(pointing, quad()).unwrap()),
             (pointing, sphere_shell(pointing, 0.4).unwrap()),
-            ([ENDS[1], ENDS[0]], quad_shell([ENDS[1], ENDS[0]], quad()).unwrap()),
+            (
+                [ENDS[1], ENDS[0]],
+                quad_shell([ENDS[1], ENDS[0]], quad()).unwrap(),
+            ),
         ]
     }
 

@@ -209,9 +209,16 @@ impl WedgePipelines {
             ("HALF_SIGN", sign),
             ("CAP_LAYERS", layers),
             ("LOOKS_UP", f64::from(key.looks_up)),
-            ("IS_TEXTURED", f64::from(matches!(key.form, Form::Color | Form::HalfColor))),
+            (
+                "IS_TEXTURED",
+                f64::from(matches!(key.form, Form::Color | Form::HalfColor)),
+            ),
         ];
-        let formats = if debug { &[RADIANCE_FORMAT][..] } else { key.form.formats() };
+        let formats = if debug {
+            &[RADIANCE_FORMAT][..]
+        } else {
+            key.form.formats()
+        };
         let targets: Vec<_> = formats
             .iter()
             .map(|&format| {

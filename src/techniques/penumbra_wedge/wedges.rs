@@ -8,15 +8,13 @@ use std::ops::Range;
 use super::component::{Overlap, PenumbraWedge, WedgeBounds};
 use super::layers::{LayeredContour, extract_layers};
 use super::parts::{LightPart, PartShape, push_parts};
-use super::texture::EmitterTexture;
 use super::records::{Wedge, WedgeCaster, push_edge};
+use super::texture::EmitterTexture;
 use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::depth_bounds::shadow_depth_range;
 use crate::sets::{FrameLight, FrameLights, Objects, View};
 use crate::silhouettes::cache::light_in_local;
-use crate::silhouettes::{
-    CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify,
-};
+use crate::silhouettes::{CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify};
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
 /// [`build_penumbra_wedges`].
@@ -239,7 +237,9 @@ pub fn build_penumbra_wedges(
                     bounds: settings.bounds,
                 };
                 let number = number as u32;
-                let at = match chunks.binary_search_by_key(&(entity, number), |chunk| (chunk.entity, chunk.part)) {
+                let at = match chunks
+                    .binary_search_by_key(&(entity, number), |chunk| (chunk.entity, chunk.part))
+                {
                     Ok(at) => at,
                     Err(at) => {
                         chunks.insert(at, Chunk::empty(entity, number, key));
@@ -251,7 +251,14 @@ pub fn build_penumbra_wedges(
                 chunk.last_used = frame;
                 if fresh || chunk.key != key {
                     chunk.key = key;
-                    chunk.build(light, &part, &light_from_local, silhouette, item, &mut out.scratch);
+                    chunk.build(
+                        light,
+                        &part,
+                        &light_from_local,
+                        silhouette,
+                        item,
+                        &mut out.scratch,
+                    );
                     rebuilt = true;
                 }
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
@@ -320,7 +327,12 @@ impl Chunk {
         part: &LightPart,
         light_from_local: &DMat4,
         silhouette: &Silhouette,
-        (edges, mesh, transform, posed): (&CasterEdges, &SceneMesh, &GlobalTransform, Option<(&PosedMesh, &PosedPlanes)>),
+        (edges, mesh, transform, posed): (
+            &CasterEdges,
+            &SceneMesh,
+            &GlobalTransform,
+            Option<(&PosedMesh, &PosedPlanes)>,
+        ),
         scratch: &mut Scratch,
     ) {
         self.wedges.clear();
