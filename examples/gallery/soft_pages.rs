@@ -215,8 +215,8 @@ fn stage(context: &RenderContext, assets: &Path, size: UVec2, scene: &Scene) -> 
         }
         Caster::Model(name, place) => {
             let loaded = load_gltf(&assets.join("models").join(name)).map_err(|error| one_line(&error))?;
-            let root = stage.world.spawn(place).id();
-            spawn_scene(&mut stage.world, &loaded, Some(root)).map_err(|error| one_line(&error))?;
+            let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
+            stage.world.entity_mut(spawned.root).insert(place);
         }
     }
     stage.schedule.run(&mut stage.world);

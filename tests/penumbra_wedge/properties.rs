@@ -174,7 +174,7 @@ fn without_extent_the_shadow_is_that_of_stencil_volumes() {
         let mut stage = crowd(&context, false);
         let entity = light(&mut stage, &lit(kind, PenumbraWedge::default()));
         let wedges = rendered(&mut stage, 0);
-        assert!(wedges.values().iter().any(|v| *v == 0.0));
+        assert!(wedges.values().contains(&0.0));
         stage
             .world
             .entity_mut(entity)

@@ -59,8 +59,9 @@ pub enum Overlap {
     /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
     #[default]
     Additive,
-    /// Between the extremes of no and all overlap: `c = max + ½ min`. Each caster by itself, or each of its loops
-    /// where they are apart; see [`groups`](super::groups). Section 5.1, equation 1.
+    /// Between the extremes of no and all overlap: `c = max + ½ min`, caster after caster. The paper goes loop by loop;
+    /// that takes a hard shadow of each loop alone, which counting away from the viewer does not have: its caps are
+    /// those of a caster, not of a loop. Section 5.1, equation 1.
     Paper,
 }
 

@@ -1,7 +1,6 @@
 //! What the GPU reads of wedges, and how the record of an edge is made. Mirrors of the structs of the same names in
 //! `shaders/techniques/penumbra_wedge/wedge.wgsl` (`tests/layout_contract.rs`).
 
-use bytemuck::{Pod, Zeroable};
 use glam::{DMat4, DVec3, Vec3};
 
 use super::component::WedgeBounds;
@@ -10,7 +9,8 @@ use super::shell::{RIM, Shell, clip_before_plane, clip_outside_sphere, quad_shel
 
 /// One edge, or one piece of an edge that the light cuts.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "render", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct Wedge {
     /// Start of the edge, the caster's space.
     pub start_local: [f32; 3],
@@ -47,7 +47,8 @@ pub const LAYERS_SHIFT: u32 = 3;
 
 /// One caster of one part of a light.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "render", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct WedgeCaster {
     /// The part's centre, the caster's space; w = 1: a position; w = 0: xyz points towards the light.
     pub light_local: [f32; 4],
@@ -59,7 +60,8 @@ pub struct WedgeCaster {
 
 /// One part of a light.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "render", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct WedgeLight {
     /// Columns; from light space to clip space. Computed in f64.
     pub clip_from_light: [[f32; 4]; 4],
