@@ -214,7 +214,7 @@ fn stage(context: &RenderContext, assets: &Path, size: UVec2, scene: &Scene) -> 
             }
         }
         Caster::Model(name, place) => {
-            let loaded = load_gltf(&assets.join("models").join(name)).map_err(|error| one_line(&error))?;
+            let loaded = load_gltf(assets.join("models").join(name)).map_err(|error| one_line(&error))?;
             let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
             stage.world.entity_mut(spawned.root).insert(place);
         }
