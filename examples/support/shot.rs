@@ -7,6 +7,7 @@ use bevy_transform::prelude::Transform;
 use glam::{Mat3, Quat, UVec2, Vec3};
 use serde::Deserialize;
 
+use super::picture::light_texture;
 use super::shadow::ShotShadow;
 
 /// A shot. Unknown keys are errors.
@@ -154,13 +155,16 @@ impl Shot {
         let mut shot = Self::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         shot.scene = folder.join(&shot.scene);
-        for light in shot.lights.iter_mut().flatten() {
+        for (index, light) in shot.lights.iter_mut().flatten().enumerate() {
             if let ShotLight::Rect {
                 texture: Some(texture),
                 ..
             } = light
             {
                 *texture = folder.join(&*texture);
+                // Here, where the shot file is known; it is read again when the light is made.
+                light_texture(texture)
+                    .map_err(|error| format!("{}: lights[{index}].texture: {error}", path.display()))?;
             }
         }
         Ok(shot)
