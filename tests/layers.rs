@@ -22,12 +22,13 @@ const LAYERS: [&str; 8] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 5] = [
+const TECHNIQUE_GPU_FILES: [&str; 6] = [
     "node.rs",
     "contour_pool.rs",
     "volume_pipelines.rs",
     "wedge_pipelines.rs",
     "buffers.rs",
+    "recording.rs",
 ];
 
 #[test]

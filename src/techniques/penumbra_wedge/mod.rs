@@ -30,8 +30,12 @@ pub mod lookup;
 pub mod node;
 pub mod overflow;
 pub mod parts;
+#[cfg(feature = "render")]
+mod recording;
 pub mod records;
 pub mod shell;
+#[cfg(feature = "render")]
+mod tables;
 pub mod texture;
 pub mod topology;
 #[cfg(feature = "render")]

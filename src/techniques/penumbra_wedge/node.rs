@@ -9,22 +9,20 @@
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
 use std::ops::Range;
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
 use bevy_ecs::prelude::*;
-use glam::{DMat4, Vec3};
+use glam::DMat4;
 
-use super::buffers::{SumTextures, Sums};
+use super::buffers::SumTextures;
 use super::component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeCulling};
-use super::lookup::{self, LOOKUP_LENGTH};
 use super::overflow::WedgeOverflow;
-use super::parts::{LightPart, PartShape};
+use super::parts::PartShape;
 use super::records::{Wedge, WedgeCaster, WedgeLight};
-use super::texture::{EmitterTexture, LightTexture, TABLE_LENGTH};
-use super::topology::{self, HARD_SIDE, INNER_HALF, OUTER_HALF, SEPARATORS, SHELLS};
+use super::tables::Tables;
+use super::topology::{self, HARD_SIDE, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
 use super::wedges::{Group, LightWedges, PartWedges, PenumbraWedges};
-use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
@@ -36,65 +34,54 @@ pub const NAME: &str = "penumbra_wedge";
 
 /// The caps of one caster.
 #[derive(Clone, Debug)]
-struct CapDraw {
-    mesh: u32,
-    caps: [Range<u32>; 3],
-    has_far: bool,
+pub(super) struct CapDraw {
+    pub(super) mesh: u32,
+    pub(super) caps: [Range<u32>; 3],
+    pub(super) has_far: bool,
 }
 
 /// What is recorded for one part.
 #[derive(Clone, Debug)]
-struct PartPlan {
-    groups: Range<usize>,
+pub(super) struct PartPlan {
+    pub(super) groups: Range<usize>,
     /// Of the light, by colour and area.
-    share: [f64; 4],
-    has_extent: bool,
-    is_sphere: bool,
+    pub(super) share: [f64; 4],
+    pub(super) has_extent: bool,
+    pub(super) is_sphere: bool,
 }
 
 #[derive(Clone, Debug)]
-struct LightPlan {
-    light: usize,
-    settings: PenumbraWedge,
-    form: Form,
-    parts: Range<usize>,
-}
-
-/// Where the tables of all frames of a texture stand, for one part.
-#[derive(Clone, Debug)]
-struct PlacedTables {
-    texture: Arc<LightTexture>,
-    place: [f32; 4],
-    first: u32,
-    means: Vec<Vec3>,
+pub(super) struct LightPlan {
+    pub(super) light: usize,
+    pub(super) settings: PenumbraWedge,
+    pub(super) form: Form,
+    pub(super) parts: Range<usize>,
 }
 
 /// The recorder.
 #[derive(Debug)]
 pub struct PenumbraWedgeNode {
-    pipelines: WedgePipelines,
-    wedge_layout: wgpu::BindGroupLayout,
-    receiver_layout: wgpu::BindGroupLayout,
-    receiver: Mutex<Option<(wgpu::TextureView, wgpu::BindGroup)>>,
-    textures: SumTextures,
-    indices: wgpu::Buffer,
-    casters: GrowingBuffer,
-    wedges: GrowingBuffer,
-    lights: GrowingBuffer,
-    tables: GrowingBuffer,
-    table_entries: Vec<[f32; 4]>,
-    lookup_is_new: bool,
-    placed_tables: Vec<PlacedTables>,
-    caps: GrowingBuffer,
-    group: wgpu::BindGroup,
-    generation: u64,
-    light_records: Vec<WedgeLight>,
-    plans: Vec<LightPlan>,
-    parts: Vec<PartPlan>,
-    groups: Vec<Group>,
-    cap_draws: Vec<CapDraw>,
-    mirrored: bool,
-    blends_floats: bool,
+    pub(super) pipelines: WedgePipelines,
+    pub(super) wedge_layout: wgpu::BindGroupLayout,
+    pub(super) receiver_layout: wgpu::BindGroupLayout,
+    pub(super) receiver: Mutex<Option<(wgpu::TextureView, wgpu::BindGroup)>>,
+    pub(super) textures: SumTextures,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) casters: GrowingBuffer,
+    pub(super) wedges: GrowingBuffer,
+    pub(super) lights: GrowingBuffer,
+    pub(super) table_buffer: GrowingBuffer,
+    pub(super) tables: Tables,
+    pub(super) caps: GrowingBuffer,
+    pub(super) group: wgpu::BindGroup,
+    pub(super) generation: u64,
+    pub(super) light_records: Vec<WedgeLight>,
+    pub(super) plans: Vec<LightPlan>,
+    pub(super) parts: Vec<PartPlan>,
+    pub(super) groups: Vec<Group>,
+    pub(super) cap_draws: Vec<CapDraw>,
+    pub(super) mirrored: bool,
+    pub(super) blends_floats: bool,
 }
 
 impl PenumbraWedgeNode {
@@ -165,10 +152,8 @@ impl PenumbraWedgeNode {
             casters,
             wedges,
             lights,
-            tables,
-            table_entries: lookup::entries(),
-            lookup_is_new: true,
-            placed_tables: Vec::new(),
+            table_buffer: tables,
+            tables: Tables::new(),
             caps: GrowingBuffer::new(context, "wedge caps", wgpu::BufferUsages::INDEX),
             generation: 0,
             light_records: Vec::new(),
@@ -181,7 +166,7 @@ impl PenumbraWedgeNode {
         })
     }
 
-    fn plan_of(&self, light: usize) -> Option<&LightPlan> {
+    pub(super) fn plan_of(&self, light: usize) -> Option<&LightPlan> {
         let at = self.plans.binary_search_by_key(&light, |plan| plan.light).ok()?;
         Some(&self.plans[at])
     }
@@ -217,7 +202,10 @@ impl PenumbraWedgeNode {
         self.light_records.clear();
         self.light_records
             .extend(world.parts.iter().map(|part| light_record(part, view)));
-        let mut rebind = self.place_tables(context, world);
+        let mut rebind = self.tables.place(world, &mut self.light_records)
+            && self
+                .table_buffer
+                .write(context, bytemuck::cast_slice(self.tables.entries()));
         rebind |= self
             .lights
             .write(context, bytemuck::cast_slice(&self.light_records));
@@ -230,75 +218,9 @@ impl PenumbraWedgeNode {
             self.caps.write(context, bytemuck::cast_slice(&world.caps));
         }
         if rebind {
-            let buffers = [&self.casters, &self.wedges, &self.lights, &self.tables];
+            let buffers = [&self.casters, &self.wedges, &self.lights, &self.table_buffer];
             self.group = bind(context, &self.wedge_layout, buffers);
         }
-    }
-
-    /// Builds and uploads the tables of textures that are new, forgets those that are gone, and tells the lights where
-    /// theirs stand; whether the buffer was exchanged.
-    fn place_tables(&mut self, context: &RenderContext, world: &PenumbraWedges) -> bool {
-        let needs = |tables: &PlacedTables| {
-            world.lights.iter().any(|light| {
-                let texture = light.texture.as_ref();
-                texture.is_some_and(|texture| Arc::ptr_eq(&texture.texture, &tables.texture))
-            })
-        };
-        let mut changed = std::mem::take(&mut self.lookup_is_new);
-        if !self.placed_tables.iter().all(needs) {
-            // Rare, and all that stay are rebuilt: places are given out in a row.
-            self.placed_tables.clear();
-            self.table_entries.truncate(LOOKUP_LENGTH);
-        }
-        for light in &world.lights {
-            let Some(EmitterTexture { texture, frame }) = &light.texture else {
-                continue;
-            };
-            for index in light.parts.clone() {
-                let place = world.parts[index].part.place;
-                let known = self
-                    .placed_tables
-                    .iter()
-                    .position(|tables| Arc::ptr_eq(&tables.texture, texture) && tables.place == place);
-                let at = known.unwrap_or_else(|| {
-                    changed = true;
-                    let first = self.table_entries.len() as u32;
-                    let frames = (0..texture.frame_count()).map(|frame| texture.tables(frame, place));
-                    let means = frames
-                        .map(|tables| {
-                            self.table_entries.extend(tables.entries);
-                            tables.mean
-                        })
-                        .collect();
-                    self.placed_tables.push(PlacedTables {
-                        texture: texture.clone(),
-                        place,
-                        first,
-                        means,
-                    });
-                    self.placed_tables.len() - 1
-                });
-                let frame = frame % texture.frame_count();
-                self.light_records[index].table =
-                    self.placed_tables[at].first + (frame * TABLE_LENGTH) as u32;
-            }
-        }
-        changed
-            && self
-                .tables
-                .write(context, bytemuck::cast_slice(&self.table_entries))
-    }
-
-    /// What a part gives to the mask where it is wholly seen: by colour, and of the area.
-    fn share(&self, part: &LightPart, texture: Option<&EmitterTexture>, parts: usize) -> [f64; 4] {
-        let share = (parts as f64).recip();
-        let placed = texture.and_then(|texture| {
-            let tables = self.placed_tables.iter();
-            let mut tables = tables.filter(|tables| Arc::ptr_eq(&tables.texture, &texture.texture));
-            let tables = tables.find(|tables| tables.place == part.place)?;
-            Some(tables.means[texture.frame % tables.means.len()].as_dvec3() * share)
-        });
-        placed.map_or([share; 4], |color| color.extend(share).to_array())
     }
 
     /// Pipelines that a light needs.
@@ -341,200 +263,6 @@ impl PenumbraWedgeNode {
                 },
             );
         }
-    }
-
-    /// Group 3 of the wedges.
-    fn receiver_group(&self, context: &wgpu::TextureView, device: &wgpu::Device) -> wgpu::BindGroup {
-        let mut kept = self
-            .receiver
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        match &*kept {
-            Some((view, group)) if view == context => group.clone(),
-            _ => {
-                let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("receiver depth"),
-                    layout: &self.receiver_layout,
-                    entries: &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(context),
-                    }],
-                });
-                *kept = Some((context.clone(), group.clone()));
-                group
-            }
-        }
-    }
-
-    /// Draws one group into the sums; the pass has its scissor.
-    fn record_group(
-        &self,
-        pass: &mut wgpu::RenderPass,
-        plan: &LightPlan,
-        part: &PartPlan,
-        group: &Group,
-        input: &RecordInput,
-    ) {
-        let pipeline = |kind| {
-            self.pipelines.get(Key {
-                part: kind,
-                form: plan.form,
-                is_sphere: part.is_sphere && !matches!(kind, Part::NearCap(_) | Part::FarCap(_)),
-                looks_up: plan.settings.maths == CoverageMaths::Tables,
-                mirrored: self.mirrored,
-            })
-        };
-        pass.set_index_buffer(self.caps.buffer.slice(..), wgpu::IndexFormat::Uint32);
-        for (layers, is_far) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
-            let kind = if is_far {
-                Part::FarCap(layers)
-            } else {
-                Part::NearCap(layers)
-            };
-            let Some(pipeline) = pipeline(kind) else {
-                continue;
-            };
-            pass.set_pipeline(pipeline);
-            for (caster, draw) in group.casters.clone().zip(&self.cap_draws[group.casters.clone()]) {
-                let Some(mesh) = input.meshes.get(draw.mesh) else {
-                    continue;
-                };
-                let caps = &draw.caps[usize::from(layers) - 1];
-                if caps.is_empty() || (is_far && !draw.has_far) {
-                    continue;
-                }
-                pass.set_vertex_buffer(0, mesh.positions.slice(..));
-                pass.draw_indexed(caps.clone(), 0, caster as u32..caster as u32 + 1);
-            }
-        }
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
-        let draw = |pass: &mut wgpu::RenderPass, kind, indices: Range<u32>, wedges: Range<u32>| {
-            if let Some(pipeline) = pipeline(kind) {
-                pass.set_pipeline(pipeline);
-                pass.draw_indexed(indices, 0, wedges);
-            }
-        };
-        if !part.has_extent {
-            draw(pass, Part::HardSide, HARD_SIDE, group.wedges.clone());
-            return;
-        }
-        match plan.settings.culling {
-            WedgeCulling::Depth => {
-                draw(pass, Part::Separator, SEPARATORS, group.wedges.clone());
-                draw(pass, Part::Shell, SHELLS, group.wedges.clone());
-            }
-            WedgeCulling::None => {
-                draw(pass, Part::Separator, SEPARATORS, group.wedges.clone());
-                draw(pass, Part::ShellEverywhere, SHELLS, group.wedges.clone());
-            }
-            WedgeCulling::Stencil => {
-                draw(pass, Part::HardSide, HARD_SIDE, group.wedges.clone());
-                for wedge in group.wedges.clone() {
-                    for (half, kind) in [(OUTER_HALF, Part::OuterHalf), (INNER_HALF, Part::InnerHalf)] {
-                        draw(pass, Part::Mark, half.clone(), wedge..wedge + 1);
-                        draw(pass, kind, half, wedge..wedge + 1);
-                    }
-                }
-            }
-        }
-    }
-
-    fn record_sums(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        plan: &LightPlan,
-        part: &PartPlan,
-        sums: &Sums,
-        group: Option<&Group>,
-        receiver: &wgpu::BindGroup,
-        input: &ResolveInput,
-    ) {
-        let attachments: smallvec::SmallVec<[_; 4]> = sums
-            .views
-            .iter()
-            .map(|view| Some(attachment(view, wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT))))
-            .collect();
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("wedges"),
-            color_attachments: &attachments,
-            depth_stencil_attachment: Some(depth_stencil(input)),
-            timestamp_writes: timestamp(input, "wedges")
-                .as_ref()
-                .and_then(|label| input.timings.pass(label)),
-            ..Default::default()
-        });
-        if let Some(group) = group {
-            let [x, y, width, height] = input.scissor;
-            pass.set_scissor_rect(x, y, width, height);
-            pass.set_stencil_reference(STENCIL_IN_BOUNDS);
-            pass.set_bind_group(0, input.record.view, &[]);
-            pass.set_bind_group(2, &self.group, &[]);
-            pass.set_bind_group(3, receiver, &[]);
-            self.record_group(&mut pass, plan, part, group, &input.record);
-        }
-    }
-
-    fn record_resolve(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        key: ResolveKey,
-        target: wgpu::RenderPassColorAttachment,
-        sums: &wgpu::BindGroup,
-        share: [f64; 4],
-        input: &ResolveInput,
-    ) {
-        let Some(pipeline) = self.pipelines.get_resolve(key) else {
-            return;
-        };
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("wedge resolve"),
-            color_attachments: &[Some(target)],
-            timestamp_writes: timestamp(input, "resolve")
-                .as_ref()
-                .and_then(|label| input.timings.pass(label)),
-            ..Default::default()
-        });
-        let [x, y, width, height] = input.scissor;
-        let [r, g, b, a] = share;
-        pass.set_scissor_rect(x, y, width, height);
-        pass.set_pipeline(pipeline);
-        pass.set_blend_constant(wgpu::Color { r, g, b, a });
-        pass.set_bind_group(3, sums, &[]);
-        pass.draw(0..3, 0..1);
-    }
-}
-
-/// `<label of the light>/<pass>`, if anybody looks at it.
-fn timestamp(input: &ResolveInput, pass: &str) -> Option<String> {
-    input
-        .timings
-        .is_active()
-        .then(|| format!("{}/{pass}", input.label))
-}
-
-fn attachment(
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
-) -> wgpu::RenderPassColorAttachment<'_> {
-    wgpu::RenderPassColorAttachment {
-        view,
-        depth_slice: None,
-        resolve_target: None,
-        ops: wgpu::Operations {
-            load,
-            store: wgpu::StoreOp::Store,
-        },
-    }
-}
-
-fn depth_stencil<'a>(input: &ResolveInput<'a>) -> wgpu::RenderPassDepthStencilAttachment<'a> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view: &input.targets.depth_stencil_view,
-        depth_ops: None,
-        stencil_ops: Some(wgpu::Operations {
-            load: wgpu::LoadOp::Load,
-            store: wgpu::StoreOp::Store,
-        }),
     }
 }
 
@@ -642,7 +370,9 @@ impl ShadowTechnique for PenumbraWedgeNode {
             for part in &wedges.parts[light.parts.clone()] {
                 self.parts.push(PartPlan {
                     groups: part.groups.clone(),
-                    share: self.share(&part.part, light.texture.as_ref(), light.parts.len()),
+                    share: self
+                        .tables
+                        .share(&part.part, light.texture.as_ref(), light.parts.len()),
                     has_extent: part.part.shape != PartShape::Point,
                     is_sphere: matches!(part.part.shape, PartShape::Sphere { .. }),
                 });
@@ -665,64 +395,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
     }
 
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        let Some(plan) = self.plan_of(light) else {
-            return;
-        };
-        let (Some(sums), Some(combined)) = (self.textures.get(plan.form), self.textures.combined()) else {
-            return;
-        };
-        let receiver = self.receiver_group(&input.masks.receiver_depth_view, input.device);
-        {
-            let radiance = attachment(&input.targets.radiance_view, wgpu::LoadOp::Load);
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("wedge bounds"),
-                color_attachments: &[Some(radiance)],
-                depth_stencil_attachment: Some(depth_stencil(input)),
-                ..Default::default()
-            });
-            let [x, y, width, height] = input.scissor;
-            pass.set_scissor_rect(x, y, width, height);
-            let (near, far) = input.depth_range;
-            input.light_begin.record(&mut pass, near, far);
-        }
-        let combines = plan.settings.overlap == Overlap::Paper;
-        let mut load = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        for part in &self.parts[plan.parts.clone()] {
-            let mut source = 0;
-            if combines {
-                let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-                encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                    label: Some("no coverage"),
-                    color_attachments: &[Some(attachment(&combined[source], clear))],
-                    ..Default::default()
-                });
-                for group in &self.groups[part.groups.clone()] {
-                    self.record_sums(encoder, plan, part, sums, Some(group), &receiver, input);
-                    let key = ResolveKey {
-                        form: plan.form,
-                        combines: true,
-                        is_combined: false,
-                    };
-                    let target = attachment(&combined[1 - source], wgpu::LoadOp::Load);
-                    self.record_resolve(encoder, key, target, &sums.groups[source], part.share, input);
-                    source = 1 - source;
-                }
-            } else {
-                let group = self.groups[part.groups.clone()].first();
-                self.record_sums(encoder, plan, part, sums, group, &receiver, input);
-            }
-            let key = ResolveKey {
-                form: plan.form,
-                combines: false,
-                is_combined: combines,
-            };
-            let target = attachment(&input.masks.mask_view, load);
-            self.record_resolve(encoder, key, target, &sums.groups[source], part.share, input);
-            load = wgpu::LoadOp::Load;
-        }
-        if plan.form == Form::Split8 {
-            self.textures.overflow().record(encoder);
-        }
+        self.record_mask(light, encoder, input);
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
