@@ -3,6 +3,7 @@
 mod bad_input;
 #[path = "../harness/mod.rs"]
 mod harness;
+mod models;
 mod properties;
 mod scenes;
 
