@@ -78,5 +78,5 @@ pub mod prelude {
         ShadowedLight,
     };
     pub use crate::sets::{FrameLights, ViewportSize};
-    pub use crate::techniques::StencilVolume;
+    pub use crate::techniques::{PenumbraWedge, StencilVolume};
 }

@@ -17,6 +17,8 @@
 //! | `cost` | times of a light with and without its shadows |
 //! | `panels` | pictures on disk |
 //! | `html`, `gallery.css`, `gallery.js` | the page that shows them |
+//! | `soft_pages` | soft shadows side by side, after the figures of their paper |
+//! | `soft_table` | errors and costs of soft shadows, model by model |
 //! | `readme` | the pictures of the README |
 
 mod cost;
@@ -28,6 +30,8 @@ mod page;
 mod pages;
 mod panels;
 mod readme;
+mod soft_pages;
+mod soft_table;
 #[path = "../support/mod.rs"]
 mod support;
 
@@ -46,7 +50,7 @@ use support::stage::one_line;
 #[derive(Parser)]
 struct Arguments {
     /// Folder for the pictures and index.html; made if it is not there.
-    #[arg(long, required_unless_present = "readme")]
+    #[arg(long, required_unless_present_any = ["readme", "soft_table"])]
     out: Option<PathBuf>,
     /// Folder of further models: adds a page for each that the gallery knows.
     #[arg(long)]
@@ -60,6 +64,12 @@ struct Arguments {
     /// Renders the pictures of the README into assets/readme instead.
     #[arg(long)]
     readme: bool,
+    /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` names a part of paths.
+    #[arg(long, requires = "models")]
+    soft_table: bool,
+    /// Writes the page of soft shadows to `--out` instead.
+    #[arg(long, requires = "out")]
+    soft: bool,
 }
 
 fn main() -> ExitCode {
@@ -83,6 +93,12 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         context,
         size: arguments.size,
     };
+    if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
+        return soft_table::print(&bench.context, folder, arguments.size, arguments.only.as_deref());
+    }
+    if let (true, Some(out)) = (arguments.soft, &arguments.out) {
+        return soft_pages::write(&bench.context, &assets, arguments.size, out);
+    }
     if arguments.readme {
         return readme::write(&mut bench, &assets);
     }

@@ -1,8 +1,10 @@
 //! Pictures on disk.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use glam::UVec2;
+use antumbra::techniques::penumbra_wedge::{EmitterTexture, LightTexture};
+use glam::{UVec2, Vec3};
 use image::{ImageBuffer, Rgba};
 
 /// Writes sRGB RGBA as PNG.
@@ -48,4 +50,36 @@ pub fn write_channel_exr(path: &Path, size: UVec2, values: &[f32]) -> Result<(),
     .write()
     .to_file(path)
     .map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// The picture of a file as the colours of a light, made at most 128 texels wide and high.
+///
+/// # Errors
+/// One line that names the file.
+pub fn light_texture(path: &Path) -> Result<EmitterTexture, String> {
+    let named = |error: &dyn std::error::Error| format!("{}: {error}", path.display());
+    let loaded = image::open(path).map_err(|error| named(&error))?;
+    let picture = if loaded.width().max(loaded.height()) > 128 {
+        loaded.thumbnail(128, 128)
+    } else {
+        loaded
+    };
+    let picture = picture.to_rgb8();
+    let linear = |byte: u8| {
+        let value = f32::from(byte) / 255.0;
+        if value <= 0.04045 {
+            value / 12.92
+        } else {
+            ((value + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    let texels = picture
+        .pixels()
+        .map(|texel| Vec3::from_array(texel.0.map(linear)));
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    let texture = LightTexture::new(width, height, vec![texels.collect()]).map_err(|error| named(&error))?;
+    Ok(EmitterTexture {
+        texture: Arc::new(texture),
+        frame: 0,
+    })
 }

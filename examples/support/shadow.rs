@@ -1,6 +1,8 @@
 //! Techniques as a shot file names them.
 
 use antumbra::prelude::*;
+use antumbra::techniques::penumbra_wedge::component::MAX_SPLIT;
+use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer};
 use antumbra::techniques::stencil_volume::{Counting, Extent};
 use bevy_ecs::prelude::*;
 use serde::Deserialize;
@@ -20,6 +22,40 @@ pub enum ShotShadow {
         #[serde(default)]
         extent: ShotExtent,
     },
+    /// [`PenumbraWedge`].
+    PenumbraWedge {
+        /// Parts along width and height.
+        #[serde(default = "whole")]
+        split: [u32; 2],
+        /// `additive` or `paper`.
+        #[serde(default)]
+        overlap: ShotOverlap,
+        /// `float` or `split8`.
+        #[serde(default)]
+        buffer: ShotBuffer,
+    },
+}
+
+fn whole() -> [u32; 2] {
+    [1, 1]
+}
+
+/// See [`Overlap`].
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShotOverlap {
+    #[default]
+    Additive,
+    Paper,
+}
+
+/// See [`VisibilityBuffer`].
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShotBuffer {
+    #[default]
+    Float,
+    Split8,
 }
 
 /// See [`Counting`].
@@ -41,6 +77,19 @@ pub enum ShotExtent {
 }
 
 impl ShotShadow {
+    /// Checks the settings' numbers.
+    ///
+    /// # Errors
+    /// What is wrong, after the name of the setting.
+    pub fn check(self) -> Result<(), String> {
+        match self {
+            Self::PenumbraWedge { split, .. } if split.iter().any(|n| !(1..=MAX_SPLIT).contains(n)) => Err(
+                format!("shadow.split: {split:?} must be two numbers of 1..={MAX_SPLIT}"),
+            ),
+            _ => Ok(()),
+        }
+    }
+
     /// Gives the light the technique's component; none for an unshadowed light.
     pub fn insert(self, light: &mut EntityWorldMut) {
         match self {
@@ -55,6 +104,24 @@ impl ShotShadow {
                         ShotExtent::Finite => Extent::Finite,
                         ShotExtent::Infinite => Extent::Infinite,
                     },
+                });
+            }
+            Self::PenumbraWedge {
+                split,
+                overlap,
+                buffer,
+            } => {
+                light.insert(PenumbraWedge {
+                    split,
+                    overlap: match overlap {
+                        ShotOverlap::Additive => Overlap::Additive,
+                        ShotOverlap::Paper => Overlap::Paper,
+                    },
+                    buffer: match buffer {
+                        ShotBuffer::Float => VisibilityBuffer::Float,
+                        ShotBuffer::Split8 => VisibilityBuffer::Split8,
+                    },
+                    ..Default::default()
                 });
             }
         }

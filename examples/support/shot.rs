@@ -7,6 +7,7 @@ use bevy_transform::prelude::Transform;
 use glam::{Mat3, Quat, UVec2, Vec3};
 use serde::Deserialize;
 
+use super::picture::light_texture;
 use super::shadow::ShotShadow;
 
 /// A shot. Unknown keys are errors.
@@ -59,7 +60,7 @@ pub struct ShotAnimation {
 }
 
 /// A light.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShotLight {
     /// From a point.
@@ -97,6 +98,8 @@ pub enum ShotLight {
         up: Option<[f32; 3]>,
         width: f32,
         height: f32,
+        /// Path of a picture that the light has the colours of, relative to the shot file; for `penumbra_wedge`.
+        texture: Option<PathBuf>,
         range: Option<f32>,
         color: Option<[f32; 3]>,
         intensity: Option<f32>,
@@ -138,6 +141,8 @@ pub struct LightParts {
     pub transform: Transform,
     /// Its technique, if any.
     pub shadow: Option<ShotShadow>,
+    /// Path of its picture, if any.
+    pub texture: Option<PathBuf>,
 }
 
 impl Shot {
@@ -148,8 +153,19 @@ impl Shot {
     pub fn load(path: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let mut shot = Self::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        if shot.scene.is_relative() {
-            shot.scene = path.parent().unwrap_or(Path::new("")).join(&shot.scene);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        shot.scene = folder.join(&shot.scene);
+        for (index, light) in shot.lights.iter_mut().flatten().enumerate() {
+            if let ShotLight::Rect {
+                texture: Some(texture),
+                ..
+            } = light
+            {
+                *texture = folder.join(&*texture);
+                // Here, where the shot file is known; it is read again when the light is made.
+                light_texture(texture)
+                    .map_err(|error| format!("{}: lights[{index}].texture: {error}", path.display()))?;
+            }
         }
         Ok(shot)
     }
@@ -257,7 +273,8 @@ impl ShotLight {
         const CANDELA: f32 = 60.0;
         const LUX: f32 = 3.0;
         let at = |p: [f32; 3]| Transform::from_translation(p.into());
-        let (kind, transform, range, color, intensity, shadow) = match *self {
+        let mut picture = None;
+        let (kind, transform, range, color, intensity, shadow) = match self.clone() {
             Self::Point {
                 position,
                 range,
@@ -304,21 +321,25 @@ impl ShotLight {
                 up,
                 width,
                 height,
+                texture,
                 range,
                 color,
                 intensity,
                 shadow,
-            } => (
-                LightKind::Rect { width, height },
-                at(position).with_rotation(match up {
-                    Some(up) => frame(direction.into(), up.into(), "direction")?,
-                    None => frame(direction.into(), Vec3::Y, "direction")?,
-                }),
-                range,
-                color,
-                intensity,
-                shadow,
-            ),
+            } => {
+                picture = texture;
+                (
+                    LightKind::Rect { width, height },
+                    at(position).with_rotation(match up {
+                        Some(up) => frame(direction.into(), up.into(), "direction")?,
+                        None => frame(direction.into(), Vec3::Y, "direction")?,
+                    }),
+                    range,
+                    color,
+                    intensity,
+                    shadow,
+                )
+            }
             Self::Sphere {
                 position,
                 radius,
@@ -345,10 +366,17 @@ impl ShotLight {
             range: range.unwrap_or(f32::INFINITY),
         };
         light.validate().map_err(|error| error.to_string())?;
+        if let Some(shadow) = shadow {
+            shadow.check()?;
+        }
+        if picture.is_some() && !matches!(shadow, Some(ShotShadow::PenumbraWedge { .. })) {
+            return Err("texture: needs the technique penumbra_wedge".to_owned());
+        }
         Ok(LightParts {
             light,
             transform,
             shadow,
+            texture: picture,
         })
     }
 }

@@ -15,6 +15,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
+use super::picture;
 use super::shot::Shot;
 
 /// Format of the picture.
@@ -76,11 +77,16 @@ impl Stage {
                 for &light in &spawned.lights {
                     stage.world.entity_mut(light).remove::<Light>();
                 }
-                for light in lights {
+                for (index, light) in lights.iter().enumerate() {
                     let parts = light.parts()?;
                     let entity = stage.spawn_light(parts.light, parts.transform, None::<StencilVolume>);
                     if let Some(shadow) = parts.shadow {
                         shadow.insert(&mut stage.world.entity_mut(entity));
+                    }
+                    if let Some(path) = parts.texture {
+                        let texture = picture::light_texture(&path)
+                            .map_err(|error| format!("lights[{index}].texture: {error}"))?;
+                        stage.world.entity_mut(entity).insert(texture);
                     }
                 }
             }

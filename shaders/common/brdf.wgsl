@@ -25,20 +25,37 @@ fn schlick_fresnel(f0: vec3f, v_dot_h: f32) -> vec3f {
     return f0 + (1.0 - f0) * pow(1.0 - v_dot_h, 5.0);
 }
 
-// Radiance per irradiance, times n·l. All vectors unit, `l` towards the light, `v` towards the eye.
-// The model of glTF 2.0 appendix B.
-fn reflect(base_color: vec3f, metallic: f32, roughness: f32, n: vec3f, v: vec3f, l: vec3f) -> vec3f {
-    let n_dot_l = dot(n, l);
-    if n_dot_l <= 0.0 {
-        return vec3f(0.0);
-    }
+// Radiance that a surface reflects. All vectors unit; `v` towards the eye. Diffuse light arrives from all of the light,
+// with `irradiance` on the surface and `l` towards its centre; specular light from the direction `highlight`, with
+// `highlight_irradiance` on a plane that faces it. `radius`: of the light over its distance, 0 for points.
+//
+// A light of an extent widens the lobe and must not brighten it: the factor (α / α')² keeps its energy.
+// The model of glTF 2.0 appendix B. Source of the factor: Karis 2013, "Real Shading in Unreal Engine 4".
+fn reflected(
+    base_color: vec3f,
+    metallic: f32,
+    roughness: f32,
+    n: vec3f,
+    v: vec3f,
+    l: vec3f,
+    irradiance: vec3f,
+    highlight: vec3f,
+    highlight_irradiance: vec3f,
+    radius: f32,
+) -> vec3f {
     let n_dot_v = max(abs(dot(n, v)), 1e-4);
-    let h = (v + l) * inverseSqrt(max(dot(v + l, v + l), 1e-12)); // 0 where the eye looks along the light
+    let h = (v + highlight) * inverseSqrt(max(dot(v + highlight, v + highlight), 1e-12)); // 0 where the eye looks along it
     let n_dot_h = clamp(dot(n, h), 0.0, 1.0);
     let v_dot_h = clamp(dot(v, h), 0.0, 1.0);
+    let n_dot_l = max(dot(n, highlight), 0.0);
     let alpha = max(roughness * roughness, 1e-3); // below, the highlight of a point light is under a pixel
-    let fresnel = schlick_fresnel(mix(vec3f(0.04), base_color, metallic), v_dot_h);
-    let diffuse = (1.0 - fresnel) * (1.0 - metallic) * base_color / PI;
-    let specular = fresnel * ggx_distribution(n_dot_h, alpha) * ggx_visibility(n_dot_l, n_dot_v, alpha);
-    return (diffuse + specular) * n_dot_l;
+    let widened = clamp(alpha + 0.5 * radius, 0.0, 1.0);
+    let kept = alpha / widened;
+    let f0 = mix(vec3f(0.04), base_color, metallic);
+    let fresnel = schlick_fresnel(f0, v_dot_h);
+    let middle = (v + l) * inverseSqrt(max(dot(v + l, v + l), 1e-12));
+    let entering = 1.0 - schlick_fresnel(f0, clamp(dot(v, middle), 0.0, 1.0));
+    let diffuse = entering * (1.0 - metallic) * base_color / PI;
+    let specular = fresnel * ggx_distribution(n_dot_h, alpha) * ggx_visibility(n_dot_l, n_dot_v, alpha) * (kept * kept);
+    return diffuse * irradiance + specular * highlight_irradiance * n_dot_l;
 }

@@ -1,34 +1,60 @@
-// One light: bind group 1.
+// One light: bind group 1. What arrives at a surface, from points, spots and the sun, and from areas.
 // Host    src/render/lights.rs, src/render/gpu_types.rs
 #define_import_path antumbra::light
+
+#import antumbra::area_light::{rect_irradiance, sphere_irradiance, rect_highlight, sphere_highlight}
 
 struct Light {                      // mirror: render::gpu_types::Light
     point_relative: vec4f,          // w = 1: position; w = 0: unit direction towards the light
     emission: vec4f,                // linear RGB times candela or lux; w: 1 / range², 0 without one
     axis: vec4f,                    // unit direction of shining; w: 1 for a rectangle's cosine, else 0
     cone: vec4f,                    // scale and offset of the spot's falloff; zw unused
+    half_right: vec4f,              // half the width of a rectangle, along it; w: radius of a sphere
+    half_up: vec4f,                 // half its height; w: 1 for rectangles and spheres that have an extent
 }
 
 @group(1) @binding(0) var<uniform> light: Light;
 
 struct Incidence {
-    towards: vec3f,                 // unit, from the surface to the light
-    irradiance: vec3f,              // on a plane that faces the light
+    towards: vec3f,                 // unit, from the surface to the light's centre
+    irradiance: vec3f,              // on the surface
+    highlight: vec3f,               // unit, towards what a mirror would show of the light
+    highlight_irradiance: vec3f,    // on a plane that faces it
+    radius: f32,                    // of the light as seen, over its distance; 0 for points
 }
 
-// Inverse square, windowed to reach 0 at the range, and the spot's cone.
+// Inverse square, windowed to reach 0 at the range, and the spot's cone; for areas the integral over what lies above
+// the surface's horizon, by whose first two terms a small or distant area is a point.
 // Source: Khronos, KHR_lights_punctual; the window is of Karis 2013, "Real Shading in Unreal Engine 4".
-fn incidence(position_relative: vec3f) -> Incidence {
+fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidence {
     var out: Incidence;
     let to_light = light.point_relative.xyz - position_relative * light.point_relative.w;
     let distance_sq = max(dot(to_light, to_light), 1e-8);
-    out.towards = to_light * inverseSqrt(distance_sq);
+    let distance = sqrt(distance_sq);
+    out.towards = to_light / distance;
     let part = distance_sq * light.emission.w;
     let window = clamp(1.0 - part * part, 0.0, 1.0);
     let attenuation = select(1.0, window / distance_sq, light.point_relative.w > 0.0);
     let cos_axis = dot(-out.towards, light.axis.xyz);
     let cone = clamp(cos_axis * light.cone.x + light.cone.y, 0.0, 1.0);
     let cosine = mix(1.0, max(cos_axis, 0.0), light.axis.w);
-    out.irradiance = light.emission.rgb * (attenuation * cone * cone * cosine);
+    let facing = light.emission.rgb * (attenuation * cone * cone * cosine);
+
+    // Chosen, not branched on: lavapipe compiles a shader anew for each value of a uniform that it branches on.
+    let is_area = light.half_up.w > 0.0;
+    let is_rect = light.axis.w > 0.0;
+    let right = light.half_right.xyz;
+    let up = light.half_up.xyz;
+    let radius = select(light.half_right.w, sqrt(length(right) * length(up) * 1.2732395), is_rect);
+    let from_rect = rect_irradiance(to_light, distance, right, up, light.axis.xyz, normal);
+    let from_sphere = sphere_irradiance(out.towards, distance, light.half_right.w, normal);
+    let from_area = light.emission.rgb * (window * select(from_sphere, from_rect, is_rect));
+    out.irradiance = select(facing * max(dot(normal, out.towards), 0.0), from_area, is_area);
+    let mirrored = reflect(-to_eye, normal);
+    let on_rect = rect_highlight(to_light, distance, right, up, light.axis.xyz, mirrored);
+    let on_sphere = sphere_highlight(to_light, light.half_right.w, mirrored);
+    out.highlight = select(out.towards, normalize(select(on_sphere, on_rect, is_rect)), is_area);
+    out.highlight_irradiance = facing;
+    out.radius = select(0.0, radius / distance, is_area);
     return out;
 }

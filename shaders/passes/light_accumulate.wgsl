@@ -3,7 +3,7 @@
 // Groups  0 view, 1 light, 2 material; `masked` also 3 mask, `behind_front` 3 front depth
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
 #import antumbra::light::incidence
-#import antumbra::brdf::reflect
+#import antumbra::brdf::reflected
 #import antumbra::conventions::RADIANCE_MAX
 #import antumbra::mask::visibility
 #import antumbra::front::is_front
@@ -20,11 +20,22 @@ fn lit(in: Fragment, front_facing: bool) -> vec4f {
     let color = base_color(in);
     let mr = metallic_roughness(in);
     let normal = shading_normal(in, front_facing);
-    let arriving = incidence(in.position_relative);
     let to_eye = normalize(-in.position_relative);
-    let reflected = reflect(color.rgb, mr.x, mr.y, normal, to_eye, arriving.towards);
+    let arriving = incidence(in.position_relative, normal, to_eye);
+    let radiance = reflected(
+        color.rgb,
+        mr.x,
+        mr.y,
+        normal,
+        to_eye,
+        arriving.towards,
+        arriving.irradiance,
+        arriving.highlight,
+        arriving.highlight_irradiance,
+        arriving.radius,
+    );
     let alpha = select(1.0, color.a, BLENDED);
-    let added = min(reflected * arriving.irradiance, vec3f(RADIANCE_MAX)); // infinity would spread
+    let added = min(radiance, vec3f(RADIANCE_MAX)); // infinity would spread
     return vec4f(added * alpha, 0.0);
 }
 

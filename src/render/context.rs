@@ -54,6 +54,8 @@ pub enum RenderError {
 pub struct RequestedFeatures {
     /// `Depth32FloatStencil8`; without it depth has 24 bits, which is coarser far from the near plane.
     pub float_depth: bool,
+    /// Blending into 32-bit floats; without it techniques that sum in floats take a form in bytes.
+    pub float_blend: bool,
     /// GPU timers per pass; without them no GPU times are reported.
     pub timestamps: bool,
 }
@@ -62,6 +64,7 @@ impl Default for RequestedFeatures {
     fn default() -> Self {
         Self {
             float_depth: true,
+            float_blend: true,
             timestamps: cfg!(feature = "profile"),
         }
     }
@@ -71,6 +74,7 @@ impl RequestedFeatures {
     /// Nothing beyond WebGPU's baseline.
     pub const BASELINE: Self = Self {
         float_depth: false,
+        float_blend: false,
         timestamps: false,
     };
 }
@@ -108,6 +112,9 @@ impl RenderContext {
         let mut features = wgpu::Features::empty();
         if requested.float_depth {
             features |= wgpu::Features::DEPTH32FLOAT_STENCIL8;
+        }
+        if requested.float_blend {
+            features |= wgpu::Features::FLOAT32_BLENDABLE;
         }
         if requested.timestamps {
             features |= wgpu::Features::TIMESTAMP_QUERY;

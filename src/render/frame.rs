@@ -139,6 +139,7 @@ impl Renderer {
         if let (Some((technique, Visibility::Mask)), Some(masks)) = (light.shadow, &self.masks) {
             let input = ResolveInput {
                 record: self.record_input(),
+                device: &self.context.device,
                 targets,
                 masks,
                 scissor: light.scissor,

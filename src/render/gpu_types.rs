@@ -42,6 +42,10 @@ pub struct Light {
     pub axis: [f32; 4],
     /// Scale and offset of a spot's falloff.
     pub cone: [f32; 4],
+    /// Half the width of a rectangle, along it; w: radius of a sphere.
+    pub half_right: [f32; 4],
+    /// Half its height; w: 1 for rectangles and spheres that have an extent.
+    pub half_up: [f32; 4],
 }
 
 /// Mirror of `Slot` in `shaders/common/surface.wgsl`.

@@ -34,6 +34,9 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
         }
         _ => (0.0, 1.0),
     };
+    let [right, up] = light.emitter.half_sides.map(|side| side.as_vec3());
+    let radius = light.emitter.radius as f32;
+    let has_extent = radius > 0.0 || (right != Vec3::ZERO && up != Vec3::ZERO);
     gpu_types::Light {
         point_relative: point_relative.to_array(),
         emission: emission.extend(inverse_range_sq).to_array(),
@@ -42,5 +45,7 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
             .extend(f32::from(matches!(light.light.kind, LightKind::Rect { .. })))
             .to_array(),
         cone: [scale, offset, 0.0, 0.0],
+        half_right: right.extend(radius).to_array(),
+        half_up: up.extend(if has_extent { 1.0 } else { 0.0 }).to_array(),
     }
 }

@@ -16,18 +16,20 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 7] = sources![
+pub const COMMON: [(&str, &str); 9] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
     "common/surface.wgsl",
     "common/brdf.wgsl",
+    "common/area_light.wgsl",
     "common/light.wgsl",
     "common/mask.wgsl",
     "common/front.wgsl",
+    "common/coverage.wgsl",
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 7] = sources![
+pub const PASSES: [(&str, &str); 9] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
     "passes/light_accumulate.wgsl",
@@ -35,6 +37,8 @@ pub const PASSES: [(&str, &str); 7] = sources![
     "passes/visibility.wgsl",
     "passes/tonemap.wgsl",
     "techniques/stencil_volume/volume.wgsl",
+    "techniques/penumbra_wedge/wedge.wgsl",
+    "techniques/penumbra_wedge/resolve.wgsl",
 ];
 
 /// Composes shader modules from the crate's files and from those of third parties.

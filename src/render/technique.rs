@@ -57,6 +57,8 @@ pub struct RecordInput<'a> {
 pub struct ResolveInput<'a> {
     /// What every recorder has.
     pub record: RecordInput<'a>,
+    /// For bind groups of the frame's textures.
+    pub device: &'a wgpu::Device,
     /// Depth and stencil of the frame; the depth must stay as it is, the stencil is the technique's own.
     pub targets: &'a FrameTargets,
     /// The mask to write, and the depth as a texture to read.

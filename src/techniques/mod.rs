@@ -4,8 +4,10 @@
 //! technique leaves is visibility (1 where a surface point sees the whole light, 0 where it sees none), and the light
 //! pass multiplies by it and knows nothing else about techniques.
 
+pub mod penumbra_wedge;
 pub mod stencil_volume;
 
+pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
 pub use stencil_volume::StencilVolume;
 
 /// Gives a renderer the crate's own techniques, unless techniques of these names were added to it.
@@ -14,12 +16,22 @@ pub use stencil_volume::StencilVolume;
 /// Compares names; only the first frame of a renderer does more.
 #[cfg(feature = "render")]
 pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::render::Renderer>) {
-    use stencil_volume::node::{NAME, StencilVolumeNode};
-    if renderer.has_technique(NAME) {
-        return;
+    use penumbra_wedge::node as wedge;
+    use stencil_volume::node as volume;
+    let (context, shaders, layouts) = (renderer.context(), renderer.shaders(), renderer.layouts());
+    let mut made: Vec<Result<Box<dyn crate::render::technique::ShadowTechnique>, _>> = Vec::new();
+    if !renderer.has_technique(volume::NAME) {
+        let node = volume::StencilVolumeNode::new(context, shaders, layouts);
+        made.push(node.map(|node| Box::new(node) as _));
     }
-    match StencilVolumeNode::new(renderer.context(), renderer.shaders(), renderer.layouts()) {
-        Ok(node) => renderer.add_technique(Box::new(node)),
-        Err(error) => renderer.fail(error),
+    if !renderer.has_technique(wedge::NAME) {
+        let node = wedge::PenumbraWedgeNode::new(context, shaders, layouts);
+        made.push(node.map(|node| Box::new(node) as _));
+    }
+    for technique in made {
+        match technique {
+            Ok(technique) => renderer.add_technique(technique),
+            Err(error) => renderer.fail(error),
+        }
     }
 }

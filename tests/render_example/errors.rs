@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 26] = [
+const SPOILT: [Spoilt; 31] = [
     (
         "no scene",
         |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),
@@ -54,6 +54,34 @@ const SPOILT: [Spoilt; 26] = [
         "unknown value of a setting",
         |s| s["lights"][3]["shadow"]["counting"] = json!("fast"),
         &["lights[3]", "fast"],
+    ),
+    (
+        "no part of a split light",
+        |s| s["lights"][3]["shadow"] = json!({"technique": "penumbra_wedge", "split": [2, 0]}),
+        &["lights[3]", "split"],
+    ),
+    (
+        "unknown overlap",
+        |s| s["lights"][3]["shadow"] = json!({"technique": "penumbra_wedge", "overlap": "most"}),
+        &["lights[3]", "most"],
+    ),
+    (
+        "unknown buffer",
+        |s| s["lights"][3]["shadow"] = json!({"technique": "penumbra_wedge", "buffer": "f64"}),
+        &["lights[3]", "f64"],
+    ),
+    (
+        "a picture on a light without wedges",
+        |s| s["lights"][3]["texture"] = json!("window.png"),
+        &["lights[3]", "texture"],
+    ),
+    (
+        "a picture that is not there",
+        |s| {
+            s["lights"][3]["shadow"] = json!({"technique": "penumbra_wedge"});
+            s["lights"][3]["texture"] = json!("window.png");
+        },
+        &["lights[3].texture", "window.png"],
     ),
     ("size 0", |s| s["size"] = json!([0, 36]), &["size"]),
     ("negative size", |s| s["size"] = json!([-4, 36]), &["size"]),

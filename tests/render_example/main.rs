@@ -142,7 +142,7 @@ fn write_scene(folder: &Path) {
     std::fs::write(path, glb.glb()).expect("the scene is written");
 }
 
-/// The shot file of DESIGN.md §6, but for the rectangle's technique, which is not there yet.
+/// The shot file of DESIGN.md §6, but for the rectangle's technique, which has a test of its own.
 fn design_shot() -> Value {
     json!({ "scene": "models/house.glb",
       "camera": {"eye": [3,3,5], "target": [0,0,0], "up": [0,1,0], "vfov_deg": 45, "near": 0.1},

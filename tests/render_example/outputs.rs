@@ -37,6 +37,29 @@ fn is_count(value: &Value) -> bool {
 }
 
 #[test]
+fn wedges_take_their_settings_and_a_picture() {
+    let folder = folder("wedges");
+    write_scene(&folder);
+    image::RgbImage::from_fn(4, 4, |x, _| image::Rgb([255, 40 * x as u8, 0]))
+        .save(folder.join("window.png"))
+        .expect("a writable folder");
+    let mut shot = design_shot();
+    shot["lights"][3]["texture"] = json!("window.png");
+    shot["lights"][3]["shadow"] =
+        json!({"technique": "penumbra_wedge", "split": [2, 2], "overlap": "paper", "buffer": "split8"});
+    shot["lights"][4]["shadow"] = json!({"technique": "penumbra_wedge", "buffer": "split8"});
+    let stats = rendered(&folder, &shot);
+    for light in [3, 4] {
+        assert_eq!(stats["lights"][light]["technique"], "penumbra_wedge");
+        let (mask, _) = channels(&folder.join("out").join(format!("light{light}.visibility.exr")));
+        let samples = &mask[0].1;
+        assert!(samples.iter().all(|x| (0.0..=1.0).contains(x)), "light {light}");
+        let partly = samples.iter().filter(|x| **x > 0.05 && **x < 0.95).count();
+        assert!(partly > 200, "light {light}: {partly} in the penumbra");
+    }
+}
+
+#[test]
 fn the_shot_of_the_design_renders() {
     let folder = folder("design");
     write_scene(&folder);

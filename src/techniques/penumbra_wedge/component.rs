@@ -1,0 +1,109 @@
+//! What a user sets on a light.
+
+use bevy_ecs::prelude::*;
+
+use crate::silhouettes::NeedsSilhouettes;
+
+/// Gives a light soft shadows by penumbra wedges: noise-free, from geometry, without a shadow map.
+///
+/// Rectangles and spheres cast with their extent; points, spots and directional lights, and areas of size 0, cast
+/// exactly the hard shadow. The silhouette is that seen from the light's centre; [`PenumbraWedge::split`] gives each
+/// part of a large light its own. Alpha-tested surfaces cast whole.
+///
+/// Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
+/// Real-Time Performance".
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[require(NeedsSilhouettes)]
+pub struct PenumbraWedge {
+    /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
+    /// clamped). Spheres are not split. Section 5.2.
+    pub split: [u32; 2],
+    /// How the coverage of several casters combines.
+    pub overlap: Overlap,
+    /// Where visibility is summed.
+    pub buffer: VisibilityBuffer,
+    /// What encloses the penumbra of an edge.
+    pub bounds: WedgeBounds,
+    /// Which pixels the coverage is computed at. The pictures are the same.
+    pub culling: WedgeCulling,
+    /// How areas are computed.
+    pub maths: CoverageMaths,
+}
+
+impl Default for PenumbraWedge {
+    fn default() -> Self {
+        Self {
+            split: [1, 1],
+            overlap: Overlap::default(),
+            buffer: VisibilityBuffer::default(),
+            bounds: WedgeBounds::default(),
+            culling: WedgeCulling::default(),
+            maths: CoverageMaths::default(),
+        }
+    }
+}
+
+/// Largest number of parts along a side of a light.
+pub const MAX_SPLIT: u32 = 8;
+
+impl PenumbraWedge {
+    /// Parts along width and height, within 1 to [`MAX_SPLIT`].
+    pub fn parts(&self) -> [u32; 2] {
+        self.split.map(|parts| parts.clamp(1, MAX_SPLIT))
+    }
+}
+
+/// How the coverage of several casters combines.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overlap {
+    /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
+    #[default]
+    Additive,
+    /// Between the extremes of no and all overlap: `c = max + ½ min`, caster after caster. The paper goes loop by loop;
+    /// that takes a hard shadow of each loop alone, which counting away from the viewer does not have: its caps are
+    /// those of a caster, not of a loop. Section 5.1, equation 1.
+    Paper,
+}
+
+/// Where visibility is summed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VisibilityBuffer {
+    /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`].
+    #[default]
+    Float,
+    /// Twelve bits over the four bytes of two `Rgba8Unorm` textures, one for what adds and one for what subtracts.
+    /// Section 4.3.
+    Split8,
+}
+
+/// What encloses the penumbra of an edge.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WedgeBounds {
+    /// The convex hull of the penumbra of the light's own shape.
+    #[default]
+    Tight,
+    /// Tangent planes of the sphere around the light.
+    Sphere,
+}
+
+/// Which pixels the coverage of an edge is computed at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WedgeCulling {
+    /// Where a back face of the wedge lies behind the surface; all wedges in one draw.
+    #[default]
+    Depth,
+    /// Where the surface lies inside of a wedge half, marked in the stencil before; four draws an edge. Section 4.4.
+    Stencil,
+    /// Where the wedge covers the pixel: what the others are measured against.
+    None,
+}
+
+/// How areas are computed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CoverageMaths {
+    /// In the shader.
+    #[default]
+    Analytic,
+    /// From a table of angles and a table of areas: to about 0.002. Section 4.2.
+    Tables,
+}

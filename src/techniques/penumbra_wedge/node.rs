@@ -1,0 +1,449 @@
+//! Leaves the visibility mask of one light: for every part of it the sums of hard shadow and coverage, then their share.
+//!
+//! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
+//! Groups  0 view, 2 wedges, 3 receiver depth or sums
+//! Reads   depth, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
+//! Order   after the depth copy, before `light_accumulate` of the same light
+//!
+//! All counting is away from the viewer: faces behind the surface count, so the camera may stand in shadows and wedges.
+//! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
+
+use std::ops::Range;
+use std::sync::Mutex;
+
+use bevy_ecs::prelude::*;
+use glam::DMat4;
+
+use super::buffers::SumTextures;
+use super::component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeCulling};
+use super::overflow::WedgeOverflow;
+use super::parts::PartShape;
+use super::records::{Wedge, WedgeCaster, WedgeLight};
+use super::tables::Tables;
+use super::topology::{self, HARD_SIDE, SHELLS};
+use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
+use super::wedges::{Group, LightWedges, PartWedges, PenumbraWedges};
+use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
+use crate::render::buffers::GrowingBuffer;
+use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
+use crate::render::{RenderContext, RenderError, Shaders};
+use crate::sets::{View, ViewData, ViewportSize};
+
+/// Name of the technique.
+pub const NAME: &str = "penumbra_wedge";
+
+/// The caps of one caster.
+#[derive(Clone, Debug)]
+pub(super) struct CapDraw {
+    pub(super) mesh: u32,
+    pub(super) caps: [Range<u32>; 3],
+    pub(super) has_far: bool,
+}
+
+/// What is recorded for one part.
+#[derive(Clone, Debug)]
+pub(super) struct PartPlan {
+    pub(super) groups: Range<usize>,
+    /// Of the light, by colour and area.
+    pub(super) share: [f64; 4],
+    pub(super) has_extent: bool,
+    pub(super) is_sphere: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct LightPlan {
+    pub(super) light: usize,
+    pub(super) settings: PenumbraWedge,
+    pub(super) form: Form,
+    pub(super) parts: Range<usize>,
+}
+
+/// The recorder.
+#[derive(Debug)]
+pub struct PenumbraWedgeNode {
+    pub(super) pipelines: WedgePipelines,
+    pub(super) wedge_layout: wgpu::BindGroupLayout,
+    pub(super) receiver_layout: wgpu::BindGroupLayout,
+    pub(super) receiver: Mutex<Option<(wgpu::TextureView, wgpu::BindGroup)>>,
+    pub(super) textures: SumTextures,
+    pub(super) indices: wgpu::Buffer,
+    pub(super) casters: GrowingBuffer,
+    pub(super) wedges: GrowingBuffer,
+    pub(super) lights: GrowingBuffer,
+    pub(super) table_buffer: GrowingBuffer,
+    pub(super) tables: Tables,
+    pub(super) caps: GrowingBuffer,
+    pub(super) group: wgpu::BindGroup,
+    pub(super) generation: u64,
+    pub(super) light_records: Vec<WedgeLight>,
+    pub(super) plans: Vec<LightPlan>,
+    pub(super) parts: Vec<PartPlan>,
+    pub(super) groups: Vec<Group>,
+    pub(super) cap_draws: Vec<CapDraw>,
+    pub(super) mirrored: bool,
+    pub(super) blends_floats: bool,
+}
+
+impl PenumbraWedgeNode {
+    /// Compiles the shaders; pipelines and textures come when a frame needs them.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn new(
+        context: &RenderContext,
+        shaders: &Shaders,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
+        let device = &context.device;
+        let vertex = wgpu::ShaderStages::VERTEX;
+        let wedge_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("wedges"),
+            entries: &[
+                buffer_entry(0, vertex, STORAGE, false, size_of::<WedgeCaster>()),
+                buffer_entry(1, vertex, STORAGE, false, size_of::<Wedge>()),
+                buffer_entry(
+                    2,
+                    wgpu::ShaderStages::VERTEX_FRAGMENT,
+                    STORAGE,
+                    false,
+                    size_of::<WedgeLight>(),
+                ),
+                buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
+            ],
+        });
+        let receiver_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("receiver depth"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::FRAGMENT,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            }],
+        });
+        let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
+        let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
+        indices.write(context, bytemuck::cast_slice(&topology::indices()));
+        let (casters, wedges, lights) = (
+            storage("wedge casters"),
+            storage("wedges"),
+            storage("wedge lights"),
+        );
+        let tables = storage("coverage tables");
+        let textures = SumTextures::new(context);
+        Ok(Self {
+            pipelines: WedgePipelines::new(
+                context,
+                shaders,
+                layouts,
+                &wedge_layout,
+                &receiver_layout,
+                textures.layout(),
+            )?,
+            group: bind(context, &wedge_layout, [&casters, &wedges, &lights, &tables]),
+            wedge_layout,
+            receiver_layout,
+            receiver: Mutex::new(None),
+            textures,
+            indices: indices.buffer,
+            casters,
+            wedges,
+            lights,
+            table_buffer: tables,
+            tables: Tables::new(),
+            caps: GrowingBuffer::new(context, "wedge caps", wgpu::BufferUsages::INDEX),
+            generation: 0,
+            light_records: Vec::new(),
+            plans: Vec::new(),
+            parts: Vec::new(),
+            groups: Vec::new(),
+            cap_draws: Vec::new(),
+            mirrored: false,
+            blends_floats: device.features().contains(wgpu::Features::FLOAT32_BLENDABLE),
+        })
+    }
+
+    pub(super) fn plan_of(&self, light: usize) -> Option<&LightPlan> {
+        let at = self.plans.binary_search_by_key(&light, |plan| plan.light).ok()?;
+        Some(&self.plans[at])
+    }
+
+    /// Draw calls of the caps of a group.
+    fn cap_draw_count(&self, group: &Group) -> usize {
+        let draws = self.cap_draws[group.casters.clone()].iter();
+        draws
+            .map(|draw| {
+                let near = draw.caps.iter().filter(|caps| !caps.is_empty()).count();
+                near * (1 + usize::from(draw.has_far))
+            })
+            .sum()
+    }
+
+    /// Textures need sums by colour, for which there are no bytes.
+    fn form(&self, light: &LightWedges) -> Form {
+        if light.texture.is_some() {
+            return if self.blends_floats {
+                Form::Color
+            } else {
+                Form::HalfColor
+            };
+        }
+        match light.settings.buffer {
+            VisibilityBuffer::Float if self.blends_floats => Form::Float,
+            VisibilityBuffer::Float | VisibilityBuffer::Split8 => Form::Split8,
+        }
+    }
+
+    /// Uploads what changed.
+    fn upload(&mut self, context: &RenderContext, world: &PenumbraWedges, view: &ViewData) {
+        self.light_records.clear();
+        self.light_records
+            .extend(world.parts.iter().map(|part| light_record(part, view)));
+        let mut rebind = self.tables.place(world, &mut self.light_records)
+            && self
+                .table_buffer
+                .write(context, bytemuck::cast_slice(self.tables.entries()));
+        rebind |= self
+            .lights
+            .write(context, bytemuck::cast_slice(&self.light_records));
+        if self.generation != world.generation {
+            self.generation = world.generation;
+            rebind |= self
+                .casters
+                .write(context, bytemuck::cast_slice(&world.caster_records));
+            rebind |= self.wedges.write(context, bytemuck::cast_slice(&world.wedges));
+            self.caps.write(context, bytemuck::cast_slice(&world.caps));
+        }
+        if rebind {
+            let buffers = [&self.casters, &self.wedges, &self.lights, &self.table_buffer];
+            self.group = bind(context, &self.wedge_layout, buffers);
+        }
+    }
+
+    /// Pipelines that a light needs.
+    fn require(&mut self, context: &RenderContext, plan: &LightPlan, debug: bool) {
+        let mirrored = self.mirrored;
+        let looks_up = plan.settings.maths == CoverageMaths::Tables;
+        for part in &self.parts[plan.parts.clone()] {
+            let mut require = |part_of_wedge, is_sphere| {
+                let key = Key {
+                    part: part_of_wedge,
+                    form: plan.form,
+                    is_sphere,
+                    looks_up,
+                    mirrored,
+                };
+                self.pipelines.require(context, key);
+            };
+            for layers in 1..=3 {
+                require(Part::NearCap(layers), false);
+                require(Part::FarCap(layers), false);
+            }
+            for kind in passes(plan.settings.culling, part.has_extent) {
+                require(*kind, part.is_sphere);
+            }
+            if debug {
+                require(Part::Show, part.is_sphere);
+            }
+        }
+        let combined = plan.settings.overlap == Overlap::Paper;
+        for (combines, is_combined) in [(true, false), (false, combined)] {
+            if combines && !combined {
+                continue;
+            }
+            self.pipelines.require_resolve(
+                context,
+                ResolveKey {
+                    form: plan.form,
+                    combines,
+                    is_combined,
+                },
+            );
+        }
+    }
+}
+
+fn bind(
+    context: &RenderContext,
+    layout: &wgpu::BindGroupLayout,
+    buffers: [&GrowingBuffer; 4],
+) -> wgpu::BindGroup {
+    let entry = |binding: u32| wgpu::BindGroupEntry {
+        binding,
+        resource: buffers[binding as usize].buffer.as_entire_binding(),
+    };
+    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("wedges"),
+        layout,
+        entries: &[entry(0), entry(1), entry(2), entry(3)],
+    })
+}
+
+/// What the passes of a light draw.
+fn passes(culling: WedgeCulling, has_extent: bool) -> &'static [Part] {
+    use Part::{HardSide, InnerHalf, Mark, OuterHalf, Separator, Shell, ShellEverywhere};
+    match (culling, has_extent) {
+        (_, false) => &[HardSide],
+        (WedgeCulling::Depth, true) => &[Separator, Shell],
+        (WedgeCulling::None, true) => &[Separator, ShellEverywhere],
+        (WedgeCulling::Stencil, true) => &[HardSide, Mark, OuterHalf, InnerHalf],
+    }
+}
+
+/// The shader's view of one part.
+fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
+    let part = &part.part;
+    let clip_from_light = view.clip_from_world * part.world_from_light;
+    let light_from_relative = part.world_from_light.inverse() * DMat4::from_translation(view.eye);
+    let rows = light_from_relative.transpose().as_mat4();
+    let half_size = match part.shape {
+        PartShape::Point => [0.0; 2],
+        PartShape::Rect { half } => half.as_vec2().to_array(),
+        PartShape::Sphere { radius } => [radius as f32; 2],
+    };
+    WedgeLight {
+        clip_from_light: clip_from_light.as_mat4().to_cols_array_2d(),
+        light_from_relative_x: rows.x_axis.to_array(),
+        light_from_relative_y: rows.y_axis.to_array(),
+        light_from_relative_z: rows.z_axis.to_array(),
+        half_size,
+        table: 0,
+        padding: 0,
+        place: part.place,
+    }
+}
+
+impl ShadowTechnique for PenumbraWedgeNode {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
+        self.plans.clear();
+        self.parts.clear();
+        self.groups.clear();
+        self.cap_draws.clear();
+        let (Some(wedges), Some(view), Some(viewport)) = (
+            world.get_resource::<PenumbraWedges>(),
+            world.get_resource::<View>().and_then(|view| view.data.as_ref()),
+            world.get_resource::<ViewportSize>(),
+        ) else {
+            return Ok(());
+        };
+        if let (Some(count), Some(report)) = (
+            self.textures.overflow().take(),
+            world.get_resource::<WedgeOverflow>(),
+        ) {
+            report.set(count);
+        }
+        if wedges.lights.is_empty() {
+            return Ok(());
+        }
+        self.mirrored = input.mirrored_view;
+        let limit = input.context.device.limits().max_storage_buffer_binding_size;
+        let needed = size_of_val(&wedges.wedges[..]) as u64;
+        if needed > limit {
+            return Err(RenderError::Limit {
+                what: "wedges of all lights",
+                needed,
+                limit,
+            });
+        }
+        self.upload(input.context, wedges, view);
+        self.groups.extend_from_slice(&wedges.groups);
+        self.cap_draws.extend(
+            wedges
+                .casters
+                .iter()
+                .zip(&wedges.caster_records)
+                .map(|(caster, record)| CapDraw {
+                    mesh: input.table.mesh[caster.object as usize],
+                    caps: caster.caps.clone(),
+                    has_far: record.light_local[3] != 0.0,
+                }),
+        );
+        for light in &wedges.lights {
+            let first = self.parts.len();
+            for part in &wedges.parts[light.parts.clone()] {
+                self.parts.push(PartPlan {
+                    groups: part.groups.clone(),
+                    share: self
+                        .tables
+                        .share(&part.part, light.texture.as_ref(), light.parts.len()),
+                    has_extent: part.part.shape != PartShape::Point,
+                    is_sphere: matches!(part.part.shape, PartShape::Sphere { .. }),
+                });
+            }
+            let plan = LightPlan {
+                light: light.light,
+                settings: light.settings,
+                form: self.form(light),
+                parts: first..self.parts.len(),
+            };
+            self.textures.require(input.context, viewport.0, plan.form)?;
+            self.require(input.context, &plan, input.debug_view);
+            self.plans.push(plan);
+        }
+        Ok(())
+    }
+
+    fn visibility(&self, light: usize) -> Option<Visibility> {
+        self.plan_of(light).map(|_| Visibility::Mask)
+    }
+
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        self.record_mask(light, encoder, input);
+    }
+
+    fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
+        let Some(plan) = self.plan_of(light) else {
+            return;
+        };
+        pass.set_bind_group(0, input.view, &[]);
+        pass.set_bind_group(2, &self.group, &[]);
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        for part in &self.parts[plan.parts.clone()] {
+            let key = Key {
+                part: Part::Show,
+                form: plan.form,
+                is_sphere: part.is_sphere,
+                looks_up: plan.settings.maths == CoverageMaths::Tables,
+                mirrored: self.mirrored,
+            };
+            let Some(pipeline) = self.pipelines.get(key) else {
+                continue;
+            };
+            pass.set_pipeline(pipeline);
+            let indices = if part.has_extent { SHELLS } else { HARD_SIDE };
+            for group in &self.groups[part.groups.clone()] {
+                pass.draw_indexed(indices.clone(), 0, group.wedges.clone());
+            }
+        }
+    }
+
+    fn batch_count(&self, light: usize) -> usize {
+        let Some(plan) = self.plan_of(light) else {
+            return 0;
+        };
+        let parts = self.parts[plan.parts.clone()].iter();
+        parts
+            .map(|part| {
+                let groups = self.groups[part.groups.clone()].iter();
+                let drawn: usize = groups
+                    .map(|group| {
+                        let faces = match (plan.settings.culling, part.has_extent) {
+                            (_, false) => 1,
+                            (WedgeCulling::Stencil, true) => 1 + 4 * group.wedges.len(),
+                            (_, true) => 2,
+                        };
+                        self.cap_draw_count(group) + faces
+                    })
+                    .sum();
+                drawn + 1
+            })
+            .sum()
+    }
+}

@@ -1,0 +1,102 @@
+//! The parts of a light: what is one light to the wedges. A rectangle may be split; everything else is one part.
+
+use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
+
+use super::component::PenumbraWedge;
+use crate::scene::LightKind;
+use crate::sets::FrameLight;
+
+/// What a part of a light is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PartShape {
+    /// Without extent: its shadow is hard.
+    Point,
+    /// A rectangle in the XY plane of light space, which shines to −Z.
+    Rect {
+        /// Half of the width and height, metres; > 0.
+        half: DVec2,
+    },
+    /// A sphere; the disc through its centre that faces the receiver stands for it.
+    Sphere {
+        /// Metres; > 0.
+        radius: f64,
+    },
+}
+
+/// One part of a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightPart {
+    /// Homogeneous point, world space; as [`FrameLight::point_world`].
+    pub point_world: DVec4,
+    /// From light space (the part's centre, the light's axes, world scale) to world space. Without rotation for points
+    /// and spheres, and without translation for directional lights.
+    pub world_from_light: DMat4,
+    /// Shape in light space.
+    pub shape: PartShape,
+    /// Where the part lies in the light, −1 to 1 along its width and height: centre, then half size.
+    pub place: [f32; 4],
+}
+
+/// Below this length an extent counts as none, metres.
+const LEAST_EXTENT: f64 = 1e-6;
+
+/// A rectangle without width or height is a line: it is given this share of its other side.
+const LINE_SHARE: f64 = 1e-3;
+
+/// Appends the parts of a light, row by row.
+pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<LightPart>) {
+    let point = light.point_world;
+    let centered = |shape| LightPart {
+        point_world: point,
+        world_from_light: DMat4::from_translation(point.truncate() * point.w),
+        shape,
+        place: [0.0, 0.0, 1.0, 1.0],
+    };
+    match light.light.kind {
+        LightKind::Sphere { radius } if f64::from(radius) > LEAST_EXTENT => {
+            parts.push(centered(PartShape::Sphere {
+                radius: f64::from(radius),
+            }));
+        }
+        LightKind::Rect { width, height } if f64::from(width.max(height)) > LEAST_EXTENT => {
+            let size = DVec2::new(f64::from(width), f64::from(height));
+            let size = size.max(DVec2::splat(size.max_element() * LINE_SHARE));
+            let [right, up] = light.emitter.half_sides;
+            let axes = axes(light, right, up);
+            let [columns, rows] = settings.parts();
+            let count = DVec2::new(f64::from(columns), f64::from(rows));
+            for row in 0..rows {
+                for column in 0..columns {
+                    let cell = DVec2::new(f64::from(column), f64::from(row));
+                    let place = (cell * 2.0 + 1.0) / count - 1.0;
+                    let center = point.truncate() + axes * (place * size * 0.5).extend(0.0);
+                    parts.push(LightPart {
+                        point_world: center.extend(1.0),
+                        world_from_light: DMat4::from_translation(center) * DMat4::from_mat3(axes),
+                        shape: PartShape::Rect {
+                            half: size * 0.5 / count,
+                        },
+                        place: [
+                            place.x as f32,
+                            place.y as f32,
+                            count.x.recip() as f32,
+                            count.y.recip() as f32,
+                        ],
+                    });
+                }
+            }
+        }
+        _ => parts.push(centered(PartShape::Point)),
+    }
+}
+
+/// The light's own axes: right, up, and against the direction of shining.
+fn axes(light: &FrameLight, right: DVec3, up: DVec3) -> DMat3 {
+    let back = -light.direction.as_dvec3().normalize();
+    // A side without length has no direction, and sides need not be quite at right angles to the direction.
+    let right = (right - back * right.dot(back))
+        .try_normalize()
+        .or_else(|| up.cross(back).try_normalize())
+        .unwrap_or_else(|| back.any_orthonormal_vector());
+    DMat3::from_cols(right, back.cross(right), back)
+}

@@ -1,0 +1,221 @@
+//! Which triangles a wedge is made of: one index list for all wedges.
+//!
+//! A wedge has [`VERTEX_COUNT`] named vertices; the list draws them in four parts that follow one another, all wound
+//! with their front outward of the half that they close:
+//!
+//! ```text
+//! [ separator, front to the inner half | outer shell | inner shell | separator, front to the outer half ]
+//!   └────────── outer half ──────────┘               └───────────── inner half ──────────────────────┘
+//!                                        └─── shells ───┘
+//! ```
+//!
+//! The separator is the side of the hard shadow's volume and on either side of it what closes the halves (figure 2 of
+//! the paper). All parts share the vertices at their seams, so that a ray which crosses one half into the other crosses
+//! exactly one triangle of the separator.
+
+use std::ops::Range;
+
+use super::shell::RIM;
+
+/// The end of the edge that it is directed away from.
+pub const START: u16 = 0;
+/// The other end.
+pub const END: u16 = 1;
+/// The start pushed to infinity, away from the light's centre.
+pub const FAR_START: u16 = 2;
+/// The end, likewise.
+pub const FAR_END: u16 = 3;
+/// First of [`RIM`] rim points of the outer half, then those of the inner.
+pub const FIRST_RIM: u16 = 4;
+/// First of as many ends, those that the rays of the rim points start from.
+pub const FIRST_APEX: u16 = FIRST_RIM + 2 * RIM as u16;
+/// Vertices of a wedge.
+pub const VERTEX_COUNT: u16 = FIRST_APEX + 2 * RIM as u16;
+
+const SEPARATOR: usize = 6 * 3;
+const SHELL: usize = (2 * (RIM - 1) + RIM) * 3;
+
+/// Indices of the outer half.
+pub const OUTER_HALF: Range<u32> = 0..(SEPARATOR + SHELL) as u32;
+/// Indices of the inner half.
+pub const INNER_HALF: Range<u32> = OUTER_HALF.end..2 * OUTER_HALF.end;
+/// Indices of both shells.
+pub const SHELLS: Range<u32> = SEPARATOR as u32..(SEPARATOR + 2 * SHELL) as u32;
+/// Indices of the separator, its front to the outside of the hard shadow.
+pub const SEPARATORS: Range<u32> = (SEPARATOR + 2 * SHELL) as u32..2 * (SEPARATOR + SHELL) as u32;
+/// Those of them that bound the hard shadow.
+pub const HARD_SIDE: Range<u32> = SEPARATORS.start..SEPARATORS.start + 6;
+
+/// All indices.
+pub fn indices() -> Vec<u16> {
+    let mut all = separator();
+    flip(&mut all);
+    all.extend(shell(0));
+    let mut inner = shell(1);
+    flip(&mut inner);
+    all.extend(inner);
+    all.extend(separator());
+    all
+}
+
+/// The side of the hard shadow, then the two triangles and their degenerate companions that extend it to the rims.
+///
+/// The first vertex of a triangle tells the fragment stage whether it bounds the hard shadow: rim points do not. The
+/// companions matter when both rims start from one end: then the extension of the other end is a quad.
+fn separator() -> Vec<u16> {
+    let (first, last) = (FIRST_RIM, FIRST_RIM + RIM as u16 - 1);
+    let apex = |rim: u16| rim - FIRST_RIM + FIRST_APEX;
+    [
+        [END, START, FAR_START],
+        [END, FAR_START, FAR_END],
+        [first, FAR_START, START],
+        [apex(first), first, START],
+        [last, END, FAR_END],
+        [last, apex(last), END],
+    ]
+    .concat()
+}
+
+/// The shell of one half: between its rays, and at infinity. The first vertex of each triangle belongs to this half
+/// alone, which tells the fragment stage the half.
+fn shell(half: u16) -> Vec<u16> {
+    let rim = |i: u16| FIRST_RIM + half * RIM as u16 + i;
+    let apex = |i: u16| FIRST_APEX + half * RIM as u16 + i;
+    let last = RIM as u16 - 1;
+    let mut all = Vec::with_capacity(SHELL);
+    for i in 0..last {
+        all.extend([apex(i), rim(i), rim(i + 1)]);
+        all.extend([apex(i), rim(i + 1), apex(i + 1)]);
+        all.extend([rim(i), FAR_START, rim(i + 1)]);
+    }
+    all.extend([rim(last), FAR_START, FAR_END]);
+    all
+}
+
+fn flip(triangles: &mut [u16]) {
+    for triangle in triangles.chunks_exact_mut(3) {
+        triangle.swap(1, 2);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::techniques::penumbra_wedge::shell::{Shell, quad_shell, sphere_shell};
+
+    const ENDS: [DVec3; 2] = [DVec3::new(-0.7, 0.4, -2.0), DVec3::new(0.9, 0.1, -2.5)];
+
+    fn quad() -> [DVec3; 4] {
+        [
+            DVec3::new(0.5, 0.3, 0.0),
+            DVec3::new(-0.5, 0.3, 0.0),
+            DVec3::new(-0.5, -0.3, 0.0),
+            DVec3::new(0.5, -0.3, 0.0),
+        ]
+    }
+
+    /// The vertices of a wedge, infinity brought near.
+    fn vertices(ends: [DVec3; 2], shell: &Shell) -> Vec<DVec3> {
+        let far = |apex: usize, direction: DVec3| ends[apex] + direction * 50.0;
+        let mut all = vec![ends[0], ends[1], far(0, ends[0]), far(1, ends[1])];
+        let rims = shell.rims.iter().flatten();
+        all.extend(rims.clone().map(|point| far(point.apex, point.direction)));
+        all.extend(rims.map(|point| ends[point.apex]));
+        all
+    }
+
+    /// Six times the signed volume, and whether every directed edge between places has its reverse.
+    fn measure(vertices: &[DVec3], indices: &[u16]) -> (f64, bool) {
+        let mut balance: HashMap<[[u64; 3]; 2], i32> = HashMap::new();
+        let key = |v: u16| vertices[v as usize].to_array().map(|x| (x + 0.0).to_bits());
+        let mut volume = 0.0;
+        for triangle in indices.chunks_exact(3) {
+            let [a, b, c] = [0, 1, 2].map(|i| vertices[triangle[i] as usize]);
+            volume += a.dot(b.cross(c));
+            for i in 0..3 {
+                let (from, to) = (key(triangle[i]), key(triangle[(i + 1) % 3]));
+                *balance.entry([from, to]).or_default() += 1;
+                *balance.entry([to, from]).or_default() -= 1;
+            }
+        }
+        (volume, balance.values().all(|&count| count == 0))
+    }
+
+    fn shells() -> Vec<([DVec3; 2], Shell)> {
+        let pointing = [DVec3::new(0.05, 0.02, -1.0), DVec3::new(0.12, 0.02, -2.0)];
+        vec![
+            (ENDS, quad_shell(ENDS, quad()).unwrap()),
+            (ENDS, sphere_shell(ENDS, 0.4).unwrap()),
+            (pointing, quad_shell(pointing, quad()).unwrap()),
+            (pointing, sphere_shell(pointing, 0.4).unwrap()),
+            (
+                [ENDS[1], ENDS[0]],
+                quad_shell([ENDS[1], ENDS[0]], quad()).unwrap(),
+            ),
+        ]
+    }
+
+    #[test]
+    fn halves_are_closed_and_wound_outward() {
+        let indices = indices();
+        assert_eq!(indices.len(), SEPARATORS.end as usize);
+        for (ends, shell) in shells() {
+            let vertices = vertices(ends, &shell);
+            for half in [OUTER_HALF, INNER_HALF] {
+                let range = half.start as usize..half.end as usize;
+                let (volume, closed) = measure(&vertices, &indices[range]);
+                assert!(closed, "{ends:?}");
+                assert!(volume > 1.0, "{volume} {ends:?}");
+            }
+            // A half without its separator is open.
+            let shells = SHELLS.start as usize..SHELLS.end as usize / 2;
+            assert!(!measure(&vertices, &indices[shells]).1);
+        }
+    }
+
+    #[test]
+    fn shells_hold_what_sees_the_light_past_the_edge() {
+        let mut random = 1u32;
+        let mut unit = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(random >> 8) / f64::from(1 << 24)
+        };
+        let indices = indices();
+        let range = SHELLS.start as usize..SHELLS.end as usize;
+        for case in 0..400 {
+            let mut point = || DVec3::new(unit() * 4.0 - 2.0, unit() * 4.0 - 2.0, -0.5 - unit() * 3.0);
+            let ends = [point(), point()];
+            let is_sphere = case % 2 == 0;
+            let shell = if is_sphere {
+                sphere_shell(ends, 0.4)
+            } else {
+                quad_shell(ends, quad())
+            };
+            let vertices = vertices(ends, &shell.expect("it does not point at the centre"));
+            for _ in 0..50 {
+                let light = if is_sphere {
+                    let direction = DVec3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5);
+                    direction.normalize() * 0.4
+                } else {
+                    DVec3::new(unit() - 0.5, 0.6 * unit() - 0.3, 0.0)
+                };
+                let at = ends[0].lerp(ends[1], unit());
+                let seen = at + (at - light) * (0.1 + unit() * 3.0);
+                // Inside of the hull of shells: before every triangle that is not at infinity.
+                for triangle in indices[range.clone()].chunks_exact(3) {
+                    if triangle.contains(&FAR_START) {
+                        continue;
+                    }
+                    let [a, b, c] = [0, 1, 2].map(|i| vertices[triangle[i] as usize]);
+                    let normal = (b - a).cross(c - a).normalize_or_zero();
+                    let distance = normal.dot(seen - a);
+                    assert!(distance < 1e-6, "case {case}: {distance} outside, {ends:?}");
+                }
+            }
+        }
+    }
+}

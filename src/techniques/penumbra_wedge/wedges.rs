@@ -1,0 +1,462 @@
+//! The frame's wedges: flat arrays over all lights, made anew only where something moved.
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use glam::{DMat4, Mat4};
+use std::ops::Range;
+
+use super::component::{Overlap, PenumbraWedge, WedgeBounds};
+use super::layers::{LayeredContour, extract_layers};
+use super::parts::{LightPart, PartShape, push_parts};
+use super::records::{Wedge, WedgeCaster, push_edge};
+use super::texture::EmitterTexture;
+use crate::scene::{PosedMesh, SceneMesh};
+use crate::sets::depth_bounds::shadow_depth_range;
+use crate::sets::{FrameLight, FrameLights, Objects, View};
+use crate::silhouettes::cache::light_in_local;
+use crate::silhouettes::{CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify};
+
+/// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
+/// [`build_penumbra_wedges`].
+#[derive(Resource, Debug, Default)]
+pub struct PenumbraWedges {
+    /// Ascending by light.
+    pub lights: Vec<LightWedges>,
+    /// Parts of all lights.
+    pub parts: Vec<PartWedges>,
+    /// What is summed by itself; one a part, or with [`Overlap::Paper`] one a caster.
+    pub groups: Vec<Group>,
+    /// Casters of all parts.
+    pub casters: Vec<CasterDraw>,
+    /// The same for the GPU.
+    pub caster_records: Vec<WedgeCaster>,
+    /// Edges of all casters.
+    pub wedges: Vec<Wedge>,
+    /// Cap triangles of all casters: vertices of their meshes, wound towards the light.
+    pub caps: Vec<u32>,
+    /// Increases when `caster_records`, `wedges` or `caps` changed.
+    pub generation: u64,
+    kept: Vec<LightChunks>,
+    scratch: Scratch,
+    frame: u64,
+}
+
+/// One light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightWedges {
+    /// Index into [`FrameLights`].
+    pub light: usize,
+    /// The light.
+    pub entity: Entity,
+    /// Copy of the component.
+    pub settings: PenumbraWedge,
+    /// Copy of the component, for rectangles.
+    pub texture: Option<EmitterTexture>,
+    /// Range of [`PenumbraWedges::parts`].
+    pub parts: Range<usize>,
+}
+
+/// One part of a light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PartWedges {
+    /// Where and what it is.
+    pub part: LightPart,
+    /// Range of [`PenumbraWedges::groups`].
+    pub groups: Range<usize>,
+}
+
+/// Casters whose shadows are summed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Range of [`PenumbraWedges::casters`].
+    pub casters: Range<usize>,
+    /// Range of [`PenumbraWedges::wedges`].
+    pub wedges: Range<u32>,
+}
+
+/// One caster of one part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CasterDraw {
+    /// Dense index.
+    pub object: u32,
+    /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::layers).
+    pub caps: [Range<u32>; 3],
+}
+
+/// What a chunk was made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ChunkKey {
+    revision: u64,
+    light_from_local: Mat4,
+    shape: PartShape,
+    bounds: WedgeBounds,
+}
+
+/// The wedges of one caster in one part.
+#[derive(Debug)]
+struct Chunk {
+    entity: Entity,
+    part: u32,
+    key: ChunkKey,
+    light_local: [f32; 4],
+    wedges: Vec<Wedge>,
+    caps: Vec<u32>,
+    cap_counts: [u32; 3],
+    last_used: u64,
+}
+
+#[derive(Debug)]
+struct LightChunks {
+    light: Entity,
+    /// Ascending by entity and part.
+    chunks: Vec<Chunk>,
+    last_used: u64,
+}
+
+#[derive(Debug, Default)]
+struct Scratch {
+    bits: FacingBits,
+    contour: LayeredContour,
+    parts: Vec<LightPart>,
+    /// What the flat arrays hold, and held in the last frame.
+    layout: Vec<Placed>,
+    last_layout: Vec<Placed>,
+}
+
+/// A chunk in the flat arrays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Placed {
+    light: Entity,
+    /// Number of the part in its light.
+    part: u32,
+    /// Index of the part in the frame.
+    index: u32,
+    caster: Entity,
+    object: u32,
+    overlap: Overlap,
+}
+
+/// Frames that a chunk outlives its last use; as of silhouettes.
+const KEPT_FRAMES: u64 = 120;
+
+type CasterItem<'a> = (
+    &'a CasterEdges,
+    &'a SceneMesh,
+    &'a GlobalTransform,
+    Option<(&'a PosedMesh, &'a PosedPlanes)>,
+);
+
+impl PenumbraWedges {
+    /// The wedges of a light of [`FrameLights`].
+    pub fn of_light(&self, light: usize) -> Option<&LightWedges> {
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
+        Some(&self.lights[at])
+    }
+}
+
+/// Makes the wedges of every edge of every caster of every light with a [`PenumbraWedge`], those that are not known yet
+/// or stale, and lists what the frame draws.
+///
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`]; writes [`PenumbraWedges`].
+/// Cost: an inverse a caster of S; the edges of what moved.
+pub fn build_penumbra_wedges(
+    mut wedges: ResMut<PenumbraWedges>,
+    lights: Res<FrameLights>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    silhouettes: Res<Silhouettes>,
+    components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
+    casters: Query<CasterItem<'static>>,
+) {
+    let out = &mut *wedges;
+    out.frame += 1;
+    let frame = out.frame;
+    out.lights.clear();
+    out.parts.clear();
+    std::mem::swap(&mut out.scratch.layout, &mut out.scratch.last_layout);
+    out.scratch.layout.clear();
+    let Some(view) = &view.data else {
+        return;
+    };
+    let mut rebuilt = false;
+    for (index, light) in lights.lights.iter().enumerate() {
+        let Ok((settings, texture)) = components.get(light.entity) else {
+            continue;
+        };
+        if light.scissor.is_none() {
+            continue; // nothing that is visible receives it
+        }
+        let first = out.parts.len();
+        out.scratch.parts.clear();
+        push_parts(light, settings, &mut out.scratch.parts);
+        out.parts.extend(out.scratch.parts.iter().map(|part| PartWedges {
+            part: *part,
+            groups: 0..0,
+        }));
+        out.lights.push(LightWedges {
+            light: index,
+            entity: light.entity,
+            settings: *settings,
+            texture: texture
+                .filter(|_| matches!(out.scratch.parts[0].shape, PartShape::Rect { .. }))
+                .cloned(),
+            parts: first..out.parts.len(),
+        });
+        let Some(known) = silhouettes.of_light(light.entity) else {
+            continue;
+        };
+        let chunks = chunks_of(&mut out.kept, light.entity, frame);
+        for number in 0..out.scratch.parts.len() {
+            let part = out.scratch.parts[number];
+            for object in light.s.ones() {
+                let Some((_, silhouette)) = known.of_object(object) else {
+                    continue;
+                };
+                let entity = objects.entities[object];
+                let Ok(item) = casters.get(entity) else {
+                    continue;
+                };
+                // A shadow before the nearest or beyond the farthest surface that the light reaches.
+                let reaches = light.depth_bounds.is_some_and(|reached| {
+                    shadow_depth_range(view, &objects.boxes.get(object), &light.emitter)
+                        .is_some_and(|spanned| spanned.intersects(&reached))
+                });
+                if !reaches {
+                    continue;
+                }
+                let Some(light_from_local) = light_from_local(&part, item.2) else {
+                    continue;
+                };
+                let key = ChunkKey {
+                    revision: silhouette.revision,
+                    light_from_local: light_from_local.as_mat4(),
+                    shape: part.shape,
+                    bounds: settings.bounds,
+                };
+                let number = number as u32;
+                let at = match chunks
+                    .binary_search_by_key(&(entity, number), |chunk| (chunk.entity, chunk.part))
+                {
+                    Ok(at) => at,
+                    Err(at) => {
+                        chunks.insert(at, Chunk::empty(entity, number, key));
+                        at
+                    }
+                };
+                let chunk = &mut chunks[at];
+                let fresh = chunk.last_used == 0;
+                chunk.last_used = frame;
+                if fresh || chunk.key != key {
+                    chunk.key = key;
+                    chunk.build(
+                        light,
+                        &part,
+                        &light_from_local,
+                        silhouette,
+                        item,
+                        &mut out.scratch,
+                    );
+                    rebuilt = true;
+                }
+                if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
+                    let layout = &mut out.scratch.layout;
+                    layout.push(Placed {
+                        light: light.entity,
+                        part: number,
+                        index: first as u32 + number,
+                        caster: entity,
+                        object: object as u32,
+                        overlap: settings.overlap,
+                    });
+                }
+            }
+        }
+        chunks.retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
+    }
+    out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
+    let same_layout = out.scratch.layout == out.scratch.last_layout;
+    out.assemble(rebuilt || !same_layout);
+}
+
+fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) -> &mut Vec<Chunk> {
+    let at = kept
+        .binary_search_by_key(&light, |entry| entry.light)
+        .unwrap_or_else(|at| {
+            kept.insert(
+                at,
+                LightChunks {
+                    light,
+                    chunks: Vec::new(),
+                    last_used: frame,
+                },
+            );
+            at
+        });
+    kept[at].last_used = frame;
+    &mut kept[at].chunks
+}
+
+/// From a caster's space to light space; `None` without an inverse of either.
+fn light_from_local(part: &LightPart, world_from_local: &GlobalTransform) -> Option<DMat4> {
+    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
+    let light_from_local = part.world_from_light.inverse() * world_from_local;
+    light_from_local.is_finite().then_some(light_from_local)
+}
+
+impl Chunk {
+    fn empty(entity: Entity, part: u32, key: ChunkKey) -> Self {
+        Self {
+            entity,
+            part,
+            key,
+            light_local: [0.0; 4],
+            wedges: Vec::new(),
+            caps: Vec::new(),
+            cap_counts: [0; 3],
+            last_used: 0,
+        }
+    }
+
+    /// Makes edges and caps anew.
+    fn build(
+        &mut self,
+        light: &FrameLight,
+        part: &LightPart,
+        light_from_local: &DMat4,
+        silhouette: &Silhouette,
+        (edges, mesh, transform, posed): (
+            &CasterEdges,
+            &SceneMesh,
+            &GlobalTransform,
+            Option<(&PosedMesh, &PosedPlanes)>,
+        ),
+        scratch: &mut Scratch,
+    ) {
+        self.wedges.clear();
+        self.caps.clear();
+        self.cap_counts = [0; 3];
+        let Some(light_local) = light_in_local(transform, part.point_world) else {
+            return;
+        };
+        let (positions, planes) = match posed {
+            Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
+                (&posed.positions, &planes.0)
+            }
+            _ => (&mesh.0.positions, &edges.0.planes),
+        };
+        let (bits, contour) = (&mut scratch.bits, &mut scratch.contour);
+        classify(&edges.0.edges, planes, light_local, bits);
+        extract_layers(&edges.0.edges, positions, bits, silhouette.mode, contour);
+        self.light_local = light_local.to_array();
+        let mirrored = light_from_local.determinant() < 0.0;
+        let shape = if light.point_world.w == 0.0 {
+            PartShape::Point
+        } else {
+            part.shape
+        };
+        for &([a, b], layers) in &contour.edges {
+            let ends = if mirrored { [b, a] } else { [a, b] };
+            let bounds = self.key.bounds;
+            push_edge(ends, layers, light_from_local, shape, bounds, &mut self.wedges);
+        }
+        for (count, triangles) in self.cap_counts.iter_mut().zip(&contour.caps) {
+            *count = 3 * triangles.len() as u32;
+            let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+            self.caps.extend(triangles.iter().flat_map(turned));
+        }
+    }
+}
+
+impl PenumbraWedges {
+    /// Lists groups and casters; copies the chunks into the flat arrays if `changed`.
+    fn assemble(&mut self, changed: bool) {
+        let Self {
+            lights,
+            parts,
+            groups,
+            casters,
+            caster_records,
+            wedges,
+            caps,
+            generation,
+            kept,
+            scratch,
+            ..
+        } = self;
+        groups.clear();
+        casters.clear();
+        if changed {
+            *generation += 1;
+            caster_records.clear();
+            wedges.clear();
+            caps.clear();
+        }
+        let (mut wedge_count, mut cap_count) = (0u32, 0u32);
+        let mut entries = scratch.layout.iter().peekable();
+        for light in lights.iter() {
+            let chunks = kept
+                .binary_search_by_key(&light.entity, |entry| entry.light)
+                .ok()
+                .map(|at| &kept[at].chunks);
+            for (number, index) in light.parts.clone().enumerate() {
+                let first_group = groups.len();
+                let mut first_caster = casters.len();
+                let mut first_wedge = wedge_count;
+                while let Some(&Placed {
+                    caster: entity,
+                    object,
+                    overlap,
+                    ..
+                }) = entries.next_if(|entry| entry.index == index as u32)
+                {
+                    let Some(chunk) = chunks.and_then(|chunks| {
+                        let key = (entity, number as u32);
+                        let at = chunks.binary_search_by_key(&key, |chunk| (chunk.entity, chunk.part));
+                        at.ok().map(|at| &chunks[at])
+                    }) else {
+                        continue;
+                    };
+                    if changed {
+                        let caster = caster_records.len() as u32;
+                        caster_records.push(WedgeCaster {
+                            light_local: chunk.light_local,
+                            object,
+                            padding: [0; 3],
+                        });
+                        wedges.extend(chunk.wedges.iter().map(|wedge| Wedge {
+                            caster,
+                            light: index as u32,
+                            ..*wedge
+                        }));
+                        caps.extend_from_slice(&chunk.caps);
+                    }
+                    casters.push(CasterDraw {
+                        object,
+                        caps: chunk.cap_counts.map(|count| {
+                            cap_count += count;
+                            cap_count - count..cap_count
+                        }),
+                    });
+                    wedge_count += chunk.wedges.len() as u32;
+                    if overlap == Overlap::Paper {
+                        groups.push(Group {
+                            casters: first_caster..casters.len(),
+                            wedges: first_wedge..wedge_count,
+                        });
+                        (first_caster, first_wedge) = (casters.len(), wedge_count);
+                    }
+                }
+                if first_caster < casters.len() {
+                    groups.push(Group {
+                        casters: first_caster..casters.len(),
+                        wedges: first_wedge..wedge_count,
+                    });
+                }
+                parts[index].groups = first_group..groups.len();
+            }
+        }
+    }
+}

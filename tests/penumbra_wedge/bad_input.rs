@@ -1,0 +1,103 @@
+//! Lights and casters that meet, and other degenerate input: never NaN, never an error of the device.
+
+use antumbra::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::Vec3;
+
+use crate::harness::strict_context;
+use crate::scenes::{Lit, ground, light, rect, rendered, spawn, sphere};
+
+/// Renders a light in every form; the picture has nothing but visibilities.
+fn shines(context: &RenderContext, name: &str, kind: LightKind, from: Vec3, mesh: MeshData) -> f32 {
+    let mut stage = ground(context, Vec3::new(2.5, 3.0, 4.5), Vec3::ZERO);
+    spawn(&mut stage, mesh, Transform::from_xyz(0.0, 1.0, 0.0));
+    light(
+        &mut stage,
+        &Lit {
+            kind,
+            from,
+            to: Vec3::new(0.01, 0.0, 0.02),
+            wedge: PenumbraWedge::default(),
+        },
+    );
+    let got = rendered(&mut stage, 0);
+    let bad = got.values().iter().filter(|v| !(0.0..=1.0).contains(*v)).count();
+    assert_eq!(bad, 0, "{name} {kind:?}");
+    let radiance = stage.render().expect("a frame").radiance;
+    assert!(radiance.iter().all(|value| value.is_finite()), "{name} {kind:?}");
+    got.values().iter().sum::<f32>() / got.values().len() as f32
+}
+
+#[test]
+fn lights_and_casters_may_meet() {
+    let context = strict_context(RequestedFeatures::default());
+    let cube = || MeshData::cuboid(Vec3::splat(0.5));
+    for kind in [rect(0.6, 0.4), sphere(0.3), rect(0.6, 0.0)] {
+        let inside = shines(&context, "inside", kind, Vec3::new(0.0, 1.0, 0.0), cube());
+        assert!(inside < 0.3, "all but dark: {inside}");
+        shines(&context, "touching", kind, Vec3::new(0.0, 1.5, 0.0), cube());
+        shines(
+            &context,
+            "crossing",
+            kind,
+            Vec3::new(0.1, 1.6, 0.2),
+            MeshData::cuboid(Vec3::new(0.05, 1.0, 0.05)),
+        );
+        shines(&context, "on an edge", kind, Vec3::new(0.5, 1.5, 0.0), cube());
+        shines(&context, "on a vertex", kind, Vec3::new(0.5, 1.5, 0.5), cube());
+    }
+    for kind in [rect(40.0, 40.0), sphere(20.0), rect(1e6, 1e6), sphere(1e6)] {
+        shines(&context, "huge", kind, Vec3::new(0.0, 30.0, 0.0), cube());
+    }
+    let edge_on = shines(
+        &context,
+        "edge-on",
+        rect(0.6, 0.4),
+        Vec3::new(6.0, 0.0, 0.0),
+        cube(),
+    );
+    assert!(edge_on > 0.5, "{edge_on}");
+}
+
+#[test]
+fn degenerate_and_many_edges_do_no_harm() {
+    let context = strict_context(RequestedFeatures::default());
+    let sliver = MeshData::from_triangles(
+        "sliver",
+        vec![
+            Vec3::ZERO,
+            Vec3::X,
+            Vec3::X * 2.0,
+            Vec3::ZERO,
+            Vec3::splat(1e-30),
+            Vec3::splat(0.3),
+            Vec3::ZERO,
+            Vec3::ZERO,
+            Vec3::Y,
+        ],
+        (0..9).collect(),
+    );
+    shines(
+        &context,
+        "slivers",
+        rect(0.6, 0.4),
+        Vec3::new(0.5, 4.0, 0.3),
+        sliver,
+    );
+    // Thousands of triangles apart from one another.
+    let mut positions = Vec::new();
+    for i in 0..2000 {
+        let t = i as f32;
+        let at = Vec3::new((t * 0.37).sin(), 0.4 * (t * 0.11).cos(), (t * 0.73).sin()) * 0.8;
+        positions.extend([
+            at,
+            at + Vec3::new(0.05, 0.01, 0.0),
+            at + Vec3::new(0.0, 0.02, 0.05),
+        ]);
+    }
+    let indices = (0..positions.len() as u32).collect();
+    let leaves = MeshData::from_triangles("leaves", positions, indices);
+    for kind in [rect(0.6, 0.4), sphere(0.3)] {
+        shines(&context, "leaves", kind, Vec3::new(0.5, 4.0, 0.3), leaves.clone());
+    }
+}
