@@ -76,5 +76,5 @@ pub mod prelude {
         SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
     };
     pub use crate::sets::{FrameLights, ViewportSize};
-    pub use crate::techniques::StencilVolume;
+    pub use crate::techniques::{OmniMap, ShadowMap, StencilVolume};
 }

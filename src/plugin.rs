@@ -12,6 +12,7 @@ use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets::{self, SeenInto, seen_into};
 use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
+use crate::techniques::maps::{MapSettings, Maps, build_maps};
 use crate::techniques::stencil_volume::{StencilVolumes, volumes};
 
 /// What is true after each stage of a frame. Chained in this order.
@@ -121,6 +122,8 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
     world.init_resource::<StencilVolumes>();
+    world.init_resource::<MapSettings>();
+    world.init_resource::<Maps>();
     world.init_resource::<SetTimes>();
 }
 
@@ -181,6 +184,7 @@ pub fn add_systems(schedule: &mut Schedule) {
             .chain()
             .in_set(silhouettes),
         volumes::build_stencil_volumes.in_set(techniques),
+        build_maps.in_set(techniques),
     ));
     #[cfg(feature = "render")]
     {

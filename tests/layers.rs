@@ -22,7 +22,14 @@ const LAYERS: [&str; 8] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 3] = ["node.rs", "contour_pool.rs", "volume_pipelines.rs"];
+const TECHNIQUE_GPU_FILES: [&str; 6] = [
+    "node.rs",
+    "contour_pool.rs",
+    "volume_pipelines.rs",
+    "map_draws.rs",
+    "map_pipelines.rs",
+    "map_pool.rs",
+];
 
 #[test]
 fn no_layer_uses_a_later_one() {

@@ -71,6 +71,9 @@ fn mirrors() -> Vec<Mirror> {
             corners_per_edge,
             padding,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
+        mirror!(MapFace { row_x, row_y, row_z, projection } in "techniques/maps/resolve.wgsl", array: true),
+        mirror!(MapLight { faces, size, bias, limits } in "techniques/maps/resolve.wgsl", array: false),
+        mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
     ]
 }
 

@@ -13,6 +13,8 @@ pub struct BindGroupLayouts {
     pub light: wgpu::BindGroupLayout,
     /// Group 2 of drawn surfaces.
     pub material: wgpu::BindGroupLayout,
+    /// Group 1 of passes that resolve a mask: depth and plane of what each pixel shows.
+    pub receiver: wgpu::BindGroupLayout,
     /// Group 3 of passes that read a light's visibility mask.
     pub mask: wgpu::BindGroupLayout,
     /// Group 3 of the tonemap.
@@ -115,6 +117,22 @@ impl BindGroupLayouts {
                 )],
             ),
             material: layout("material", &material),
+            receiver: layout(
+                "receiver",
+                &[
+                    texture_entry(0, false),
+                    wgpu::BindGroupLayoutEntry {
+                        binding: 1,
+                        visibility: ShaderStages::FRAGMENT,
+                        ty: wgpu::BindingType::Texture {
+                            sample_type: wgpu::TextureSampleType::Uint,
+                            view_dimension: wgpu::TextureViewDimension::D2,
+                            multisampled: false,
+                        },
+                        count: None,
+                    },
+                ],
+            ),
             mask: layout("mask", &[texture_entry(0, false)]),
             tonemap: layout(
                 "tonemap",

@@ -60,6 +60,17 @@ impl Renderer {
             && let Some(masks) = &self.masks
         {
             self.depth_copy.record(encoder, masks, &self.timings);
+            if self.reads_planes() {
+                nodes::receiver_plane::record(
+                    encoder,
+                    targets,
+                    masks,
+                    &self.view_group,
+                    &self.frame.batches[self.frame.ambient.clone()],
+                    &resources,
+                    &self.timings,
+                );
+            }
         }
 
         // Light by light, so that one stencil and one mask serve all of them. Lights with stencils that follow one
@@ -116,10 +127,20 @@ impl Renderer {
         self.timings.end_frame(encoder);
     }
 
+    /// Whether a technique of the frame's lights with masks reads the receivers' planes.
+    fn reads_planes(&self) -> bool {
+        let reads = |light: &ActiveLight| match light.shadow {
+            Some((technique, Visibility::Mask)) => self.techniques[technique].reads_planes(),
+            _ => false,
+        };
+        self.frame.lights.iter().any(reads)
+    }
+
     /// Lets the technique of a light leave its mask, if it does.
     fn resolve_mask(&self, encoder: &mut wgpu::CommandEncoder, targets: &FrameTargets, light: &ActiveLight) {
         if let (Some((technique, Visibility::Mask)), Some(masks)) = (light.shadow, &self.masks) {
             let input = ResolveInput {
+                context: &self.context,
                 record: self.record_input(),
                 targets,
                 masks,
@@ -217,6 +238,7 @@ impl Renderer {
 
     /// Surface passes whose pipelines a frame needs, by batch.
     pub(super) fn require_pipelines(&mut self) {
+        let reads_planes = self.reads_planes();
         let Self {
             frame,
             pipelines,
@@ -229,6 +251,9 @@ impl Renderer {
             }
         };
         require(SurfacePass::Ambient, frame.ambient.clone());
+        if reads_planes {
+            require(SurfacePass::ReceiverPlane, frame.ambient.clone());
+        }
         for light in &frame.lights {
             let visibility = light.shadow.map(|(_, visibility)| visibility);
             require(SurfacePass::light(visibility), light.batches.clone());

@@ -3,7 +3,7 @@
 use super::bind_groups::BindGroupLayouts;
 use super::draw_list::{VARIANT_COUNT, Variant};
 use super::gpu_types::SurfaceVertex;
-use super::targets::RADIANCE_FORMAT;
+use super::targets::{RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
 use super::technique::Visibility;
 use super::{RenderContext, RenderError, Shaders};
 use crate::conventions::STENCIL_IN_BOUNDS;
@@ -25,6 +25,8 @@ pub enum SurfacePass {
     Visibility,
     /// Writes the mask.
     VisibilityMasked,
+    /// Writes the plane of the triangle.
+    ReceiverPlane,
 }
 
 impl SurfacePass {
@@ -45,7 +47,7 @@ impl SurfacePass {
     }
 }
 
-const PASSES: [SurfacePass; 7] = [
+const PASSES: [SurfacePass; 8] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
@@ -53,6 +55,7 @@ const PASSES: [SurfacePass; 7] = [
     SurfacePass::LightBlended,
     SurfacePass::Visibility,
     SurfacePass::VisibilityMasked,
+    SurfacePass::ReceiverPlane,
 ];
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
@@ -83,6 +86,7 @@ pub struct SurfacePipelines {
     ambient: wgpu::ShaderModule,
     light: wgpu::ShaderModule,
     visibility: wgpu::ShaderModule,
+    receiver_plane: wgpu::ShaderModule,
     unlit_layout: wgpu::PipelineLayout,
     lit_layout: wgpu::PipelineLayout,
     masked_layout: wgpu::PipelineLayout,
@@ -131,6 +135,7 @@ impl SurfacePipelines {
             ambient: shaders.module(&context.device, "passes/ambient.wgsl")?,
             light: shaders.module(&context.device, "passes/light_accumulate.wgsl")?,
             visibility: shaders.module(&context.device, "passes/visibility.wgsl")?,
+            receiver_plane: shaders.module(&context.device, "passes/receiver_plane.wgsl")?,
             unlit_layout: layout("surface", None, None),
             lit_layout: layout("lit surface", Some(&layouts.light), None),
             masked_layout: layout("masked surface", Some(&layouts.light), Some(&layouts.mask)),
@@ -229,6 +234,15 @@ impl SurfacePipelines {
                 false,
                 Equal,
                 stencil_test(Less, 0xff),
+            ),
+            SurfacePass::ReceiverPlane => (
+                &self.receiver_plane,
+                &self.unlit_layout,
+                RECEIVER_PLANE_FORMAT,
+                None,
+                false,
+                Equal,
+                Default::default(),
             ),
             SurfacePass::VisibilityMasked => (
                 &self.visibility,

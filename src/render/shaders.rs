@@ -16,24 +16,30 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 6] = sources![
+pub const COMMON: [(&str, &str); 8] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
+    "common/receiver.wgsl",
     "common/surface.wgsl",
     "common/brdf.wgsl",
     "common/light.wgsl",
     "common/mask.wgsl",
+    "common/map.wgsl",
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 7] = sources![
+pub const PASSES: [(&str, &str); 11] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
+    "passes/receiver_plane.wgsl",
     "passes/visibility.wgsl",
     "passes/tonemap.wgsl",
     "techniques/stencil_volume/volume.wgsl",
+    "techniques/maps/caster.wgsl",
+    "techniques/maps/convert.wgsl",
+    "techniques/maps/resolve.wgsl",
 ];
 
 /// Composes shader modules from the crate's files and from those of third parties.

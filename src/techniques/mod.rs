@@ -4,8 +4,13 @@
 //! technique leaves is visibility (1 where a surface point sees the whole light, 0 where it sees none), and the light
 //! pass multiplies by it and knows nothing else about techniques.
 
+pub mod maps;
+pub mod omni_map;
+pub mod shadow_map;
 pub mod stencil_volume;
 
+pub use omni_map::OmniMap;
+pub use shadow_map::ShadowMap;
 pub use stencil_volume::StencilVolume;
 
 /// Gives a renderer the crate's own techniques, unless techniques of these names were added to it.
@@ -14,12 +19,22 @@ pub use stencil_volume::StencilVolume;
 /// Compares names; only the first frame of a renderer does more.
 #[cfg(feature = "render")]
 pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::render::Renderer>) {
+    use maps::node::MapNode;
+    use maps::request::MapComponent;
     use stencil_volume::node::{NAME, StencilVolumeNode};
-    if renderer.has_technique(NAME) {
-        return;
+    if !renderer.has_technique(NAME) {
+        match StencilVolumeNode::new(renderer.context(), renderer.shaders(), renderer.layouts()) {
+            Ok(node) => renderer.add_technique(Box::new(node)),
+            Err(error) => renderer.fail(error),
+        }
     }
-    match StencilVolumeNode::new(renderer.context(), renderer.shaders(), renderer.layouts()) {
-        Ok(node) => renderer.add_technique(Box::new(node)),
-        Err(error) => renderer.fail(error),
+    for component in [MapComponent::Shadow, MapComponent::Omni] {
+        if renderer.has_technique(component.name()) {
+            continue;
+        }
+        match MapNode::new(component, renderer.context(), renderer.shaders(), renderer.layouts()) {
+            Ok(node) => renderer.add_technique(Box::new(node)),
+            Err(error) => renderer.fail(error),
+        }
     }
 }

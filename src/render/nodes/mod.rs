@@ -5,6 +5,7 @@ pub mod blended;
 pub mod depth_copy;
 pub mod light_accumulate;
 pub mod light_begin;
+pub mod receiver_plane;
 pub mod surfaces;
 pub mod tonemap;
 pub mod visibility;

@@ -1,0 +1,543 @@
+//! The frame's maps: what each face shows, and which are drawn anew.
+//!
+//! A kept map has two layers. In the *still* layer stand all casters that the light reaches and that do not move,
+//! whether or not their shadow can be seen: so it holds for any view. Casters that move stand in the *moving* layer,
+//! which is drawn over a copy of the still one. A face is drawn anew only when something that it shows changed: each
+//! has a revision, and the recorder draws those whose revision it has not drawn yet. A map that is not kept shows the
+//! shadow set S, and is drawn every frame.
+
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+use glam::{DVec3, DVec4};
+
+use super::face::MapFace;
+use super::movers::{Movers, Remap};
+use super::plan::{Grant, Want, share_out, total_bytes};
+use super::request::{MapRequest, MapShape};
+use super::settings::{MapError, MapResolution, MapSettings};
+use super::members::{Scene, expected_faces, farthest, fill_casters, lit_faces, split_members};
+use crate::scene::{SceneMaterials, SceneMesh};
+use crate::sets::{FrameLight, FrameLights, Objects, View};
+use crate::techniques::{OmniMap, ShadowMap};
+
+/// What one face shows.
+#[derive(Clone, Debug)]
+pub struct FaceState {
+    /// Where it stands and how it projects; as drawn.
+    pub face: MapFace,
+    /// Casters of the still layer, by dense object index.
+    pub still: FixedBitSet,
+    /// Casters drawn over it.
+    pub moving: FixedBitSet,
+    /// Changes when the still layer is to be drawn anew; 0: there is none.
+    pub still_revision: u64,
+    /// Changes when anything of the face is to be drawn anew; 0: it shows nothing yet.
+    pub revision: u64,
+    /// Frames whose transforms the layers show.
+    still_at: u64,
+    drawn_at: u64,
+    next: Next,
+}
+
+/// What a face should show.
+#[derive(Clone, Debug)]
+struct Next {
+    face: MapFace,
+    still: FixedBitSet,
+    moving: FixedBitSet,
+    stale: Stale,
+}
+
+/// How much of a face is not what it should be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stale {
+    Nothing,
+    /// What moves.
+    Moving,
+    /// All of it.
+    Still,
+}
+
+/// The map of one light.
+#[derive(Clone, Debug)]
+pub struct LightMap {
+    /// Index into [`FrameLights`].
+    pub light: usize,
+    /// The light.
+    pub entity: Entity,
+    /// What it asked for.
+    pub request: MapRequest,
+    /// Texels along a side.
+    pub resolution: u32,
+    /// The map is kept.
+    pub cached: bool,
+    /// A shadow can be seen: the map is looked up in this frame.
+    pub active: bool,
+    /// Distance to which squared distances are scaled, metres. Source: GPU Gems ch. 12, §12.2.5.
+    pub reach: f64,
+    /// Its faces; no more than the request's.
+    pub faces: Vec<FaceState>,
+    /// Casters of all faces.
+    casters: FixedBitSet,
+    /// Scissor's area, pixels.
+    visibility: u64,
+    /// Of [`MapResolution::Auto`], before the limits.
+    wanted: u32,
+    /// Frame up to which all changes are taken in; `None`: not all are.
+    settled_at: Option<u64>,
+    /// What the faces were made for.
+    key: Option<FaceKey>,
+}
+
+/// What faces depend on, beside the casters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FaceKey {
+    /// The light.
+    pub point_world: DVec4,
+    /// Where it shines to.
+    pub direction: DVec3,
+    /// Metres.
+    pub reach: f64,
+    /// Generation of the view, for cascades.
+    pub view: u64,
+    /// What was asked for.
+    pub request: MapRequest,
+    /// Texels.
+    pub resolution: u32,
+}
+
+/// What is wrong with a light's map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapReport {
+    /// The light.
+    pub entity: Entity,
+    /// What is wrong.
+    pub error: MapError,
+}
+
+/// The maps of this frame. Written by [`build_maps`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Maps {
+    /// All lights with a usable map, ascending by light; those out of view too, for their maps are kept.
+    pub lights: Vec<LightMap>,
+    /// Lights whose map is refused, or less than was asked for; ascending by light.
+    pub reports: Vec<MapReport>,
+    /// Those that the frame before did not have.
+    pub newly_reported: Vec<MapReport>,
+    /// Bytes of the maps that are kept.
+    pub bytes: u64,
+    /// Faces of kept maps to be drawn anew in this frame.
+    pub updated_faces: usize,
+    /// Faces that changed and wait, for [`MapSettings::face_updates`] were used up.
+    pub waiting_faces: usize,
+    movers: Movers,
+    frame: u64,
+    revision: u64,
+    previous: Vec<LightMap>,
+    previous_reports: Vec<MapReport>,
+    wants: Vec<Want>,
+    grants: Vec<Grant>,
+    order: Vec<usize>,
+    candidates: Vec<Candidate>,
+}
+
+/// A face that may be drawn anew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Candidate {
+    /// It shows something, if not the latest.
+    may_wait: bool,
+    /// Inverted visibility: the most visible comes first.
+    hidden: u64,
+    light: usize,
+    /// All faces, if `None`: they must show the light at one place.
+    face: Option<usize>,
+}
+
+impl Maps {
+    /// The map of a light of [`FrameLights`], if it has one that is looked up.
+    pub fn of_light(&self, light: usize) -> Option<&LightMap> {
+        let at = self.lights.binary_search_by_key(&light, |map| map.light).ok()?;
+        Some(&self.lights[at]).filter(|map| map.active)
+    }
+
+    /// Lists the lights, each with its state of the frame before.
+    fn collect_lights(
+        &mut self,
+        lights: &FrameLights,
+        shadow_maps: &Query<&ShadowMap>,
+        omni_maps: &Query<&OmniMap>,
+    ) {
+        std::mem::swap(&mut self.lights, &mut self.previous);
+        self.lights.clear();
+        std::mem::swap(&mut self.reports, &mut self.previous_reports);
+        self.reports.clear();
+        let mut old = self.previous.drain(..).peekable();
+        for (index, light) in lights.lights.iter().enumerate() {
+            let request = match (shadow_maps.get(light.entity), omni_maps.get(light.entity)) {
+                (Ok(map), _) => MapRequest::of_shadow_map(map, light),
+                (_, Ok(map)) => MapRequest::of_omni_map(map, light),
+                _ => continue,
+            };
+            while old.next_if(|map| map.entity < light.entity).is_some() {}
+            let known = old.next_if(|map| map.entity == light.entity);
+            match request {
+                Ok(request) => {
+                    let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
+                    map.begin(index, light, request);
+                    self.lights.push(map);
+                }
+                Err(error) => self.reports.push(MapReport {
+                    entity: light.entity,
+                    error,
+                }),
+            }
+        }
+    }
+
+    /// Gives every map its resolution and says whether it is kept.
+    fn share_memory(&mut self, settings: &MapSettings) {
+        self.wants.clear();
+        for map in &mut self.lights {
+            let mut wanted = map.wanted_resolution();
+            if wanted > settings.largest {
+                let error = MapError::Largest {
+                    wanted,
+                    limit: settings.largest,
+                };
+                self.reports.push(MapReport {
+                    entity: map.entity,
+                    error,
+                });
+                wanted = settings.largest.max(1);
+            }
+            let least = match map.request.resolution {
+                MapResolution::Fixed(_) => 64,
+                MapResolution::Auto { least, .. } => least,
+            };
+            self.wants.push(Want {
+                bytes_per_square: 4 * u64::from(map.request.face_count()) * map.texture_count(),
+                resolution: wanted,
+                least: least.min(wanted),
+                cached: map.request.cached,
+                // In steps, so that small moves of the view exchange no maps.
+                visibility: u64::from(map.visibility.checked_ilog2().map_or(0, |log| log + 1)),
+            });
+        }
+        share_out(&self.wants, settings.memory_limit, &mut self.grants, &mut self.order);
+        self.bytes = total_bytes(&self.wants, &self.grants);
+        for ((map, want), grant) in self.lights.iter_mut().zip(&self.wants).zip(&self.grants) {
+            if (map.resolution, map.cached) != (grant.resolution, grant.cached) {
+                map.forget();
+                (map.resolution, map.cached) = (grant.resolution, grant.cached);
+            }
+            let given = grant.resolution;
+            let error = match (want.cached, grant.cached) {
+                (true, false) => MapError::Uncached { given },
+                _ if given < want.resolution => MapError::Coarser {
+                    wanted: want.resolution,
+                    given,
+                },
+                _ => continue,
+            };
+            self.reports.push(MapReport {
+                entity: map.entity,
+                error,
+            });
+        }
+        self.reports.sort_by_key(|report| report.entity);
+        self.newly_reported.clear();
+        for report in &self.reports {
+            if !self.previous_reports.contains(report) {
+                self.newly_reported.push(*report);
+            }
+        }
+    }
+
+    /// Lists the faces that show something else than they should.
+    fn collect_candidates(&mut self, scene: &Scene, lights: &FrameLights) {
+        self.candidates.clear();
+        let now = self.frame;
+        for (index, map) in self.lights.iter_mut().enumerate() {
+            if !map.active {
+                map.settled_at = None; // what moves meanwhile is not taken in
+                continue;
+            }
+            let light = &lights.lights[map.light];
+            let changed = fill_casters(&mut map.casters, scene.objects, light, map.cached);
+            let unmoved = map.settled_at.is_some_and(|at| at >= self.movers.changed_at);
+            if map.cached && unmoved && !changed {
+                let key = map.face_key(light, scene, map.reach);
+                if map.key == Some(key) {
+                    map.settled_at = Some(now);
+                    continue;
+                }
+            }
+            map.reach = farthest(light, &map.casters, scene.objects);
+            map.key = Some(map.face_key(light, scene, map.reach));
+            map.settled_at = Some(now);
+            let expected = expected_faces(map, light, scene);
+            let mut moved = false;
+            let lit_faces = lit_faces(light);
+            map.faces.truncate(expected.len());
+            for (index, &face) in expected.iter().enumerate() {
+                if map.faces.len() == index {
+                    map.faces.push(FaceState::new(face));
+                }
+                let state = &mut map.faces[index];
+                moved |= state.face != face;
+                state.next.face = face;
+                let (still, moving) = (&mut state.next.still, &mut state.next.moving);
+                let movers = map.cached.then_some(&self.movers);
+                let lit = map.request.shape != MapShape::Cube || lit_faces[index];
+                split_members(&map.casters, &face, scene.objects, lit, movers, still, moving);
+                state.compare(&self.movers, map.cached);
+            }
+            let mut push = |face: Option<usize>, revision: u64| {
+                self.candidates.push(Candidate {
+                    may_wait: map.cached && revision != 0,
+                    hidden: u64::MAX - map.visibility,
+                    light: index,
+                    face,
+                });
+            };
+            if moved && map.request.shape != MapShape::Cascades {
+                push(None, map.faces.iter().map(|face| face.revision).min().unwrap_or(0));
+                continue;
+            }
+            for (face, state) in map.faces.iter().enumerate() {
+                if state.next.stale > Stale::Nothing {
+                    push(Some(face), state.revision);
+                }
+            }
+        }
+    }
+
+    /// Takes in what the budget allows, most visible lights first.
+    fn take_in(&mut self, budget: u32) {
+        (self.updated_faces, self.waiting_faces) = (0, 0);
+        let mut candidates = std::mem::take(&mut self.candidates);
+        candidates.sort_unstable();
+        for candidate in &candidates {
+            let map = &mut self.lights[candidate.light];
+            let range = candidate
+                .face
+                .map_or(0..map.faces.len(), |face| face..face + 1);
+            let count = range.len();
+            if candidate.may_wait && self.updated_faces + count > budget as usize && self.updated_faces > 0 {
+                self.waiting_faces += count;
+                map.settled_at = None;
+                continue;
+            }
+            if map.cached {
+                self.updated_faces += count;
+            }
+            for face in &mut map.faces[range] {
+                face.take_in(map.cached, self.frame, &mut self.revision, candidate.face.is_none());
+            }
+        }
+        self.candidates = candidates;
+    }
+
+    /// Follows a new dense index.
+    fn remap(&mut self, remap: &Remap) {
+        for map in &mut self.lights {
+            map.settled_at = None;
+            map.casters = remap.apply(&map.casters).0;
+            for face in &mut map.faces {
+                let (still, still_lost) = remap.apply(&face.still);
+                let (moving, moving_lost) = remap.apply(&face.moving);
+                // What is gone stands in the layer still: no set tells any more.
+                if still_lost {
+                    face.still_at = 0;
+                }
+                if moving_lost {
+                    face.drawn_at = 0;
+                }
+                (face.still, face.moving) = (still, moving);
+            }
+        }
+    }
+}
+
+impl LightMap {
+    fn new(light: &FrameLight, request: MapRequest) -> Self {
+        Self {
+            light: 0,
+            entity: light.entity,
+            request,
+            resolution: 0,
+            cached: false,
+            active: false,
+            reach: 1.0,
+            faces: Vec::new(),
+            casters: FixedBitSet::new(),
+            visibility: 0,
+            wanted: 0,
+            settled_at: None,
+            key: None,
+        }
+    }
+
+    fn begin(&mut self, index: usize, light: &FrameLight, request: MapRequest) {
+        self.light = index;
+        if self.request != request {
+            if self.request.face_count() != request.face_count() || self.request.shape != request.shape {
+                self.forget();
+            }
+            self.request = request;
+        }
+        self.active = light.scissor.is_some() && !light.s.is_clear();
+        self.visibility = light.scissor.map_or(0, |scissor| scissor.area());
+        if let (MapResolution::Auto { least, most }, Some(scissor)) = (request.resolution, light.scissor) {
+            let longest = f64::from(scissor.width.max(scissor.height));
+            let ideal = match request.shape {
+                MapShape::Spot => longest,
+                MapShape::Cube => 0.5 * longest, // a face shows a quarter of the way round
+                MapShape::Cascades => f64::from(most),
+            };
+            // Wide enough apart that a light at rest in a moving view keeps its map.
+            let current = f64::from(self.resolution);
+            if !(0.4 * current..=1.1 * current).contains(&ideal) || self.wanted == 0 {
+                self.wanted = (ideal.ceil() as u32).next_power_of_two();
+            }
+            self.wanted = self.wanted.clamp(least, most);
+        }
+    }
+
+    fn wanted_resolution(&self) -> u32 {
+        match self.request.resolution {
+            MapResolution::Fixed(resolution) => resolution,
+            MapResolution::Auto { least, .. } => self.wanted.max(least),
+        }
+    }
+
+    /// Textures of the map: still casters, those with moving ones over them, and what is made of these.
+    pub fn texture_count(&self) -> u64 {
+        1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
+    }
+
+    /// Casters of all faces, by dense object index.
+    pub fn casters(&self) -> &FixedBitSet {
+        &self.casters
+    }
+
+    /// Whether something moves in any face.
+    pub fn has_moving(&self) -> bool {
+        self.cached && self.faces.iter().any(|face| !face.moving.is_clear())
+    }
+
+    /// Its faces show nothing any more.
+    fn forget(&mut self) {
+        self.faces.clear();
+        self.settled_at = None;
+        self.key = None;
+    }
+
+    fn face_key(&self, light: &FrameLight, scene: &Scene, reach: f64) -> FaceKey {
+        let cascades = self.request.shape == MapShape::Cascades;
+        FaceKey {
+            point_world: light.point_world,
+            direction: light.direction.as_dvec3(),
+            reach,
+            view: if cascades { scene.view_generation } else { 0 },
+            request: self.request,
+            resolution: self.resolution,
+        }
+    }
+}
+
+impl FaceState {
+    fn new(face: MapFace) -> Self {
+        Self {
+            face,
+            still: FixedBitSet::new(),
+            moving: FixedBitSet::new(),
+            still_revision: 0,
+            revision: 0,
+            still_at: 0,
+            drawn_at: 0,
+            next: Next {
+                face,
+                still: FixedBitSet::new(),
+                moving: FixedBitSet::new(),
+                stale: Stale::Still,
+            },
+        }
+    }
+
+    /// Finds how stale the face is.
+    fn compare(&mut self, movers: &Movers, cached: bool) {
+        let moved_since = |set: &FixedBitSet, at: u64| set.ones().any(|index| movers.moved_at[index] > at);
+        let next = &self.next;
+        let still = !cached
+            || self.revision == 0
+            || self.face != next.face
+            || self.still_at == 0
+            || self.still != next.still
+            || moved_since(&next.still, self.still_at);
+        self.next.stale = if still {
+            Stale::Still
+        } else if self.drawn_at == 0 || self.moving != next.moving || moved_since(&next.moving, self.drawn_at) {
+            Stale::Moving
+        } else {
+            Stale::Nothing
+        };
+    }
+
+    /// Makes the face show what it should.
+    fn take_in(&mut self, cached: bool, now: u64, revision: &mut u64, all: bool) {
+        *revision += 1;
+        self.face = self.next.face;
+        std::mem::swap(&mut self.still, &mut self.next.still);
+        std::mem::swap(&mut self.moving, &mut self.next.moving);
+        self.revision = *revision;
+        self.drawn_at = now;
+        if !cached {
+            self.still_revision = 0;
+        } else if all || self.next.stale == Stale::Still {
+            self.still_revision = *revision;
+            self.still_at = now;
+        }
+        self.next.stale = Stale::Nothing;
+    }
+}
+
+/// Shares the memory for maps among the lights, finds what each face shows, and takes in what changed.
+///
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], the components of the lights; writes [`Maps`].
+/// With nothing changed it compares keys, O(lights); a light whose casters changed costs O(casters × faces).
+pub fn build_maps(
+    mut maps: ResMut<Maps>,
+    settings: Res<MapSettings>,
+    lights: Res<FrameLights>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    shadow_maps: Query<&ShadowMap>,
+    omni_maps: Query<&OmniMap>,
+    exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+) {
+    let maps = &mut *maps;
+    maps.frame += 1;
+    let exchanged = exchanged.iter().filter_map(|entity| objects.index_of(entity));
+    let remap = maps
+        .movers
+        .update(&objects, exchanged, maps.frame, settings.still_after);
+    if let Some(remap) = remap {
+        maps.remap(&remap);
+    }
+    maps.collect_lights(&lights, &shadow_maps, &omni_maps);
+    let Some(data) = &view.data else {
+        for map in &mut maps.lights {
+            map.active = false;
+        }
+        return;
+    };
+    maps.share_memory(&settings);
+    let scene = Scene {
+        objects: &objects,
+        view: data,
+        view_generation: view.generation,
+    };
+    maps.collect_candidates(&scene, &lights);
+    maps.take_in(settings.face_updates);
+}
