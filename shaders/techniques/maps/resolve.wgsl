@@ -254,6 +254,9 @@ fn from_point(receiver: Receiver, pixel: vec2u) -> f32 {
     let raise = raised(receiver, f.projection.z * q.z, length(q), -offset / max(length(q), 1e-30));
     offset += min(raise, -0.5 * offset);
     let ndc = q.xy / (q.z * f.projection.x);
+    if SHAPE == SPOT && max(abs(ndc.x), abs(ndc.y)) > 1.0 {
+        return 1.0;                 // out of the cone
+    }
     return filtered(Site(face, ndc, q.z, normal, offset), pixel);
 }
 

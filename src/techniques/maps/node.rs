@@ -282,7 +282,7 @@ impl MapNode {
             label: Some("map"),
             color_attachments: &[],
             depth_stencil_attachment: Some(depth_attachment(target, clear)),
-            timestamp_writes: input.timings.pass(&format!("{}/map", input.label)),
+            timestamp_writes: pass_timer(input, "map"),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.caster_group, &[]);
@@ -335,7 +335,7 @@ impl MapNode {
             label: Some("map conversion"),
             color_attachments: if is_depth { &[] } else { &color },
             depth_stencil_attachment: is_depth.then(|| depth_attachment(target, true)),
-            timestamp_writes: input.timings.pass(&format!("{}/map conversion", input.label)),
+            timestamp_writes: pass_timer(input, "map conversion"),
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
@@ -343,6 +343,12 @@ impl MapNode {
         pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
         pass.draw(0..3, face as u32..face as u32 + 1);
     }
+}
+
+/// A name is made only where somebody looks at it.
+fn pass_timer<'a>(input: &'a ResolveInput, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
+    let is_active = input.timings.is_active();
+    is_active.then(|| input.timings.pass(&format!("{}/{pass}", input.label)))?
 }
 
 fn depth_attachment(
@@ -466,12 +472,10 @@ fn jitter_texture(context: &RenderContext) -> wgpu::TextureView {
     texture.create_view(&Default::default())
 }
 
-/// Share of a texel by which a plane is raised: enough for surfaces that bend by some 8° between neighbouring texels, too
-/// little to part a shadow from its caster. By eye and by `tests/map_contacts.rs`.
+/// Share of a texel by which a plane is raised, and half of it for each texel of the filter's radius: enough for surfaces
+/// that bend by some 8° between neighbouring texels, too little to part a shadow from its caster. Found by
+/// `tests/maps/contacts.rs`.
 const RAISED_TEXELS: f32 = 0.15;
-
-/// However wide the filter, a plane is raised by no more texels.
-const MOST_RAISED_TEXELS: f32 = 0.5;
 
 /// The shader's view of one light's map.
 fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gpu_types::MapLight {
@@ -498,7 +502,7 @@ fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gpu_ty
         radius_texels = 2.0;
     }
     let (raised, metres) = match request.bias {
-        MapBias::Auto => ((RAISED_TEXELS * (1.0 + 0.5 * radius_texels)).min(MOST_RAISED_TEXELS), 0.0),
+        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0),
         MapBias::Manual {
             normal_texels,
             depth_metres,
@@ -590,7 +594,7 @@ impl ShadowTechnique for MapNode {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            timestamp_writes: input.timings.pass(&format!("{}/map lookup", input.label)),
+            timestamp_writes: pass_timer(input, "map lookup"),
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;

@@ -1,0 +1,162 @@
+//! No acne, no light through walls, and shadows that meet their casters within a texel: every kind of map, every filter,
+//! without a setting for any scene.
+
+use antumbra::prelude::*;
+use antumbra::techniques::maps::{MapFilter, MapFormat, MapResolution, MapSurface};
+use bevy_ecs::prelude::*;
+
+use crate::harness::maps::{Judge, MapError};
+use crate::harness::strict_context;
+use crate::scenes::{self, TestScene};
+
+const RESOLUTION: MapResolution = MapResolution::Fixed(1024);
+
+pub const SPOT: LightKind = LightKind::Spot {
+    inner_angle: 0.5,
+    outer_angle: 0.8,
+};
+
+/// All filters, with a softness that fits the kind of light and scene.
+pub fn filters(kind: LightKind, scale: f32) -> [MapFilter; 6] {
+    let softness = if kind == LightKind::Directional { 0.02 * scale } else { 0.008 };
+    let jittered = |adaptive| MapFilter::Jittered { softness, adaptive };
+    [
+        MapFilter::Bilinear,
+        MapFilter::Brute4x4,
+        MapFilter::Dithered4,
+        jittered(false),
+        jittered(true),
+        MapFilter::Soft4 { softness },
+    ]
+}
+
+/// The component of one kind of map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    Spot,
+    Sun,
+    Omni(MapFormat),
+}
+
+impl Kind {
+    pub const ALL: [Self; 6] = [
+        Self::Spot,
+        Self::Sun,
+        Self::Omni(MapFormat::Depth),
+        Self::Omni(MapFormat::R32Float),
+        Self::Omni(MapFormat::Rgba8TwoBytes),
+        Self::Omni(MapFormat::Rgba8FourBytes),
+    ];
+
+    pub fn light(self) -> LightKind {
+        match self {
+            Self::Spot => SPOT,
+            Self::Sun => LightKind::Directional,
+            Self::Omni(_) => LightKind::Point,
+        }
+    }
+
+    pub fn insert(self, light: &mut EntityWorldMut, filter: MapFilter, surface: MapSurface) {
+        let resolution = RESOLUTION;
+        if let Self::Omni(format) = self {
+            light.insert(OmniMap {
+                resolution,
+                filter,
+                format,
+                surface,
+                ..Default::default()
+            });
+        } else {
+            light.insert(ShadowMap {
+                resolution,
+                filter,
+                surface,
+                ..Default::default()
+            });
+        }
+    }
+}
+
+/// How far off an edge a filter may be wrong, in texels: as far as it reaches and, for its shadow may part from the caster
+/// by so much, one more; a single tap gets one in all.
+fn reach_texels(filter: MapFilter, kind: Kind, judge: &Judge) -> f64 {
+    let texel = judge
+        .hits
+        .hits
+        .iter()
+        .flatten()
+        .map(|hit| {
+            let place = judge.texel_metres(hit.position);
+            let distance = judge.face_of(hit.position).map_or(1.0, |(_, _, z)| z);
+            if kind == Kind::Sun { place } else { place / distance }
+        })
+        .filter(|texel| *texel > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    match filter {
+        MapFilter::Bilinear => 1.0,
+        MapFilter::Brute4x4 | MapFilter::Dithered4 => 3.5,
+        MapFilter::Jittered { softness, .. } | MapFilter::Soft4 { softness } => {
+            f64::from(softness) / texel + 2.0
+        }
+    }
+}
+
+/// Judges a scene under one kind of map with each filter.
+fn judge_scene(scene: &TestScene, context: &RenderContext, kind: Kind, out: &mut Vec<(String, MapError)>) {
+    let (mut stage, rays) = scene.stage(context);
+    let (light, place) = scene.light(kind.light());
+    let entity = stage.spawn_light(light, place, None::<StencilVolume>);
+    let mut judge = None;
+    let packed = matches!(kind, Kind::Omni(MapFormat::Rgba8TwoBytes | MapFormat::Rgba8FourBytes));
+    // What is unpacked is looked up like floats: two filters of the packings stand for all.
+    let count = if packed { 2 } else { 6 };
+    for filter in filters(kind.light(), scene.scale).into_iter().take(count) {
+        kind.insert(&mut stage.world.entity_mut(entity), filter, MapSurface::Nearest);
+        let rendered = stage.render().expect("the frame renders");
+        let judge = judge.get_or_insert_with(|| Judge::new(&stage, &rays, 0).expect("something casts"));
+        judge.band = reach_texels(filter, kind, judge);
+        let name = format!("{} / {kind:?} / {filter:?}", scene.name);
+        if std::env::var("ANTUMBRA_DUMP").is_ok_and(|dump| name.contains(&dump)) {
+            dump(&name, &rendered.visibility[0], judge.truth.values());
+        }
+        out.push((name, judge.compare(&rendered.visibility[0])));
+    }
+}
+
+/// Leaves the visibility beside the truth.
+fn dump(name: &str, got: &[f32], truth: &[f32]) {
+    let width = scenes::SIZE.x as usize;
+    let mut bytes = Vec::new();
+    for (got, truth) in got.chunks(width).zip(truth.chunks(width)) {
+        bytes.extend(got.iter().map(|v| (v * 255.0) as u8));
+        bytes.extend(truth.iter().map(|v| if v.is_nan() { 90 } else { (v * 255.0) as u8 }));
+    }
+    let name = name.replace(|c: char| !c.is_alphanumeric(), "_");
+    let path = std::env::temp_dir().join(format!("map_{name}.png"));
+    image::save_buffer(path, &bytes, 2 * width as u32, scenes::SIZE.y, image::ColorType::L8)
+        .expect("the picture is written");
+}
+
+#[test]
+fn no_acne_no_leak_and_contacts_within_a_texel() {
+    let context = strict_context(RequestedFeatures::default());
+    let scenes = scenes::all();
+    assert!(scenes.len() >= 20);
+    let mut judged = Vec::new();
+    for kind in Kind::ALL {
+        let first = judged.len();
+        for scene in &scenes {
+            judge_scene(scene, &context, kind, &mut judged);
+        }
+        let mut all = MapError::default();
+        judged[first..].iter().for_each(|(_, error)| all.add(*error));
+        println!("{kind:?}: {} pictures, {all:?}", judged.len() - first);
+        assert!(all.dark > 20_000, "{kind:?}: too little is dark");
+    }
+    let bad: Vec<_> = judged
+        .iter()
+        .filter(|(_, error)| error.acne > 0 || error.wrong > 0)
+        .map(|(name, error)| format!("{name}: {:.5} {error:?}", error.share()))
+        .collect();
+    assert!(bad.is_empty(), "{} of {}:\n{}", bad.len(), judged.len(), bad.join("\n"));
+}

@@ -1,0 +1,9 @@
+//! Maps: what they look up is what the ray caster sees, up to a texel; nothing is drawn again that did not change; and
+//! whatever is asked for, there is an answer.
+
+#[path = "../harness/mod.rs"]
+mod harness;
+
+mod contacts;
+mod models;
+mod scenes;
