@@ -190,6 +190,12 @@ pub fn add_systems(schedule: &mut Schedule) {
     {
         use crate::render::{Renderer, systems};
         schedule.add_systems(
+            crate::techniques::limit_maps_to_device
+                .run_if(resource_exists::<Renderer>)
+                .before(build_maps)
+                .in_set(techniques),
+        );
+        schedule.add_systems(
             (
                 systems::prepare_objects,
                 crate::techniques::add_builtin_techniques,

@@ -1,9 +1,12 @@
 //! Techniques as a shot file names them.
 
 use antumbra::prelude::*;
+use antumbra::techniques::maps::request::MapRequest;
 use antumbra::techniques::stencil_volume::{Counting, Extent};
 use bevy_ecs::prelude::*;
 use serde::Deserialize;
+
+use super::shadow_map::ShotMap;
 
 /// A technique and its settings.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -20,6 +23,10 @@ pub enum ShotShadow {
         #[serde(default)]
         extent: ShotExtent,
     },
+    /// [`ShadowMap`].
+    ShadowMap(ShotMap),
+    /// [`OmniMap`].
+    OmniMap(ShotMap),
 }
 
 /// See [`Counting`].
@@ -41,10 +48,34 @@ pub enum ShotExtent {
 }
 
 impl ShotShadow {
+    /// Checks the settings for a light.
+    ///
+    /// # Errors
+    /// The key that is wrong.
+    pub fn check(self, light: &Light) -> Result<(), String> {
+        let checked = match self {
+            Self::ShadowMap(map) => MapRequest::of_shadow_map(&map.shadow_map()?, light),
+            Self::OmniMap(map) => MapRequest::of_omni_map(&map.omni_map()?, light),
+            Self::None {} | Self::StencilVolume { .. } => return Ok(()),
+        };
+        checked.map(drop).map_err(|error| format!("shadow: {error}"))
+    }
+
     /// Gives the light the technique's component; none for an unshadowed light.
     pub fn insert(self, light: &mut EntityWorldMut) {
         match self {
             Self::None {} => {}
+            // What is wrong with a map was found before.
+            Self::ShadowMap(map) => {
+                if let Ok(map) = map.shadow_map() {
+                    light.insert(map);
+                }
+            }
+            Self::OmniMap(map) => {
+                if let Ok(map) = map.omni_map() {
+                    light.insert(map);
+                }
+            }
             Self::StencilVolume { counting, extent } => {
                 light.insert(StencilVolume {
                     counting: match counting {

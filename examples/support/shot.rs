@@ -345,6 +345,9 @@ impl ShotLight {
             range: range.unwrap_or(f32::INFINITY),
         };
         light.validate().map_err(|error| error.to_string())?;
+        if let Some(shadow) = shadow {
+            shadow.check(&light)?;
+        }
         Ok(LightParts {
             light,
             transform,

@@ -13,6 +13,20 @@ pub use omni_map::OmniMap;
 pub use shadow_map::ShadowMap;
 pub use stencil_volume::StencilVolume;
 
+/// Holds maps to the size that the device allows.
+///
+/// Set: `BuildTechniques`, before `build_maps`.
+#[cfg(feature = "render")]
+pub fn limit_maps_to_device(
+    renderer: bevy_ecs::prelude::Res<crate::render::Renderer>,
+    mut settings: bevy_ecs::prelude::ResMut<maps::MapSettings>,
+) {
+    let limit = renderer.context().device.limits().max_texture_dimension_2d;
+    if settings.largest > limit {
+        settings.largest = limit;
+    }
+}
+
 /// Gives a renderer the crate's own techniques, unless techniques of these names were added to it.
 ///
 /// Set: `PrepareGpu`, before `prepare_techniques`. Here and not in the renderer, which knows no technique by name.

@@ -4,6 +4,13 @@
 #[path = "../harness/mod.rs"]
 mod harness;
 
+mod cache;
+mod cascades;
 mod contacts;
+mod dungeon;
+mod filters;
+mod holes;
 mod models;
+mod refusals;
 mod scenes;
+mod surfaces;

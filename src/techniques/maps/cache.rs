@@ -174,8 +174,8 @@ impl Maps {
         let mut old = self.previous.drain(..).peekable();
         for (index, light) in lights.lights.iter().enumerate() {
             let request = match (shadow_maps.get(light.entity), omni_maps.get(light.entity)) {
-                (Ok(map), _) => MapRequest::of_shadow_map(map, light),
-                (_, Ok(map)) => MapRequest::of_omni_map(map, light),
+                (Ok(map), _) => MapRequest::of_shadow_map(map, &light.light),
+                (_, Ok(map)) => MapRequest::of_omni_map(map, &light.light),
                 _ => continue,
             };
             while old.next_if(|map| map.entity < light.entity).is_some() {}

@@ -1,7 +1,6 @@
 //! What a light asks for: the components of both kinds of map in one form, with everything refused that cannot be drawn.
 
-use crate::scene::LightKind;
-use crate::sets::FrameLight;
+use crate::scene::{Light, LightKind};
 use crate::techniques::omni_map::OmniMap;
 use crate::techniques::shadow_map::cascades::MOST_CASCADES;
 use crate::techniques::shadow_map::{Cascades, ShadowMap};
@@ -72,8 +71,8 @@ impl MapRequest {
     ///
     /// # Errors
     /// The first setting that cannot be drawn with.
-    pub fn of_shadow_map(map: &ShadowMap, light: &FrameLight) -> Result<Self, MapError> {
-        let shape = match light.light.kind {
+    pub fn of_shadow_map(map: &ShadowMap, light: &Light) -> Result<Self, MapError> {
+        let shape = match light.kind {
             LightKind::Directional => MapShape::Cascades,
             LightKind::Spot { outer_angle, .. } if outer_angle > WIDEST_SPOT => MapShape::Cube,
             LightKind::Spot { .. } => MapShape::Spot,
@@ -103,8 +102,8 @@ impl MapRequest {
     ///
     /// # Errors
     /// The first setting that cannot be drawn with.
-    pub fn of_omni_map(map: &OmniMap, light: &FrameLight) -> Result<Self, MapError> {
-        if light.light.kind == LightKind::Directional {
+    pub fn of_omni_map(map: &OmniMap, light: &Light) -> Result<Self, MapError> {
+        if light.kind == LightKind::Directional {
             return Err(MapError::Kind {
                 component: "OmniMap",
                 light: "directional",
@@ -125,7 +124,7 @@ impl MapRequest {
         request.validated(light)
     }
 
-    fn validated(self, light: &FrameLight) -> Result<Self, MapError> {
+    fn validated(self, light: &Light) -> Result<Self, MapError> {
         let usable = |x: f32| x.is_finite() && x >= 0.0;
         match self.resolution {
             MapResolution::Fixed(0) => return Err(MapError::Resolution(0)),
@@ -151,7 +150,7 @@ impl MapRequest {
         if self.shape == MapShape::Cascades {
             return self.validated_cascades();
         }
-        let range = light.light.range;
+        let range = light.range;
         if let Some(near) = self.near
             && !(near > 0.0 && near < range)
         {
