@@ -310,7 +310,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let receiver = receiver_at(position.xy);
     // Nothing there, or out of the light's reach: nobody looks.
     if receiver.depth == 0.0 || receiver.depth > map_light.limits.x || receiver.depth < map_light.limits.y {
-        return vec4f(1.0);
+        return vec4f(vec3f(select(1.0, 0.0, SHOW_TAPS)), 1.0);
     }
     let pixel = vec2u(position.xy);
     var visibility: f32;

@@ -247,7 +247,11 @@ impl Maps {
         self.reports.sort_by_key(|report| report.entity);
         self.newly_reported.clear();
         for report in &self.reports {
-            if !self.previous_reports.contains(report) {
+            let kind = std::mem::discriminant(&report.error);
+            let same = |old: &MapReport| {
+                old.entity == report.entity && std::mem::discriminant(&old.error) == kind
+            };
+            if !self.previous_reports.iter().any(same) {
                 self.newly_reported.push(*report);
             }
         }

@@ -46,10 +46,12 @@ pub fn split_depths(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASC
 pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
     let shape = view.frustum.shape();
     let forward = shape.forward.normalize();
-    let scale = shape.forward.length();
+    // A rotation in f32 is of unit length but for rounding, and a ball must not change with that.
+    let length = |axis: DVec3| (axis.length() * 1e5).round() * 1e-5;
+    let scale = length(shape.forward);
     let (right, up) = (
-        shape.half_right * shape.right.length() / scale,
-        shape.half_up * shape.up.length() / scale,
+        shape.half_right * length(shape.right) / scale,
+        shape.half_up * length(shape.up) / scale,
     );
     let (near, far) = (near * scale, far * scale);
     let spread = right * right + up * up;
