@@ -28,7 +28,7 @@ pub const COMMON: [(&str, &str); 8] = sources![
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 11] = sources![
+pub const PASSES: [(&str, &str); 12] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
     "passes/light_accumulate.wgsl",
@@ -39,6 +39,7 @@ pub const PASSES: [(&str, &str); 11] = sources![
     "techniques/stencil_volume/volume.wgsl",
     "techniques/maps/caster.wgsl",
     "techniques/maps/convert.wgsl",
+    "techniques/maps/frustum.wgsl",
     "techniques/maps/resolve.wgsl",
 ];
 

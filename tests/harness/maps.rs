@@ -98,7 +98,7 @@ impl<'a> Judge<'a> {
             if self.is_ambiguous(index, hit) {
                 continue;
             }
-            if got < 0.5 && self.is_even(index % width, index / width, hit) {
+            if got < 0.5 && self.is_even_from_light(hit) && self.is_even(index % width, index / width, hit) {
                 error.acne += 1;
             } else if self.in_band(hit, truth) {
                 continue;
@@ -143,9 +143,9 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The point of the surface's plane that lies some texels off, as the map sees it; `None` if the plane ends before.
-    pub fn beside(&self, hit: &SurfaceHit, texels: DVec2) -> Option<DVec3> {
-        let (face, ndc, _) = self.face_of(hit.position)?;
+    /// The map's ray some texels off a point: from the light (or before the box), and where it goes.
+    fn ray_beside(&self, point: DVec3, texels: DVec2) -> Option<(DVec3, DVec3)> {
+        let (face, ndc, _) = self.face_of(point)?;
         let ndc = ndc + texels * 2.0 / f64::from(self.map.resolution);
         let [x, y, z] = face.axes;
         let (origin, direction) = match face.projection {
@@ -156,6 +156,12 @@ impl<'a> Judge<'a> {
                 (face.origin + x * (ndc.x * half) + y * (ndc.y * half), z)
             }
         };
+        Some((origin, direction))
+    }
+
+    /// The point of the surface's plane that lies some texels off, as the map sees it; `None` if the plane ends before.
+    pub fn beside(&self, hit: &SurfaceHit, texels: DVec2) -> Option<DVec3> {
+        let (origin, direction) = self.ray_beside(hit.position, texels)?;
         let facing = hit.normal.dot(direction);
         let t = hit.normal.dot(hit.position - origin) / facing;
         (facing < 0.0 && t > 0.0).then(|| origin + direction * t)
@@ -210,6 +216,29 @@ impl<'a> Judge<'a> {
                     normal.dot(hit.normal).abs() < 0.999 || distance > 1e-3 * hit.distance
                 })
             })
+    }
+
+    /// Whether all that the map sees within its texels around the point is one surface that bends by less than 20°.
+    fn is_even_from_light(&self, hit: &SurfaceHit) -> bool {
+        let texel = self.texel_metres(hit.position);
+        let steps = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|step| step * (self.band + 0.5));
+        steps.iter().all(|&y| {
+            steps.iter().all(|&x| {
+                let Some((origin, direction)) = self.ray_beside(hit.position, DVec2::new(x, y)) else {
+                    return false;
+                };
+                let ray = Ray { origin, direction };
+                let seen = self.scene.closest_hit(&ray, 1e-9, f64::INFINITY, |triangle| triangle.blocks);
+                seen.is_some_and(|seen| {
+                    let [a, b, c] = self.scene.triangles()[seen.triangle as usize].corners;
+                    let normal = (b - a).cross(c - a).normalize_or_zero();
+                    let point = origin + direction * seen.t;
+                    normal.dot(hit.normal).abs() > 0.94
+                        && (point - hit.position).dot(hit.normal).abs()
+                            < 0.35 * point.distance(hit.position) + 1e-3 * texel
+                })
+            })
+        })
     }
 
     /// Whether all pixels around, and those within a texel, are lit and bend by less than 20°.

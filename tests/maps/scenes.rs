@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::reference::RayScene;
+use bevy_ecs::prelude::{Entity, With};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, UVec2, Vec3};
 
 use crate::harness::support::stage::Stage;
 
 /// Pixels of the pictures.
-pub const SIZE: UVec2 = UVec2::new(128, 72);
+pub const SIZE: UVec2 = UVec2::new(112, 63);
 
 /// A scene: what stands in it, the eye and what it looks at, the light.
 pub struct TestScene {
@@ -170,8 +171,26 @@ pub fn all() -> Vec<TestScene> {
 }
 
 impl TestScene {
-    /// Sets up the stage without its light.
+    /// Sets up a stage without its light.
     pub fn stage(&self, context: &RenderContext) -> (Stage, RayScene) {
+        let mut stage = Stage::empty(SIZE, Camera::default(), Transform::IDENTITY);
+        stage.world.insert_resource(FaceCulling::None);
+        stage
+            .add_renderer(context.clone(), RenderSettings::default())
+            .expect("shaders compose");
+        let rays = self.fill(&mut stage);
+        (stage, rays)
+    }
+
+    /// Puts the scene in place of what a stage has.
+    pub fn fill(&self, stage: &mut Stage) -> RayScene {
+        let mut old = stage.world.query_filtered::<Entity, With<SceneMesh>>();
+        for entity in old.iter(&stage.world).collect::<Vec<_>>() {
+            stage.world.despawn(entity);
+        }
+        for light in stage.lights.drain(..) {
+            stage.world.despawn(light);
+        }
         let at = |point: Vec3| point * self.scale + self.offset;
         let camera = Camera {
             vertical_fov: 0.9,
@@ -179,11 +198,7 @@ impl TestScene {
             aspect: SIZE.x as f32 / SIZE.y as f32,
         };
         let view = Transform::from_translation(at(self.view.0)).looking_at(at(self.view.1), Vec3::Y);
-        let mut stage = Stage::empty(SIZE, camera, view);
-        stage.world.insert_resource(FaceCulling::None);
-        stage
-            .add_renderer(context.clone(), RenderSettings::default())
-            .expect("shaders compose");
+        stage.world.entity_mut(stage.camera).insert((camera, view));
         for (mesh, transform) in &self.objects {
             stage.world.spawn((
                 SceneMesh(Arc::new(mesh.clone())),
@@ -197,8 +212,7 @@ impl TestScene {
             ));
         }
         stage.schedule.run(&mut stage.world);
-        let scene = RayScene::from_world(&mut stage.world);
-        (stage, scene)
+        RayScene::from_world(&mut stage.world)
     }
 
     /// The light of one kind, and where it stands.

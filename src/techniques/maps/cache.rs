@@ -7,104 +7,17 @@
 //! shadow set S, and is drawn every frame.
 
 use bevy_ecs::prelude::*;
-use fixedbitset::FixedBitSet;
-use glam::{DVec3, DVec4};
 
-use super::face::MapFace;
+use super::face_state::{FaceState, Stale};
+use super::light_map::LightMap;
 use super::movers::{Movers, Remap};
 use super::plan::{Grant, Want, share_out, total_bytes};
 use super::request::{MapRequest, MapShape};
 use super::settings::{MapError, MapResolution, MapSettings};
 use super::members::{Scene, expected_faces, farthest, fill_casters, lit_faces, split_members};
 use crate::scene::{SceneMaterials, SceneMesh};
-use crate::sets::{FrameLight, FrameLights, Objects, View};
+use crate::sets::{FrameLights, Objects, View};
 use crate::techniques::{OmniMap, ShadowMap};
-
-/// What one face shows.
-#[derive(Clone, Debug)]
-pub struct FaceState {
-    /// Where it stands and how it projects; as drawn.
-    pub face: MapFace,
-    /// Casters of the still layer, by dense object index.
-    pub still: FixedBitSet,
-    /// Casters drawn over it.
-    pub moving: FixedBitSet,
-    /// Changes when the still layer is to be drawn anew; 0: there is none.
-    pub still_revision: u64,
-    /// Changes when anything of the face is to be drawn anew; 0: it shows nothing yet.
-    pub revision: u64,
-    /// Frames whose transforms the layers show.
-    still_at: u64,
-    drawn_at: u64,
-    next: Next,
-}
-
-/// What a face should show.
-#[derive(Clone, Debug)]
-struct Next {
-    face: MapFace,
-    still: FixedBitSet,
-    moving: FixedBitSet,
-    stale: Stale,
-}
-
-/// How much of a face is not what it should be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Stale {
-    Nothing,
-    /// What moves.
-    Moving,
-    /// All of it.
-    Still,
-}
-
-/// The map of one light.
-#[derive(Clone, Debug)]
-pub struct LightMap {
-    /// Index into [`FrameLights`].
-    pub light: usize,
-    /// The light.
-    pub entity: Entity,
-    /// What it asked for.
-    pub request: MapRequest,
-    /// Texels along a side.
-    pub resolution: u32,
-    /// The map is kept.
-    pub cached: bool,
-    /// A shadow can be seen: the map is looked up in this frame.
-    pub active: bool,
-    /// Distance to which squared distances are scaled, metres. Source: GPU Gems ch. 12, §12.2.5.
-    pub reach: f64,
-    /// Its faces; no more than the request's.
-    pub faces: Vec<FaceState>,
-    /// Casters of all faces.
-    casters: FixedBitSet,
-    /// Scissor's area, pixels.
-    visibility: u64,
-    /// Of [`MapResolution::Auto`], before the limits.
-    wanted: u32,
-    /// Frame up to which all changes are taken in; `None`: not all are.
-    settled_at: Option<u64>,
-    /// What the faces were made for.
-    key: Option<FaceKey>,
-}
-
-/// What faces depend on, beside the casters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FaceKey {
-    /// The light.
-    pub point_world: DVec4,
-    /// Where it shines to.
-    pub direction: DVec3,
-    /// Metres.
-    pub reach: f64,
-    /// Generation of the view, for cascades.
-    pub view: u64,
-    /// What was asked for.
-    pub request: MapRequest,
-    /// Texels.
-    pub resolution: u32,
-}
 
 /// What is wrong with a light's map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +59,7 @@ pub struct Maps {
 struct Candidate {
     /// It shows something, if not the latest.
     may_wait: bool,
-    /// Inverted visibility: the most visible comes first.
+    /// Inverted: the most visible comes first, and who waited gains with each frame, so that all are served.
     hidden: u64,
     light: usize,
     /// All faces, if `None`: they must show the light at one place.
@@ -267,6 +180,9 @@ impl Maps {
                 continue;
             }
             let light = &lights.lights[map.light];
+            if map.settled_at.is_some() {
+                map.waited = 0;
+            }
             let changed = fill_casters(&mut map.casters, scene.objects, light, map.cached);
             let unmoved = map.settled_at.is_some_and(|at| at >= self.movers.changed_at);
             if map.cached && unmoved && !changed {
@@ -299,7 +215,7 @@ impl Maps {
             let mut push = |face: Option<usize>, revision: u64| {
                 self.candidates.push(Candidate {
                     may_wait: map.cached && revision != 0,
-                    hidden: u64::MAX - map.visibility,
+                    hidden: u64::MAX - map.visibility.saturating_mul(1 + map.waited),
                     light: index,
                     face,
                 });
@@ -329,7 +245,7 @@ impl Maps {
             let count = range.len();
             if candidate.may_wait && self.updated_faces + count > budget as usize && self.updated_faces > 0 {
                 self.waiting_faces += count;
-                map.settled_at = None;
+                map.waited += u64::from(map.settled_at.take().is_some());
                 continue;
             }
             if map.cached {
@@ -347,162 +263,8 @@ impl Maps {
         for map in &mut self.lights {
             map.settled_at = None;
             map.casters = remap.apply(&map.casters).0;
-            for face in &mut map.faces {
-                let (still, still_lost) = remap.apply(&face.still);
-                let (moving, moving_lost) = remap.apply(&face.moving);
-                // What is gone stands in the layer still: no set tells any more.
-                if still_lost {
-                    face.still_at = 0;
-                }
-                if moving_lost {
-                    face.drawn_at = 0;
-                }
-                (face.still, face.moving) = (still, moving);
-            }
+            map.faces.iter_mut().for_each(|face| face.remap(remap));
         }
-    }
-}
-
-impl LightMap {
-    fn new(light: &FrameLight, request: MapRequest) -> Self {
-        Self {
-            light: 0,
-            entity: light.entity,
-            request,
-            resolution: 0,
-            cached: false,
-            active: false,
-            reach: 1.0,
-            faces: Vec::new(),
-            casters: FixedBitSet::new(),
-            visibility: 0,
-            wanted: 0,
-            settled_at: None,
-            key: None,
-        }
-    }
-
-    fn begin(&mut self, index: usize, light: &FrameLight, request: MapRequest) {
-        self.light = index;
-        if self.request != request {
-            if self.request.face_count() != request.face_count() || self.request.shape != request.shape {
-                self.forget();
-            }
-            self.request = request;
-        }
-        self.active = light.scissor.is_some() && !light.s.is_clear();
-        self.visibility = light.scissor.map_or(0, |scissor| scissor.area());
-        if let (MapResolution::Auto { least, most }, Some(scissor)) = (request.resolution, light.scissor) {
-            let longest = f64::from(scissor.width.max(scissor.height));
-            let ideal = match request.shape {
-                MapShape::Spot => longest,
-                MapShape::Cube => 0.5 * longest, // a face shows a quarter of the way round
-                MapShape::Cascades => f64::from(most),
-            };
-            // Wide enough apart that a light at rest in a moving view keeps its map.
-            let current = f64::from(self.resolution);
-            if !(0.4 * current..=1.1 * current).contains(&ideal) || self.wanted == 0 {
-                self.wanted = (ideal.ceil() as u32).next_power_of_two();
-            }
-            self.wanted = self.wanted.clamp(least, most);
-        }
-    }
-
-    fn wanted_resolution(&self) -> u32 {
-        match self.request.resolution {
-            MapResolution::Fixed(resolution) => resolution,
-            MapResolution::Auto { least, .. } => self.wanted.max(least),
-        }
-    }
-
-    /// Textures of the map: still casters, those with moving ones over them, and what is made of these.
-    pub fn texture_count(&self) -> u64 {
-        1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
-    }
-
-    /// Casters of all faces, by dense object index.
-    pub fn casters(&self) -> &FixedBitSet {
-        &self.casters
-    }
-
-    /// Whether something moves in any face.
-    pub fn has_moving(&self) -> bool {
-        self.cached && self.faces.iter().any(|face| !face.moving.is_clear())
-    }
-
-    /// Its faces show nothing any more.
-    fn forget(&mut self) {
-        self.faces.clear();
-        self.settled_at = None;
-        self.key = None;
-    }
-
-    fn face_key(&self, light: &FrameLight, scene: &Scene, reach: f64) -> FaceKey {
-        let cascades = self.request.shape == MapShape::Cascades;
-        FaceKey {
-            point_world: light.point_world,
-            direction: light.direction.as_dvec3(),
-            reach,
-            view: if cascades { scene.view_generation } else { 0 },
-            request: self.request,
-            resolution: self.resolution,
-        }
-    }
-}
-
-impl FaceState {
-    fn new(face: MapFace) -> Self {
-        Self {
-            face,
-            still: FixedBitSet::new(),
-            moving: FixedBitSet::new(),
-            still_revision: 0,
-            revision: 0,
-            still_at: 0,
-            drawn_at: 0,
-            next: Next {
-                face,
-                still: FixedBitSet::new(),
-                moving: FixedBitSet::new(),
-                stale: Stale::Still,
-            },
-        }
-    }
-
-    /// Finds how stale the face is.
-    fn compare(&mut self, movers: &Movers, cached: bool) {
-        let moved_since = |set: &FixedBitSet, at: u64| set.ones().any(|index| movers.moved_at[index] > at);
-        let next = &self.next;
-        let still = !cached
-            || self.revision == 0
-            || self.face != next.face
-            || self.still_at == 0
-            || self.still != next.still
-            || moved_since(&next.still, self.still_at);
-        self.next.stale = if still {
-            Stale::Still
-        } else if self.drawn_at == 0 || self.moving != next.moving || moved_since(&next.moving, self.drawn_at) {
-            Stale::Moving
-        } else {
-            Stale::Nothing
-        };
-    }
-
-    /// Makes the face show what it should.
-    fn take_in(&mut self, cached: bool, now: u64, revision: &mut u64, all: bool) {
-        *revision += 1;
-        self.face = self.next.face;
-        std::mem::swap(&mut self.still, &mut self.next.still);
-        std::mem::swap(&mut self.moving, &mut self.next.moving);
-        self.revision = *revision;
-        self.drawn_at = now;
-        if !cached {
-            self.still_revision = 0;
-        } else if all || self.next.stale == Stale::Still {
-            self.still_revision = *revision;
-            self.still_at = now;
-        }
-        self.next.stale = Stale::Nothing;
     }
 }
 

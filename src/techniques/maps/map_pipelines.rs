@@ -5,11 +5,12 @@
 use std::collections::HashMap;
 use std::mem::offset_of;
 
+use super::map_layouts::MapLayouts;
 use super::request::MapShape;
 use super::settings::{MapFilter, MapFormat, MapSurface};
-use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
-use crate::render::gpu_types::{self, SurfaceVertex};
-use crate::render::targets::MASK_FORMAT;
+use crate::render::bind_groups::BindGroupLayouts;
+use crate::render::gpu_types::SurfaceVertex;
+use crate::render::targets::{MASK_FORMAT, RADIANCE_FORMAT};
 use crate::render::{RenderContext, RenderError, Shaders};
 
 /// Format of the depths that casters are drawn into.
@@ -56,6 +57,8 @@ pub enum Key {
         /// Leaves taps in the colours.
         show_taps: bool,
     },
+    /// Shows what the faces show.
+    Frustum,
 }
 
 /// The shader's number of a filter.
@@ -70,80 +73,6 @@ pub fn filter_constant(filter: MapFilter) -> u32 {
     }
 }
 
-/// The bind group layouts of maps.
-#[derive(Debug)]
-pub struct MapLayouts {
-    /// Group 0 of casters: their matrices.
-    pub casters: wgpu::BindGroupLayout,
-    /// Group 1 of casters that are peeled: the first surface.
-    pub first: wgpu::BindGroupLayout,
-    /// Group 1 of the conversion: first and second surface.
-    pub surfaces: wgpu::BindGroupLayout,
-    /// Group 2: the light's map at a dynamic offset, the comparison, the jitter.
-    pub map: wgpu::BindGroupLayout,
-    /// Group 3 of the lookup: depths and squared distances.
-    pub textures: wgpu::BindGroupLayout,
-}
-
-impl MapLayouts {
-    fn new(device: &wgpu::Device) -> Self {
-        use wgpu::{BufferBindingType::Uniform, ShaderStages, TextureViewDimension};
-        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
-            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some(label),
-                entries,
-            })
-        };
-        let texture = |binding, sample_type, view_dimension| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Texture {
-                sample_type,
-                view_dimension,
-                multisampled: false,
-            },
-            count: None,
-        };
-        let depth = |binding| texture(binding, wgpu::TextureSampleType::Depth, TextureViewDimension::D2);
-        let float = |filterable| wgpu::TextureSampleType::Float { filterable };
-        let size = size_of::<gpu_types::MapCaster>();
-        Self {
-            casters: layout(
-                "map casters",
-                &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, size)],
-            ),
-            first: layout("first surface", &[depth(0)]),
-            surfaces: layout("surfaces", &[depth(0), depth(1)]),
-            map: layout(
-                "map",
-                &[
-                    buffer_entry(
-                        0,
-                        ShaderStages::FRAGMENT,
-                        Uniform,
-                        true,
-                        size_of::<gpu_types::MapLight>(),
-                    ),
-                    wgpu::BindGroupLayoutEntry {
-                        binding: 1,
-                        visibility: ShaderStages::FRAGMENT,
-                        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison),
-                        count: None,
-                    },
-                    texture(2, float(true), TextureViewDimension::D3),
-                ],
-            ),
-            textures: layout(
-                "map textures",
-                &[
-                    texture(0, wgpu::TextureSampleType::Depth, TextureViewDimension::D2Array),
-                    texture(1, float(false), TextureViewDimension::D2Array),
-                ],
-            ),
-        }
-    }
-}
-
 /// The cache.
 #[derive(Debug)]
 pub struct MapPipelines {
@@ -152,6 +81,7 @@ pub struct MapPipelines {
     caster: wgpu::ShaderModule,
     convert: wgpu::ShaderModule,
     resolve: wgpu::ShaderModule,
+    frustum: wgpu::ShaderModule,
     caster_layouts: [wgpu::PipelineLayout; 4],
     convert_layout: wgpu::PipelineLayout,
     resolve_layout: wgpu::PipelineLayout,
@@ -182,6 +112,7 @@ impl MapPipelines {
             caster: shaders.module(device, "techniques/maps/caster.wgsl")?,
             convert: shaders.module(device, "techniques/maps/convert.wgsl")?,
             resolve: shaders.module(device, "techniques/maps/resolve.wgsl")?,
+            frustum: shaders.module(device, "techniques/maps/frustum.wgsl")?,
             caster_layouts: [
                 layout("map caster", &[Some(casters)]),
                 layout("map caster, masked", &[Some(casters), None, Some(material)]),
@@ -218,6 +149,7 @@ impl MapPipelines {
                 Key::Caster { masked, peel } => self.create_caster(context, masked, peel),
                 Key::Convert { .. } => self.create_convert(context, key),
                 Key::Resolve { .. } => self.create_resolve(context, key),
+                Key::Frustum => self.create_frustum(context),
             };
             self.pipelines.insert(key, pipeline);
         }
@@ -361,6 +293,45 @@ impl MapPipelines {
                 })],
             },
         )
+    }
+
+    fn create_frustum(&self, context: &RenderContext) -> wgpu::RenderPipeline {
+        context
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("map frustum"),
+                layout: Some(&self.caster_layouts[0]),
+                vertex: wgpu::VertexState {
+                    module: &self.frustum,
+                    entry_point: Some("edge"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState {
+                    topology: wgpu::PrimitiveTopology::LineList,
+                    ..Default::default()
+                },
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: context.depth_stencil_format(),
+                    depth_write_enabled: Some(false),
+                    depth_compare: Some(wgpu::CompareFunction::Always),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &self.frustum,
+                    entry_point: Some("line"),
+                    compilation_options: Default::default(),
+                    targets: &[Some(wgpu::ColorTargetState {
+                        format: RADIANCE_FORMAT,
+                        blend: None,
+                        write_mask: wgpu::ColorWrites::COLOR,
+                    })],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
     }
 
     fn full_screen(

@@ -4,7 +4,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy_ecs::prelude::Entity;
 
-use super::map_pipelines::{MAP_DEPTH, MapLayouts, texture_format};
+use super::map_layouts::MapLayouts;
+use super::map_pipelines::{MAP_DEPTH, texture_format};
 use super::request::MapRequest;
 use super::settings::{MapFormat, MapSurface};
 use crate::render::RenderContext;

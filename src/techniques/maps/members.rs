@@ -4,8 +4,8 @@ use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use smallvec::SmallVec;
 
-use super::cache::LightMap;
 use super::face::{FaceProjection, MapFace};
+use super::light_map::LightMap;
 use super::movers::Movers;
 use super::request::MapShape;
 use crate::scene::LightKind;

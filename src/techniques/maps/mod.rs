@@ -14,10 +14,11 @@
 //! | [`face`] | one picture: its place, its projection, what it can see |
 //! | [`movers`] | which casters move, and since when they stand still |
 //! | [`members`] | the faces of a light, and the casters of each |
-//! | [`cache`] | what each face shows, and which faces are drawn anew: the frame's [`Maps`] |
+//! | [`light_map`], [`face_state`] | the map of one light, and what each of its faces shows |
+//! | [`cache`] | which faces are drawn anew: the frame's [`Maps`] |
 //! | [`packing`] | the packings of squared distance into bytes; twin of the shader |
 //! | [`jitter`] | the texture of jittered discs |
-//! | `map_pool`, `map_pipelines`, `map_draws`, `node` | the recorder (feature `render`) |
+//! | `constants`, `map_layouts`, `map_pool`, `map_pipelines`, `map_draws`, `map_recorder`, `node` | the recorder (feature `render`) |
 //!
 //! **Bias.** No constant is set by hand. A pixel is compared, texel by texel, with the plane of the triangle that it
 //! shows, traced along the texel's own ray: on a flat surface both depths are of one point, whatever the angle. What
@@ -26,14 +27,22 @@
 //! Mapping: GPU-based Tips and Techniques", for the receiver's plane.
 
 pub mod cache;
+#[cfg(feature = "render")]
+pub mod constants;
 pub mod face;
+pub mod face_state;
 pub mod jitter;
+pub mod light_map;
 #[cfg(feature = "render")]
 pub mod map_draws;
+#[cfg(feature = "render")]
+pub mod map_layouts;
 #[cfg(feature = "render")]
 pub mod map_pipelines;
 #[cfg(feature = "render")]
 pub mod map_pool;
+#[cfg(feature = "render")]
+mod map_recorder;
 pub mod members;
 pub mod movers;
 #[cfg(feature = "render")]
@@ -43,8 +52,9 @@ pub mod plan;
 pub mod request;
 pub mod settings;
 
-pub use cache::{LightMap, MapReport, Maps, build_maps};
+pub use cache::{MapReport, Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
+pub use light_map::LightMap;
 pub use settings::{
     MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface,
 };

@@ -14,65 +14,69 @@ use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
-use glam::DVec3;
+use glam::{DMat4, DVec3};
 
-use super::cache::{FaceState, LightMap, Maps};
+use super::cache::Maps;
+use super::constants::map_constants;
 use super::face::FaceProjection;
+use super::face_state::FaceState;
 use super::jitter;
+use super::light_map::LightMap;
 use super::map_draws::MapDraws;
 use super::map_pipelines::{Key, MapPipelines, filter_constant};
-use super::map_pool::{MapPool, MapTextures, MapTexturesKey};
-use super::packing::{FOUR_BYTES_STEP, TWO_BYTES_STEP};
+use super::map_pool::{MapPool, MapTexturesKey};
 use super::request::{MapComponent, MapRequest, MapShape};
-use super::settings::{MapBias, MapFilter, MapFormat, MapSettings, MapSurface};
+use super::settings::{MapSettings, MapSurface};
 use crate::render::bind_groups::BindGroupLayouts;
 use crate::render::buffers::GrowingBuffer;
 use crate::render::gpu_types;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
 use crate::render::{RenderContext, RenderError, Shaders};
-use crate::sets::{FrameLights, Objects, View};
+use crate::sets::{FrameLights, Objects, View, ViewData};
 
 /// Bytes between the constants of lights.
-const STRIDE: usize = 512;
+pub(super) const STRIDE: usize = 512;
 
 /// What is to be drawn of one face.
 #[derive(Debug)]
-struct FacePlan {
-    face: usize,
-    still: Option<Range<usize>>,
+pub(super) struct FacePlan {
+    pub face: usize,
+    pub still: Option<Range<usize>>,
     /// Over a copy of the still layer.
-    moving: Option<Range<usize>>,
+    pub moving: Option<Range<usize>>,
     /// All casters, for the second surface; empty for the nearest.
-    peeled: [Range<usize>; 2],
-    still_revision: u64,
-    revision: u64,
+    pub peeled: [Range<usize>; 2],
+    pub still_revision: u64,
+    pub revision: u64,
 }
 
 /// What is to be done for one light.
 #[derive(Debug)]
-struct LightPlan {
-    light: usize,
-    request: MapRequest,
-    key: MapTexturesKey,
-    lookup: Key,
-    faces: Range<usize>,
-    draw_count: usize,
+pub(super) struct LightPlan {
+    pub light: usize,
+    pub request: MapRequest,
+    pub key: MapTexturesKey,
+    pub lookup: Key,
+    pub faces: Range<usize>,
+    pub draw_count: usize,
+    /// Matrices of the debug view.
+    pub frusta: Range<u32>,
 }
 
 /// The recorder of one of the two components.
 #[derive(Debug)]
 pub struct MapNode {
     component: MapComponent,
-    pipelines: MapPipelines,
-    pool: MapPool,
-    draws: MapDraws,
+    pub(super) pipelines: MapPipelines,
+    pub(super) pool: MapPool,
+    pub(super) draws: MapDraws,
     casters: GrowingBuffer,
-    caster_group: wgpu::BindGroup,
+    pub(super) caster_group: wgpu::BindGroup,
     constants: GrowingBuffer,
     constant_bytes: Vec<u8>,
     compare: wgpu::Sampler,
     jitter: wgpu::TextureView,
-    map_group: wgpu::BindGroup,
+    pub(super) map_group: wgpu::BindGroup,
     lights: Vec<LightPlan>,
     faces: Vec<FacePlan>,
 }
@@ -183,7 +187,29 @@ impl MapNode {
         })
     }
 
-    fn plan_light(&mut self, world: &World, input: &PrepareInput, map: &LightMap, eye: DVec3, show_taps: bool) {
+    /// Matrices from each face's clip space to the view's, for the debug view.
+    fn plan_frusta(&mut self, map: &LightMap, input: &PrepareInput, view: &ViewData) -> Range<u32> {
+        let first = self.draws.casters.len() as u32;
+        if !input.debug_view {
+            return first..first;
+        }
+        self.pipelines.require(input.context, Key::Frustum);
+        for state in &map.faces {
+            // Reversed depth reaches infinity, where no edge would end.
+            let (far, length) = match state.face.projection {
+                FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
+                FaceProjection::Parallel { .. } => (0.0, 1.0),
+            };
+            let cut = DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));
+            let clip = view.clip_from_world * state.face.clip_from_world().inverse() * cut;
+            self.draws.casters.push(gpu_types::MapCaster {
+                clip_from_local: clip.as_mat4().to_cols_array_2d(),
+            });
+        }
+        first..self.draws.casters.len() as u32
+    }
+
+    fn plan_light(&mut self, world: &World, input: &PrepareInput, map: &LightMap, view: &ViewData, show_taps: bool) {
         let moving = map.has_moving();
         let key = MapTexturesKey::new(map.cached.then_some(map.entity), &map.request, map.resolution, moving);
         self.pool.require(input.context, &self.pipelines.layouts, key);
@@ -217,193 +243,22 @@ impl MapNode {
         let bounds = bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min));
         let at = self.constant_bytes.len();
         self.constant_bytes.resize(at + STRIDE, 0);
-        let constants = map_constants(map, eye, bounds);
+        let constants = map_constants(map, view.eye, bounds);
         self.constant_bytes[at..at + size_of::<gpu_types::MapLight>()]
             .copy_from_slice(bytemuck::bytes_of(&constants));
+        let draw_count = self.draws.draws.len() - first_draw;
+        let frusta = self.plan_frusta(map, input, view);
         self.lights.push(LightPlan {
             light: map.light,
             request,
             key,
             lookup,
             faces: first_face..self.faces.len(),
-            draw_count: self.draws.draws.len() - first_draw,
+            draw_count,
+            frusta,
         });
     }
 
-    /// Records what one face needs.
-    fn draw_face(
-        &self,
-        slot: usize,
-        plan: &LightPlan,
-        face: &FacePlan,
-        textures: &MapTextures,
-        encoder: &mut wgpu::CommandEncoder,
-        input: &ResolveInput,
-    ) {
-        let layer = face.face;
-        if let Some(range) = &face.still {
-            let view = &textures.still.layers[layer];
-            self.draw_casters(encoder, input, view, true, &[range.clone()], None);
-        }
-        if let (Some(range), Some(moving)) = (&face.moving, &textures.moving) {
-            copy_layer(encoder, &textures.still.texture, &moving.texture, layer);
-            if !range.is_empty() {
-                self.draw_casters(encoder, input, &moving.layers[layer], false, &[range.clone()], None);
-            }
-        }
-        if let Some(shown) = &textures.shown {
-            let first = &textures.all_casters().layers[layer];
-            let mut second = first;
-            if plan.request.surface != MapSurface::Nearest
-                && let Some(scratch) = self.pool.second(plan.key.side)
-            {
-                let group = bind_depths(input.context, &self.pipelines.layouts.first, &[first]);
-                self.draw_casters(encoder, input, scratch, true, &face.peeled, Some(&group));
-                second = scratch;
-            }
-            let group = bind_depths(input.context, &self.pipelines.layouts.surfaces, &[first, second]);
-            self.convert(slot, plan, layer, &shown.layers[layer], &group, encoder, input);
-        }
-        let record = &textures.records[layer];
-        record.still.store(face.still_revision, Ordering::Relaxed);
-        record.shown.store(face.revision, Ordering::Relaxed);
-    }
-
-    fn draw_casters(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        input: &ResolveInput,
-        target: &wgpu::TextureView,
-        clear: bool,
-        ranges: &[Range<usize>],
-        peel: Option<&wgpu::BindGroup>,
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("map"),
-            color_attachments: &[],
-            depth_stencil_attachment: Some(depth_attachment(target, clear)),
-            timestamp_writes: pass_timer(input, "map"),
-            ..Default::default()
-        });
-        pass.set_bind_group(0, &self.caster_group, &[]);
-        if let Some(group) = peel {
-            pass.set_bind_group(1, group, &[]);
-        }
-        for range in ranges {
-            self.draws.record(
-                range.clone(),
-                peel.is_some(),
-                &mut pass,
-                &self.pipelines,
-                input.record.meshes,
-                input.record.materials,
-            );
-        }
-    }
-
-    fn convert(
-        &self,
-        slot: usize,
-        plan: &LightPlan,
-        face: usize,
-        target: &wgpu::TextureView,
-        surfaces: &wgpu::BindGroup,
-        encoder: &mut wgpu::CommandEncoder,
-        input: &ResolveInput,
-    ) {
-        let (format, surface) = (plan.request.format, plan.request.surface);
-        let parallel = plan.request.shape == MapShape::Cascades;
-        let key = Key::Convert {
-            format,
-            surface,
-            parallel,
-        };
-        let Some(pipeline) = self.pipelines.get(key) else {
-            return;
-        };
-        let is_depth = format == MapFormat::Depth;
-        let color = [Some(wgpu::RenderPassColorAttachment {
-            view: target,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
-                store: wgpu::StoreOp::Store,
-            },
-        })];
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("map conversion"),
-            color_attachments: if is_depth { &[] } else { &color },
-            depth_stencil_attachment: is_depth.then(|| depth_attachment(target, true)),
-            timestamp_writes: pass_timer(input, "map conversion"),
-            ..Default::default()
-        });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(1, surfaces, &[]);
-        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
-        pass.draw(0..3, face as u32..face as u32 + 1);
-    }
-}
-
-/// A name is made only where somebody looks at it.
-fn pass_timer<'a>(input: &'a ResolveInput, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
-    let is_active = input.timings.is_active();
-    is_active.then(|| input.timings.pass(&format!("{}/{pass}", input.label)))?
-}
-
-fn depth_attachment(
-    view: &wgpu::TextureView,
-    clear: bool,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    wgpu::RenderPassDepthStencilAttachment {
-        view,
-        depth_ops: Some(wgpu::Operations {
-            load: if clear {
-                wgpu::LoadOp::Clear(crate::conventions::DEPTH_INFINITY)
-            } else {
-                wgpu::LoadOp::Load
-            },
-            store: wgpu::StoreOp::Store,
-        }),
-        stencil_ops: None,
-    }
-}
-
-fn copy_layer(encoder: &mut wgpu::CommandEncoder, from: &wgpu::Texture, to: &wgpu::Texture, layer: usize) {
-    let at = |texture| wgpu::TexelCopyTextureInfo {
-        texture,
-        mip_level: 0,
-        origin: wgpu::Origin3d {
-            x: 0,
-            y: 0,
-            z: layer as u32,
-        },
-        aspect: wgpu::TextureAspect::All,
-    };
-    let size = wgpu::Extent3d {
-        depth_or_array_layers: 1,
-        ..from.size()
-    };
-    encoder.copy_texture_to_texture(at(from), at(to), size);
-}
-
-fn bind_depths(
-    context: &RenderContext,
-    layout: &wgpu::BindGroupLayout,
-    views: &[&wgpu::TextureView],
-) -> wgpu::BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(views)
-        .map(|(binding, view)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        })
-        .collect();
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("map surfaces"),
-        layout,
-        entries: &entries,
-    })
 }
 
 fn bind_casters(context: &RenderContext, pipelines: &MapPipelines, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
@@ -472,59 +327,6 @@ fn jitter_texture(context: &RenderContext) -> wgpu::TextureView {
     texture.create_view(&Default::default())
 }
 
-/// Share of a texel by which a plane is raised, and half of it for each texel of the filter's radius: enough for surfaces
-/// that bend by some 8° between neighbouring texels, too little to part a shadow from its caster. Found by
-/// `tests/maps/contacts.rs`.
-const RAISED_TEXELS: f32 = 0.15;
-
-/// The shader's view of one light's map.
-fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gpu_types::MapLight {
-    let request = &map.request;
-    let mut constants = gpu_types::MapLight::default();
-    let mut radius_texels: f32 = 0.0;
-    let softness = request.filter.softness().unwrap_or(0.0);
-    for (out, state) in constants.faces.iter_mut().zip(&map.faces) {
-        let [x, y, z] = state.face.rows_from_relative(eye);
-        let texel = state.face.texel_metres(map.resolution) as f32;
-        let (a, b) = match state.face.projection {
-            FaceProjection::Perspective { tangent, near } => (tangent, near),
-            FaceProjection::Parallel { half, length } => (half, length),
-        };
-        *out = gpu_types::MapFace {
-            row_x: x.to_array(),
-            row_y: y.to_array(),
-            row_z: z.to_array(),
-            projection: [a as f32, b as f32, texel, 0.0],
-        };
-        radius_texels = radius_texels.max(softness / texel);
-    }
-    if matches!(request.filter, MapFilter::Brute4x4 | MapFilter::Dithered4) {
-        radius_texels = 2.0;
-    }
-    let (raised, metres) = match request.bias {
-        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0),
-        MapBias::Manual {
-            normal_texels,
-            depth_metres,
-        } => (normal_texels, depth_metres),
-    };
-    // A few roundings of f32 on both sides of the comparison; squares have twice the share.
-    let parallel = request.shape == MapShape::Cascades;
-    let (relative, absolute) = match request.format {
-        MapFormat::Depth if parallel => (0.0, 2e-6),
-        MapFormat::Depth => (4e-6, 0.0),
-        MapFormat::R32Float => (8e-6, 0.0),
-        MapFormat::Rgba8TwoBytes => (8e-6, TWO_BYTES_STEP),
-        MapFormat::Rgba8FourBytes => (8e-6, FOUR_BYTES_STEP),
-    };
-    let resolution = map.resolution as f32;
-    constants.size = [resolution, resolution.recip(), softness, 0.0];
-    constants.bias = [raised, relative, absolute, metres];
-    let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
-    constants.limits = [depth_bounds.0, depth_bounds.1, inverse_reach_sq, request.cascades.blend];
-    constants
-}
-
 impl ShadowTechnique for MapNode {
     fn name(&self) -> &'static str {
         self.component.name()
@@ -547,7 +349,7 @@ impl ShadowTechnique for MapNode {
                 continue;
             }
             if map.active {
-                self.plan_light(world, input, map, view.eye, settings.show_taps);
+                self.plan_light(world, input, map, view, settings.show_taps);
             } else if map.cached {
                 let moving = map.has_moving();
                 let key = MapTexturesKey::new(Some(map.entity), &map.request, map.resolution, moving);
@@ -583,35 +385,22 @@ impl ShadowTechnique for MapNode {
         for face in &self.faces[plan.faces.clone()] {
             self.draw_face(slot, plan, face, textures, encoder, input);
         }
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("map lookup"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &input.masks.mask_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Load,
-                    store: wgpu::StoreOp::Store,
-                },
-            })],
-            timestamp_writes: pass_timer(input, "map lookup"),
-            ..Default::default()
-        });
-        let [x, y, width, height] = input.scissor;
-        pass.set_scissor_rect(x, y, width, height);
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, input.record.view, &[]);
-        pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
-        pass.set_bind_group(3, &textures.group, &[]);
-        pass.draw(0..3, 0..1);
+        self.look_up(slot, textures, pipeline, encoder, input);
     }
 
     fn reads_planes(&self) -> bool {
         true
     }
 
-    fn debug(&self, _light: usize, _pass: &mut wgpu::RenderPass, _input: &RecordInput) {}
+    /// Draws the edges of what the faces show.
+    fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, _input: &RecordInput) {
+        let pipeline = self.pipelines.get(Key::Frustum);
+        if let (Some((_, plan)), Some(pipeline)) = (self.plan_of(light), pipeline) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &self.caster_group, &[]);
+            pass.draw(0..24, plan.frusta.clone());
+        }
+    }
 
     /// Draws of casters; the lookup is one more, of one triangle.
     fn batch_count(&self, light: usize) -> usize {
