@@ -97,7 +97,8 @@ const SOFTNESS: f32 = 0.01;
 
 impl ShotMap {
     fn resolution(&self) -> MapResolution {
-        self.resolution.map_or_else(MapResolution::default, MapResolution::Fixed)
+        self.resolution
+            .map_or_else(MapResolution::default, MapResolution::Fixed)
     }
 
     fn filter(&self) -> MapFilter {

@@ -139,8 +139,7 @@ impl MaskTargets {
         targets: &FrameTargets,
     ) -> Result<Self, RenderError> {
         let receiver_depth = create_target(context, "receiver depth", targets.size, DEPTH_COPY_FORMAT)?;
-        let receiver_plane =
-            create_target(context, "receiver plane", targets.size, RECEIVER_PLANE_FORMAT)?;
+        let receiver_plane = create_target(context, "receiver plane", targets.size, RECEIVER_PLANE_FORMAT)?;
         let mask = create_target(context, "visibility mask", targets.size, MASK_FORMAT)?;
         let mask_view = mask.create_view(&Default::default());
         let receiver_depth_view = receiver_depth.create_view(&Default::default());

@@ -46,7 +46,12 @@ pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::ren
         if renderer.has_technique(component.name()) {
             continue;
         }
-        match MapNode::new(component, renderer.context(), renderer.shaders(), renderer.layouts()) {
+        match MapNode::new(
+            component,
+            renderer.context(),
+            renderer.shaders(),
+            renderer.layouts(),
+        ) {
             Ok(node) => renderer.add_technique(Box::new(node)),
             Err(error) => renderer.fail(error),
         }

@@ -199,8 +199,12 @@ impl<'a> Judge<'a> {
         let width = self.hits.size.x as usize;
         let ray = &self.rays[index];
         let step = |other: usize| (self.rays[other].direction - ray.direction) * 0.02;
-        let right = step(if index % width > 0 { index - 1 } else { index + 1 });
-        let down = step(if index >= width { index - width } else { index + width });
+        let right = step(if index.is_multiple_of(width) { index + 1 } else { index - 1 });
+        let down = step(if index >= width {
+            index - width
+        } else {
+            index + width
+        });
         [right + down, right - down, -right + down, -right - down]
             .into_iter()
             .any(|offset| {
@@ -228,7 +232,9 @@ impl<'a> Judge<'a> {
                     return false;
                 };
                 let ray = Ray { origin, direction };
-                let seen = self.scene.closest_hit(&ray, 1e-9, f64::INFINITY, |triangle| triangle.blocks);
+                let seen = self
+                    .scene
+                    .closest_hit(&ray, 1e-9, f64::INFINITY, |triangle| triangle.blocks);
                 seen.is_some_and(|seen| {
                     let [a, b, c] = self.scene.triangles()[seen.triangle as usize].corners;
                     let normal = (b - a).cross(c - a).normalize_or_zero();

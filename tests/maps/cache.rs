@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::techniques::maps::{MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface, Maps};
+use antumbra::techniques::maps::{
+    MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface, Maps,
+};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -23,11 +25,18 @@ fn stage() -> Stage {
     let view = Transform::from_xyz(2.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y);
     let mut stage = Stage::empty(SIZE, camera, view);
     stage
-        .add_renderer(strict_context(RequestedFeatures::default()), RenderSettings::default())
+        .add_renderer(
+            strict_context(RequestedFeatures::default()),
+            RenderSettings::default(),
+        )
         .expect("shaders compose");
     spawn(&mut stage, MeshData::plane(5.0), Vec3::ZERO);
     for i in 0..5 {
-        spawn(&mut stage, MeshData::cuboid(Vec3::splat(0.3)), Vec3::new(i as f32 - 2.0, 0.5, 0.3));
+        spawn(
+            &mut stage,
+            MeshData::cuboid(Vec3::splat(0.3)),
+            Vec3::new(i as f32 - 2.0, 0.5, 0.3),
+        );
     }
     stage
 }
@@ -47,7 +56,10 @@ fn light_at(x: f32, kind: LightKind) -> (Light, Transform) {
         kind,
         ..Light::point(Vec3::ONE, 20.0, 20.0)
     };
-    (light, Transform::from_xyz(x, 3.5, 1.5).looking_at(Vec3::ZERO, Vec3::Z))
+    (
+        light,
+        Transform::from_xyz(x, 3.5, 1.5).looking_at(Vec3::ZERO, Vec3::Z),
+    )
 }
 
 /// A kept map and one that is not, at one place.
@@ -79,7 +91,10 @@ fn twins(stage: &mut Stage, kind: LightKind, filter: MapFilter, format: MapForma
 }
 
 fn change_transform(stage: &mut Stage, entity: Entity, by: Vec3) {
-    let mut transform = stage.world.get_mut::<Transform>(entity).expect("it stands somewhere");
+    let mut transform = stage
+        .world
+        .get_mut::<Transform>(entity)
+        .expect("it stands somewhere");
     transform.translation += by;
 }
 
@@ -92,7 +107,11 @@ fn same(stage: &mut Stage, frames: usize, what: &str) -> Vec<f32> {
         assert!(
             rendered.visibility[0] == rendered.visibility[1],
             "{what}, frame {frame}: {} pixels differ",
-            rendered.visibility[0].iter().zip(&rendered.visibility[1]).filter(|(a, b)| a != b).count()
+            rendered.visibility[0]
+                .iter()
+                .zip(&rendered.visibility[1])
+                .filter(|(a, b)| a != b)
+                .count()
         );
         last = rendered.visibility.swap_remove(0);
     }
@@ -107,9 +126,24 @@ fn kept_maps_show_what_maps_drawn_every_frame_show() {
     };
     for (kind, filter, format, surface) in [
         (SPOT, MapFilter::Bilinear, MapFormat::Depth, MapSurface::Nearest),
-        (LightKind::Directional, MapFilter::Brute4x4, MapFormat::Depth, MapSurface::Nearest),
-        (LightKind::Point, MapFilter::Bilinear, MapFormat::Depth, MapSurface::Nearest),
-        (LightKind::Point, jittered, MapFormat::Rgba8FourBytes, MapSurface::Midpoint),
+        (
+            LightKind::Directional,
+            MapFilter::Brute4x4,
+            MapFormat::Depth,
+            MapSurface::Nearest,
+        ),
+        (
+            LightKind::Point,
+            MapFilter::Bilinear,
+            MapFormat::Depth,
+            MapSurface::Nearest,
+        ),
+        (
+            LightKind::Point,
+            jittered,
+            MapFormat::Rgba8FourBytes,
+            MapSurface::Midpoint,
+        ),
     ] {
         let mut stage = stage();
         stage.world.resource_mut::<MapSettings>().still_after = 3;
@@ -128,7 +162,10 @@ fn kept_maps_show_what_maps_drawn_every_frame_show() {
         change_transform(&mut stage, camera, Vec3::new(0.4, 0.1, -0.5));
         same(&mut stage, 2, "the view moves");
         change_transform(&mut stage, camera, Vec3::new(-0.4, -0.1, 0.5));
-        stage.world.entity_mut(caster).insert(SceneMesh(Arc::new(MeshData::cuboid(Vec3::splat(0.4)))));
+        stage
+            .world
+            .entity_mut(caster)
+            .insert(SceneMesh(Arc::new(MeshData::cuboid(Vec3::splat(0.4)))));
         assert_ne!(rests, same(&mut stage, 2, "another mesh"));
         stage.world.entity_mut(caster).remove::<ShadowCaster>();
         assert_ne!(rests, same(&mut stage, 2, "no caster"));
@@ -137,7 +174,10 @@ fn kept_maps_show_what_maps_drawn_every_frame_show() {
         assert_eq!(first, gone, "all is as it was");
         for light in stage.lights.clone() {
             change_transform(&mut stage, light, Vec3::new(0.3, 0.0, 0.0));
-            let mut transform = stage.world.get_mut::<Transform>(light).expect("it stands somewhere");
+            let mut transform = stage
+                .world
+                .get_mut::<Transform>(light)
+                .expect("it stands somewhere");
             transform.rotate_z(0.2);
         }
         assert_ne!(first, same(&mut stage, 2, "the light moves"));
@@ -155,7 +195,13 @@ fn kept_maps_show_what_maps_drawn_every_frame_show() {
 #[test]
 fn a_map_out_of_view_takes_in_what_happened_meanwhile() {
     let mut stage = stage();
-    twins(&mut stage, SPOT, MapFilter::Bilinear, MapFormat::Depth, MapSurface::Nearest);
+    twins(
+        &mut stage,
+        SPOT,
+        MapFilter::Bilinear,
+        MapFormat::Depth,
+        MapSurface::Nearest,
+    );
     let caster = spawn(&mut stage, MeshData::icosphere(0.3, 3), Vec3::new(0.0, 1.2, 1.0));
     let before = same(&mut stage, 12, "at rest");
     let camera = stage.camera;
@@ -188,7 +234,11 @@ fn updates_keep_to_their_budget_and_end() {
     stage.world.resource_mut::<MapSettings>().face_updates = 12;
     stage.schedule.run(&mut stage.world);
     let maps = stage.world.resource::<Maps>();
-    assert_eq!((maps.updated_faces, maps.waiting_faces), (48, 0), "what shows nothing yet is drawn");
+    assert_eq!(
+        (maps.updated_faces, maps.waiting_faces),
+        (48, 0),
+        "what shows nothing yet is drawn"
+    );
     let shown = stage.render().expect("the frame renders");
     for light in stage.lights.clone() {
         change_transform(&mut stage, light, Vec3::new(0.4, 0.0, 0.0));
@@ -199,7 +249,12 @@ fn updates_keep_to_their_budget_and_end() {
         let maps = stage.world.resource::<Maps>();
         updated.push((maps.updated_faces, maps.waiting_faces));
         if updated.len() == 1 {
-            let changed = now.visibility.iter().zip(&shown.visibility).filter(|(a, b)| a != b).count();
+            let changed = now
+                .visibility
+                .iter()
+                .zip(&shown.visibility)
+                .filter(|(a, b)| a != b)
+                .count();
             // Two were taken in; the others keep their shadow.
             assert!(changed >= 2, "{changed}");
             assert!(now.visibility.iter().all(|v| v.iter().any(|v| *v < 0.5)));
@@ -207,7 +262,13 @@ fn updates_keep_to_their_budget_and_end() {
     }
     assert_eq!(updated, [(12, 36), (12, 24), (12, 12), (12, 0), (0, 0), (0, 0)]);
     let settled = stage.render().expect("the frame renders");
-    assert!(settled.visibility.iter().zip(&shown.visibility).all(|(a, b)| a != b));
+    assert!(
+        settled
+            .visibility
+            .iter()
+            .zip(&shown.visibility)
+            .all(|(a, b)| a != b)
+    );
 }
 
 #[test]
@@ -237,14 +298,20 @@ fn short_memory_costs_resolution_then_the_cache_and_is_reported() {
                 other => panic!("{other}"),
             }
         }
-        println!("limit {limit:>7}: {:>7} bytes, {coarser} coarser, {uncached} not kept, dark {now:?}", maps.bytes);
+        println!(
+            "limit {limit:>7}: {:>7} bytes, {coarser} coarser, {uncached} not kept, dark {now:?}",
+            maps.bytes
+        );
         assert!(!maps.newly_reported.is_empty());
         assert_eq!(uncached, maps.lights.iter().filter(|map| !map.cached).count());
         for (now, all) in now.iter().zip(&all) {
             assert!(now.abs_diff(*all) * 4 < *all, "a shadow is gone: {now} of {all}");
         }
         stage.schedule.run(&mut stage.world);
-        assert!(stage.world.resource::<Maps>().newly_reported.is_empty(), "it is said once");
+        assert!(
+            stage.world.resource::<Maps>().newly_reported.is_empty(),
+            "it is said once"
+        );
     }
     assert_eq!(stage.world.resource::<Maps>().reports.len(), 6);
 }

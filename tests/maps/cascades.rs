@@ -32,7 +32,11 @@ fn field() -> (Stage, Entity) {
     add(&mut stage, MeshData::plane(200.0), Transform::default());
     for i in 0..100 {
         let (x, z) = ((i % 10) as f32 * 20.0 - 100.0, (i / 10) as f32 * 20.0 - 100.0);
-        add(&mut stage, MeshData::cuboid(Vec3::ONE), Transform::from_xyz(x, 1.0, z));
+        add(
+            &mut stage,
+            MeshData::cuboid(Vec3::ONE),
+            Transform::from_xyz(x, 1.0, z),
+        );
     }
     let place = Transform::default().looking_to(Vec3::new(-0.5, -1.0, -0.3), Vec3::Y);
     let map = ShadowMap {
@@ -79,7 +83,12 @@ fn every_surface_in_view_lies_in_a_cascade() {
             let point = eye + forward * (step as f32 * 0.5);
             let ground = point.with_y(0.0).as_dvec3();
             let view = stage.world.resource::<antumbra::sets::View>();
-            let seen = view.data.as_ref().expect("there is a view").frustum.contains(ground.extend(1.0));
+            let seen = view
+                .data
+                .as_ref()
+                .expect("there is a view")
+                .frustum
+                .contains(ground.extend(1.0));
             let inside = faces.iter().any(|face| {
                 let [x, y, z] = face.axes.map(|axis| axis.dot(ground - face.origin));
                 let FaceProjection::Parallel { half, length } = face.projection else {
@@ -153,5 +162,8 @@ fn splits_run_from_uniform_to_logarithmic() {
         assert!((log[i + 1] / log[i] - 4.0).abs() < 1e-9);
         assert!(log[i] < of(0.5)[i] && of(0.5)[i] < uniform[i]);
     }
-    assert_eq!(DVec3::new(uniform[0], uniform[4], log[4]), DVec3::new(1.0, 256.0, 256.0));
+    assert_eq!(
+        DVec3::new(uniform[0], uniform[4], log[4]),
+        DVec3::new(1.0, 256.0, 256.0)
+    );
 }

@@ -19,7 +19,11 @@ pub const SPOT: LightKind = LightKind::Spot {
 
 /// All filters, with a softness that fits the kind of light and scene.
 pub fn filters(kind: LightKind, scale: f32) -> [MapFilter; 6] {
-    let softness = if kind == LightKind::Directional { 0.02 * scale } else { 0.008 };
+    let softness = if kind == LightKind::Directional {
+        0.02 * scale
+    } else {
+        0.008
+    };
     let jittered = |adaptive| MapFilter::Jittered { softness, adaptive };
     [
         MapFilter::Bilinear,
@@ -89,7 +93,11 @@ fn reach_texels(filter: MapFilter, kind: Kind, judge: &Judge) -> f64 {
         .map(|hit| {
             let place = judge.texel_metres(hit.position);
             let distance = judge.face_of(hit.position).map_or(1.0, |(_, _, z)| z);
-            if kind == Kind::Sun { place } else { place / distance }
+            if kind == Kind::Sun {
+                place
+            } else {
+                place / distance
+            }
         })
         .filter(|texel| *texel > 0.0)
         .fold(f64::INFINITY, f64::min);
@@ -108,7 +116,10 @@ fn judge_scene(scene: &TestScene, stage: &mut Stage, kind: Kind, out: &mut Vec<(
     let (light, place) = scene.light(kind.light());
     let entity = stage.spawn_light(light, place, None::<StencilVolume>);
     let mut judge = None;
-    let packed = matches!(kind, Kind::Omni(MapFormat::Rgba8TwoBytes | MapFormat::Rgba8FourBytes));
+    let packed = matches!(
+        kind,
+        Kind::Omni(MapFormat::Rgba8TwoBytes | MapFormat::Rgba8FourBytes)
+    );
     // What is unpacked is looked up like floats: two filters of the packings stand for all.
     let count = if packed { 2 } else { 6 };
     for filter in filters(kind.light(), scene.scale).into_iter().take(count) {
@@ -130,12 +141,22 @@ fn dump(name: &str, got: &[f32], truth: &[f32]) {
     let mut bytes = Vec::new();
     for (got, truth) in got.chunks(width).zip(truth.chunks(width)) {
         bytes.extend(got.iter().map(|v| (v * 255.0) as u8));
-        bytes.extend(truth.iter().map(|v| if v.is_nan() { 90 } else { (v * 255.0) as u8 }));
+        bytes.extend(
+            truth
+                .iter()
+                .map(|v| if v.is_nan() { 90 } else { (v * 255.0) as u8 }),
+        );
     }
     let name = name.replace(|c: char| !c.is_alphanumeric(), "_");
     let path = std::env::temp_dir().join(format!("map_{name}.png"));
-    image::save_buffer(path, &bytes, 2 * width as u32, scenes::SIZE.y, image::ColorType::L8)
-        .expect("the picture is written");
+    image::save_buffer(
+        path,
+        &bytes,
+        2 * width as u32,
+        scenes::SIZE.y,
+        image::ColorType::L8,
+    )
+    .expect("the picture is written");
 }
 
 #[test]
@@ -161,18 +182,28 @@ fn no_acne_no_leak_and_contacts_within_a_texel() {
         .filter(|(_, error)| error.acne > 0 || error.wrong > 0)
         .map(|(name, error)| format!("{name}: {:.5} {error:?}", error.share()))
         .collect();
-    assert!(bad.is_empty(), "{} of {}:\n{}", bad.len(), judged.len(), bad.join("\n"));
+    assert!(
+        bad.is_empty(),
+        "{} of {}:\n{}",
+        bad.len(),
+        judged.len(),
+        bad.join("\n")
+    );
 }
 
 #[test]
 fn the_judge_finds_acne_leaks_and_parted_shadows() {
     let context = strict_context(RequestedFeatures::default());
     let scenes = scenes::all();
-    let scene = &scenes[0];
+    let scene = &scenes[0]; // its shadow falls beside it
     let (mut stage, rays) = scene.stage(&context);
     let (light, place) = scene.light(SPOT);
     let entity = stage.spawn_light(light, place, None::<StencilVolume>);
-    Kind::Spot.insert(&mut stage.world.entity_mut(entity), MapFilter::Bilinear, MapSurface::Nearest);
+    Kind::Spot.insert(
+        &mut stage.world.entity_mut(entity),
+        MapFilter::Bilinear,
+        MapSurface::Nearest,
+    );
     let rendered = stage.render().expect("the frame renders");
     let judge = Judge::new(&stage, &rays, 0).expect("something casts");
     let right = judge.compare(&rendered.visibility[0]);
@@ -203,7 +234,11 @@ fn the_debug_view_changes_the_picture_and_no_shadow() {
         let (mut stage, _) = scenes[0].stage(&context);
         let (light, place) = scenes[0].light(kind.light());
         let entity = stage.spawn_light(light, place, None::<StencilVolume>);
-        kind.insert(&mut stage.world.entity_mut(entity), MapFilter::Bilinear, MapSurface::Nearest);
+        kind.insert(
+            &mut stage.world.entity_mut(entity),
+            MapFilter::Bilinear,
+            MapSurface::Nearest,
+        );
         let plain = stage.render().expect("the frame renders");
         stage.world.resource_mut::<Renderer>().settings.debug_volumes = true;
         let shown = stage.render().expect("the frame renders");

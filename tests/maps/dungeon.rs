@@ -90,7 +90,11 @@ fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
     let material = Arc::new(Material::matte(Vec3::ONE));
     let place = |i: usize, time: f32| {
         let angle = time + i as f32;
-        let at = Vec3::new(0.1 + 0.08 * i as f32 + 0.01 * angle.cos(), 0.3, 0.15 + 0.01 * angle.sin());
+        let at = Vec3::new(
+            0.1 + 0.08 * i as f32 + 0.01 * angle.cos(),
+            0.3,
+            0.15 + 0.01 * angle.sin(),
+        );
         Transform::from_translation(bounds.min + size * at)
     };
     let movers: Vec<Entity> = (0..10)
@@ -111,9 +115,11 @@ fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
         let lights = &stage.world.resource::<FrameLights>().lights;
         let (mut touched, mut drawn) = (0, 0);
         for (light, draws) in lights.iter().zip(&draws) {
-            let touches = movers
-                .iter()
-                .any(|mover| objects.index_of(*mover).is_some_and(|index| light.l.contains(index)));
+            let touches = movers.iter().any(|mover| {
+                objects
+                    .index_of(*mover)
+                    .is_some_and(|index| light.l.contains(index))
+            });
             touched += usize::from(touches);
             drawn += usize::from(*draws > 0);
             assert!(touches || *draws == 0, "a light without a mover drew {draws}");

@@ -57,10 +57,13 @@ fn rmse(a: &[f32], b: &[f32]) -> f64 {
 fn taps(stage: &Stage, judge: &Judge) -> f64 {
     let renderer = stage.world.resource::<Renderer>();
     let mask = &renderer.mask_targets().expect("a map was looked up").mask;
-    let rows = read_texture(renderer.context(), mask, wgpu::TextureAspect::All, "mask").expect("it can be read");
+    let rows =
+        read_texture(renderer.context(), mask, wgpu::TextureAspect::All, "mask").expect("it can be read");
     let reds = rows.bytes.chunks_exact(8);
     let reds = reds.map(|texel| half::f16::from_le_bytes([texel[0], texel[1]]).to_f64() * 64.0);
-    let counted = reds.zip(judge.truth.values()).filter(|(_, truth)| !truth.is_nan());
+    let counted = reds
+        .zip(judge.truth.values())
+        .filter(|(_, truth)| !truth.is_nan());
     let (sum, count) = counted.fold((0.0, 0), |(sum, count), (taps, _)| (sum + taps, count + 1));
     sum / f64::from(count)
 }
@@ -72,8 +75,14 @@ fn table_of_filters() {
         ..Default::default()
     });
     let scenes = scenes::all();
-    let scene = scenes.iter().find(|scene| scene.name == "row of pillars").expect("it is there");
-    println!("{:<24} {:<14} {:>8} {:>8} {:>8}", "map", "filter", "RMSE", "taps", "ms");
+    let scene = scenes
+        .iter()
+        .find(|scene| scene.name == "row of pillars")
+        .expect("it is there");
+    println!(
+        "{:<24} {:<14} {:>8} {:>8} {:>8}",
+        "map", "filter", "RMSE", "taps", "ms"
+    );
     for kind in Kind::ALL {
         let (mut stage, rays) = scene.stage(&context);
         let (light, place) = scene.light(kind.light());
@@ -89,14 +98,19 @@ fn table_of_filters() {
             // Softness is a share of the distance along the face's axis, or metres.
             let radius = |judge: &Judge, index: usize| {
                 let point = judge.hits.hits[index].expect("it counts").position;
-                let (_, _, z) = judge.face_of(point).unwrap_or_else(|| panic!("{point} is in no face"));
+                let (_, _, z) = judge
+                    .face_of(point)
+                    .unwrap_or_else(|| panic!("{point} is in no face"));
                 let distance = if kind == Kind::Sun { 1.0 } else { z };
                 f64::from(filter.softness().unwrap_or(0.0)) * distance / judge.texel_metres(point)
             };
             let got = &rendered.visibility[0];
             let error = rmse(&footprint_truth(judge, filter, radius), got);
             let taps = taps(&stage, judge);
-            let lookup = rendered.pass_times.iter().filter(|pass| pass.label.ends_with("map lookup"));
+            let lookup = rendered
+                .pass_times
+                .iter()
+                .filter(|pass| pass.label.ends_with("map lookup"));
             let ms: f64 = lookup.map(|pass| pass.milliseconds).sum();
             let name = format!("{filter:?}");
             let name = match filter {
@@ -104,9 +118,15 @@ fn table_of_filters() {
                 MapFilter::Jittered { adaptive: false, .. } => "Jittered, full",
                 _ => name.split(' ').next().unwrap_or_default(),
             };
-            println!("{:<24} {name:<14} {error:>8.4} {taps:>8.2} {ms:>8.3}", format!("{kind:?}"));
+            println!(
+                "{:<24} {name:<14} {error:>8.4} {taps:>8.2} {ms:>8.3}",
+                format!("{kind:?}")
+            );
             assert!(error < 0.1, "{kind:?} {filter:?}: {error}");
-            assert!(taps <= f64::from(filter.most_taps()) * 2.0, "two cascades at most");
+            assert!(
+                taps <= f64::from(filter.most_taps()) * 2.0,
+                "two cascades at most"
+            );
             match filter {
                 MapFilter::Jittered { adaptive: false, .. } => full = Some((taps, got.clone())),
                 MapFilter::Jittered { adaptive: true, .. } => {
@@ -139,16 +159,27 @@ fn packed_maps_agree_with_floats() {
     let context = strict_context(RequestedFeatures::default());
     for scene in scenes::all().iter().take(8) {
         let mut pictures = Vec::new();
-        for format in [MapFormat::R32Float, MapFormat::Rgba8FourBytes, MapFormat::Rgba8TwoBytes] {
+        for format in [
+            MapFormat::R32Float,
+            MapFormat::Rgba8FourBytes,
+            MapFormat::Rgba8TwoBytes,
+        ] {
             let (mut stage, _) = scene.stage(&context);
             let (light, place) = scene.light(LightKind::Point);
             let entity = stage.spawn_light(light, place, None::<StencilVolume>);
             let kind = Kind::Omni(format);
-            kind.insert(&mut stage.world.entity_mut(entity), MapFilter::Bilinear, MapSurface::Nearest);
+            kind.insert(
+                &mut stage.world.entity_mut(entity),
+                MapFilter::Bilinear,
+                MapSurface::Nearest,
+            );
             pictures.push(stage.render().expect("the frame renders").visibility.remove(0));
         }
         let (four, two) = (rmse(&pictures[0], &pictures[1]), rmse(&pictures[0], &pictures[2]));
-        println!("{:<28} RMSE to floats: four bytes {four:.5}, two bytes {two:.5}", scene.name);
+        println!(
+            "{:<28} RMSE to floats: four bytes {four:.5}, two bytes {two:.5}",
+            scene.name
+        );
         assert!(four < 0.002 && two < 0.02, "{}: {four} {two}", scene.name);
         assert!(pictures[0].iter().any(|v| *v < 0.5), "something is dark");
     }

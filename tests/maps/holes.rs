@@ -29,7 +29,10 @@ fn leaves() -> Material {
         name: "leaves".to_owned(),
         width: 2,
         height: 2,
-        rgba8: [255, 0, 0, 255].iter().flat_map(|alpha| [80, 160, 60, *alpha]).collect(),
+        rgba8: [255, 0, 0, 255]
+            .iter()
+            .flat_map(|alpha| [80, 160, 60, *alpha])
+            .collect(),
         wrap: [TextureWrap::Clamp; 2],
         linear_magnify: false,
         linear_minify: false,
@@ -55,7 +58,10 @@ fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: Li
     let view = Transform::from_xyz(0.0, 0.9, 3.5).looking_at(Vec3::new(0.0, 0.0, 0.5), Vec3::Y);
     let mut stage = Stage::empty(SIZE, camera, view);
     stage
-        .add_renderer(strict_context(RequestedFeatures::default()), RenderSettings::default())
+        .add_renderer(
+            strict_context(RequestedFeatures::default()),
+            RenderSettings::default(),
+        )
         .expect("shaders compose");
     let matte = || SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into());
     stage.world.spawn((
@@ -64,7 +70,11 @@ fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: Li
         (ShadowCaster, ShadowReceiver),
         Transform::default(),
     ));
-    let turn = if upside_down { Quat::from_rotation_z(std::f32::consts::PI) } else { Quat::IDENTITY };
+    let turn = if upside_down {
+        Quat::from_rotation_z(std::f32::consts::PI)
+    } else {
+        Quat::IDENTITY
+    };
     let place = Transform::from_xyz(0.0, 1.5, 0.0).with_rotation(turn);
     if card_is_masked {
         let materials = SceneMaterials([Arc::new(leaves())].into());

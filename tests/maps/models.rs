@@ -61,7 +61,10 @@ fn maps_equal_ray_cast_on_every_model_up_to_a_texel() {
             worst.0,
             worst.1
         );
-        assert!(all.counted > 30_000 && all.dark > 1_000, "{name}: too little was judged");
+        assert!(
+            all.counted > 30_000 && all.dark > 1_000,
+            "{name}: too little was judged"
+        );
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

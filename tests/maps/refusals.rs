@@ -61,11 +61,17 @@ fn render(stage: &mut Stage, light: Light, shadow: impl Bundle) -> (usize, Vec<M
     let rendered = stage.render().expect("the frame renders");
     let reports = stage.world.resource::<Maps>().reports.clone();
     stage.schedule.run(&mut stage.world);
-    assert!(stage.world.resource::<Maps>().newly_reported.is_empty(), "it is said once");
+    assert!(
+        stage.world.resource::<Maps>().newly_reported.is_empty(),
+        "it is said once"
+    );
     stage.lights.clear();
     stage.world.despawn(entity);
     assert!(rendered.radiance.iter().all(|v| v.is_finite()));
-    (rendered.visibility[0].iter().filter(|v| **v < 0.5).count(), reports)
+    (
+        rendered.visibility[0].iter().filter(|v| **v < 0.5).count(),
+        reports,
+    )
 }
 
 #[test]
@@ -87,23 +93,95 @@ fn unusable_settings_are_refused_by_name() {
     };
     let spot = |map| (light(SPOT, 20.0), map);
     let refused = [
-        (spot(ShadowMap { resolution: MapResolution::Fixed(0), ..map }), "resolution is 0"),
-        (spot(ShadowMap { resolution: auto(0, 64), ..map }), "resolution is 0"),
-        (spot(ShadowMap { resolution: auto(128, 64), ..map }), "resolution is 128"),
-        (spot(ShadowMap { near: Some(0.0), ..map }), "near is 0"),
-        (spot(ShadowMap { near: Some(-1.0), ..map }), "near is -1"),
-        (spot(ShadowMap { near: Some(f32::NAN), ..map }), "near is NaN"),
-        (spot(ShadowMap { near: Some(20.0), ..map }), "near is 20 m"),
-        (spot(ShadowMap { filter: soft(f32::NAN), ..map }), "softness is NaN"),
-        (spot(ShadowMap { filter: soft(-0.1), ..map }), "softness is -0.1"),
-        (spot(ShadowMap { bias: bias(-1.0, 0.0), ..map }), "bias is -1"),
-        (spot(ShadowMap { bias: bias(0.0, f32::INFINITY), ..map }), "bias is inf"),
+        (
+            spot(ShadowMap {
+                resolution: MapResolution::Fixed(0),
+                ..map
+            }),
+            "resolution is 0",
+        ),
+        (
+            spot(ShadowMap {
+                resolution: auto(0, 64),
+                ..map
+            }),
+            "resolution is 0",
+        ),
+        (
+            spot(ShadowMap {
+                resolution: auto(128, 64),
+                ..map
+            }),
+            "resolution is 128",
+        ),
+        (
+            spot(ShadowMap {
+                near: Some(0.0),
+                ..map
+            }),
+            "near is 0",
+        ),
+        (
+            spot(ShadowMap {
+                near: Some(-1.0),
+                ..map
+            }),
+            "near is -1",
+        ),
+        (
+            spot(ShadowMap {
+                near: Some(f32::NAN),
+                ..map
+            }),
+            "near is NaN",
+        ),
+        (
+            spot(ShadowMap {
+                near: Some(20.0),
+                ..map
+            }),
+            "near is 20 m",
+        ),
+        (
+            spot(ShadowMap {
+                filter: soft(f32::NAN),
+                ..map
+            }),
+            "softness is NaN",
+        ),
+        (
+            spot(ShadowMap {
+                filter: soft(-0.1),
+                ..map
+            }),
+            "softness is -0.1",
+        ),
+        (
+            spot(ShadowMap {
+                bias: bias(-1.0, 0.0),
+                ..map
+            }),
+            "bias is -1",
+        ),
+        (
+            spot(ShadowMap {
+                bias: bias(0.0, f32::INFINITY),
+                ..map
+            }),
+            "bias is inf",
+        ),
         (cascades(|c| c.count = 0), "0 cascades"),
         (cascades(|c| c.count = 5), "5 cascades"),
         (cascades(|c| c.distance = 0.0), "distance of the cascades is 0"),
-        (cascades(|c| c.log_share = 1.5), "log share of the cascades is 1.5"),
+        (
+            cascades(|c| c.log_share = 1.5),
+            "log share of the cascades is 1.5",
+        ),
         (cascades(|c| c.blend = f32::NAN), "blend of the cascades is NaN"),
-        ((light(LightKind::Point, 20.0), map), "ShadowMap does not fit a point light"),
+        (
+            (light(LightKind::Point, 20.0), map),
+            "ShadowMap does not fit a point light",
+        ),
     ];
     for ((light, map), text) in refused {
         let (dark, reports) = render(&mut stage, light, map);
@@ -113,13 +191,22 @@ fn unusable_settings_are_refused_by_name() {
     }
     let (dark, reports) = render(&mut stage, light(LightKind::Directional, 1.0), omni);
     assert_eq!(dark, 0);
-    assert!(reports[0].error.to_string().contains("OmniMap does not fit a directional light"));
+    assert!(
+        reports[0]
+            .error
+            .to_string()
+            .contains("OmniMap does not fit a directional light")
+    );
     // Lights whose own numbers are wrong are skipped as a whole, and said by the sets.
     let wide = LightKind::Spot {
         inner_angle: 0.4,
         outer_angle: 1.6,
     };
-    for bad in [light(LightKind::Point, 0.0), light(LightKind::Point, f32::NAN), light(wide, 20.0)] {
+    for bad in [
+        light(LightKind::Point, 0.0),
+        light(LightKind::Point, f32::NAN),
+        light(wide, 20.0),
+    ] {
         let place = Transform::from_xyz(0.7, 4.0, 0.5).looking_at(Vec3::ZERO, Vec3::Z);
         let entity = stage.spawn_light(bad, place, Some(omni));
         stage.render().expect("the frame renders");
@@ -151,9 +238,27 @@ fn odd_settings_are_drawn_with() {
         (light(SPOT, f32::INFINITY), map),
         (light(wide(1.5), 20.0), map),
         (light(wide(std::f32::consts::FRAC_PI_2), f32::INFINITY), map),
-        (light(SPOT, 20.0), ShadowMap { resolution: fixed(300), ..map }),
-        (light(SPOT, 20.0), ShadowMap { near: Some(1.0), ..map }),
-        (light(LightKind::Directional, 1.0), ShadowMap { resolution: fixed(77), ..map }),
+        (
+            light(SPOT, 20.0),
+            ShadowMap {
+                resolution: fixed(300),
+                ..map
+            },
+        ),
+        (
+            light(SPOT, 20.0),
+            ShadowMap {
+                near: Some(1.0),
+                ..map
+            },
+        ),
+        (
+            light(LightKind::Directional, 1.0),
+            ShadowMap {
+                resolution: fixed(77),
+                ..map
+            },
+        ),
     ];
     for (light, map) in spots {
         let (dark, reports) = render(&mut stage, light.clone(), map);
@@ -163,9 +268,24 @@ fn odd_settings_are_drawn_with() {
         (light(LightKind::Point, 20.0), omni),
         (light(LightKind::Point, f32::INFINITY), omni),
         (light(LightKind::Sphere { radius: 0.1 }, 20.0), omni),
-        (light(LightKind::Rect { width: 0.3, height: 0.2 }, 20.0), omni),
+        (
+            light(
+                LightKind::Rect {
+                    width: 0.3,
+                    height: 0.2,
+                },
+                20.0,
+            ),
+            omni,
+        ),
         (light(SPOT, 20.0), omni),
-        (light(LightKind::Point, 20.0), OmniMap { resolution: fixed(99), ..omni }),
+        (
+            light(LightKind::Point, 20.0),
+            OmniMap {
+                resolution: fixed(99),
+                ..omni
+            },
+        ),
     ];
     for (light, map) in points {
         let (dark, reports) = render(&mut stage, light.clone(), map);
@@ -173,15 +293,33 @@ fn odd_settings_are_drawn_with() {
     }
     for texels in [1, 2, 3, 5] {
         let resolution = fixed(texels);
-        let (_, reports) = render(&mut stage, light(LightKind::Point, 20.0), OmniMap { resolution, ..omni });
+        let (_, reports) = render(
+            &mut stage,
+            light(LightKind::Point, 20.0),
+            OmniMap { resolution, ..omni },
+        );
         assert!(reports.is_empty());
         render(&mut stage, light(SPOT, 20.0), ShadowMap { resolution, ..map });
-        render(&mut stage, light(LightKind::Directional, 1.0), ShadowMap { resolution, ..map });
+        render(
+            &mut stage,
+            light(LightKind::Directional, 1.0),
+            ShadowMap { resolution, ..map },
+        );
     }
     // A caster nearer than the near plane casts nothing, and that is what was asked for.
     let (all, _) = render(&mut stage, light(SPOT, 20.0), map);
-    let (own, _) = render(&mut stage, light(SPOT, 20.0), ShadowMap { near: Some(4.2), ..map });
-    assert!(own + 10 < all, "{own} of {all}: what faces away is dark all the same");
+    let (own, _) = render(
+        &mut stage,
+        light(SPOT, 20.0),
+        ShadowMap {
+            near: Some(4.2),
+            ..map
+        },
+    );
+    assert!(
+        own + 10 < all,
+        "{own} of {all}: what faces away is dark all the same"
+    );
 }
 
 #[test]
@@ -209,7 +347,11 @@ fn maps_beyond_the_limit_are_as_large_as_it_allows_and_reported() {
     assert!(dark > 20, "{dark}");
     let limit = context.device.limits().max_texture_dimension_2d;
     assert_eq!(stage.world.resource::<MapSettings>().largest, limit);
-    assert_eq!(reports.len(), 2, "beyond the device, and beyond the memory: {reports:?}");
+    assert_eq!(
+        reports.len(),
+        2,
+        "beyond the device, and beyond the memory: {reports:?}"
+    );
 }
 
 #[test]

@@ -38,7 +38,10 @@ fn cube(x: f32, y: f32, z: f32, half: f32) -> (MeshData, Transform) {
 }
 
 fn block(at: [f32; 3], half: [f32; 3]) -> (MeshData, Transform) {
-    (MeshData::cuboid(half.into()), Transform::from_translation(at.into()))
+    (
+        MeshData::cuboid(half.into()),
+        Transform::from_translation(at.into()),
+    )
 }
 
 fn ball(x: f32, y: f32, z: f32, radius: f32) -> (MeshData, Transform) {
@@ -63,7 +66,7 @@ fn bowl() -> (MeshData, Transform) {
 /// All of them.
 pub fn all() -> Vec<TestScene> {
     let view = (Vec3::new(1.6, 1.5, 2.6), Vec3::new(0.0, 0.35, 0.0));
-    let light = (Vec3::new(1.2, 2.6, 1.4), Vec3::ZERO);
+    let light = (Vec3::new(-1.6, 2.3, 0.3), Vec3::ZERO);
     let scene = |name, objects| TestScene {
         name,
         objects,
@@ -107,33 +110,72 @@ pub fn all() -> Vec<TestScene> {
         lit("cube, near light", cube_on_floor(), [0.9, 0.8, 0.7]),
         lit("cube, far light", cube_on_floor(), [60.0, 80.0, 50.0]),
         scene("sphere contact", vec![floor(), ball(0.0, 0.5, 0.0, 0.5)]),
-        lit("sphere from above", vec![floor(), ball(0.0, 0.5, 0.0, 0.5)], [0.1, 3.0, 0.1]),
-        lit("sphere, grazing", vec![floor(), ball(0.0, 0.5, 0.0, 0.5)], [-4.0, 0.8, 0.5]),
-        scene("wall of 4 cm", vec![floor(), block([0.0, 0.6, 0.0], [0.9, 0.6, 0.02])]),
-        scene("wall of 2 mm", vec![floor(), block([0.0, 0.6, 0.0], [0.9, 0.6, 0.001])]),
-        lit("sheet, light before", vec![floor(), sheet(upright)], [0.4, 2.0, 2.4]),
-        lit("sheet, light behind", vec![floor(), sheet(upright)], [0.4, 2.0, -2.4]),
+        lit(
+            "sphere from above",
+            vec![floor(), ball(0.0, 0.5, 0.0, 0.5)],
+            [0.1, 3.0, 0.1],
+        ),
+        lit(
+            "sphere, grazing",
+            vec![floor(), ball(0.0, 0.5, 0.0, 0.5)],
+            [-4.0, 0.8, 0.5],
+        ),
+        scene(
+            "wall of 4 cm",
+            vec![floor(), block([0.0, 0.6, 0.0], [0.9, 0.6, 0.02])],
+        ),
+        scene(
+            "wall of 2 mm",
+            vec![floor(), block([0.0, 0.6, 0.0], [0.9, 0.6, 0.001])],
+        ),
+        lit(
+            "sheet, light before",
+            vec![floor(), sheet(upright)],
+            [0.4, 2.0, 2.4],
+        ),
+        lit(
+            "sheet, light behind",
+            vec![floor(), sheet(upright)],
+            [0.4, 2.0, -2.4],
+        ),
         lit("sheet edge-on", vec![floor(), sheet(upright)], [2.4, 2.0, 0.02]),
         TestScene {
             view: (Vec3::new(0.3, 1.2, 1.9), Vec3::new(0.0, 0.9, -1.0)),
-            ..lit("inside a room", with(room(0.1), cube(0.4, 0.3, -0.7, 0.3)), [-0.4, 1.6, 0.3])
+            ..lit(
+                "inside a room",
+                with(room(0.1), cube(0.4, 0.3, -0.7, 0.3)),
+                [-0.4, 1.6, 0.3],
+            )
         },
         TestScene {
             view: (Vec3::new(0.3, 1.2, 1.9), Vec3::new(0.0, 0.9, -1.0)),
-            ..lit("next room's light", with(room(0.05), cube(0.4, 0.3, -0.7, 0.3)), [-3.0, 1.2, -0.5])
+            ..lit(
+                "next room's light",
+                with(room(0.05), cube(0.4, 0.3, -0.7, 0.3)),
+                [-3.0, 1.2, -0.5],
+            )
         },
         TestScene {
             view: (Vec3::new(0.3, 1.2, 1.9), Vec3::new(0.0, 0.9, -1.0)),
             ..lit("light under the ceiling", room(0.1), [0.2, 1.95, -0.4])
         },
-        scene("row of pillars", std::iter::once(floor()).chain(pillars).collect()),
+        scene(
+            "row of pillars",
+            std::iter::once(floor()).chain(pillars).collect(),
+        ),
         TestScene {
             view: (Vec3::new(1.6, 2.2, 2.6), Vec3::new(0.0, 0.3, -0.4)),
             ..scene("stairs", std::iter::once(floor()).chain(steps).collect())
         },
         lit(
             "plane along the light",
-            vec![floor(), tilt(block([0.0, 0.8, 0.0], [1.0, 0.01, 1.0]), Quat::from_rotation_z(0.72))],
+            vec![
+                floor(),
+                tilt(
+                    block([0.0, 0.8, 0.0], [1.0, 0.01, 1.0]),
+                    Quat::from_rotation_z(0.72),
+                ),
+            ],
             [2.0, 2.65, 0.0],
         ),
         TestScene {
@@ -142,19 +184,39 @@ pub fn all() -> Vec<TestScene> {
         },
         TestScene {
             view: (Vec3::new(0.5, 0.6, 1.6), Vec3::new(0.0, 0.5, 0.0)),
-            ..lit("sphere's terminator", vec![floor(), ball(0.0, 0.5, 0.0, 0.5)], [2.5, 0.5, 0.6])
+            ..lit(
+                "sphere's terminator",
+                vec![floor(), ball(0.0, 0.5, 0.0, 0.5)],
+                [2.5, 0.5, 0.6],
+            )
         },
-        scene("stacked cubes", vec![floor(), cube(0.0, 0.3, 0.0, 0.3), cube(0.1, 0.85, 0.05, 0.25)]),
-        scene("cube 2 cm over the floor", vec![floor(), cube(0.0, 0.52, 0.0, 0.5)]),
+        scene(
+            "stacked cubes",
+            vec![floor(), cube(0.0, 0.3, 0.0, 0.3), cube(0.1, 0.85, 0.05, 0.25)],
+        ),
+        scene(
+            "cube 2 cm over the floor",
+            vec![floor(), cube(0.0, 0.52, 0.0, 0.5)],
+        ),
         scene(
             "cube on its corner",
             vec![
                 floor(),
-                tilt(cube(0.0, 0.6, 0.0, 0.4), Quat::from_euler(glam::EulerRot::XYZ, 0.6, 0.3, 0.8)),
+                tilt(
+                    cube(0.0, 0.6, 0.0, 0.4),
+                    Quat::from_euler(glam::EulerRot::XYZ, 0.6, 0.3, 0.8),
+                ),
             ],
         ),
-        scene("overlapping cubes", vec![floor(), cube(0.0, 0.4, 0.0, 0.4), cube(0.35, 0.3, 0.3, 0.35)]),
-        lit("light 5 cm over the floor", vec![floor(), cube(0.0, 0.1, 0.0, 0.1)], [0.9, 0.05, 0.8]),
+        scene(
+            "overlapping cubes",
+            vec![floor(), cube(0.0, 0.4, 0.0, 0.4), cube(0.35, 0.3, 0.3, 0.35)],
+        ),
+        lit(
+            "light 5 cm over the floor",
+            vec![floor(), cube(0.0, 0.1, 0.0, 0.1)],
+            [0.9, 0.05, 0.8],
+        ),
         TestScene {
             scale: 0.01,
             ..scene("a centimetre", cube_on_floor())
@@ -219,7 +281,11 @@ impl TestScene {
     pub fn light(&self, kind: LightKind) -> (Light, Transform) {
         let at = |point: Vec3| point * self.scale + self.offset;
         let (place, target) = (at(self.light.0), at(self.light.1));
-        let up = if (target - place).normalize().y.abs() > 0.95 { Vec3::X } else { Vec3::Y };
+        let up = if (target - place).normalize().y.abs() > 0.95 {
+            Vec3::X
+        } else {
+            Vec3::Y
+        };
         let range = 20.0 * self.scale.max(self.light.0.length() / 10.0 * self.scale);
         let light = Light {
             kind,

@@ -11,8 +11,19 @@ use crate::scenes;
 #[test]
 fn other_surfaces_shadow_the_same_pixels() {
     let context = strict_context(RequestedFeatures::default());
-    let closed = ["cube on floor", "sphere contact", "stacked cubes", "cube on its corner", "row of pillars"];
-    for kind in [Kind::Spot, Kind::Sun, Kind::Omni(MapFormat::Depth), Kind::Omni(MapFormat::R32Float)] {
+    let closed = [
+        "cube on floor",
+        "sphere contact",
+        "stacked cubes",
+        "cube on its corner",
+        "row of pillars",
+    ];
+    for kind in [
+        Kind::Spot,
+        Kind::Sun,
+        Kind::Omni(MapFormat::Depth),
+        Kind::Omni(MapFormat::R32Float),
+    ] {
         for surface in [MapSurface::Second, MapSurface::Midpoint] {
             let mut all = MapError::default();
             for scene in scenes::all().iter().filter(|scene| closed.contains(&scene.name)) {
@@ -23,7 +34,11 @@ fn other_surfaces_shadow_the_same_pixels() {
                 let rendered = stage.render().expect("the frame renders");
                 let judge = Judge::new(&stage, &rays, 0).expect("something casts");
                 let error = judge.compare(&rendered.visibility[0]);
-                assert!(error.share() <= 0.005, "{} {kind:?} {surface:?}: {error:?}", scene.name);
+                assert!(
+                    error.share() <= 0.005,
+                    "{} {kind:?} {surface:?}: {error:?}",
+                    scene.name
+                );
                 all.add(error);
             }
             println!("{kind:?} {surface:?}: {all:?}");

@@ -10,11 +10,11 @@ use bevy_ecs::prelude::*;
 
 use super::face_state::{FaceState, Stale};
 use super::light_map::LightMap;
+use super::members::{Scene, expected_faces, farthest, fill_casters, lit_faces, split_members};
 use super::movers::{Movers, Remap};
 use super::plan::{Grant, Want, share_out, total_bytes};
 use super::request::{MapRequest, MapShape};
 use super::settings::{MapError, MapResolution, MapSettings};
-use super::members::{Scene, expected_faces, farthest, fill_casters, lit_faces, split_members};
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View};
 use crate::techniques::{OmniMap, ShadowMap};
@@ -136,7 +136,12 @@ impl Maps {
                 visibility: u64::from(map.visibility.checked_ilog2().map_or(0, |log| log + 1)),
             });
         }
-        share_out(&self.wants, settings.memory_limit, &mut self.grants, &mut self.order);
+        share_out(
+            &self.wants,
+            settings.memory_limit,
+            &mut self.grants,
+            &mut self.order,
+        );
         self.bytes = total_bytes(&self.wants, &self.grants);
         for ((map, want), grant) in self.lights.iter_mut().zip(&self.wants).zip(&self.grants) {
             if (map.resolution, map.cached) != (grant.resolution, grant.cached) {
@@ -161,9 +166,8 @@ impl Maps {
         self.newly_reported.clear();
         for report in &self.reports {
             let kind = std::mem::discriminant(&report.error);
-            let same = |old: &MapReport| {
-                old.entity == report.entity && std::mem::discriminant(&old.error) == kind
-            };
+            let same =
+                |old: &MapReport| old.entity == report.entity && std::mem::discriminant(&old.error) == kind;
             if !self.previous_reports.iter().any(same) {
                 self.newly_reported.push(*report);
             }
@@ -221,7 +225,10 @@ impl Maps {
                 });
             };
             if moved && map.request.shape != MapShape::Cascades {
-                push(None, map.faces.iter().map(|face| face.revision).min().unwrap_or(0));
+                push(
+                    None,
+                    map.faces.iter().map(|face| face.revision).min().unwrap_or(0),
+                );
                 continue;
             }
             for (face, state) in map.faces.iter().enumerate() {
@@ -239,9 +246,7 @@ impl Maps {
         candidates.sort_unstable();
         for candidate in &candidates {
             let map = &mut self.lights[candidate.light];
-            let range = candidate
-                .face
-                .map_or(0..map.faces.len(), |face| face..face + 1);
+            let range = candidate.face.map_or(0..map.faces.len(), |face| face..face + 1);
             let count = range.len();
             if candidate.may_wait && self.updated_faces + count > budget as usize && self.updated_faces > 0 {
                 self.waiting_faces += count;
@@ -252,7 +257,12 @@ impl Maps {
                 self.updated_faces += count;
             }
             for face in &mut map.faces[range] {
-                face.take_in(map.cached, self.frame, &mut self.revision, candidate.face.is_none());
+                face.take_in(
+                    map.cached,
+                    self.frame,
+                    &mut self.revision,
+                    candidate.face.is_none(),
+                );
             }
         }
         self.candidates = candidates;

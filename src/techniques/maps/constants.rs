@@ -58,6 +58,11 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gp
     constants.size = [resolution, resolution.recip(), softness, 0.0];
     constants.bias = [raised, relative, absolute, metres];
     let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
-    constants.limits = [depth_bounds.0, depth_bounds.1, inverse_reach_sq, request.cascades.blend];
+    constants.limits = [
+        depth_bounds.0,
+        depth_bounds.1,
+        inverse_reach_sq,
+        request.cascades.blend,
+    ];
     constants
 }

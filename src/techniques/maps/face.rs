@@ -43,7 +43,9 @@ impl MapFace {
         let [x, y, z] = self.axes.map(|axis| axis.extend(-axis.dot(self.origin)));
         let rows = match self.projection {
             FaceProjection::Perspective { tangent, near } => [x / tangent, y / tangent, DVec4::W * near, z],
-            FaceProjection::Parallel { half, length } => [x / half, y / half, DVec4::W - z / length, DVec4::W],
+            FaceProjection::Parallel { half, length } => {
+                [x / half, y / half, DVec4::W - z / length, DVec4::W]
+            }
         };
         DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
     }
@@ -76,7 +78,10 @@ impl MapFace {
         let [x, y, z] = self.axes;
         match self.projection {
             FaceProjection::Perspective { tangent, near } => {
-                reaches(z, -near) && [x, -x, y, -y].iter().all(|side| reaches(z * tangent + *side, 0.0))
+                reaches(z, -near)
+                    && [x, -x, y, -y]
+                        .iter()
+                        .all(|side| reaches(z * tangent + *side, 0.0))
             }
             FaceProjection::Parallel { half: side, length } => {
                 reaches(z, 0.0)
@@ -121,10 +126,8 @@ mod tests {
                 let point = face.origin + DVec3::new(at(13), at(29), at(41));
                 let clip = face.clip_from_world() * point.extend(1.0);
                 let ndc = clip.truncate() / clip.w;
-                let seen = clip.w > 0.0
-                    && ndc.x.abs() <= 1.0
-                    && ndc.y.abs() <= 1.0
-                    && (0.0..=1.0).contains(&ndc.z);
+                let seen =
+                    clip.w > 0.0 && ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0 && (0.0..=1.0).contains(&ndc.z);
                 let aabb = Aabb::from_points([point.as_vec3()]).padded();
                 assert_eq!(face.may_see(&aabb), seen, "{face:?} {point}");
                 inside += usize::from(seen);

@@ -74,7 +74,8 @@ impl FaceState {
             || moved_since(&next.still, self.still_at);
         self.next.stale = if still {
             Stale::Still
-        } else if self.drawn_at == 0 || self.moving != next.moving || moved_since(&next.moving, self.drawn_at) {
+        } else if self.drawn_at == 0 || self.moving != next.moving || moved_since(&next.moving, self.drawn_at)
+        {
             Stale::Moving
         } else {
             Stale::Nothing

@@ -20,7 +20,9 @@ pub const DEPTH: u32 = SAMPLES / 2;
 /// Pseudo-random number of 0..1 for a counter. Source: Steele et al. 2014, "Fast Splittable Pseudorandom Number
 /// Generators" (the mixing function).
 fn random(counter: u64) -> f64 {
-    let mut z = counter.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = counter
+        .wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
@@ -76,7 +78,10 @@ mod tests {
             }
         }
         let share = inner as f64 / count as f64;
-        assert!((share - 0.5).abs() < 0.01, "half of the area holds {share} of the samples");
+        assert!(
+            (share - 0.5).abs() < 0.01,
+            "half of the area holds {share} of the samples"
+        );
         assert_ne!(disc(0, 0), disc(1, 0), "each pixel has its own");
         assert_eq!(texels().len(), 16 * 16 * 32 * 4);
     }

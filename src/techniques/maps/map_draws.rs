@@ -130,7 +130,13 @@ impl MapDraws {
     }
 
     /// Makes the pipelines of a range of draws.
-    pub fn require(&self, range: Range<usize>, peel: bool, input: &PrepareInput, pipelines: &mut MapPipelines) {
+    pub fn require(
+        &self,
+        range: Range<usize>,
+        peel: bool,
+        input: &PrepareInput,
+        pipelines: &mut MapPipelines,
+    ) {
         for draw in &self.draws[range] {
             let masked = draw.material.is_some();
             pipelines.require(input.context, Key::Caster { masked, peel });

@@ -1,5 +1,7 @@
-//! The bind group layouts of maps.
+//! The bind group layouts of maps, and the groups that last.
 
+use super::jitter;
+use crate::render::RenderContext;
 use crate::render::bind_groups::{STORAGE, buffer_entry};
 use crate::render::gpu_types;
 
@@ -76,4 +78,73 @@ impl MapLayouts {
             ),
         }
     }
+
+    /// Group 0 of casters.
+    pub fn bind_casters(&self, context: &RenderContext, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
+        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("map casters"),
+            layout: &self.casters,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: buffer.as_entire_binding(),
+            }],
+        })
+    }
+
+    /// Group 2.
+    pub fn bind_map(
+        &self,
+        context: &RenderContext,
+        buffer: &wgpu::Buffer,
+        compare: &wgpu::Sampler,
+        jitter: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("map"),
+            layout: &self.map,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer,
+                        offset: 0,
+                        size: std::num::NonZeroU64::new(size_of::<gpu_types::MapLight>() as u64),
+                    }),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::Sampler(compare),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::TextureView(jitter),
+                },
+            ],
+        })
+    }
+}
+
+/// The texture of [`jitter::texels`].
+pub fn jitter_texture(context: &RenderContext) -> wgpu::TextureView {
+    use wgpu::util::DeviceExt;
+    let texture = context.device.create_texture_with_data(
+        &context.queue,
+        &wgpu::TextureDescriptor {
+            label: Some("jitter"),
+            size: wgpu::Extent3d {
+                width: jitter::TILE,
+                height: jitter::TILE,
+                depth_or_array_layers: jitter::DEPTH,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format: wgpu::TextureFormat::Rgba8Snorm,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::wgt::TextureDataOrder::LayerMajor,
+        &jitter::texels(),
+    );
+    texture.create_view(&Default::default())
 }

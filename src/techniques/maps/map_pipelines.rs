@@ -122,7 +122,10 @@ impl MapPipelines {
                     &[Some(casters), Some(first), Some(material)],
                 ),
             ],
-            convert_layout: layout("map conversion", &[None, Some(&layouts.surfaces), Some(&layouts.map)]),
+            convert_layout: layout(
+                "map conversion",
+                &[None, Some(&layouts.surfaces), Some(&layouts.map)],
+            ),
             resolve_layout: layout(
                 "map lookup",
                 &[
@@ -237,7 +240,11 @@ impl MapPipelines {
         let (entry_point, constants, targets) = if is_depth {
             ("depth", depth_constants.as_slice(), &[] as &[_])
         } else {
-            ("squared_distance", distance_constants.as_slice(), color.as_slice())
+            (
+                "squared_distance",
+                distance_constants.as_slice(),
+                color.as_slice(),
+            )
         };
         self.full_screen(
             context,

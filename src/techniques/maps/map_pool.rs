@@ -195,7 +195,10 @@ impl MapPool {
 
     /// Bytes of all textures.
     pub fn bytes(&self) -> u64 {
-        let scratches = self.scratches.iter().map(|scratch| bytes(&scratch.second.texture));
+        let scratches = self
+            .scratches
+            .iter()
+            .map(|scratch| bytes(&scratch.second.texture));
         self.maps.iter().map(MapTextures::bytes).sum::<u64>() + scratches.sum::<u64>()
     }
 
@@ -240,7 +243,10 @@ impl MapPool {
             moving: !key.moving,
             ..key
         };
-        let twin = self.maps.iter().position(|map| key.entity.is_some() && map.key == twin);
+        let twin = self
+            .maps
+            .iter()
+            .position(|map| key.entity.is_some() && map.key == twin);
         let still = match twin.map(|at| self.maps.swap_remove(at)) {
             Some(twin) => {
                 for (record, old) in records.iter_mut().zip(&twin.records) {

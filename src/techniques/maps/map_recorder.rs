@@ -27,12 +27,19 @@ impl MapNode {
         let layer = face.face;
         if let Some(range) = &face.still {
             let view = &textures.still.layers[layer];
-            self.draw_casters(encoder, input, view, true, &[range.clone()], None);
+            self.draw_casters(encoder, input, view, true, std::slice::from_ref(range), None);
         }
         if let (Some(range), Some(moving)) = (&face.moving, &textures.moving) {
             copy_layer(encoder, &textures.still.texture, &moving.texture, layer);
             if !range.is_empty() {
-                self.draw_casters(encoder, input, &moving.layers[layer], false, &[range.clone()], None);
+                self.draw_casters(
+                    encoder,
+                    input,
+                    &moving.layers[layer],
+                    false,
+                    std::slice::from_ref(range),
+                    None,
+                );
             }
         }
         if let Some(shown) = &textures.shown {
@@ -168,10 +175,7 @@ fn pass_timer<'a>(input: &'a ResolveInput, pass: &str) -> Option<wgpu::RenderPas
     is_active.then(|| input.timings.pass(&format!("{}/{pass}", input.label)))?
 }
 
-fn depth_attachment(
-    view: &wgpu::TextureView,
-    clear: bool,
-) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+fn depth_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassDepthStencilAttachment<'_> {
     wgpu::RenderPassDepthStencilAttachment {
         view,
         depth_ops: Some(wgpu::Operations {

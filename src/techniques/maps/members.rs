@@ -89,7 +89,8 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> Smal
             let resolution = f64::from(map.resolution);
             let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
             let guard = f64::from(GUARD_TEXELS).min(0.25 * resolution);
-            let tangent = (rim + softness * (1.0 + rim * rim).sqrt()) * resolution / (resolution - 2.0 * guard);
+            let tangent =
+                (rim + softness * (1.0 + rim * rim).sqrt()) * resolution / (resolution - 2.0 * guard);
             let projection = FaceProjection::Perspective { tangent, near };
             SmallVec::from_slice(&[MapFace {
                 origin,
@@ -108,7 +109,9 @@ fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     // Beyond, no surface is told from the sky.
-    let far = seen_far.min(f64::from(cascades.distance)).min(1e7 * scene.view.near);
+    let far = seen_far
+        .min(f64::from(cascades.distance))
+        .min(1e7 * scene.view.near);
     let splits = split_depths(cascades, scene.view.near, far);
     let boxes = &scene.objects.boxes;
     let towards = light.point_world.truncate();

@@ -55,6 +55,4 @@ pub mod settings;
 pub use cache::{MapReport, Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
 pub use light_map::LightMap;
-pub use settings::{
-    MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface,
-};
+pub use settings::{MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface};

@@ -70,7 +70,8 @@ impl Movers {
         }
         if !self.moving.is_clear() {
             for index in 0..self.moved_at.len() {
-                if self.moving.contains(index) && now - self.moved_at[index] >= u64::from(still_after.max(1)) {
+                if self.moving.contains(index) && now - self.moved_at[index] >= u64::from(still_after.max(1))
+                {
                     self.moving.remove(index);
                     self.changed_at = now;
                 }

@@ -20,9 +20,9 @@ use super::cache::Maps;
 use super::constants::map_constants;
 use super::face::FaceProjection;
 use super::face_state::FaceState;
-use super::jitter;
 use super::light_map::LightMap;
 use super::map_draws::MapDraws;
+use super::map_layouts::jitter_texture;
 use super::map_pipelines::{Key, MapPipelines, filter_constant};
 use super::map_pool::{MapPool, MapTexturesKey};
 use super::request::{MapComponent, MapRequest, MapShape};
@@ -116,8 +116,10 @@ impl MapNode {
         let jitter = jitter_texture(context);
         Ok(Self {
             component,
-            caster_group: bind_casters(context, &pipelines, &casters.buffer),
-            map_group: bind_map(context, &pipelines, &constants.buffer, &compare, &jitter),
+            caster_group: pipelines.layouts.bind_casters(context, &casters.buffer),
+            map_group: pipelines
+                .layouts
+                .bind_map(context, &constants.buffer, &compare, &jitter),
             pool: MapPool::new(context),
             draws: MapDraws::default(),
             constant_bytes: Vec::new(),
@@ -175,7 +177,8 @@ impl MapNode {
                 .require(range.clone().unwrap_or(0..0), peel, input, &mut self.pipelines);
         }
         for range in &peeled {
-            self.draws.require(range.clone(), true, input, &mut self.pipelines);
+            self.draws
+                .require(range.clone(), true, input, &mut self.pipelines);
         }
         Some(FacePlan {
             face,
@@ -200,7 +203,8 @@ impl MapNode {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
                 FaceProjection::Parallel { .. } => (0.0, 1.0),
             };
-            let cut = DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));
+            let cut =
+                DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));
             let clip = view.clip_from_world * state.face.clip_from_world().inverse() * cut;
             self.draws.casters.push(gpu_types::MapCaster {
                 clip_from_local: clip.as_mat4().to_cols_array_2d(),
@@ -209,9 +213,21 @@ impl MapNode {
         first..self.draws.casters.len() as u32
     }
 
-    fn plan_light(&mut self, world: &World, input: &PrepareInput, map: &LightMap, view: &ViewData, show_taps: bool) {
+    fn plan_light(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        map: &LightMap,
+        view: &ViewData,
+        show_taps: bool,
+    ) {
         let moving = map.has_moving();
-        let key = MapTexturesKey::new(map.cached.then_some(map.entity), &map.request, map.resolution, moving);
+        let key = MapTexturesKey::new(
+            map.cached.then_some(map.entity),
+            &map.request,
+            map.resolution,
+            moving,
+        );
         self.pool.require(input.context, &self.pipelines.layouts, key);
         let first_face = self.faces.len();
         let first_draw = self.draws.draws.len();
@@ -258,73 +274,6 @@ impl MapNode {
             frusta,
         });
     }
-
-}
-
-fn bind_casters(context: &RenderContext, pipelines: &MapPipelines, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("map casters"),
-        layout: &pipelines.layouts.casters,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: buffer.as_entire_binding(),
-        }],
-    })
-}
-
-fn bind_map(
-    context: &RenderContext,
-    pipelines: &MapPipelines,
-    buffer: &wgpu::Buffer,
-    compare: &wgpu::Sampler,
-    jitter: &wgpu::TextureView,
-) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("map"),
-        layout: &pipelines.layouts.map,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer,
-                    offset: 0,
-                    size: std::num::NonZeroU64::new(size_of::<gpu_types::MapLight>() as u64),
-                }),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::Sampler(compare),
-            },
-            wgpu::BindGroupEntry {
-                binding: 2,
-                resource: wgpu::BindingResource::TextureView(jitter),
-            },
-        ],
-    })
-}
-
-fn jitter_texture(context: &RenderContext) -> wgpu::TextureView {
-    use wgpu::util::DeviceExt;
-    let texture = context.device.create_texture_with_data(
-        &context.queue,
-        &wgpu::TextureDescriptor {
-            label: Some("jitter"),
-            size: wgpu::Extent3d {
-                width: jitter::TILE,
-                height: jitter::TILE,
-                depth_or_array_layers: jitter::DEPTH,
-            },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::Rgba8Snorm,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        },
-        wgpu::wgt::TextureDataOrder::LayerMajor,
-        &jitter::texels(),
-    );
-    texture.create_view(&Default::default())
 }
 
 impl ShadowTechnique for MapNode {
@@ -337,7 +286,9 @@ impl ShadowTechnique for MapNode {
         self.faces.clear();
         self.draws.clear();
         self.constant_bytes.clear();
-        let (Some(maps), Some(settings)) = (world.get_resource::<Maps>(), world.get_resource::<MapSettings>()) else {
+        let (Some(maps), Some(settings)) =
+            (world.get_resource::<Maps>(), world.get_resource::<MapSettings>())
+        else {
             return Ok(());
         };
         let Some(view) = world.get_resource::<View>().and_then(|view| view.data.as_ref()) else {
@@ -362,11 +313,14 @@ impl ShadowTechnique for MapNode {
             .casters
             .write(context, bytemuck::cast_slice(&self.draws.casters))
         {
-            self.caster_group = bind_casters(context, &self.pipelines, &self.casters.buffer);
+            self.caster_group = self.pipelines.layouts.bind_casters(context, &self.casters.buffer);
         }
         if self.constants.write(context, &self.constant_bytes) {
             let buffer = &self.constants.buffer;
-            self.map_group = bind_map(context, &self.pipelines, buffer, &self.compare, &self.jitter);
+            self.map_group = self
+                .pipelines
+                .layouts
+                .bind_map(context, buffer, &self.compare, &self.jitter);
         }
         Ok(())
     }
@@ -379,7 +333,8 @@ impl ShadowTechnique for MapNode {
         let Some((slot, plan)) = self.plan_of(light) else {
             return;
         };
-        let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup)) else {
+        let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
+        else {
             return;
         };
         for face in &self.faces[plan.faces.clone()] {

@@ -50,10 +50,16 @@ mod tests {
         for i in 0..=100_000u32 {
             let share = i as f32 / 100_000.0;
             let two = unpack_two_bytes(pack_two_bytes(share));
-            assert!(two <= share + 1e-7 && share - two <= TWO_BYTES_STEP * 1.01, "{share} {two}");
+            assert!(
+                two <= share + 1e-7 && share - two <= TWO_BYTES_STEP * 1.01,
+                "{share} {two}"
+            );
             let four = unpack_four_bytes(pack_four_bytes(share));
             assert!((four - share).abs() <= FOUR_BYTES_STEP, "{share} {four}");
         }
-        assert!(unpack_two_bytes([1, 0]) - unpack_two_bytes([0, 0]) > TWO_BYTES_STEP, "the check can fail");
+        assert!(
+            unpack_two_bytes([1, 0]) - unpack_two_bytes([0, 0]) > TWO_BYTES_STEP,
+            "the check can fail"
+        );
     }
 }

@@ -98,7 +98,12 @@ mod tests {
     #[test]
     fn least_visible_loses_resolution_then_its_cache() {
         let each = 24 << 20;
-        let of = |limit| plan(limit).iter().map(|g| (g.resolution, g.cached)).collect::<Vec<_>>();
+        let of = |limit| {
+            plan(limit)
+                .iter()
+                .map(|g| (g.resolution, g.cached))
+                .collect::<Vec<_>>()
+        };
         assert_eq!(of(3 * each), [(1024, true); 3]);
         assert_eq!(of(3 * each - 1), [(1024, true), (512, true), (1024, true)]);
         assert_eq!(of(2 * each), [(512, true), (128, true), (1024, true)]);
