@@ -199,7 +199,11 @@ impl<'a> Judge<'a> {
         let width = self.hits.size.x as usize;
         let ray = &self.rays[index];
         let step = |other: usize| (self.rays[other].direction - ray.direction) * 0.02;
-        let right = step(if index.is_multiple_of(width) { index + 1 } else { index - 1 });
+        let right = step(if index.is_multiple_of(width) {
+            index + 1
+        } else {
+            index - 1
+        });
         let down = step(if index >= width {
             index - width
         } else {

@@ -2,7 +2,7 @@
 //! without a setting for any scene.
 
 use antumbra::prelude::*;
-use antumbra::techniques::maps::{MapFilter, MapFormat, MapResolution, MapSurface};
+use antumbra::techniques::maps::{MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
 use bevy_ecs::prelude::*;
 
 use crate::harness::maps::{Judge, MapError};
@@ -212,18 +212,30 @@ fn the_judge_finds_acne_leaks_and_parted_shadows() {
     assert!(all_dark.acne > 1000 && all_dark.leaks == 0, "{all_dark:?}");
     let all_lit = judge.compare(&vec![1.0; rendered.visibility[0].len()]);
     assert!(all_lit.leaks > 50 && all_lit.acne == 0, "{all_lit:?}");
-    // A bias of centimetres parts the shadow from the cube, and the judge sees it.
-    stage.world.entity_mut(entity).insert(ShadowMap {
-        resolution: RESOLUTION,
-        bias: antumbra::techniques::maps::MapBias::Manual {
-            normal_texels: 0.0,
-            depth_metres: 0.5,
-        },
-        ..Default::default()
-    });
-    let parted = stage.render().expect("the frame renders");
-    let parted = judge.compare(&parted.visibility[0]);
-    assert!(parted.leaks > 3, "{parted:?}");
+    // A bias of half a metre parts the shadow from a thin wall, and the judge sees it.
+    let wall = scenes.iter().find(|scene| scene.name == "wall of 4 cm");
+    let wall = wall.expect("there is one");
+    let rays = wall.fill(&mut stage);
+    let (light, place) = wall.light(SPOT);
+    let mut leaks = [0; 2];
+    for (leaks, depth_metres) in leaks.iter_mut().zip([0.0, 0.5]) {
+        let bias = MapBias::Manual {
+            normal_texels: 0.15,
+            depth_metres,
+        };
+        let map = ShadowMap {
+            resolution: RESOLUTION,
+            bias,
+            ..Default::default()
+        };
+        let entity = stage.spawn_light(light.clone(), place, Some(map));
+        let rendered = stage.render().expect("the frame renders");
+        let judge = Judge::new(&stage, &rays, 0).expect("something casts");
+        *leaks = judge.compare(&rendered.visibility[0]).leaks;
+        stage.lights.clear();
+        stage.world.despawn(entity);
+    }
+    assert!(leaks[0] == 0 && leaks[1] > 20, "{leaks:?}");
 }
 
 #[test]
