@@ -78,5 +78,5 @@ pub mod prelude {
         ShadowedLight,
     };
     pub use crate::sets::{FrameLights, ViewportSize};
-    pub use crate::techniques::{PenumbraWedge, StencilVolume};
+    pub use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
 }

@@ -12,6 +12,7 @@ use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets::{self, SeenInto, seen_into};
 use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
+use crate::techniques::maps::{MapSettings, Maps, build_maps};
 use crate::techniques::penumbra_wedge::{PenumbraWedges, WedgeOverflow, wedges};
 use crate::techniques::stencil_volume::{StencilVolumes, volumes};
 
@@ -124,6 +125,8 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<StencilVolumes>();
     world.init_resource::<PenumbraWedges>();
     world.init_resource::<WedgeOverflow>();
+    world.init_resource::<MapSettings>();
+    world.init_resource::<Maps>();
     world.init_resource::<SetTimes>();
 }
 
@@ -185,10 +188,17 @@ pub fn add_systems(schedule: &mut Schedule) {
             .in_set(silhouettes),
         volumes::build_stencil_volumes.in_set(techniques),
         wedges::build_penumbra_wedges.in_set(techniques),
+        build_maps.in_set(techniques),
     ));
     #[cfg(feature = "render")]
     {
         use crate::render::{Renderer, systems};
+        schedule.add_systems(
+            crate::techniques::limit_maps_to_device
+                .run_if(resource_exists::<Renderer>)
+                .before(build_maps)
+                .in_set(techniques),
+        );
         schedule.add_systems(
             (
                 systems::prepare_objects,

@@ -22,13 +22,18 @@ const LAYERS: [&str; 8] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 6] = [
+const TECHNIQUE_GPU_FILES: [&str; 11] = [
     "node.rs",
     "contour_pool.rs",
     "volume_pipelines.rs",
     "wedge_pipelines.rs",
     "buffers.rs",
     "recording.rs",
+    "map_draws.rs",
+    "map_layouts.rs",
+    "map_pipelines.rs",
+    "map_pool.rs",
+    "map_recorder.rs",
 ];
 
 #[test]

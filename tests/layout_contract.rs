@@ -68,6 +68,9 @@ fn mirrors() -> Vec<Mirror> {
             occlusion_slot,
             emissive_slot,
         } in "passes/ambient.wgsl", array: false),
+        mirror!(MapFace { row_x, row_y, row_z, projection } in "techniques/maps/resolve.wgsl", array: true),
+        mirror!(MapLight { faces, size, bias, limits } in "techniques/maps/resolve.wgsl", array: false),
+        mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
             object,

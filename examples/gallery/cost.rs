@@ -68,10 +68,19 @@ pub fn restore(stage: &mut Stage, lights: Vec<(Entity, Light)>) {
 pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
     let shadowed_ms = pass_ms(stage, light)?;
     let entity = stage.lights[light];
-    let technique = stage.world.entity_mut(entity).take::<StencilVolume>();
+    let mut shadowed = stage.world.entity_mut(entity);
+    let volume = shadowed.take::<StencilVolume>();
+    let maps = (shadowed.take::<ShadowMap>(), shadowed.take::<OmniMap>());
     let unshadowed_ms = pass_ms(stage, light)?;
-    if let Some(technique) = technique {
-        stage.world.entity_mut(entity).insert(technique);
+    let mut light_entity = stage.world.entity_mut(entity);
+    if let Some(volume) = volume {
+        light_entity.insert(volume);
+    }
+    if let Some(map) = maps.0 {
+        light_entity.insert(map);
+    }
+    if let Some(map) = maps.1 {
+        light_entity.insert(map);
     }
     Ok(Cost {
         cpu_ms: Vec::new(),

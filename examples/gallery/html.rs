@@ -11,9 +11,6 @@ use super::judge::{Judgement, PageResult, ShotResult, Workbench, verdict};
 use super::page::{Page, PageShot};
 use super::panels::TITLES;
 
-/// The page's name of what shadows every light.
-const TECHNIQUE: &str = "stencil volume";
-
 /// The whole text.
 pub fn index(results: &[(&Page, PageResult)], bench: &Workbench, seconds: f64) -> String {
     let mut html = String::new();
@@ -104,7 +101,7 @@ fn summary(html: &mut String, results: &[(&Page, PageResult)]) -> std::fmt::Resu
             });
             writeln!(
                 html,
-                "<tr><td><a href=\"#{0}\">{0}</a><td>{1}<td>{TECHNIQUE}<td>{2}<td class=\"n\">{inner}<td \
+                "<tr><td><a href=\"#{0}\">{0}</a><td>{1}<td>{7}<td>{2}<td class=\"n\">{inner}<td \
                  class=\"n\">{3}<td class=\"n\">{4}<td class=\"n\">{5} of {all_inner}<td class=\"n\">{6}</tr>",
                 page.name,
                 shot.name,
@@ -116,6 +113,7 @@ fn summary(html: &mut String, results: &[(&Page, PageResult)]) -> std::fmt::Resu
                     .cost
                     .ratio()
                     .map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.2}×")),
+                page.technique.name(),
             )?;
         }
     }

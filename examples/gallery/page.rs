@@ -6,7 +6,9 @@ use std::sync::Arc;
 use antumbra::prelude::*;
 use antumbra::scene::animation::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
+use antumbra::techniques::maps::{MapFilter, MapResolution};
 use bevy_ecs::name::Name;
+use bevy_ecs::world::EntityWorldMut;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
@@ -36,8 +38,48 @@ pub struct Page {
     pub background: Vec3,
     /// Linear RGB radiance from everywhere.
     pub ambient: Vec3,
+    /// What shadows the lights.
+    pub technique: PageTechnique,
     /// Views.
     pub shots: Vec<PageShot>,
+}
+
+/// What shadows every light of a page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PageTechnique {
+    /// [`StencilVolume`].
+    StencilVolume,
+    /// [`OmniMap`] for lights at a place, [`ShadowMap`] for others, of 1024² texels.
+    Maps,
+}
+
+impl PageTechnique {
+    /// For the tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StencilVolume => "stencil volume",
+            Self::Maps => "maps",
+        }
+    }
+
+    /// Gives a light its technique.
+    fn insert(self, light: &mut EntityWorldMut) {
+        let resolution = MapResolution::Fixed(1024);
+        let kind = light.get::<Light>().map(|light| light.kind);
+        match (self, kind) {
+            (Self::StencilVolume, _) => light.insert(StencilVolume::default()),
+            (Self::Maps, Some(LightKind::Directional | LightKind::Spot { .. })) => light.insert(ShadowMap {
+                resolution,
+                filter: MapFilter::Brute4x4,
+                ..Default::default()
+            }),
+            (Self::Maps, _) => light.insert(OmniMap {
+                resolution,
+                filter: MapFilter::Brute4x4,
+                ..Default::default()
+            }),
+        };
+    }
 }
 
 /// A glTF file somewhere in a scene.
@@ -88,7 +130,7 @@ pub struct PageShot {
     pub exposure: f32,
 }
 
-/// A page's world, with every light shadowed by stencil volumes.
+/// A page's world, with every light shadowed.
 pub struct PageStage {
     /// The world.
     pub stage: Stage,
@@ -139,6 +181,7 @@ impl Page {
             clear_panes: false,
             background: Vec3::new(0.012, 0.014, 0.018),
             ambient: Vec3::splat(0.02),
+            technique: PageTechnique::StencilVolume,
             shots: Vec::new(),
         }
     }
@@ -163,11 +206,8 @@ impl Page {
             ));
         }
         for named in &self.lights {
-            stage.spawn_light(
-                named.light.clone(),
-                named.transform,
-                Some(StencilVolume::default()),
-            );
+            let light = stage.spawn_light(named.light.clone(), named.transform, None::<StencilVolume>);
+            self.technique.insert(&mut stage.world.entity_mut(light));
             light_names.push(named.name.to_owned());
         }
         stage.schedule.run(&mut stage.world);
@@ -218,7 +258,7 @@ impl Page {
                 continue;
             }
             let mut light_entity = world.entity_mut(entity);
-            light_entity.insert(StencilVolume::default());
+            self.technique.insert(&mut light_entity);
             let name = light_entity
                 .get::<Name>()
                 .map_or_else(String::new, |name| name.to_string());

@@ -8,7 +8,7 @@ use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
 use super::lantern::lantern;
-use super::page::{NamedLight, Page, PageShot, PlacedMesh, PlacedModel, view};
+use super::page::{NamedLight, Page, PageShot, PageTechnique, PlacedMesh, PlacedModel, view};
 
 /// All of them, in the order of the gallery.
 pub fn bundled(models: &Path) -> Vec<Page> {
@@ -16,6 +16,8 @@ pub fn bundled(models: &Path) -> Vec<Page> {
         interior(models),
         figures(models),
         bonsai(models),
+        bonsai_maps(models),
+        figures_maps(models),
         office(models),
         jack_o_lantern(),
         inside(),
@@ -155,6 +157,35 @@ fn bonsai(models: &Path) -> Page {
              limit, and stated as such; a map technique is the better trade here. The judged panels take the leaves \
              as solid for the rendered picture and the truth alike.",
         )
+    }
+}
+
+/// The same leaves, whose holes let light through.
+fn bonsai_maps(models: &Path) -> Page {
+    let mut page = Page {
+        name: "bonsai-maps",
+        title: "Leaves that cast their texture",
+        about: "Maps know texels: what the alpha mask leaves out casts no shadow. Four cascades of 1024² for the sun, \
+                six faces of 1024² for the lamp, 4×4 taps, no bias set by hand. The judged panels take the leaves as \
+                solid for the rendered picture and the truth alike.",
+        technique: PageTechnique::Maps,
+        ..bonsai(models)
+    };
+    for shot in &mut page.shots {
+        shot.caption = "Every gap in the leaves is a gap in their shadow.";
+    }
+    page
+}
+
+/// The three figures under maps.
+fn figures_maps(models: &Path) -> Page {
+    Page {
+        name: "figures-maps",
+        title: "Three figures under maps",
+        about: "The same scene as under shadow volumes: a cube of maps, a spot map, and cascades. Edges are a few texels \
+                wide; nothing else is wrong, and no bias is set by hand.",
+        technique: PageTechnique::Maps,
+        ..figures(models)
     }
 }
 

@@ -4,6 +4,7 @@
 
 pub mod picture;
 pub mod shadow;
+pub mod shadow_map;
 pub mod shot;
 pub mod solid;
 pub mod stage;

@@ -1,11 +1,14 @@
 //! Techniques as a shot file names them.
 
 use antumbra::prelude::*;
+use antumbra::techniques::maps::request::MapRequest;
 use antumbra::techniques::penumbra_wedge::component::MAX_SPLIT;
 use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer};
 use antumbra::techniques::stencil_volume::{Counting, Extent};
 use bevy_ecs::prelude::*;
 use serde::Deserialize;
+
+use super::shadow_map::ShotMap;
 
 /// A technique and its settings.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -34,6 +37,10 @@ pub enum ShotShadow {
         #[serde(default)]
         buffer: ShotBuffer,
     },
+    /// [`ShadowMap`].
+    ShadowMap(ShotMap),
+    /// [`OmniMap`].
+    OmniMap(ShotMap),
 }
 
 fn whole() -> [u32; 2] {
@@ -77,23 +84,39 @@ pub enum ShotExtent {
 }
 
 impl ShotShadow {
-    /// Checks the settings' numbers.
+    /// Checks the settings for a light.
     ///
     /// # Errors
     /// What is wrong, after the name of the setting.
-    pub fn check(self) -> Result<(), String> {
-        match self {
-            Self::PenumbraWedge { split, .. } if split.iter().any(|n| !(1..=MAX_SPLIT).contains(n)) => Err(
-                format!("shadow.split: {split:?} must be two numbers of 1..={MAX_SPLIT}"),
-            ),
-            _ => Ok(()),
-        }
+    pub fn check(self, light: &Light) -> Result<(), String> {
+        let checked = match self {
+            Self::ShadowMap(map) => MapRequest::of_shadow_map(&map.shadow_map()?, light),
+            Self::OmniMap(map) => MapRequest::of_omni_map(&map.omni_map()?, light),
+            Self::PenumbraWedge { split, .. } if split.iter().any(|n| !(1..=MAX_SPLIT).contains(n)) => {
+                return Err(format!(
+                    "shadow.split: {split:?} must be two numbers of 1..={MAX_SPLIT}"
+                ));
+            }
+            Self::None {} | Self::StencilVolume { .. } | Self::PenumbraWedge { .. } => return Ok(()),
+        };
+        checked.map(drop).map_err(|error| format!("shadow: {error}"))
     }
 
     /// Gives the light the technique's component; none for an unshadowed light.
     pub fn insert(self, light: &mut EntityWorldMut) {
         match self {
             Self::None {} => {}
+            // What is wrong with a map was found before.
+            Self::ShadowMap(map) => {
+                if let Ok(map) = map.shadow_map() {
+                    light.insert(map);
+                }
+            }
+            Self::OmniMap(map) => {
+                if let Ok(map) = map.omni_map() {
+                    light.insert(map);
+                }
+            }
             Self::StencilVolume { counting, extent } => {
                 light.insert(StencilVolume {
                     counting: match counting {

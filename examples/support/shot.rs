@@ -367,7 +367,7 @@ impl ShotLight {
         };
         light.validate().map_err(|error| error.to_string())?;
         if let Some(shadow) = shadow {
-            shadow.check()?;
+            shadow.check(&light)?;
         }
         if picture.is_some() && !matches!(shadow, Some(ShotShadow::PenumbraWedge { .. })) {
             return Err("texture: needs the technique penumbra_wedge".to_owned());

@@ -4,6 +4,7 @@ use antumbra::plugin::{AntumbraSystems, SetTimes};
 use antumbra::prelude::*;
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
+use antumbra::techniques::maps::Maps;
 use antumbra::techniques::stencil_volume::StencilVolumes;
 use bevy_ecs::prelude::World;
 use serde_json::{Map, Value, json};
@@ -93,6 +94,8 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         "F": world.resource::<FrustumSet>().set.count_ones(..),
         "V": world.resource::<VisibleSet>().set.count_ones(..),
         "lights": lights,
+        "map_bytes": world.resource::<Maps>().bytes,
+        "map_reports": world.resource::<Maps>().reports.iter().map(|report| report.error.to_string()).collect::<Vec<_>>(),
         "batches": {
             "ambient": batches.ambient,
             "shadow": batches.shadow,
@@ -163,6 +166,12 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
         "casters_depth_pass": casters(true),
         "casters_depth_fail": casters(false),
         "casters_culled": volumes.map_or(0, |volumes| volumes.culled),
+        "map": world.resource::<Maps>().of_light(index).map(|map| json!({
+            "resolution": map.resolution,
+            "faces": map.faces.len(),
+            "kept": map.cached,
+            "casters": map.casters().count_ones(..),
+        })),
         "shadow_batches": active.map_or(0, |active| renderer.shadow_batch_count(active)),
         "light_batches": active.map_or(0, |active| active.batches.len()),
     })

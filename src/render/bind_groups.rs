@@ -15,6 +15,8 @@ pub struct BindGroupLayouts {
     pub material: wgpu::BindGroupLayout,
     /// Group 3 of passes that fetch positions themselves: those of one mesh.
     pub positions: wgpu::BindGroupLayout,
+    /// Group 1 of passes that resolve a mask: depth and plane of what each pixel shows.
+    pub receiver: wgpu::BindGroupLayout,
     /// Group 3 of passes that read a light's visibility mask.
     pub mask: wgpu::BindGroupLayout,
     /// Group 3 of passes that read the depth of a frame or of its front layer.
@@ -122,6 +124,22 @@ impl BindGroupLayouts {
             positions: layout(
                 "positions",
                 &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, 12)],
+            ),
+            receiver: layout(
+                "receiver",
+                &[
+                    texture_entry(0, false),
+                    wgpu::BindGroupLayoutEntry {
+                        binding: 1,
+                        visibility: ShaderStages::FRAGMENT,
+                        ty: wgpu::BindingType::Texture {
+                            sample_type: wgpu::TextureSampleType::Uint,
+                            view_dimension: wgpu::TextureViewDimension::D2,
+                            multisampled: false,
+                        },
+                        count: None,
+                    },
+                ],
             ),
             mask: layout("mask", &[texture_entry(0, false)]),
             depth: layout(

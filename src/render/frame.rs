@@ -60,6 +60,17 @@ impl Renderer {
             && let Some(masks) = &self.masks
         {
             self.depth_copy.record(encoder, targets, masks, &self.timings);
+            if self.reads_planes() {
+                nodes::receiver_plane::record(
+                    encoder,
+                    targets,
+                    masks,
+                    &self.view_group,
+                    &self.frame.batches[self.frame.ambient.clone()],
+                    &resources,
+                    &self.timings,
+                );
+            }
         }
 
         // Light by light, so that one stencil and one mask serve all of them. Lights with stencils that follow one
@@ -134,10 +145,20 @@ impl Renderer {
         self.timings.end_frame(encoder);
     }
 
+    /// Whether a technique of the frame's lights with masks reads the receivers' planes.
+    fn reads_planes(&self) -> bool {
+        let reads = |light: &ActiveLight| match light.shadow {
+            Some((technique, Visibility::Mask)) => self.techniques[technique].reads_planes(),
+            _ => false,
+        };
+        self.frame.lights.iter().any(reads)
+    }
+
     /// Lets the technique of a light leave its mask, if it does.
     fn resolve_mask(&self, encoder: &mut wgpu::CommandEncoder, targets: &FrameTargets, light: &ActiveLight) {
         if let (Some((technique, Visibility::Mask)), Some(masks)) = (light.shadow, &self.masks) {
             let input = ResolveInput {
+                context: &self.context,
                 record: self.record_input(),
                 device: &self.context.device,
                 targets,
@@ -185,6 +206,17 @@ impl Renderer {
             && let Some(masks) = &self.masks
         {
             self.depth_copy.record(encoder, front, masks, &self.timings);
+            if self.reads_planes() {
+                nodes::receiver_plane::record(
+                    encoder,
+                    front,
+                    masks,
+                    &self.view_group,
+                    &self.frame.batches[self.frame.blended_batches.clone()],
+                    &self.surface_resources(),
+                    &self.timings,
+                );
+            }
         }
         for light in lights() {
             let label = &self.labels[light.light];
@@ -296,6 +328,7 @@ impl Renderer {
 
     /// Surface passes whose pipelines a frame needs, by batch.
     pub(super) fn require_pipelines(&mut self) {
+        let reads_planes = self.reads_planes();
         let Self {
             frame,
             pipelines,
@@ -308,6 +341,10 @@ impl Renderer {
             }
         };
         require(SurfacePass::Ambient, frame.ambient.clone());
+        if reads_planes {
+            require(SurfacePass::ReceiverPlane, frame.ambient.clone());
+            require(SurfacePass::ReceiverPlane, frame.blended_batches.clone());
+        }
         for light in &frame.lights {
             let visibility = light.shadow.map(|(_, visibility)| visibility);
             require(SurfacePass::light(visibility), light.batches.clone());

@@ -3,7 +3,7 @@
 use super::bind_groups::BindGroupLayouts;
 use super::draw_list::{VARIANT_COUNT, Variant};
 use super::gpu_types::SurfaceVertex;
-use super::targets::RADIANCE_FORMAT;
+use super::targets::{RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
 use super::technique::Visibility;
 use super::{RenderContext, RenderError, Shaders};
 use crate::conventions::STENCIL_IN_BOUNDS;
@@ -37,6 +37,8 @@ pub enum SurfacePass {
     VisibilityFront,
     /// Writes 0 wherever the surface is seen: objects that the light does not see.
     Dark,
+    /// Writes the plane of the triangle.
+    ReceiverPlane,
 }
 
 impl SurfacePass {
@@ -65,7 +67,7 @@ impl SurfacePass {
     }
 }
 
-const PASSES: [SurfacePass; 13] = [
+const PASSES: [SurfacePass; 14] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
@@ -79,6 +81,7 @@ const PASSES: [SurfacePass; 13] = [
     SurfacePass::VisibilityMasked,
     SurfacePass::VisibilityFront,
     SurfacePass::Dark,
+    SurfacePass::ReceiverPlane,
 ];
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
@@ -109,6 +112,7 @@ pub struct SurfacePipelines {
     ambient: wgpu::ShaderModule,
     light: wgpu::ShaderModule,
     visibility: wgpu::ShaderModule,
+    receiver_plane: wgpu::ShaderModule,
     unlit_layout: wgpu::PipelineLayout,
     lit_layout: wgpu::PipelineLayout,
     masked_layout: wgpu::PipelineLayout,
@@ -158,6 +162,7 @@ impl SurfacePipelines {
             ambient: shaders.module(&context.device, "passes/ambient.wgsl")?,
             light: shaders.module(&context.device, "passes/light_accumulate.wgsl")?,
             visibility: shaders.module(&context.device, "passes/visibility.wgsl")?,
+            receiver_plane: shaders.module(&context.device, "passes/receiver_plane.wgsl")?,
             unlit_layout: layout("surface", None, None),
             lit_layout: layout("lit surface", Some(&layouts.light), None),
             masked_layout: layout("masked surface", Some(&layouts.light), Some(&layouts.mask)),
@@ -288,6 +293,15 @@ impl SurfacePipelines {
                 false,
                 Equal,
                 stencil_test(Less, 0xff),
+            ),
+            SurfacePass::ReceiverPlane => (
+                &self.receiver_plane,
+                &self.unlit_layout,
+                RECEIVER_PLANE_FORMAT,
+                None,
+                false,
+                Equal,
+                Default::default(),
             ),
             SurfacePass::VisibilityMasked => (
                 &self.visibility,

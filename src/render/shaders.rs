@@ -16,9 +16,10 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 9] = sources![
+pub const COMMON: [(&str, &str); 11] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
+    "common/receiver.wgsl",
     "common/surface.wgsl",
     "common/brdf.wgsl",
     "common/area_light.wgsl",
@@ -26,19 +27,25 @@ pub const COMMON: [(&str, &str); 9] = sources![
     "common/mask.wgsl",
     "common/front.wgsl",
     "common/coverage.wgsl",
+    "common/map.wgsl",
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 9] = sources![
+pub const PASSES: [(&str, &str); 14] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
+    "passes/receiver_plane.wgsl",
     "passes/visibility.wgsl",
     "passes/tonemap.wgsl",
     "techniques/stencil_volume/volume.wgsl",
     "techniques/penumbra_wedge/wedge.wgsl",
     "techniques/penumbra_wedge/resolve.wgsl",
+    "techniques/maps/caster.wgsl",
+    "techniques/maps/convert.wgsl",
+    "techniques/maps/frustum.wgsl",
+    "techniques/maps/resolve.wgsl",
 ];
 
 /// Composes shader modules from the crate's files and from those of third parties.

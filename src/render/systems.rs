@@ -116,6 +116,7 @@ pub fn prepare_techniques(world: &mut World) {
             context: &renderer.context,
             shaders: &renderer.shaders,
             layouts: &renderer.layouts,
+            meshes: &renderer.meshes,
             table: &renderer.table,
             mirrored_view,
             debug_view: renderer.settings.debug_volumes,

@@ -5,12 +5,13 @@
 //! | radiance | `Rgba16Float` | background | ambient, light accumulate | tonemap, readback |
 //! | depth | [`RenderContext::depth_stencil_format`] | infinity | ambient | all later passes |
 //! | receiver depth | [`DEPTH_COPY_FORMAT`] | written whole | depth copy | techniques that resolve masks |
+//! | receiver plane | [`RECEIVER_PLANE_FORMAT`] | no plane | receiver plane | techniques that ask for it |
 //! | front depth and stencil | as depth | copied from depth | front layer | lights of the front layer |
 //! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques | light accumulate, visibility |
 //! | stencil | beside the depth | by each light, in its scissor | techniques | light accumulate, visibility |
 //!
-//! Receiver depth and mask exist from the first frame on that has a light with a mask, the front layer's from the first
-//! in which a shadowed light reaches a blended surface.
+//! Receiver depth, receiver plane and mask exist from the first frame on that has a light with a mask, the front layer's
+//! from the first in which a shadowed light reaches a blended surface.
 
 use glam::UVec2;
 
@@ -26,6 +27,10 @@ pub const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Format of the depth that techniques read.
 pub const DEPTH_COPY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
+
+/// Format of the receivers' planes: the triangle's normal in two 16-bit octahedral coordinates, and the plane's offset
+/// as a float's bits.
+pub const RECEIVER_PLANE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
 /// Textures of one frame size.
 #[derive(Debug)]
@@ -154,6 +159,12 @@ pub struct MaskTargets {
     pub receiver_depth: wgpu::Texture,
     /// Its view.
     pub receiver_depth_view: wgpu::TextureView,
+    /// Planes of the triangles that are seen; drawn if a technique of the frame reads them.
+    pub receiver_plane: wgpu::Texture,
+    /// Its view.
+    pub receiver_plane_view: wgpu::TextureView,
+    /// Group 1 of passes that resolve a mask: receiver depth and plane.
+    pub receiver_group: wgpu::BindGroup,
     /// Visibility mask of the light at hand.
     pub mask: wgpu::Texture,
     /// Its view.
@@ -173,10 +184,27 @@ impl MaskTargets {
         targets: &FrameTargets,
     ) -> Result<Self, RenderError> {
         let receiver_depth = create_target(context, "receiver depth", targets.size, DEPTH_COPY_FORMAT)?;
+        let receiver_plane = create_target(context, "receiver plane", targets.size, RECEIVER_PLANE_FORMAT)?;
         let mask = create_target(context, "visibility mask", targets.size, MASK_FORMAT)?;
         let mask_view = mask.create_view(&Default::default());
+        let receiver_depth_view = receiver_depth.create_view(&Default::default());
+        let receiver_plane_view = receiver_plane.create_view(&Default::default());
+        let receiver_group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("receiver"),
+            layout: &layouts.receiver,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(&receiver_depth_view),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(&receiver_plane_view),
+                },
+            ],
+        });
         Ok(Self {
-            receiver_depth_view: receiver_depth.create_view(&Default::default()),
+            receiver_group,
             mask_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("mask"),
                 layout: &layouts.mask,
@@ -186,6 +214,9 @@ impl MaskTargets {
                 }],
             }),
             receiver_depth,
+            receiver_depth_view,
+            receiver_plane,
+            receiver_plane_view,
             mask,
             mask_view,
         })

@@ -31,6 +31,8 @@ pub struct PrepareInput<'a> {
     pub shaders: &'a Shaders,
     /// The layouts that passes share.
     pub layouts: &'a BindGroupLayouts,
+    /// Meshes in buffers.
+    pub meshes: &'a MeshPool,
     /// Mesh index and handedness by dense object index.
     pub table: &'a ObjectTable,
     /// The view mirrors.
@@ -55,6 +57,8 @@ pub struct RecordInput<'a> {
 /// What a technique may use while it resolves a mask.
 #[derive(Debug)]
 pub struct ResolveInput<'a> {
+    /// The device, for what is made anew while it is recorded.
+    pub context: &'a RenderContext,
     /// What every recorder has.
     pub record: RecordInput<'a>,
     /// For bind groups of the frame's textures.
@@ -97,6 +101,11 @@ pub trait ShadowTechnique: Send + Sync + 'static {
     /// For [`Visibility::Mask`]: records passes that leave the mask of one light, at every pixel of its scissor whose
     /// depth is in range.
     fn resolve(&self, _light: usize, _encoder: &mut wgpu::CommandEncoder, _input: &ResolveInput) {}
+
+    /// Whether [`ShadowTechnique::resolve`] reads the receivers' planes, which are then drawn before.
+    fn reads_planes(&self) -> bool {
+        false
+    }
 
     /// Draws the technique's geometry over the picture: its debug view.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);

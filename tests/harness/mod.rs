@@ -6,6 +6,7 @@
 pub mod support;
 
 pub mod cases;
+pub mod maps;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,6 +18,7 @@ use antumbra::reference::{
 };
 use antumbra::scene::animation::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
+use bevy_ecs::prelude::Bundle;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
 pub use support::solid::make_alpha_solid;
@@ -141,7 +143,7 @@ impl ModelStage {
     }
 
     /// Puts the camera and one light where a case says.
-    pub fn set(&mut self, case: &cases::Case, shadow: StencilVolume) {
+    pub fn set(&mut self, case: &cases::Case, shadow: impl Bundle) {
         let camera = self.stage.camera;
         self.stage
             .world

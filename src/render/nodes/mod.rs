@@ -6,6 +6,7 @@ pub mod depth_copy;
 pub mod front_layer;
 pub mod light_accumulate;
 pub mod light_begin;
+pub mod receiver_plane;
 pub mod surfaces;
 pub mod tonemap;
 pub mod visibility;

@@ -1,0 +1,46 @@
+// The surface that each pixel shows: bind group 1 of passes that resolve a mask.
+// Host    src/render/bind_groups.rs, src/render/targets.rs
+// Spaces  relative: world axes, origin at the eye
+#define_import_path antumbra::receiver
+
+#import antumbra::view::relative_from_pixel
+
+@group(1) @binding(0) var receiver_depth: texture_2d<f32>;
+@group(1) @binding(1) var receiver_plane: texture_2d<u32>;
+
+// What stands in the plane's texture where nothing was drawn.
+const NO_PLANE: u32 = 0xffffffffu;
+
+struct Receiver {
+    depth: f32,                     // 0: nothing is there
+    position: vec3f,                // relative
+    normal: vec3f,                  // unit, of the triangle, on the side that is seen; 0 if not known
+    offset: f32,                    // of the triangle's plane: dot(normal, point) of all its points
+}
+
+// Unit vector to the square [−1, 1]².
+// Source: Meyer et al. 2010, "On Floating-Point Normal Vectors": octahedral coordinates.
+fn octahedral_from_unit(n: vec3f) -> vec2f {
+    let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+    let folded = (1.0 - abs(p.yx)) * select(vec2f(-1.0), vec2f(1.0), p >= vec2f(0.0));
+    return select(folded, p, n.z >= 0.0);
+}
+
+fn unit_from_octahedral(p: vec2f) -> vec3f {
+    let z = 1.0 - abs(p.x) - abs(p.y);
+    let fold = max(-z, 0.0);
+    let xy = p + select(vec2f(fold), vec2f(-fold), p >= vec2f(0.0));
+    return normalize(vec3f(xy, z));
+}
+
+fn receiver_at(pixel: vec2f) -> Receiver {
+    var out: Receiver;
+    let texel = vec2u(pixel);
+    out.depth = textureLoad(receiver_depth, texel, 0).r;
+    out.position = relative_from_pixel(pixel, max(out.depth, 1e-30));
+    let plane = textureLoad(receiver_plane, texel, 0).rg;
+    let known = plane.x != NO_PLANE;
+    out.normal = select(vec3f(0.0), unit_from_octahedral(unpack2x16snorm(plane.x)), known);
+    out.offset = select(0.0, bitcast<f32>(plane.y), known);
+    return out;
+}

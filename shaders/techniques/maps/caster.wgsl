@@ -1,0 +1,70 @@
+// Depth of the casters as one face of a map sees them.
+// Host    src/techniques/maps/map_pipelines.rs
+// Groups  0 casters, 1 first surface (`peel` alone), 2 material (`masked` alone)
+// Spaces  in: local; out: clip of the face, reversed depth
+#import antumbra::surface::{Fragment, base_color, material}
+
+struct MapCaster {                  // mirror: render::gpu_types::MapCaster
+    clip_from_local: mat4x4f,
+}
+
+@group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
+@group(1) @binding(0) var first_depth: texture_depth_2d;
+
+// Share by which a surface must lie beyond the first to be another: the two passes round alike, their edges do not.
+const BEYOND: f32 = 1e-5;
+
+@vertex
+fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) vec4f {
+    return casters[caster].clip_from_local * vec4f(position_local, 1.0);
+}
+
+struct Masked {
+    @builtin(position) position_clip: vec4f,
+    @location(0) uv: vec4f,
+    @location(1) color: vec4f,
+}
+
+@vertex
+fn masked_vertex(
+    @location(0) position_local: vec3f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    @builtin(instance_index) caster: u32,
+) -> Masked {
+    return Masked(casters[caster].clip_from_local * vec4f(position_local, 1.0), uv, color);
+}
+
+fn is_hole(in: Masked) -> bool {
+    var surface: Fragment;
+    surface.uv = in.uv;
+    surface.color = in.color;
+    return base_color(surface).a < material.alpha_cutoff;
+}
+
+fn is_first(position: vec4f) -> bool {
+    let first = textureLoad(first_depth, vec2u(position.xy), 0);
+    return position.z >= first * (1.0 - BEYOND);
+}
+
+@fragment
+fn masked(in: Masked) {
+    if is_hole(in) {
+        discard;
+    }
+}
+
+@fragment
+fn peel(@builtin(position) position: vec4f) {
+    if is_first(position) {
+        discard;
+    }
+}
+
+@fragment
+fn masked_peel(in: Masked) {
+    let hole = is_hole(in);
+    if hole || is_first(in.position_clip) {
+        discard;
+    }
+}

@@ -1,0 +1,144 @@
+//! One picture of the casters from a light: where it stands, how it projects, what it can see.
+//!
+//! A face's own space has its origin at the light (directional: on the box's side towards the light), x to the right, y
+//! up, z away from the light; depth is reversed as everywhere ([`conventions`](crate::conventions)).
+
+use glam::{DMat4, DVec3, DVec4, Vec4};
+
+use crate::geometry::Aabb;
+
+/// How a face projects.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaceProjection {
+    /// From a point: depth is `near / z`.
+    Perspective {
+        /// Half the picture's side at distance 1.
+        tangent: f64,
+        /// Metres.
+        near: f64,
+    },
+    /// Along parallels: depth is `1 − z / length`.
+    Parallel {
+        /// Half the picture's side, metres.
+        half: f64,
+        /// Of the box along z, metres.
+        length: f64,
+    },
+}
+
+/// A face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapFace {
+    /// World space, metres.
+    pub origin: DVec3,
+    /// Right, up, away from the light: unit vectors at right angles, world space.
+    pub axes: [DVec3; 3],
+    /// How it projects.
+    pub projection: FaceProjection,
+}
+
+impl MapFace {
+    /// World to clip space of the face.
+    pub fn clip_from_world(&self) -> DMat4 {
+        let [x, y, z] = self.axes.map(|axis| axis.extend(-axis.dot(self.origin)));
+        let rows = match self.projection {
+            FaceProjection::Perspective { tangent, near } => [x / tangent, y / tangent, DVec4::W * near, z],
+            FaceProjection::Parallel { half, length } => {
+                [x / half, y / half, DVec4::W - z / length, DVec4::W]
+            }
+        };
+        DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    }
+
+    /// Rows of the map to the face's space from world axes with the origin at the eye.
+    pub fn rows_from_relative(&self, eye: DVec3) -> [Vec4; 3] {
+        self.axes
+            .map(|axis| axis.extend(axis.dot(eye - self.origin)).as_vec4())
+    }
+
+    /// Side of a texel at distance 1 (perspective) or anywhere (parallel), metres.
+    pub fn texel_metres(&self, resolution: u32) -> f64 {
+        let half = match self.projection {
+            FaceProjection::Perspective { tangent, .. } => tangent,
+            FaceProjection::Parallel { half, .. } => half,
+        };
+        2.0 * half / f64::from(resolution)
+    }
+
+    /// Whether a box may show in the face: conservative.
+    pub fn may_see(&self, aabb: &Aabb) -> bool {
+        if aabb.is_empty() {
+            return false;
+        }
+        let center = aabb.center().as_dvec3() - self.origin;
+        let half = aabb.half_size().as_dvec3();
+        let reaches = |normal: DVec3, offset: f64| {
+            normal.dot(center) + normal.abs().dot(half) + offset >= -1e-9 * (center.length() + half.length())
+        };
+        let [x, y, z] = self.axes;
+        match self.projection {
+            FaceProjection::Perspective { tangent, near } => {
+                reaches(z, -near)
+                    && [x, -x, y, -y]
+                        .iter()
+                        .all(|side| reaches(z * tangent + *side, 0.0))
+            }
+            FaceProjection::Parallel { half: side, length } => {
+                reaches(z, 0.0)
+                    && reaches(-z, length)
+                    && [x, -x, y, -y].iter().all(|&axis| reaches(axis, side))
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn faces() -> [MapFace; 2] {
+        let z = DVec3::new(0.3, -0.9, 0.2).normalize();
+        let (x, y) = z.any_orthonormal_pair();
+        let face = |projection| MapFace {
+            origin: DVec3::new(1.0, 2.0, 3.0),
+            axes: [x, y, z],
+            projection,
+        };
+        [
+            face(FaceProjection::Perspective {
+                tangent: 0.7,
+                near: 0.01,
+            }),
+            face(FaceProjection::Parallel {
+                half: 2.0,
+                length: 9.0,
+            }),
+        ]
+    }
+
+    #[test]
+    fn points_inside_project_inside_and_boxes_around_them_are_seen() {
+        for face in faces() {
+            let mut inside = 0;
+            for i in 0..4000 {
+                let at = |k: i32| f64::from((i * k) % 97) / 97.0 * 16.0 - 8.0;
+                let point = face.origin + DVec3::new(at(13), at(29), at(41));
+                let clip = face.clip_from_world() * point.extend(1.0);
+                let ndc = clip.truncate() / clip.w;
+                let seen =
+                    clip.w > 0.0 && ndc.x.abs() <= 1.0 && ndc.y.abs() <= 1.0 && (0.0..=1.0).contains(&ndc.z);
+                let aabb = Aabb::from_points([point.as_vec3()]).padded();
+                assert_eq!(face.may_see(&aabb), seen, "{face:?} {point}");
+                inside += usize::from(seen);
+                let rows = face.rows_from_relative(point);
+                let z = face.axes[2].dot(point - face.origin) as f32;
+                assert!((rows[2].w - z).abs() < 1e-5);
+            }
+            assert!(inside > 50 && inside < 3500, "{inside}");
+        }
+        assert!(!faces()[0].may_see(&Aabb::EMPTY));
+        let all = Aabb::from_points([Vec3::splat(-100.0), Vec3::splat(100.0)]);
+        assert!(faces().iter().all(|face| face.may_see(&all)));
+    }
+}

@@ -1,0 +1,173 @@
+//! The faces that a light's map should have, and the casters that each should show.
+
+use fixedbitset::FixedBitSet;
+use glam::DVec3;
+use smallvec::SmallVec;
+
+use super::face::{FaceProjection, MapFace};
+use super::light_map::LightMap;
+use super::movers::Movers;
+use super::request::MapShape;
+use crate::scene::LightKind;
+use crate::sets::{FrameLight, LightVolume, Objects, ViewData};
+use crate::techniques::omni_map::cube::{GUARD_TEXELS, cube_faces, faces_of_cone};
+use crate::techniques::shadow_map::cascades::{fit, split_depths};
+
+/// What faces are made from, beside the light.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    /// All objects.
+    pub objects: &'a Objects,
+    /// The view.
+    pub view: &'a ViewData,
+    /// Its generation.
+    pub view_generation: u64,
+}
+
+/// Default near plane as a share of the reach. Depth is a float and reversed: however near it is, no precision is lost.
+const NEAR_SHARE: f64 = 1e-5;
+
+/// Fills the casters of a light's map: of a kept map all that the light reaches, else set S. Whether they changed.
+pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameLight, kept: bool) -> bool {
+    let mut changed = casters.len() != objects.len();
+    if changed {
+        *casters = FixedBitSet::with_capacity(objects.len());
+    }
+    let mask = light.selection.casts_for;
+    let words = casters.as_mut_slice();
+    for (word, bits) in words.iter_mut().enumerate() {
+        let mut members = if kept {
+            light.l.as_slice()[word] & objects.casters.as_slice()[word]
+        } else {
+            light.s.as_slice()[word]
+        };
+        let mut rest = members;
+        while kept && rest != 0 {
+            let lane = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            if objects.layers[word * usize::BITS as usize + lane] & mask == 0 {
+                members &= !(1 << lane);
+            }
+        }
+        changed |= *bits != members;
+        *bits = members;
+    }
+    changed
+}
+
+/// Distance from the light within which all casters stand, metres: the range if there is one, else rounded up to a power
+/// of two, so that it does not follow every move.
+pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) -> f64 {
+    let range = f64::from(light.light.range);
+    if light.volume != LightVolume::Infinite && range < 1e15 {
+        return range;
+    }
+    if light.point_world.w == 0.0 {
+        return 1.0;
+    }
+    let point = light.point_world.truncate();
+    let mut farthest: f64 = 1e-3;
+    for index in casters.ones() {
+        let (center, half) = objects.boxes.center_half(index);
+        farthest = farthest.max(((center - point).abs() + half).length());
+    }
+    farthest.log2().ceil().exp2()
+}
+
+/// The faces that the map should have.
+pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
+    let origin = light.point_world.truncate();
+    let near = map.request.near.map_or(NEAR_SHARE * map.reach, f64::from);
+    match map.request.shape {
+        MapShape::Spot => {
+            let LightKind::Spot { outer_angle, .. } = light.light.kind else {
+                return SmallVec::new();
+            };
+            let z = light.direction.as_dvec3().normalize();
+            let (x, y) = z.any_orthonormal_pair();
+            let rim = f64::from(outer_angle).tan();
+            let resolution = f64::from(map.resolution);
+            let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
+            let guard = f64::from(GUARD_TEXELS).min(0.25 * resolution);
+            let tangent =
+                (rim + softness * (1.0 + rim * rim).sqrt()) * resolution / (resolution - 2.0 * guard);
+            let projection = FaceProjection::Perspective { tangent, near };
+            SmallVec::from_slice(&[MapFace {
+                origin,
+                axes: [x, y, z],
+                projection,
+            }])
+        }
+        MapShape::Cube => cube_faces(origin, near, map.resolution).into_iter().collect(),
+        MapShape::Cascades => cascade_faces(map, light, scene),
+    }
+}
+
+fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
+    let cascades = &map.request.cascades;
+    let seen_far = light
+        .depth_bounds
+        .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
+    // Beyond, no surface is told from the sky.
+    let far = seen_far
+        .min(f64::from(cascades.distance))
+        .min(1e7 * scene.view.near);
+    let splits = split_depths(cascades, scene.view.near, far);
+    let boxes = &scene.objects.boxes;
+    let towards = light.point_world.truncate();
+    let nearest_caster = |face: &MapFace| {
+        let z: DVec3 = face.axes[2];
+        let seen = map_casters(map).filter(|&index| face.may_see(&boxes.get(index)));
+        let nearest = seen.map(|index| {
+            let (center, half) = boxes.center_half(index);
+            z.dot(center) - z.abs().dot(half)
+        });
+        nearest.reduce(f64::min)
+    };
+    (0..cascades.count as usize)
+        .map(|i| {
+            let depths = (splits[i], splits[i + 1]);
+            fit(scene.view, towards, depths, map.resolution, nearest_caster)
+        })
+        .collect()
+}
+
+fn map_casters(map: &LightMap) -> impl Iterator<Item = usize> + '_ {
+    map.casters().ones()
+}
+
+/// Which of a light's casters a face shows: those that stand still, and those that move; without `movers` all move. None
+/// if the light does not shine into the face.
+pub fn split_members(
+    casters: &FixedBitSet,
+    face: &MapFace,
+    objects: &Objects,
+    lit: bool,
+    movers: Option<&Movers>,
+    still: &mut FixedBitSet,
+    moving: &mut FixedBitSet,
+) {
+    for set in [&mut *still, &mut *moving] {
+        if set.len() == casters.len() {
+            set.clear();
+        } else {
+            *set = FixedBitSet::with_capacity(casters.len());
+        }
+    }
+    for index in casters.ones() {
+        if lit && face.may_see(&objects.boxes.get(index)) {
+            match movers {
+                Some(movers) if !movers.moving.contains(index) => still.insert(index),
+                _ => moving.insert(index),
+            }
+        }
+    }
+}
+
+/// Faces of a cube that a light can shine into; all for a light that shines everywhere.
+pub fn lit_faces(light: &FrameLight) -> [bool; 6] {
+    match &light.volume {
+        LightVolume::Cone(cone) | LightVolume::HalfBall(cone) => faces_of_cone(cone),
+        LightVolume::Ball(_) | LightVolume::Infinite => [true; 6],
+    }
+}

@@ -1,0 +1,65 @@
+//! Squared distances, as shares of the range's square, in the bytes of an RGBA texel. Twins of the functions of the same
+//! names in `shaders/common/map.wgsl`.
+//!
+//! A byte `b` is read as `b / 255`, and bytes as the chapter unpacks them: `r + g / 256 (+ b / 65536 + a / 16777216)`;
+//! its `r · 256 + g` is the same with distances that reach 256. The packings are chosen so that this gives the nearest
+//! value below.
+//! Source: Gerasimov 2004, GPU Gems ch. 12, §12.3.3 and §12.3.6.
+
+/// Largest step between two shares that [`pack_two_bytes`] tells apart.
+pub const TWO_BYTES_STEP: f32 = 1.0 / 255.0 / 256.0;
+
+/// Largest step between two shares that [`pack_four_bytes`] tells apart: that of a float below 1.
+pub const FOUR_BYTES_STEP: f32 = 1.0 / 8_388_608.0;
+
+/// The cheaper method: whole part and fraction, in red and green. `share` is 0..=1.
+pub fn pack_two_bytes(share: f32) -> [u8; 2] {
+    let [r, g, ..] = pack_four_bytes(share);
+    [r, g]
+}
+
+/// Inverse of [`pack_two_bytes`], up to [`TWO_BYTES_STEP`].
+pub fn unpack_two_bytes(bytes: [u8; 2]) -> f32 {
+    unpack_four_bytes([bytes[0], bytes[1], 0, 0])
+}
+
+/// The more exact method: four digits to the base 256. `share` is 0..=1.
+pub fn pack_four_bytes(share: f32) -> [u8; 4] {
+    let mut rest = share.clamp(0.0, 1.0) * 255.0;
+    let mut bytes = [0; 4];
+    for byte in &mut bytes {
+        let digit = rest.floor().min(255.0);
+        *byte = digit as u8;
+        rest = (rest - digit) * 256.0;
+    }
+    bytes
+}
+
+/// Inverse of [`pack_four_bytes`].
+pub fn unpack_four_bytes(bytes: [u8; 4]) -> f32 {
+    let [r, g, b, a] = bytes.map(|byte| f32::from(byte) / 255.0);
+    r + g / 256.0 + b / 65536.0 + a / 16_777_216.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_shares_are_within_their_steps() {
+        for i in 0..=100_000u32 {
+            let share = i as f32 / 100_000.0;
+            let two = unpack_two_bytes(pack_two_bytes(share));
+            assert!(
+                two <= share + 1e-7 && share - two <= TWO_BYTES_STEP * 1.01,
+                "{share} {two}"
+            );
+            let four = unpack_four_bytes(pack_four_bytes(share));
+            assert!((four - share).abs() <= FOUR_BYTES_STEP, "{share} {four}");
+        }
+        assert!(
+            unpack_two_bytes([1, 0]) - unpack_two_bytes([0, 0]) > TWO_BYTES_STEP,
+            "the check can fail"
+        );
+    }
+}

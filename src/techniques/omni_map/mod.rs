@@ -1,0 +1,14 @@
+//! Omnidirectional shadow maps: six faces of a cube around the light, of squared distance or of depth.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | [`component`] | what a user sets on a light |
+//! | [`cube`] | the six faces, and which of them a light shines into |
+//!
+//! All else is shared with the maps of other lights, in [`maps`](super::maps).
+//! Source: Gerasimov 2004, "Omnidirectional Shadow Mapping", GPU Gems ch. 12.
+
+pub mod component;
+pub mod cube;
+
+pub use component::OmniMap;

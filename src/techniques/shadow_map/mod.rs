@@ -1,0 +1,13 @@
+//! Shadow maps of spot lights and, in cascades, of directional lights.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | [`component`] | what a user sets on a light |
+//! | [`cascades`] | the boxes that a directional light's maps show |
+//!
+//! All else is shared with the maps of point lights, in [`maps`](super::maps).
+
+pub mod cascades;
+pub mod component;
+
+pub use component::{Cascades, ShadowMap};
