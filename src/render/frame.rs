@@ -1,5 +1,6 @@
 //! The frame: its passes in order.
 
+use super::front_lights::LightSurfaces;
 use super::nodes;
 use super::nodes::visibility::Shadow;
 use super::pipelines::SurfacePass;
@@ -87,7 +88,7 @@ impl Renderer {
                 _ => "lights",
             };
             for light in group {
-                self.resolve_mask(encoder, targets, light);
+                self.resolve_mask(encoder, targets, light, LightSurfaces::Opaque);
             }
             {
                 let mut pass = begin_light_pass(encoder, targets, label, self.timings.pass(label));
@@ -146,7 +147,7 @@ impl Renderer {
     }
 
     /// Whether a technique of the frame's lights with masks reads the receivers' planes.
-    fn reads_planes(&self) -> bool {
+    pub(super) fn reads_planes(&self) -> bool {
         let reads = |light: &ActiveLight| match light.shadow {
             Some((technique, Visibility::Mask)) => self.techniques[technique].reads_planes(),
             _ => false,
@@ -155,15 +156,21 @@ impl Renderer {
     }
 
     /// Lets the technique of a light leave its mask, if it does.
-    fn resolve_mask(&self, encoder: &mut wgpu::CommandEncoder, targets: &FrameTargets, light: &ActiveLight) {
+    pub(super) fn resolve_mask(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) {
         if let (Some((technique, Visibility::Mask)), Some(masks)) = (light.shadow, &self.masks) {
             let input = ResolveInput {
                 context: &self.context,
-                record: self.record_input(),
+                record: surfaces.record_input(self, light),
                 device: &self.context.device,
                 targets,
                 masks,
-                scissor: light.scissor,
+                scissor: surfaces.scissor(light),
                 depth_range: light.depth_range,
                 light_begin: &self.light_begin,
                 timings: &self.timings,
@@ -174,13 +181,18 @@ impl Renderer {
     }
 
     /// One light: begin its stencil, let its technique mark what it does not see, add it where it does.
-    fn record_light(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight, surfaces: LightSurfaces) {
-        let [x, y, width, height] = light.scissor;
+    pub(super) fn record_light(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) {
+        let [x, y, width, height] = surfaces.scissor(light);
         pass.set_scissor_rect(x, y, width, height);
         if let Some((technique, Visibility::Stencil)) = light.shadow {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
-            self.techniques[technique].mark(light.light, pass, &self.record_input());
+            self.techniques[technique].mark(light.light, pass, &surfaces.record_input(self, light));
         }
         nodes::light_accumulate::record(
             pass,
@@ -194,58 +206,8 @@ impl Renderer {
         );
     }
 
-    /// The front layer's lights, as those of opaque surfaces, with the depth of the front layer.
-    fn record_front_lights(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        front: &FrameTargets,
-        outputs: &FrameOutputs,
-    ) {
-        let lights = || self.frame.lights.iter().filter(|light| !light.front.is_empty());
-        if lights().any(ActiveLight::has_mask)
-            && let Some(masks) = &self.masks
-        {
-            self.depth_copy.record(encoder, front, masks, &self.timings);
-            if self.reads_planes() {
-                nodes::receiver_plane::record(
-                    encoder,
-                    front,
-                    masks,
-                    &self.view_group,
-                    &self.frame.batches[self.frame.blended_batches.clone()],
-                    &self.surface_resources(),
-                    &self.timings,
-                );
-            }
-        }
-        for light in lights() {
-            let label = &self.labels[light.light];
-            self.resolve_mask(encoder, front, light);
-            {
-                let mut pass = begin_light_pass(encoder, front, label, self.timings.pass(label));
-                self.record_light(&mut pass, light, LightSurfaces::Front);
-            }
-            if let (Some(target), Some((_, visibility))) = (outputs.visibility.get(light.light), light.shadow)
-            {
-                nodes::visibility::record_front(
-                    encoder,
-                    target,
-                    &front.depth_stencil_view,
-                    &self.view_group,
-                    Shadow {
-                        kind: SurfacePass::visibility(visibility),
-                        mask: self.mask_of(light),
-                        scissor: light.scissor,
-                        batches: &self.frame.batches[light.front.clone()],
-                    },
-                    &self.surface_resources(),
-                );
-            }
-        }
-    }
-
     /// Group 3 of passes that read the mask of a light.
-    fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
+    pub(super) fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
         let masks = self.masks.as_ref().filter(|_| light.has_mask())?;
         Some(&masks.mask_group)
     }
@@ -373,32 +335,8 @@ impl Renderer {
     }
 }
 
-/// Which surfaces a light is added to.
-#[derive(Clone, Copy)]
-enum LightSurfaces {
-    /// Those of set I that write depth.
-    Opaque,
-    /// The nearest blended ones.
-    Front,
-}
-
-impl LightSurfaces {
-    fn pass(self, visibility: Option<Visibility>) -> SurfacePass {
-        match (self, visibility) {
-            (Self::Front, Some(visibility)) => SurfacePass::front_light(visibility),
-            _ => SurfacePass::light(visibility),
-        }
-    }
-
-    fn batches(self, light: &ActiveLight) -> std::ops::Range<usize> {
-        match self {
-            Self::Opaque => light.batches.clone(),
-            Self::Front => light.front.clone(),
-        }
-    }
-}
-
-fn begin_light_pass<'a>(
+/// The pass of one light or of several, which keeps what is there.
+pub(super) fn begin_light_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     targets: &FrameTargets,
     label: &str,

@@ -9,6 +9,8 @@ pub mod buffers;
 pub mod context;
 pub mod draw_list;
 pub mod frame;
+mod front_lights;
+mod front_surfaces;
 pub mod gpu_types;
 pub mod lights;
 pub mod materials;

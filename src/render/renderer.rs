@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2, Vec3};
 
 use super::bind_groups::{BindGroupLayouts, LIGHT_STRIDE};
@@ -85,6 +86,8 @@ pub struct ActiveLight {
     /// Range of [`FrameData::batches`]: blended surfaces, whose front layer it lights with its shadows. Empty without a
     /// technique.
     pub front: Range<usize>,
+    /// The part of the scissor that shows them.
+    pub front_scissor: [u32; 4],
 }
 
 impl ActiveLight {
@@ -116,6 +119,8 @@ pub struct FrameData {
     pub blended_batches: Range<usize>,
     /// Bytes of the light constants.
     pub light_constants: Vec<u8>,
+    /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
+    pub front_casters: Vec<FixedBitSet>,
     /// Whether there is a view to draw.
     pub has_view: bool,
     /// For sorting blended surfaces: distance, object, item.
@@ -370,6 +375,7 @@ impl Renderer {
             meshes: &self.meshes,
             materials: &self.materials,
             table: &self.table,
+            casters: None,
         }
     }
 }

@@ -7,6 +7,7 @@ use glam::{DMat4, UVec2};
 use super::RenderError;
 use super::bind_groups::LIGHT_STRIDE;
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
+use super::front_surfaces::collect_front;
 use super::gpu_types;
 use super::lights::light_constants;
 use super::nodes::blended::{BlendedDraw, BlendedLight};
@@ -210,6 +211,7 @@ pub fn prepare_draws(
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
             batches: first..frame.batches.len(),
             front: 0..0,
+            front_scissor: [0; 4],
         });
     }
     for (index, light) in lights
@@ -230,6 +232,7 @@ pub fn prepare_draws(
         frame.dark.push((index, first..frame.batches.len()));
     }
     collect_blended(frame, &input, &visible, &lights, current.mirrored);
+    collect_front(frame, &input, &objects, &lights, current);
     renderer
         .instances
         .write(&renderer.context, bytemuck::cast_slice(&frame.instances));
@@ -300,32 +303,4 @@ fn collect_blended(
         });
     }
     frame.blended_batches = first_batch..frame.batches.len();
-    collect_front(frame, input);
-}
-
-/// Lists for each shadowed light the blended surfaces that it reaches.
-fn collect_front(frame: &mut FrameData, input: &DrawListInput) {
-    for light in &mut frame.lights {
-        let first = frame.batches.len();
-        light.front = first..first;
-        if light.shadow.is_none() {
-            continue;
-        }
-        for draw in &frame.blended {
-            let reached = &frame.blended_lights[draw.lights.clone()];
-            if reached.iter().any(|reached| reached.slot as usize == light.slot) {
-                let batch = &frame.batches[draw.batch];
-                let object = frame.instances[batch.instances.start as usize] as usize;
-                let variant = Variant {
-                    unshadowed: !input.receivers.contains(object),
-                    ..batch.variant
-                };
-                frame.batches.push(Batch {
-                    variant,
-                    ..batch.clone()
-                });
-            }
-        }
-        light.front.end = frame.batches.len();
-    }
 }

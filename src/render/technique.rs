@@ -2,6 +2,7 @@
 //! [`Renderer::add_technique`](super::Renderer::add_technique); nothing here knows the techniques by name.
 
 use bevy_ecs::prelude::World;
+use fixedbitset::FixedBitSet;
 
 use super::bind_groups::BindGroupLayouts;
 use super::materials::MaterialPool;
@@ -52,6 +53,8 @@ pub struct RecordInput<'a> {
     pub materials: &'a MaterialPool,
     /// Meshes and materials by dense object index.
     pub table: &'a ObjectTable,
+    /// Objects of which alone shadows matter, by dense index; `None`: all. A technique may leave others out.
+    pub casters: Option<&'a FixedBitSet>,
 }
 
 /// What a technique may use while it resolves a mask.

@@ -129,6 +129,16 @@ impl StencilVolumeNode {
             }
             let range = draw.first..draw.first + draw.count;
             let caster = draw.caster..draw.caster + draw.caster_count;
+            let matters = |caster: &gpu_types::Caster| match input.casters {
+                Some(casters) => casters.contains(caster.object as usize),
+                None => true,
+            };
+            if !self.caster_constants[caster.start as usize..caster.end as usize]
+                .iter()
+                .any(matters)
+            {
+                continue;
+            }
             let Some(mesh) = input.meshes.get(draw.mesh) else {
                 continue;
             };
