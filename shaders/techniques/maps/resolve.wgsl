@@ -126,7 +126,8 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
             deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
         }
         let lenient = max(slope * (1.0 - between), -slope * between);
-        depth = max(depth + lenient.x + lenient.y, deepest);
+        // Where the plane leaves the far end of a parallel box nothing was drawn, and nothing is nearer.
+        depth = max(max(depth + lenient.x + lenient.y, deepest), 0.0);
         depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }
