@@ -227,7 +227,7 @@ impl<'a> Judge<'a> {
     }
 
     /// Whether all that the map sees within its texels around the point is one surface that bends by less than 20°.
-    fn is_even_from_light(&self, hit: &SurfaceHit) -> bool {
+    pub fn is_even_from_light(&self, hit: &SurfaceHit) -> bool {
         let texel = self.texel_metres(hit.position);
         let steps = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|step| step * (self.band + 0.5));
         steps.iter().all(|&y| {

@@ -212,8 +212,8 @@ fn the_judge_finds_acne_leaks_and_parted_shadows() {
     assert!(all_dark.acne > 1000 && all_dark.leaks == 0, "{all_dark:?}");
     let all_lit = judge.compare(&vec![1.0; rendered.visibility[0].len()]);
     assert!(all_lit.leaks > 50 && all_lit.acne == 0, "{all_lit:?}");
-    // A bias of half a metre parts the shadow from a thin wall, and the judge sees it.
-    let wall = scenes.iter().find(|scene| scene.name == "wall of 4 cm");
+    // A bias of half a metre parts the shadow from a sheet, and the judge sees it.
+    let wall = scenes.iter().find(|scene| scene.name == "sheet, light behind");
     let wall = wall.expect("there is one");
     let rays = wall.fill(&mut stage);
     let (light, place) = wall.light(SPOT);
@@ -235,7 +235,7 @@ fn the_judge_finds_acne_leaks_and_parted_shadows() {
         stage.lights.clear();
         stage.world.despawn(entity);
     }
-    assert!(leaks[0] == 0 && leaks[1] > 20, "{leaks:?}");
+    assert!(leaks[0] == 0 && leaks[1] > 10, "{leaks:?}");
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod cache;
 mod cascades;
 mod contacts;
 mod dungeon;
+mod faint;
 mod filters;
 mod holes;
 mod models;

@@ -126,7 +126,8 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
             deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
         }
         let lenient = max(slope * (1.0 - between), -slope * between);
-        depth = max(depth + lenient.x + lenient.y, deepest);
+        // Where the plane leaves the far end of a parallel box nothing was drawn, and nothing is nearer.
+        depth = max(max(depth + lenient.x + lenient.y, deepest), 0.0);
         depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }
@@ -261,8 +262,9 @@ fn from_point(receiver: Receiver, pixel: vec2u) -> f32 {
 }
 
 // Visibility in one cascade.
-fn from_cascade(face: u32, receiver: Receiver, q: vec3f, pixel: vec2u) -> f32 {
+fn from_cascade(face: u32, receiver: Receiver, pixel: vec2u) -> f32 {
     let f = map_light.faces[face];
+    let q = position_in_face(face, receiver.position);
     var normal = receiver.normal;
     let unknown = dot(normal, normal) == 0.0;
     normal = select(normal, -f.row_z.xyz, unknown);
@@ -275,28 +277,32 @@ fn from_cascade(face: u32, receiver: Receiver, q: vec3f, pixel: vec2u) -> f32 {
     return filtered(Site(face, q.xy / f.projection.x, q.z, normal, offset), pixel);
 }
 
-// The finest cascade that shows the pixel; near its border, it passes into the next.
+// The finest cascade that shows the pixel; near its border, it passes into the next. They are chosen first and looked up
+// then, two at most, so that all pixels look up together.
 fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
-    var dark = 0.0;
-    var rest = 1.0;
+    var finest = CASCADE_COUNT;
+    var next = CASCADE_COUNT;
+    var weight = 1.0;
     for (var face = 0u; face < CASCADE_COUNT; face++) {
         let f = map_light.faces[face];
         let q = position_in_face(face, receiver.position);
         // The filter stays inside.
         let reach = map_light.size.z + 3.0 * f.projection.z;
         let room = f.projection.x - reach - max(abs(q.x), abs(q.y));
-        if room > 0.0 && q.z < f.projection.y {
-            let is_last = face + 1u == CASCADE_COUNT;
-            let width = max(map_light.limits.w * f.projection.x, 1e-6);
-            let weight = rest * select(clamp(room / width, 0.0, 1.0), 1.0, is_last);
-            dark += weight * (1.0 - from_cascade(face, receiver, q, pixel));
-            rest -= weight;
-            if rest <= 0.0 {
-                break;
-            }
-        }
+        let shows = room > 0.0 && q.z < f.projection.y;
+        let width = max(map_light.limits.w * f.projection.x, 1e-6);
+        next = select(next, face, shows && finest < face && next == CASCADE_COUNT);
+        weight = select(weight, clamp(room / width, 0.0, 1.0), shows && finest == CASCADE_COUNT);
+        finest = select(finest, face, shows && finest == CASCADE_COUNT);
     }
-    return 1.0 - dark / max(1.0 - rest, 1e-6);
+    if finest == CASCADE_COUNT {
+        return 1.0;                 // beyond the last
+    }
+    var visibility = from_cascade(finest, receiver, pixel);
+    if weight < 1.0 && next < CASCADE_COUNT {
+        visibility = mix(from_cascade(next, receiver, pixel), visibility, weight);
+    }
+    return visibility;
 }
 
 @vertex

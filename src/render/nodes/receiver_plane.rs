@@ -15,6 +15,9 @@ use crate::render::pipelines::SurfacePass;
 use crate::render::targets::{FrameTargets, MaskTargets};
 use crate::render::timings::Timings;
 
+/// What stands where nothing was drawn: no normal packs to it. As in `shaders/common/receiver.wgsl`.
+pub const NO_PLANE: u32 = 0x8000_8000;
+
 /// Clears the planes and records the draws of the visible set.
 pub fn record(
     encoder: &mut wgpu::CommandEncoder,
@@ -25,7 +28,7 @@ pub fn record(
     resources: &SurfaceResources,
     timings: &Timings,
 ) {
-    let none = f64::from(u32::MAX);
+    let none = f64::from(NO_PLANE);
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("receiver plane"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {

@@ -13,7 +13,7 @@ use crate::sets::FrameLight;
 /// The map of one light.
 #[derive(Clone, Debug)]
 pub struct LightMap {
-    /// Index into [`FrameLights`].
+    /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
     /// The light.
     pub entity: Entity,
