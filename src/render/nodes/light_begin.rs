@@ -9,6 +9,10 @@
 //! wgpu has no depth-bounds test. One quad at the far bound's depth clears and marks at once: where it passes, the
 //! surface is nearer than the bound and the bit is set, where it fails everything is cleared. A second quad at the
 //! near bound's depth takes the bit back from surfaces before it; it is left out when nothing can be.
+//!
+//! Tried instead: discarding in the light's fragment stage. On llvmpipe at 320×180 neither stood out of the noise, as
+//! ratios to the unshadowed frame: field of 401 objects 1.61 with the bit, 1.64 in the shader, 1.59 with neither; interior
+//! 5.4, 5.2 and 5.2. The bit is kept, since volumes are not counted beyond it either.
 //! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for what the test is to save.
 
 use crate::conventions::{DEPTH_INFINITY, DEPTH_NEAR, STENCIL_IN_BOUNDS};

@@ -142,8 +142,9 @@ impl StencilVolumeNode {
             let Some(mesh) = input.meshes.get(draw.mesh) else {
                 continue;
             };
+            // For caps too, which do not read it: all parts share a layout.
+            pass.set_bind_group(3, &mesh.positions_group, &[]);
             if draw.key.part == Part::Side {
-                pass.set_bind_group(3, &mesh.positions_group, &[]);
                 pass.draw(range, caster);
             } else {
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
