@@ -6,7 +6,7 @@ use bevy_transform::prelude::GlobalTransform;
 
 use super::objects::{Counts, Objects, Row};
 use super::work::SetWork;
-use crate::scene::changes::{Since, bits};
+use crate::scene::changes::{Since, any_changed, bits};
 use crate::scene::{
     LocalBounds, ObjectChurn, PosedMesh, SceneMaterials, SelectionLayers, ShadowCaster, ShadowReceiver,
     WorldBounds,
@@ -68,7 +68,7 @@ pub fn collect_objects(
         layered: members.layered.iter().len(),
     };
     let objects = &mut *objects;
-    let same_members = objects.counts.replace(counts) == Some(counts) && !layers_changed(&members);
+    let same_members = objects.counts.replace(counts) == Some(counts) && !any_changed(&members.layered);
     if same_members && !objects.decay.is_due() {
         collect_motion(objects, &motion, &mut work);
         return;
@@ -89,16 +89,6 @@ pub fn collect_objects(
     ));
     objects.rebuild(!objects.decay.is_due());
     work.layouts += 1;
-}
-
-fn layers_changed(members: &ObjectCounts) -> bool {
-    let Ok(mut tables) = members.layered.contiguous_iter() else {
-        unreachable!("layers are kept in tables");
-    };
-    tables.any(|layers| {
-        let since = Since::new(layers.last_run_tick(), layers.this_run_tick());
-        since.any(layers.changed_ticks_slice())
-    })
 }
 
 fn collect_motion(objects: &mut Objects, motion: &Motion, work: &mut SetWork) {

@@ -12,6 +12,7 @@ use super::occluder_mesh::{OccluderMesh, OccluderMeshes};
 use super::raster::Sides;
 use super::settings::OcclusionSettings;
 use crate::geometry::Aabb;
+use crate::scene::changes::any_changed;
 use crate::scene::{AlphaMode, FaceCulling, MeshData, Occluder, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::objects::{Objects, resize};
 
@@ -28,6 +29,8 @@ pub struct Occluders {
     pub generation: u64,
     /// Occluders that moved in this frame.
     pub moved: FixedBitSet,
+    /// Objects that have an entry.
+    known: FixedBitSet,
     entries: Vec<Option<Entry>>,
     meshes: OccluderMeshes,
     seen: Option<(u64, OcclusionSettings, FaceCulling, [usize; 2])>,
@@ -53,10 +56,18 @@ pub struct OccluderParts<'w, 's> {
             Has<PosedMesh>,
         ),
     >,
-    exchanged: Query<'w, 's, (), Or<(Changed<SceneMesh>, Changed<SceneMaterials>, Changed<Occluder>)>>,
-    occluders: Query<'w, 's, (), With<Occluder>>,
+    mesh_refs: Query<'w, 's, Ref<'static, SceneMesh>>,
+    material_refs: Query<'w, 's, Ref<'static, SceneMaterials>>,
+    occluders: Query<'w, 's, Ref<'static, Occluder>>,
     posed: Query<'w, 's, (), With<PosedMesh>>,
     transforms: Query<'w, 's, &'static GlobalTransform>,
+}
+
+impl OccluderParts<'_, '_> {
+    /// Whether a mesh, a material or an occluder is another than before.
+    fn exchanged(&self) -> bool {
+        any_changed(&self.mesh_refs) || any_changed(&self.material_refs) || any_changed(&self.occluders)
+    }
 }
 
 impl Occluders {
@@ -90,7 +101,7 @@ pub fn collect_occluders(
     let culling = face_culling.map_or_else(FaceCulling::default, |culling| *culling);
     let counts = [parts.occluders.iter().len(), parts.posed.iter().len()];
     let now = Some((objects.flags_generation, *settings, culling, counts));
-    if occluders.seen != now || !parts.exchanged.is_empty() {
+    if occluders.seen != now || parts.exchanged() {
         occluders.seen = now;
         occluders.rebuild(&objects, &settings, culling, &parts);
         return;
@@ -98,11 +109,18 @@ pub fn collect_occluders(
     if occluders.generation == 0 || (objects.moved.is_clear() && occluders.moved.is_clear()) {
         return;
     }
-    occluders.moved.clear();
-    for object in objects.moved.ones() {
-        if let Some(entry) = &mut occluders.entries[object] {
+    let Occluders {
+        moved,
+        known,
+        entries,
+        ..
+    } = occluders;
+    moved.clear();
+    // Of many objects that move few are occluders, and entries are large.
+    for object in objects.moved.intersection(known) {
+        if let Some(entry) = &mut entries[object] {
             entry.world_from_local = world_from_local(&parts.transforms, objects.entities[object]);
-            occluders.moved.insert(object);
+            moved.insert(object);
         }
     }
 }
@@ -127,6 +145,7 @@ impl Occluders {
             &mut self.light,
             &mut self.shadeable,
             &mut self.moved,
+            &mut self.known,
         ] {
             resize(set, objects.len());
         }
@@ -169,6 +188,7 @@ impl Occluders {
                 let mut sides = materials.0.iter().map(|material| material.double_sided);
                 sides.all(|double_sided| double_sided)
             });
+            self.known.insert(object);
             self.camera.set(object, drawn);
             self.light.set(object, objects.casters.contains(object));
             self.entries[object] = Some(Entry {
