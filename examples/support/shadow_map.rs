@@ -49,6 +49,8 @@ pub struct ShotBias {
     normal_texels: f32,
     #[serde(default)]
     depth_metres: f32,
+    #[serde(default)]
+    distance_share: f32,
 }
 
 /// See [`MapFilter`].
@@ -126,6 +128,7 @@ impl ShotMap {
         self.bias.map_or(MapBias::Auto, |bias| MapBias::Manual {
             normal_texels: bias.normal_texels,
             depth_metres: bias.depth_metres,
+            distance_share: bias.distance_share,
         })
     }
 

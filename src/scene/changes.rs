@@ -67,6 +67,18 @@ pub(crate) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
     })
 }
 
+/// Whether any component of this kind was added or written since the system ran last.
+pub(crate) fn any_changed<T: Component, F: ArchetypeFilter>(query: &Query<Ref<'static, T>, F>) -> bool {
+    let Ok(mut tables) = query.contiguous_iter() else {
+        // Not kept in tables.
+        return query.iter().any(|component| component.is_changed());
+    };
+    tables.any(|table| {
+        let since = Since::new(table.last_run_tick(), table.this_run_tick());
+        since.any(table.changed_ticks_slice())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,16 +104,4 @@ mod tests {
             }
         }
     }
-}
-
-/// Whether any component of this kind was added or written since the system ran last.
-pub(crate) fn any_changed<T: Component, F: ArchetypeFilter>(query: &Query<Ref<'static, T>, F>) -> bool {
-    let Ok(mut tables) = query.contiguous_iter() else {
-        // Not kept in tables.
-        return query.iter().any(|component| component.is_changed());
-    };
-    tables.any(|table| {
-        let since = Since::new(table.last_run_tick(), table.this_run_tick());
-        since.any(table.changed_ticks_slice())
-    })
 }

@@ -212,16 +212,18 @@ fn the_judge_finds_acne_leaks_and_parted_shadows() {
     assert!(all_dark.acne > 1000 && all_dark.leaks == 0, "{all_dark:?}");
     let all_lit = judge.compare(&vec![1.0; rendered.visibility[0].len()]);
     assert!(all_lit.leaks > 50 && all_lit.acne == 0, "{all_lit:?}");
-    // A bias of half a metre parts the shadow from a sheet, and the judge sees it.
+    // A bias of half a metre, or of a tenth of the distance, parts the shadow from a sheet, and the judge sees it.
     let wall = scenes.iter().find(|scene| scene.name == "sheet, light behind");
     let wall = wall.expect("there is one");
     let rays = wall.fill(&mut stage);
     let (light, place) = wall.light(SPOT);
-    let mut leaks = [0; 2];
-    for (leaks, depth_metres) in leaks.iter_mut().zip([0.0, 0.5]) {
+    let mut leaks = [0; 3];
+    for (leaks, (depth_metres, distance_share)) in leaks.iter_mut().zip([(0.0, 0.0), (0.5, 0.0), (0.0, 0.1)])
+    {
         let bias = MapBias::Manual {
             normal_texels: 0.15,
             depth_metres,
+            distance_share,
         };
         let map = ShadowMap {
             resolution: RESOLUTION,
@@ -235,7 +237,7 @@ fn the_judge_finds_acne_leaks_and_parted_shadows() {
         stage.lights.clear();
         stage.world.despawn(entity);
     }
-    assert!(leaks[0] == 0 && leaks[1] > 10, "{leaks:?}");
+    assert!(leaks[0] == 0 && leaks[1] > 10 && leaks[2] > 10, "{leaks:?}");
 }
 
 #[test]

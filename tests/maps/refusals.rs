@@ -90,6 +90,12 @@ fn unusable_settings_are_refused_by_name() {
     let bias = |normal_texels, depth_metres| MapBias::Manual {
         normal_texels,
         depth_metres,
+        distance_share: 0.0,
+    };
+    let multiplied = |distance_share| MapBias::Manual {
+        normal_texels: 0.0,
+        depth_metres: 0.0,
+        distance_share,
     };
     let spot = |map| (light(SPOT, 20.0), map);
     let refused = [
@@ -162,6 +168,13 @@ fn unusable_settings_are_refused_by_name() {
                 ..map
             }),
             "bias is -1",
+        ),
+        (
+            spot(ShadowMap {
+                bias: multiplied(1.0),
+                ..map
+            }),
+            "bias is 1",
         ),
         (
             spot(ShadowMap {

@@ -38,21 +38,24 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gp
     if matches!(request.filter, MapFilter::Brute4x4 | MapFilter::Dithered4) {
         radius_texels = 2.0;
     }
-    let (raised, metres) = match request.bias {
-        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0),
+    let (raised, metres, share) = match request.bias {
+        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0, 0.0),
         MapBias::Manual {
             normal_texels,
             depth_metres,
-        } => (normal_texels, depth_metres),
+            distance_share,
+        } => (normal_texels, depth_metres, distance_share),
     };
+    let squared = |share: f32| 1.0 - (1.0 - share) * (1.0 - share);
     // A few roundings of f32 on both sides of the comparison; squares have twice the share.
     let parallel = request.shape == MapShape::Cascades;
     let (relative, absolute) = match request.format {
         MapFormat::Depth if parallel => (0.0, 2e-6),
-        MapFormat::Depth => (4e-6, 0.0),
-        MapFormat::R32Float => (8e-6, 0.0),
-        MapFormat::Rgba8TwoBytes => (8e-6, TWO_BYTES_STEP),
-        MapFormat::Rgba8FourBytes => (8e-6, FOUR_BYTES_STEP),
+        // Depth goes with 1 / distance.
+        MapFormat::Depth => (4e-6 + share / (1.0 - share), 0.0),
+        MapFormat::R32Float => (8e-6 + squared(share), 0.0),
+        MapFormat::Rgba8TwoBytes => (8e-6 + squared(share), TWO_BYTES_STEP),
+        MapFormat::Rgba8FourBytes => (8e-6 + squared(share), FOUR_BYTES_STEP),
     };
     let resolution = map.resolution as f32;
     constants.size = [resolution, resolution.recip(), softness, 0.0];

@@ -139,12 +139,16 @@ impl MapRequest {
         if let MapBias::Manual {
             normal_texels,
             depth_metres,
+            distance_share,
         } = self.bias
         {
-            for bias in [normal_texels, depth_metres] {
+            for bias in [normal_texels, depth_metres, distance_share] {
                 if !usable(bias) {
                     return Err(MapError::Bias(bias));
                 }
+            }
+            if distance_share >= 1.0 {
+                return Err(MapError::Bias(distance_share));
             }
         }
         if self.shape == MapShape::Cascades {

@@ -86,6 +86,9 @@ pub enum MapBias {
         normal_texels: f32,
         /// Towards the light, metres; ≥ 0.
         depth_metres: f32,
+        /// Towards the light, as a share of the distance from it; 0..1. Not for directional lights, which are nowhere.
+        /// Source: Gerasimov 2004, GPU Gems ch. 12, whose bias multiplies.
+        distance_share: f32,
     },
 }
 
