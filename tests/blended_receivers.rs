@@ -103,6 +103,53 @@ fn shadows_on_glass_are_those_of_the_ray_caster() {
     }
 }
 
+/// Techniques with masks look at the depth, and maps at the plane, of the glass.
+#[test]
+fn every_technique_shadows_glass() {
+    let place = Vec3::new(0.3, 4.0, 0.2);
+    let shadowed = |light: Light, kind: usize| {
+        let mut stage = stage(&[0.5, 1.2], WHOLE);
+        let place = Transform::from_translation(place).looking_at(Vec3::ZERO, Vec3::Z);
+        let entity = stage.spawn_light(light, place, None::<StencilVolume>);
+        let mut entity = stage.world.entity_mut(entity);
+        match kind {
+            0 => entity.insert(OmniMap::default()),
+            1 => entity.insert(ShadowMap::default()),
+            _ => entity.insert(PenumbraWedge::default()),
+        };
+        for _ in 0..3 {
+            render(&mut stage); // maps settle what is still
+        }
+        let rendered = render(&mut stage);
+        let scene = RayScene::from_world(&mut stage.world);
+        (judge(&stage, &scene, 0, &rendered.visibility[0]), rendered)
+    };
+    let point = Light::point(Vec3::ONE, 60.0, 30.0);
+    let spot = Light {
+        kind: LightKind::Spot {
+            inner_angle: 0.5,
+            outer_angle: 0.8,
+        },
+        ..point.clone()
+    };
+    let sphere = Light {
+        kind: LightKind::Sphere { radius: 0.0 },
+        ..point.clone()
+    };
+    for (kind, light) in [point, spot, sphere].into_iter().enumerate() {
+        let (error, rendered) = shadowed(light, kind);
+        let dark = rendered.visibility[0].iter().filter(|&&v| v < 0.5).count();
+        println!("technique {kind}: {error:?}, {dark} dark");
+        assert!(
+            error.inner > 3000 && dark > 300,
+            "technique {kind}: {error:?}, {dark} dark"
+        );
+        // Maps may be off by a texel; the wedge of a light without extent is the hard shadow.
+        let allowed = if kind == 2 { 0 } else { error.inner / 200 };
+        assert!(error.wrong_inner <= allowed, "technique {kind}: {error:?}");
+    }
+}
+
 /// Radiance of the picture at pixels where light 0 is seen or not.
 fn brightness(rendered: &Rendered, lit: bool, at: impl Fn(usize) -> bool) -> f32 {
     let wanted = f32::from(u8::from(lit));

@@ -14,15 +14,15 @@
 
 mod harness;
 
-use antumbra::geometry::Aabb;
 use antumbra::prelude::*;
-use antumbra::reference::{Ray, RayScene};
+use antumbra::reference::RayScene;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use bevy_transform::prelude::Transform;
-use glam::{DVec3, UVec2, Vec3};
+use glam::{UVec2, Vec3};
 use harness::models_folder;
 use harness::support::stage::Stage;
+use harness::support::walk::standing_points;
 
 const SIZE: UVec2 = UVec2::new(640, 360);
 const CAMERAS: usize = 24;
@@ -98,38 +98,6 @@ enum Lights {
     Own,
     /// Point lights of this range, metres, a camera's height above the floor, in place of its own.
     Points { count: usize, range: f32 },
-}
-
-/// A low-discrepancy sequence in the unit cube.
-/// Source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R3).
-fn spread(index: usize) -> [f64; 3] {
-    const G: f64 = 1.220_744_084_605_759_5;
-    [1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G)].map(|step| (0.5 + step * index as f64).fract())
-}
-
-/// Points over the floors of a scene where somebody can stand, in a fixed order.
-fn standing_points(scene: &RayScene, bounds: Aabb, count: usize, height: f64) -> Vec<DVec3> {
-    let (min, size) = (bounds.min.as_dvec3(), 2.0 * bounds.half_size().as_dvec3());
-    let hit = |origin: DVec3, direction: DVec3, reach: f64| {
-        scene.closest_hit(&Ray { origin, direction }, 1e-4, reach, |_| true)
-    };
-    (1..100_000)
-        .filter_map(|index| {
-            let from = min + size * DVec3::from(spread(index));
-            let floor = hit(from, DVec3::NEG_Y, f64::INFINITY)?;
-            let corners = scene.triangles()[floor.triangle as usize].corners;
-            let normal = (corners[1] - corners[0])
-                .cross(corners[2] - corners[0])
-                .normalize_or_zero();
-            let foot = from - DVec3::Y * floor.t;
-            let is_free = [DVec3::Y, DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z]
-                .into_iter()
-                .all(|side| hit(foot + DVec3::Y * height * 0.99, side, 0.25).is_none());
-            let clear = hit(foot + DVec3::Y * 1e-3, DVec3::Y, height).is_none();
-            (normal.y.abs() > 0.9 && is_free && clear).then_some(foot + DVec3::Y * height)
-        })
-        .take(count)
-        .collect()
 }
 
 fn measure(path: &std::path::Path, lights: Lights) -> Measured {

@@ -1,10 +1,11 @@
 //! The frame: its passes in order.
 
+use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use super::nodes;
 use super::nodes::visibility::Shadow;
 use super::pipelines::SurfacePass;
-use super::renderer::{ActiveLight, Renderer};
+use super::renderer::Renderer;
 use super::targets::FrameTargets;
 use super::technique::{ResolveInput, Visibility};
 

@@ -4,10 +4,11 @@
 use std::ops::Range;
 
 use super::frame::{FrameOutputs, begin_light_pass};
+use super::frame_data::ActiveLight;
 use super::nodes;
 use super::nodes::visibility::Shadow;
 use super::pipelines::SurfacePass;
-use super::renderer::{ActiveLight, Renderer};
+use super::renderer::Renderer;
 use super::targets::FrameTargets;
 use super::technique::{RecordInput, Visibility};
 

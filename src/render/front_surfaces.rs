@@ -3,7 +3,7 @@
 use fixedbitset::FixedBitSet;
 
 use super::draw_list::{Batch, DrawListInput, Variant};
-use super::renderer::{ActiveLight, FrameData};
+use super::frame_data::{ActiveLight, FrameData};
 use crate::geometry::{Aabb, LightHull};
 use crate::sets::{FrameLight, FrameLights, Objects, Projector, ScissorRect, ViewData};
 

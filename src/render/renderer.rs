@@ -1,138 +1,25 @@
-//! What lives long on the GPU, and what a frame puts into it.
-
-use std::ops::Range;
+//! What lives long on the GPU.
 
 use bevy_ecs::prelude::*;
-use fixedbitset::FixedBitSet;
-use glam::{DMat4, UVec2, Vec3};
+use glam::{DMat4, UVec2};
 
 use super::bind_groups::{BindGroupLayouts, LIGHT_STRIDE};
 use super::buffers::GrowingBuffer;
-use super::draw_list::{Batch, DrawListBuilder};
+use super::draw_list::DrawListBuilder;
+use super::frame_data::{ActiveLight, FrameData};
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
-use super::nodes::blended::{BlendedDraw, BlendedLight};
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
 use super::objects::ObjectTable;
 use super::pipelines::SurfacePipelines;
+use super::settings::RenderSettings;
 use super::targets::MaskTargets;
-use super::technique::{RecordInput, ShadowTechnique, Visibility};
+use super::technique::{RecordInput, ShadowTechnique};
 use super::timings::Timings;
 use super::{FrameTargets, RenderContext, RenderError, Shaders, gpu_types};
-
-/// How the frame is drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RenderSettings {
-    /// Linear RGB radiance that reaches every surface from everywhere.
-    pub ambient: Vec3,
-    /// Linear RGB where nothing is.
-    pub background: Vec3,
-    /// Factor on radiance before the tonemap.
-    pub exposure: f32,
-    /// Restricts each light to its depth bounds on the GPU.
-    pub depth_bounds: bool,
-    /// Restricts each light to its scissor.
-    pub scissor: bool,
-    /// Draws the shadow geometry of every light over the picture.
-    pub debug_volumes: bool,
-}
-
-impl Default for RenderSettings {
-    fn default() -> Self {
-        Self {
-            ambient: Vec3::splat(0.02),
-            background: Vec3::ZERO,
-            exposure: 1.0,
-            depth_bounds: true,
-            scissor: true,
-            debug_volumes: false,
-        }
-    }
-}
-
-impl RenderSettings {
-    /// The settings with numbers that can be drawn with: radiance that is not finite or negative counts as 0, such an
-    /// exposure as 1.
-    pub fn sanitized(&self) -> Self {
-        let usable = |x: f32| x.is_finite() && x >= 0.0;
-        let radiance = |v: Vec3| Vec3::from_array(v.to_array().map(|x| if usable(x) { x } else { 0.0 }));
-        Self {
-            ambient: radiance(self.ambient),
-            background: radiance(self.background),
-            exposure: if usable(self.exposure) { self.exposure } else { 1.0 },
-            ..*self
-        }
-    }
-}
-
-/// One light of the frame, ready to record.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ActiveLight {
-    /// Index into [`FrameLights`](crate::sets::FrameLights).
-    pub light: usize,
-    /// Slot of the light's constants.
-    pub slot: usize,
-    /// Index of its technique and what that leaves; `None`: unshadowed.
-    pub shadow: Option<(usize, Visibility)>,
-    /// x, y, width, height; pixels.
-    pub scissor: [u32; 4],
-    /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
-    pub depth_range: (f32, f32),
-    /// Range of [`FrameData::batches`].
-    pub batches: Range<usize>,
-    /// Range of [`FrameData::batches`]: blended surfaces, whose front layer it lights with its shadows. Empty without a
-    /// technique.
-    pub front: Range<usize>,
-    /// The part of the scissor that shows them.
-    pub front_scissor: [u32; 4],
-}
-
-impl ActiveLight {
-    /// Whether its technique leaves a mask.
-    pub fn has_mask(&self) -> bool {
-        matches!(self.shadow, Some((_, Visibility::Mask)))
-    }
-}
-
-/// What changes every frame; its memory is kept.
-#[derive(Debug, Default)]
-pub struct FrameData {
-    /// All draws of surfaces.
-    pub batches: Vec<Batch>,
-    /// Objects by instance.
-    pub instances: Vec<u32>,
-    /// Range of `batches`: the visible set V.
-    pub ambient: Range<usize>,
-    /// Lights with something to light.
-    pub lights: Vec<ActiveLight>,
-    /// By index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches`: surfaces that the light does not see.
-    /// Drawn into pictures of its visibility alone.
-    pub dark: Vec<(usize, Range<usize>)>,
-    /// Blended surfaces, farthest first.
-    pub blended: Vec<BlendedDraw>,
-    /// The lights of blended surfaces.
-    pub blended_lights: Vec<BlendedLight>,
-    /// Range of `batches`: all blended surfaces.
-    pub blended_batches: Range<usize>,
-    /// Bytes of the light constants.
-    pub light_constants: Vec<u8>,
-    /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
-    pub front_casters: Vec<FixedBitSet>,
-    /// Whether there is a view to draw.
-    pub has_view: bool,
-    /// For sorting blended surfaces: distance, object, item.
-    pub blended_order: Vec<(u32, u32, u32)>,
-}
-
-impl FrameData {
-    /// Whether a shadowed light reaches a blended surface.
-    pub fn has_front_layer(&self) -> bool {
-        self.lights.iter().any(|light| !light.front.is_empty())
-    }
-}
 
 /// Draws frames. A resource; systems of [`systems`](super::systems) prepare it, [`Renderer::record`] draws.
 #[derive(Resource)]

@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 use glam::{Affine2, Vec3, Vec4};
 use smallvec::SmallVec;
 
+use super::MeshData;
 use super::churn::count_churn;
 
 /// A surface in the metallic-roughness model of glTF 2.0.
@@ -135,3 +136,19 @@ pub enum TextureWrap {
 #[derive(Component, Clone, Debug)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct SceneMaterials(pub SmallVec<[Arc<Material>; 1]>);
+
+impl SceneMaterials {
+    /// Whether every triangle of the mesh is drawn with them, and opaque.
+    pub fn are_opaque(&self, mesh: &MeshData) -> bool {
+        let drawn: usize = mesh
+            .submeshes
+            .iter()
+            .map(|part| mesh.submesh_range(part).len())
+            .sum();
+        drawn >= mesh.indices.len()
+            && self.0.get(..mesh.submeshes.len()).is_some_and(|used| {
+                used.iter()
+                    .all(|material| material.alpha_mode == AlphaMode::Opaque)
+            })
+    }
+}

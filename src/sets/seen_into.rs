@@ -5,7 +5,7 @@ use fixedbitset::FixedBitSet;
 
 use super::{Objects, Touch, View};
 use crate::geometry::Aabb;
-use crate::scene::{AlphaMode, MeshData, SceneMaterials, SceneMesh};
+use crate::scene::{SceneMaterials, SceneMesh};
 
 /// Objects, by dense index, inside of which a visible point may lie: the near rectangle touches their bounds, or they
 /// are not opaque throughout, or not drawn at all. Written by [`collect_seen_into`].
@@ -45,7 +45,7 @@ pub fn collect_seen_into(
         for (object, &entity) in objects.entities.iter().enumerate() {
             let opaque = appearance
                 .get(entity)
-                .is_ok_and(|(mesh, materials)| is_opaque(&mesh.0, materials));
+                .is_ok_and(|(mesh, materials)| materials.are_opaque(&mesh.0));
             see_through.objects.set(object, !opaque);
         }
     }
@@ -67,18 +67,4 @@ pub fn collect_seen_into(
             words[found.word] |= objects.boxes.touching_box(found.word, present, &near);
         },
     );
-}
-
-/// Whether every triangle of the mesh is drawn, and opaque.
-fn is_opaque(mesh: &MeshData, materials: &SceneMaterials) -> bool {
-    let drawn: usize = mesh
-        .submeshes
-        .iter()
-        .map(|part| mesh.submesh_range(part).len())
-        .sum();
-    drawn >= mesh.indices.len()
-        && materials.0.len() >= mesh.submeshes.len()
-        && materials.0[..mesh.submeshes.len()]
-            .iter()
-            .all(|material| material.alpha_mode == AlphaMode::Opaque)
 }

@@ -13,7 +13,7 @@ use super::raster::Sides;
 use super::settings::OcclusionSettings;
 use crate::geometry::Aabb;
 use crate::scene::changes::any_changed;
-use crate::scene::{AlphaMode, FaceCulling, MeshData, Occluder, PosedMesh, SceneMaterials, SceneMesh};
+use crate::scene::{AlphaMode, FaceCulling, Occluder, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::objects::{Objects, resize};
 
 /// Occluders by dense object index. Written by [`collect_occluders`].
@@ -166,7 +166,7 @@ impl Occluders {
             let shadeable = !drawn || (objects.receivers.contains(object) && !blends);
             self.shadeable.set(object, shadeable);
             let Some(mesh) = mesh else { continue };
-            if posed || !is_opaque(&mesh.0, materials) {
+            if posed || materials.is_some_and(|materials| !materials.are_opaque(&mesh.0)) {
                 continue;
             }
             let bounds = objects.boxes.get(object);
@@ -211,19 +211,4 @@ fn face_area(bounds: &Aabb) -> f32 {
     }
     let size = bounds.half_size() * 2.0;
     (size.x * size.y).max(size.y * size.z).max(size.z * size.x)
-}
-
-/// Whether every triangle of the mesh is drawn opaque, or, of an object that is not drawn, would be.
-fn is_opaque(mesh: &MeshData, materials: Option<&SceneMaterials>) -> bool {
-    let Some(materials) = materials else { return true };
-    let drawn: usize = mesh
-        .submeshes
-        .iter()
-        .map(|part| mesh.submesh_range(part).len())
-        .sum();
-    drawn >= mesh.indices.len()
-        && materials.0.len() >= mesh.submeshes.len()
-        && materials.0[..mesh.submeshes.len()]
-            .iter()
-            .all(|material| material.alpha_mode == AlphaMode::Opaque)
 }

@@ -21,8 +21,9 @@
 //! Real-Time Performance". The formula with `w` and sectors is theirs in substance; that faces alone, without marking,
 //! give the same sum is ours.
 
-#[cfg(feature = "render")]
 pub mod buffers;
+#[cfg(feature = "render")]
+mod chunks;
 pub mod component;
 pub mod layers;
 pub mod lookup;
@@ -30,6 +31,8 @@ pub mod lookup;
 pub mod node;
 pub mod overflow;
 pub mod parts;
+#[cfg(feature = "render")]
+mod plans;
 #[cfg(feature = "render")]
 mod recording;
 pub mod records;

@@ -8,21 +8,20 @@
 //! All counting is away from the viewer: faces behind the surface count, so the camera may stand in shadows and wedges.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
-use std::ops::Range;
 use std::sync::Mutex;
 
 use bevy_ecs::prelude::*;
-use glam::DMat4;
 
 use super::buffers::SumTextures;
-use super::component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeCulling};
+use super::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use super::overflow::WedgeOverflow;
 use super::parts::PartShape;
+use super::plans::{CapDraw, LightPlan, PartPlan, light_record, passes};
 use super::records::{Wedge, WedgeCaster, WedgeLight};
 use super::tables::Tables;
 use super::topology::{self, HARD_SIDE, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
-use super::wedges::{Group, LightWedges, PartWedges, PenumbraWedges};
+use super::wedges::{Group, LightWedges, PenumbraWedges};
 use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
@@ -31,32 +30,6 @@ use crate::sets::{View, ViewData, ViewportSize};
 
 /// Name of the technique.
 pub const NAME: &str = "penumbra_wedge";
-
-/// The caps of one caster.
-#[derive(Clone, Debug)]
-pub(super) struct CapDraw {
-    pub(super) mesh: u32,
-    pub(super) caps: [Range<u32>; 3],
-    pub(super) has_far: bool,
-}
-
-/// What is recorded for one part.
-#[derive(Clone, Debug)]
-pub(super) struct PartPlan {
-    pub(super) groups: Range<usize>,
-    /// Of the light, by colour and area.
-    pub(super) share: [f64; 4],
-    pub(super) has_extent: bool,
-    pub(super) is_sphere: bool,
-}
-
-#[derive(Clone, Debug)]
-pub(super) struct LightPlan {
-    pub(super) light: usize,
-    pub(super) settings: PenumbraWedge,
-    pub(super) form: Form,
-    pub(super) parts: Range<usize>,
-}
 
 /// The recorder.
 #[derive(Debug)]
@@ -280,40 +253,6 @@ fn bind(
         layout,
         entries: &[entry(0), entry(1), entry(2), entry(3)],
     })
-}
-
-/// What the passes of a light draw.
-fn passes(culling: WedgeCulling, has_extent: bool) -> &'static [Part] {
-    use Part::{HardSide, InnerHalf, Mark, OuterHalf, Separator, Shell, ShellEverywhere};
-    match (culling, has_extent) {
-        (_, false) => &[HardSide],
-        (WedgeCulling::Depth, true) => &[Separator, Shell],
-        (WedgeCulling::None, true) => &[Separator, ShellEverywhere],
-        (WedgeCulling::Stencil, true) => &[HardSide, Mark, OuterHalf, InnerHalf],
-    }
-}
-
-/// The shader's view of one part.
-fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
-    let part = &part.part;
-    let clip_from_light = view.clip_from_world * part.world_from_light;
-    let light_from_relative = part.world_from_light.inverse() * DMat4::from_translation(view.eye);
-    let rows = light_from_relative.transpose().as_mat4();
-    let half_size = match part.shape {
-        PartShape::Point => [0.0; 2],
-        PartShape::Rect { half } => half.as_vec2().to_array(),
-        PartShape::Sphere { radius } => [radius as f32; 2],
-    };
-    WedgeLight {
-        clip_from_light: clip_from_light.as_mat4().to_cols_array_2d(),
-        light_from_relative_x: rows.x_axis.to_array(),
-        light_from_relative_y: rows.y_axis.to_array(),
-        light_from_relative_z: rows.z_axis.to_array(),
-        half_size,
-        table: 0,
-        padding: 0,
-        place: part.place,
-    }
 }
 
 impl ShadowTechnique for PenumbraWedgeNode {

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::buffers::Sums;
 use super::component::{CoverageMaths, Overlap, WedgeCulling};
-use super::node::{LightPlan, PartPlan, PenumbraWedgeNode};
+use super::node::PenumbraWedgeNode;
+use super::plans::{LightPlan, PartPlan};
 use super::topology::{HARD_SIDE, INNER_HALF, OUTER_HALF, SEPARATORS, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey};
 use super::wedges::Group;

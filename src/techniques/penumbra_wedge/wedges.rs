@@ -1,20 +1,18 @@
 //! The frame's wedges: flat arrays over all lights, made anew only where something moved.
 
-use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, Mat4};
 use std::ops::Range;
 
-use super::component::{Overlap, PenumbraWedge, WedgeBounds};
-use super::layers::{LayeredContour, extract_layers};
+use bevy_ecs::prelude::*;
+
+use super::chunks::{CasterItem, Chunk, ChunkKey, LightChunks, chunks_of, light_from_local};
+use super::component::{Overlap, PenumbraWedge};
+use super::layers::LayeredContour;
 use super::parts::{LightPart, PartShape, push_parts};
-use super::records::{Wedge, WedgeCaster, push_edge};
+use super::records::{Wedge, WedgeCaster};
 use super::texture::EmitterTexture;
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{FrameLight, FrameLights, Objects, View};
-use crate::silhouettes::cache::light_in_local;
-use crate::silhouettes::{CasterEdges, FacingBits, PosedPlanes, Silhouette, Silhouettes, classify};
+use crate::sets::{FrameLights, Objects, View};
+use crate::silhouettes::{FacingBits, Silhouettes};
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
 /// [`build_penumbra_wedges`].
@@ -83,36 +81,6 @@ pub struct CasterDraw {
     pub caps: [Range<u32>; 3],
 }
 
-/// What a chunk was made for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct ChunkKey {
-    revision: u64,
-    light_from_local: Mat4,
-    shape: PartShape,
-    bounds: WedgeBounds,
-}
-
-/// The wedges of one caster in one part.
-#[derive(Debug)]
-struct Chunk {
-    entity: Entity,
-    part: u32,
-    key: ChunkKey,
-    light_local: [f32; 4],
-    wedges: Vec<Wedge>,
-    caps: Vec<u32>,
-    cap_counts: [u32; 3],
-    last_used: u64,
-}
-
-#[derive(Debug)]
-struct LightChunks {
-    light: Entity,
-    /// Ascending by entity and part.
-    chunks: Vec<Chunk>,
-    last_used: u64,
-}
-
 #[derive(Debug, Default)]
 struct Scratch {
     bits: FacingBits,
@@ -138,13 +106,6 @@ struct Placed {
 
 /// Frames that a chunk outlives its last use; as of silhouettes.
 const KEPT_FRAMES: u64 = 120;
-
-type CasterItem<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    &'a GlobalTransform,
-    Option<(&'a PosedMesh, &'a PosedPlanes)>,
-);
 
 impl PenumbraWedges {
     /// The wedges of a light of [`FrameLights`].
@@ -257,7 +218,7 @@ pub fn build_penumbra_wedges(
                         &light_from_local,
                         silhouette,
                         item,
-                        &mut out.scratch,
+                        (&mut out.scratch.bits, &mut out.scratch.contour),
                     );
                     rebuilt = true;
                 }
@@ -279,95 +240,6 @@ pub fn build_penumbra_wedges(
     out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
     let same_layout = out.scratch.layout == out.scratch.last_layout;
     out.assemble(rebuilt || !same_layout);
-}
-
-fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) -> &mut Vec<Chunk> {
-    let at = kept
-        .binary_search_by_key(&light, |entry| entry.light)
-        .unwrap_or_else(|at| {
-            kept.insert(
-                at,
-                LightChunks {
-                    light,
-                    chunks: Vec::new(),
-                    last_used: frame,
-                },
-            );
-            at
-        });
-    kept[at].last_used = frame;
-    &mut kept[at].chunks
-}
-
-/// From a caster's space to light space; `None` without an inverse of either.
-fn light_from_local(part: &LightPart, world_from_local: &GlobalTransform) -> Option<DMat4> {
-    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
-    let light_from_local = part.world_from_light.inverse() * world_from_local;
-    light_from_local.is_finite().then_some(light_from_local)
-}
-
-impl Chunk {
-    fn empty(entity: Entity, part: u32, key: ChunkKey) -> Self {
-        Self {
-            entity,
-            part,
-            key,
-            light_local: [0.0; 4],
-            wedges: Vec::new(),
-            caps: Vec::new(),
-            cap_counts: [0; 3],
-            last_used: 0,
-        }
-    }
-
-    /// Makes edges and caps anew.
-    fn build(
-        &mut self,
-        light: &FrameLight,
-        part: &LightPart,
-        light_from_local: &DMat4,
-        silhouette: &Silhouette,
-        (edges, mesh, transform, posed): (
-            &CasterEdges,
-            &SceneMesh,
-            &GlobalTransform,
-            Option<(&PosedMesh, &PosedPlanes)>,
-        ),
-        scratch: &mut Scratch,
-    ) {
-        self.wedges.clear();
-        self.caps.clear();
-        self.cap_counts = [0; 3];
-        let Some(light_local) = light_in_local(transform, part.point_world) else {
-            return;
-        };
-        let (positions, planes) = match posed {
-            Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
-                (&posed.positions, &planes.0)
-            }
-            _ => (&mesh.0.positions, &edges.0.planes),
-        };
-        let (bits, contour) = (&mut scratch.bits, &mut scratch.contour);
-        classify(&edges.0.edges, planes, light_local, bits);
-        extract_layers(&edges.0.edges, positions, bits, silhouette.mode, contour);
-        self.light_local = light_local.to_array();
-        let mirrored = light_from_local.determinant() < 0.0;
-        let shape = if light.point_world.w == 0.0 {
-            PartShape::Point
-        } else {
-            part.shape
-        };
-        for &([a, b], layers) in &contour.edges {
-            let ends = if mirrored { [b, a] } else { [a, b] };
-            let bounds = self.key.bounds;
-            push_edge(ends, layers, light_from_local, shape, bounds, &mut self.wedges);
-        }
-        for (count, triangles) in self.cap_counts.iter_mut().zip(&contour.caps) {
-            *count = 3 * triangles.len() as u32;
-            let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-            self.caps.extend(triangles.iter().flat_map(turned));
-        }
-    }
 }
 
 impl PenumbraWedges {

@@ -1,0 +1,75 @@
+//! What changes every frame: draw lists and lights, ready to record.
+
+use std::ops::Range;
+
+use fixedbitset::FixedBitSet;
+
+use super::draw_list::Batch;
+use super::nodes::blended::{BlendedDraw, BlendedLight};
+use super::technique::Visibility;
+
+/// One light of the frame, ready to record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ActiveLight {
+    /// Index into [`FrameLights`](crate::sets::FrameLights).
+    pub light: usize,
+    /// Slot of the light's constants.
+    pub slot: usize,
+    /// Index of its technique and what that leaves; `None`: unshadowed.
+    pub shadow: Option<(usize, Visibility)>,
+    /// x, y, width, height; pixels.
+    pub scissor: [u32; 4],
+    /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
+    pub depth_range: (f32, f32),
+    /// Range of [`FrameData::batches`].
+    pub batches: Range<usize>,
+    /// Range of [`FrameData::batches`]: blended surfaces, whose front layer it lights with its shadows. Empty without a
+    /// technique.
+    pub front: Range<usize>,
+    /// The part of the scissor that shows them.
+    pub front_scissor: [u32; 4],
+}
+
+impl ActiveLight {
+    /// Whether its technique leaves a mask.
+    pub fn has_mask(&self) -> bool {
+        matches!(self.shadow, Some((_, Visibility::Mask)))
+    }
+}
+
+/// What changes every frame; its memory is kept.
+#[derive(Debug, Default)]
+pub struct FrameData {
+    /// All draws of surfaces.
+    pub batches: Vec<Batch>,
+    /// Objects by instance.
+    pub instances: Vec<u32>,
+    /// Range of `batches`: the visible set V.
+    pub ambient: Range<usize>,
+    /// Lights with something to light.
+    pub lights: Vec<ActiveLight>,
+    /// By index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches`: surfaces that the light does not see.
+    /// Drawn into pictures of its visibility alone.
+    pub dark: Vec<(usize, Range<usize>)>,
+    /// Blended surfaces, farthest first.
+    pub blended: Vec<BlendedDraw>,
+    /// The lights of blended surfaces.
+    pub blended_lights: Vec<BlendedLight>,
+    /// Range of `batches`: all blended surfaces.
+    pub blended_batches: Range<usize>,
+    /// Bytes of the light constants.
+    pub light_constants: Vec<u8>,
+    /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
+    pub front_casters: Vec<FixedBitSet>,
+    /// Whether there is a view to draw.
+    pub has_view: bool,
+    /// For sorting blended surfaces: distance, object, item.
+    pub blended_order: Vec<(u32, u32, u32)>,
+}
+
+impl FrameData {
+    /// Whether a shadowed light reaches a blended surface.
+    pub fn has_front_layer(&self) -> bool {
+        self.lights.iter().any(|light| !light.front.is_empty())
+    }
+}

@@ -1,0 +1,141 @@
+//! The wedges of one caster in one part of a light: kept until one of them moves.
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use glam::{DMat4, Mat4};
+
+use super::component::WedgeBounds;
+use super::layers::{LayeredContour, extract_layers};
+use super::parts::{LightPart, PartShape};
+use super::records::{Wedge, push_edge};
+use crate::scene::{PosedMesh, SceneMesh};
+use crate::sets::FrameLight;
+use crate::silhouettes::cache::light_in_local;
+use crate::silhouettes::{CasterEdges, FacingBits, PosedPlanes, Silhouette, classify};
+
+/// What wedges need of a caster.
+pub(super) type CasterItem<'a> = (
+    &'a CasterEdges,
+    &'a SceneMesh,
+    &'a GlobalTransform,
+    Option<(&'a PosedMesh, &'a PosedPlanes)>,
+);
+
+/// What a chunk was made for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ChunkKey {
+    pub(super) revision: u64,
+    pub(super) light_from_local: Mat4,
+    pub(super) shape: PartShape,
+    pub(super) bounds: WedgeBounds,
+}
+
+/// The wedges of one caster in one part.
+#[derive(Debug)]
+pub(super) struct Chunk {
+    pub(super) entity: Entity,
+    pub(super) part: u32,
+    pub(super) key: ChunkKey,
+    pub(super) light_local: [f32; 4],
+    pub(super) wedges: Vec<Wedge>,
+    pub(super) caps: Vec<u32>,
+    pub(super) cap_counts: [u32; 3],
+    pub(super) last_used: u64,
+}
+
+#[derive(Debug)]
+pub(super) struct LightChunks {
+    pub(super) light: Entity,
+    /// Ascending by entity and part.
+    pub(super) chunks: Vec<Chunk>,
+    pub(super) last_used: u64,
+}
+
+/// The chunks of a light, kept for another while.
+pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) -> &mut Vec<Chunk> {
+    let at = kept
+        .binary_search_by_key(&light, |entry| entry.light)
+        .unwrap_or_else(|at| {
+            kept.insert(
+                at,
+                LightChunks {
+                    light,
+                    chunks: Vec::new(),
+                    last_used: frame,
+                },
+            );
+            at
+        });
+    kept[at].last_used = frame;
+    &mut kept[at].chunks
+}
+
+/// From a caster's space to light space; `None` without an inverse of either.
+pub(super) fn light_from_local(part: &LightPart, world_from_local: &GlobalTransform) -> Option<DMat4> {
+    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
+    let light_from_local = part.world_from_light.inverse() * world_from_local;
+    light_from_local.is_finite().then_some(light_from_local)
+}
+
+impl Chunk {
+    pub(super) fn empty(entity: Entity, part: u32, key: ChunkKey) -> Self {
+        Self {
+            entity,
+            part,
+            key,
+            light_local: [0.0; 4],
+            wedges: Vec::new(),
+            caps: Vec::new(),
+            cap_counts: [0; 3],
+            last_used: 0,
+        }
+    }
+
+    /// Makes edges and caps anew.
+    pub(super) fn build(
+        &mut self,
+        light: &FrameLight,
+        part: &LightPart,
+        light_from_local: &DMat4,
+        silhouette: &Silhouette,
+        (edges, mesh, transform, posed): (
+            &CasterEdges,
+            &SceneMesh,
+            &GlobalTransform,
+            Option<(&PosedMesh, &PosedPlanes)>,
+        ),
+        (bits, contour): (&mut FacingBits, &mut LayeredContour),
+    ) {
+        self.wedges.clear();
+        self.caps.clear();
+        self.cap_counts = [0; 3];
+        let Some(light_local) = light_in_local(transform, part.point_world) else {
+            return;
+        };
+        let (positions, planes) = match posed {
+            Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
+                (&posed.positions, &planes.0)
+            }
+            _ => (&mesh.0.positions, &edges.0.planes),
+        };
+        classify(&edges.0.edges, planes, light_local, bits);
+        extract_layers(&edges.0.edges, positions, bits, silhouette.mode, contour);
+        self.light_local = light_local.to_array();
+        let mirrored = light_from_local.determinant() < 0.0;
+        let shape = if light.point_world.w == 0.0 {
+            PartShape::Point
+        } else {
+            part.shape
+        };
+        for &([a, b], layers) in &contour.edges {
+            let ends = if mirrored { [b, a] } else { [a, b] };
+            let bounds = self.key.bounds;
+            push_edge(ends, layers, light_from_local, shape, bounds, &mut self.wedges);
+        }
+        for (count, triangles) in self.cap_counts.iter_mut().zip(&contour.caps) {
+            *count = 3 * triangles.len() as u32;
+            let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+            self.caps.extend(triangles.iter().flat_map(turned));
+        }
+    }
+}

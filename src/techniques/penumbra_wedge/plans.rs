@@ -1,0 +1,73 @@
+//! What the recorder draws for each light and part of it, and the shader's view of a part.
+
+use std::ops::Range;
+
+use glam::DMat4;
+
+use super::component::{PenumbraWedge, WedgeCulling};
+use super::parts::PartShape;
+use super::records::WedgeLight;
+use super::wedge_pipelines::{Form, Part};
+use super::wedges::PartWedges;
+use crate::sets::ViewData;
+
+/// The caps of one caster.
+#[derive(Clone, Debug)]
+pub(super) struct CapDraw {
+    pub(super) mesh: u32,
+    pub(super) caps: [Range<u32>; 3],
+    pub(super) has_far: bool,
+}
+
+/// What is recorded for one part.
+#[derive(Clone, Debug)]
+pub(super) struct PartPlan {
+    pub(super) groups: Range<usize>,
+    /// Of the light, by colour and area.
+    pub(super) share: [f64; 4],
+    pub(super) has_extent: bool,
+    pub(super) is_sphere: bool,
+}
+
+/// What is recorded for one light.
+#[derive(Clone, Debug)]
+pub(super) struct LightPlan {
+    pub(super) light: usize,
+    pub(super) settings: PenumbraWedge,
+    pub(super) form: Form,
+    pub(super) parts: Range<usize>,
+}
+
+/// What the passes of a light draw.
+pub(super) fn passes(culling: WedgeCulling, has_extent: bool) -> &'static [Part] {
+    use Part::{HardSide, InnerHalf, Mark, OuterHalf, Separator, Shell, ShellEverywhere};
+    match (culling, has_extent) {
+        (_, false) => &[HardSide],
+        (WedgeCulling::Depth, true) => &[Separator, Shell],
+        (WedgeCulling::None, true) => &[Separator, ShellEverywhere],
+        (WedgeCulling::Stencil, true) => &[HardSide, Mark, OuterHalf, InnerHalf],
+    }
+}
+
+/// The shader's view of one part.
+pub(super) fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
+    let part = &part.part;
+    let clip_from_light = view.clip_from_world * part.world_from_light;
+    let light_from_relative = part.world_from_light.inverse() * DMat4::from_translation(view.eye);
+    let rows = light_from_relative.transpose().as_mat4();
+    let half_size = match part.shape {
+        PartShape::Point => [0.0; 2],
+        PartShape::Rect { half } => half.as_vec2().to_array(),
+        PartShape::Sphere { radius } => [radius as f32; 2],
+    };
+    WedgeLight {
+        clip_from_light: clip_from_light.as_mat4().to_cols_array_2d(),
+        light_from_relative_x: rows.x_axis.to_array(),
+        light_from_relative_y: rows.y_axis.to_array(),
+        light_from_relative_z: rows.z_axis.to_array(),
+        half_size,
+        table: 0,
+        padding: 0,
+        place: part.place,
+    }
+}
