@@ -21,8 +21,8 @@
 //! Real-Time Performance". The formula with `w` and sectors is theirs in substance; that faces alone, without marking,
 //! give the same sum is ours.
 
-pub mod buffers;
 #[cfg(feature = "render")]
+pub mod buffers;
 mod chunks;
 pub mod component;
 pub mod layers;
