@@ -87,7 +87,7 @@ pub fn random_scene(seed: u64) -> World {
         near: random.range(0.02, 0.4),
         aspect: 16.0 / 9.0,
         shift: Vec2::new(random.range(-0.5, 0.5), random.range(-0.5, 0.5))
-            * f32::from(u8::from(seed % 3 == 0)),
+            * f32::from(u8::from(seed.is_multiple_of(3))),
     };
     let view = Transform::from_translation(origin + random.vec(3.0))
         .with_rotation(random.rotation())
