@@ -82,7 +82,7 @@ fn mirrors() -> Vec<Mirror> {
             padding_b,
             padding_c,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
-        mirror!(records, WedgeCaster { light_local, object, padding }
+        mirror!(records, WedgeCaster { light_local, object, light, padding }
             in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, Wedge {
             start_local,
@@ -104,6 +104,7 @@ fn mirrors() -> Vec<Mirror> {
             table,
             padding,
             place,
+            whole,
         } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
     ]
 }

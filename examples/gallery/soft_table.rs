@@ -43,6 +43,13 @@ fn ways() -> Vec<Way> {
     vec![
         Way::Wedges("wedges", wedge),
         Way::Wedges(
+            "additive",
+            PenumbraWedge {
+                overlap: Overlap::Additive,
+                ..wedge
+            },
+        ),
+        Way::Wedges(
             "eq. 1",
             PenumbraWedge {
                 overlap: Overlap::Paper,

@@ -80,51 +80,70 @@ fn both_orders_of_casters_give_one_picture() {
 #[test]
 fn buffers_and_cullings_agree() {
     let context = strict_context(RequestedFeatures::default());
+    let additive = PenumbraWedge {
+        overlap: Overlap::Additive,
+        ..Default::default()
+    };
     for kind in [rect(0.8, 0.5), sphere(0.35)] {
         let mut stage = crowd(&context, false);
-        light(&mut stage, &lit(kind, PenumbraWedge::default()));
-        let first = with(&mut stage, PenumbraWedge::default());
+        light(&mut stage, &lit(kind, additive));
+        let first = with(&mut stage, additive);
         // No more than a dozen edges cover the light at any pixel of this scene.
         let split = with(
             &mut stage,
             PenumbraWedge {
                 buffer: VisibilityBuffer::Split8,
-                ..Default::default()
+                ..additive
             },
         );
         let difference = largest_difference(&first, &split);
         println!("float and split8 differ by {difference}");
         assert!(difference <= 12.0 / 4096.0, "{difference}");
-        for culling in [WedgeCulling::Stencil, WedgeCulling::None] {
-            let other = with(
-                &mut stage,
-                PenumbraWedge {
-                    culling,
-                    ..Default::default()
-                },
-            );
-            let pairs = first.values().iter().zip(other.values());
-            let apart = pairs.filter(|(a, b)| (**a - **b).abs() > 1e-3).count();
-            assert!(apart <= 3, "{culling:?}: {apart} pixels");
-        }
         let tables = with(
             &mut stage,
             PenumbraWedge {
                 maths: CoverageMaths::Tables,
-                ..Default::default()
+                ..additive
             },
         );
         let difference = largest_difference(&first, &tables);
         println!("tables differ by {difference}");
         assert!(difference > 0.0 && difference <= 0.01, "{difference}");
-        let additive = with(&mut stage, PenumbraWedge::default());
-        let paper = with(
-            &mut stage,
-            PenumbraWedge {
-                overlap: Overlap::Paper,
+        for overlap in [Overlap::Additive, Overlap::Sampled] {
+            let wedge = PenumbraWedge { overlap, ..additive };
+            let first = with(&mut stage, wedge);
+            for culling in [WedgeCulling::Stencil, WedgeCulling::None] {
+                let other = with(&mut stage, PenumbraWedge { culling, ..wedge });
+                let pairs = first.values().iter().zip(other.values());
+                let apart = pairs.filter(|(a, b)| (**a - **b).abs() > 1e-3).count();
+                assert!(apart <= 3, "{overlap:?} {culling:?}: {apart} pixels");
+            }
+        }
+    }
+}
+
+#[test]
+fn overlaps_cover_less_than_their_sum() {
+    let context = strict_context(RequestedFeatures::default());
+    for kind in [rect(0.8, 0.5), sphere(0.35)] {
+        let mut stage = crowd(&context, false);
+        light(&mut stage, &lit(kind, PenumbraWedge::default()));
+        let truth = truth(&mut stage, 0, SAMPLES);
+        let mut judged = |overlap| {
+            let wedge = PenumbraWedge {
+                overlap,
                 ..Default::default()
-            },
-        );
+            };
+            let light = stage.lights[0];
+            stage.world.entity_mut(light).insert(wedge);
+            let error = judge(&mut stage, &truth, &format!("crowd_{overlap:?}"));
+            (with(&mut stage, wedge), error.rmse_penumbra)
+        };
+        let [
+            (additive, additive_error),
+            (paper, paper_error),
+            (_, sampled_error),
+        ] = [Overlap::Additive, Overlap::Paper, Overlap::Sampled].map(&mut judged);
         let pairs = || paper.values().iter().zip(additive.values());
         assert!(
             pairs().all(|(paper, additive)| *paper >= additive - 2e-3),
@@ -133,6 +152,10 @@ fn buffers_and_cullings_agree() {
         assert!(
             pairs().any(|(paper, additive)| *paper > additive + 0.1),
             "and they do"
+        );
+        assert!(
+            paper_error < additive_error && sampled_error < 0.5 * paper_error,
+            "{additive_error} {paper_error} {sampled_error}"
         );
     }
 }
@@ -253,18 +276,28 @@ fn contact_leaks_nothing() {
 #[test]
 fn split_lights_err_less() {
     let context = strict_context(RequestedFeatures::default());
-    let mut stage = crowd(&context, false);
-    light(&mut stage, &lit(rect(1.0, 1.0), PenumbraWedge::default()));
-    let truth = truth(&mut stage, 0, SAMPLES);
-    let errors = [1, 2, 3].map(|parts| {
-        let light = stage.lights[0];
-        stage.world.entity_mut(light).insert(PenumbraWedge {
-            split: [parts; 2],
-            ..Default::default()
+    for (kind, overlap) in [
+        (rect(1.0, 1.0), Overlap::Sampled),
+        (rect(1.0, 1.0), Overlap::Additive),
+        (sphere(0.55), Overlap::Additive),
+    ] {
+        let mut stage = crowd(&context, false);
+        light(&mut stage, &lit(kind, PenumbraWedge::default()));
+        let truth = truth(&mut stage, 0, SAMPLES);
+        let errors = [1, 2, 3].map(|parts| {
+            let light = stage.lights[0];
+            stage.world.entity_mut(light).insert(PenumbraWedge {
+                split: [parts; 2],
+                overlap,
+                ..Default::default()
+            });
+            judge(&mut stage, &truth, &format!("split{parts}")).rmse
         });
-        judge(&mut stage, &truth, &format!("split{parts}")).rmse
-    });
-    assert!(errors[1] < 0.6 * errors[0] && errors[2] < errors[1], "{errors:?}");
+        assert!(
+            errors[1] < 0.6 * errors[0] && errors[2] < errors[1],
+            "{kind:?} {overlap:?} {errors:?}"
+        );
+    }
 }
 
 #[test]

@@ -1,14 +1,16 @@
 // Wedges, separators and caps of one part of a light, blended into the visibility buffer.
 // Host    src/techniques/penumbra_wedge/node.rs
-// Groups  0 view, 2 wedges, 3 receiver depth
+// Groups  0 view, 1 receiver, 2 wedges
 // Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
-#import antumbra::view::{objects, clip_position, relative_from_pixel}
-#import antumbra::coverage::{Chord, Projected, border_place, project_to_rect, rect_coverage, project_to_disc, disc_coverage}
+#import antumbra::view::{objects, clip_position}
+#import antumbra::receiver::receiver_at
+#import antumbra::wedge_light::{lights, Maths, seat, see, above, covered, places_behind}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
     object: u32,
-    padding: array<u32, 3>,
+    light: u32,
+    padding: array<u32, 2>,
 }
 
 struct Wedge {                      // mirror: techniques::penumbra_wedge::records::Wedge
@@ -23,24 +25,8 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     rims: array<vec4f, 12>,         // direction; w: 1 where the ray leaves from the end
 }
 
-struct WedgeLight {                 // mirror: techniques::penumbra_wedge::records::WedgeLight
-    clip_from_light: mat4x4f,
-    light_from_relative_x: vec4f,   // rows of the affine matrix
-    light_from_relative_y: vec4f,
-    light_from_relative_z: vec4f,
-    half_size: vec2f,               // of a sphere: its radius twice
-    table: u32,                     // first entry of the texture's tables
-    padding: u32,
-    place: vec4f,
-}
-
 @group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
 @group(2) @binding(1) var<storage, read> wedges: array<Wedge>;
-@group(2) @binding(2) var<storage, read> lights: array<WedgeLight>;
-// Angles and areas, made by lookup.rs; then for each texture sectors along the border of the square and triangles,
-// shares by colour, made by texture.rs.
-@group(2) @binding(3) var<storage, read> tables: array<vec4f>;
-@group(3) @binding(0) var receiver_depth: texture_2d<f32>;
 
 const HARD: u32 = 1u;
 const PIECE: u32 = 2u;
@@ -58,6 +44,8 @@ override IS_TEXTURED: bool = false;
 override CAP_LAYERS: u32 = 3u;
 // Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
 override STEPS: f32 = 16384.0;
+// Beside the share, hard shadows and ten places on the light are counted.
+override IS_SAMPLED: bool = false;
 
 struct Corner {
     @builtin(position) @invariant position_clip: vec4f,
@@ -103,133 +91,55 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     return out;
 }
 
-@vertex
-fn near_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32)
-    -> @builtin(position) @invariant vec4f {
-    return clip_position(casters[instance].object, position_local);
+struct CapCorner {
+    @builtin(position) @invariant position_clip: vec4f,
+    @location(0) @interpolate(flat) light: u32,
 }
 
 @vertex
-fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32)
-    -> @builtin(position) @invariant vec4f {
-    return far_position(casters[instance], position_local);
+fn near_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32) -> CapCorner {
+    let caster = casters[instance];
+    return CapCorner(clip_position(caster.object, position_local), caster.light);
 }
 
-const ANGLE_STEPS: u32 = 1024u;
-const SECTOR_STEPS: u32 = 256u;
-
-// Turns, 0..1.
-fn table_angle(direction: vec2f) -> f32 {
-    let size = abs(direction);
-    let at = clamp(size.y / max(size.x + size.y, 1e-20), 0.0, 1.0) * f32(ANGLE_STEPS);
-    let first = min(u32(at), ANGLE_STEPS - 1u);
-    let quarter = mix(tables[first].r, tables[first + 1u].r, at - f32(first));
-    let half_turn = select(quarter, 0.5 - quarter, direction.x < 0.0);
-    return select(half_turn, 1.0 - half_turn, direction.y < 0.0);
+@vertex
+fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32) -> CapCorner {
+    let caster = casters[instance];
+    return CapCorner(far_position(caster, position_local), caster.light);
 }
 
-fn table_rect_coverage(edge: Projected) -> f32 {
-    let at = clamp(vec2f(table_angle(edge.start), table_angle(edge.end)), vec2f(0.0), vec2f(1.0)) * f32(SECTOR_STEPS);
-    let cell = min(vec2u(at), vec2u(SECTOR_STEPS - 1u));
-    let share = at - vec2f(cell);
-    let first = ANGLE_STEPS + 1u + cell.x * (SECTOR_STEPS + 1u) + cell.y;
-    let low = mix(tables[first].r, tables[first + 1u].r, share.y);
-    let next = first + SECTOR_STEPS + 1u;
-    let high = mix(tables[next].r, tables[next + 1u].r, share.y);
-    let triangle = 0.125 * abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x);
-    return select(0.0, max(mix(low, high, share.x) - triangle, 0.0), edge.is_visible);
-}
+// Capacity of a digit of the places' counts: −32 to 31. A channel holds four digits, 24 bits that a float has.
+const DIGIT: f32 = 64.0;
+const DIGITS: vec4f = vec4f(1.0, 64.0, 4096.0, 262144.0);
 
-fn table_disc_coverage(chord: Chord) -> f32 {
-    // The places of the chord, a quarter turn on: so that no angle is beyond a turn.
-    let angle = abs(table_angle(vec2f(-chord.start, chord.distance)) - table_angle(vec2f(-chord.end, chord.distance)));
-    let triangle = chord.distance * abs(chord.start - chord.end) * 0.15915494;
-    return select(0.0, max(angle - triangle, 0.0), chord.is_visible);
-}
-
-const BORDER_STEPS: f32 = 256.0;
-const NODES: u32 = 16u;
-
-// The texture's integral from the border's start to a place on it.
-fn sector_to(table: u32, place: f32) -> vec3f {
-    let at = clamp((place - 8.0 * floor(place / 8.0)) * (BORDER_STEPS / 8.0), 0.0, BORDER_STEPS);
-    let first = min(u32(at), u32(BORDER_STEPS) - 1u);
-    return mix(tables[table + first].rgb, tables[table + first + 1u].rgb, at - f32(first));
-}
-
-// Interpolated along one end of the edge at a node of the other.
-fn triangle_at(table: u32, node: u32, corner: vec2u, share: vec2f) -> vec3f {
-    let first = table + u32(BORDER_STEPS) + 1u + node * NODES * NODES + corner.y * NODES + corner.x;
-    let low = mix(tables[first].rgb, tables[first + 1u].rgb, share.x);
-    let high = mix(tables[first + NODES].rgb, tables[first + NODES + 1u].rgb, share.x);
-    return mix(low, high, share.y);
-}
-
-// By colour: the sector between the ends, counter-clockwise, less the triangle. A lookup in four dimensions.
-fn textured_coverage(table: u32, edge: Projected) -> vec3f {
-    let turn = edge.start.x * edge.end.y - edge.start.y * edge.end.x;
-    let start = select(edge.end, edge.start, turn >= 0.0);
-    let end = select(edge.start, edge.end, turn >= 0.0);
-    let from_place = border_place(start);
-    let to_place = border_place(end);
-    let low = sector_to(table, from_place);
-    let high = sector_to(table, to_place);
-    let turns = (to_place - 8.0 * floor(to_place / 8.0)) < (from_place - 8.0 * floor(from_place / 8.0));
-    let sector = high - low + select(0.0, 1.0, turns);
-    let last = f32(NODES - 1u);
-    let start_at = (start * 0.5 + 0.5) * last;
-    let end_at = (end * 0.5 + 0.5) * last;
-    let start_cell = min(vec2u(start_at), vec2u(NODES - 2u));
-    let end_cell = min(vec2u(end_at), vec2u(NODES - 2u));
-    let start_share = start_at - vec2f(start_cell);
-    let end_share = end_at - vec2f(end_cell);
-    let node = end_cell.y * NODES + end_cell.x;
-    let lower = mix(
-        triangle_at(table, node, start_cell, start_share),
-        triangle_at(table, node + 1u, start_cell, start_share),
-        end_share.x,
-    );
-    let upper = mix(
-        triangle_at(table, node + NODES, start_cell, start_share),
-        triangle_at(table, node + NODES + 1u, start_cell, start_share),
-        end_share.x,
-    );
-    return max(sector - mix(lower, upper, end_share.y), vec3f(0.0));
-}
-
-// Share of the part that lies behind the edge, at the surface that the pixel shows.
-fn coverage(in: Corner) -> vec4f {
-    let pixel = in.position_clip.xy;
-    let depth = textureLoad(receiver_depth, vec2u(pixel), 0).r;
-    let relative = vec4f(relative_from_pixel(pixel, max(depth, 1e-30)), 1.0);
-    let light = lights[in.light];
-    let p = vec3f(
-        dot(light.light_from_relative_x, relative),
-        dot(light.light_from_relative_y, relative),
-        dot(light.light_from_relative_z, relative),
-    );
-    var share = vec4f(0.0);
-    if IS_SPHERE {
-        let chord = project_to_disc(p, in.start_light, in.end_light, light.half_size.x);
-        if LOOKS_UP {
-            share = vec4f(table_disc_coverage(chord));
-        } else {
-            share = vec4f(disc_coverage(chord));
-        }
-    } else {
-        let edge = project_to_rect(p, in.start_light, in.end_light, light.half_size);
-        if LOOKS_UP {
-            share = vec4f(table_rect_coverage(edge));
-        } else {
-            share = vec4f(rect_coverage(edge));
-        }
-        if IS_TEXTURED {
-            share = vec4f(textured_coverage(light.table, edge), share.a);
-        }
+// What a whole hard shadow takes: of sampled sums a count of its own, else what of the part is above the horizon.
+fn whole(pixel: vec2f, index: u32) -> vec4f {
+    if IS_SAMPLED {
+        return vec4f(0.0, DIGIT * DIGIT, 0.0, 0.0);
     }
+    let light = lights[index];
+    let at = seat(light, receiver_at(pixel), IS_SPHERE);
+    return rounded(above(light, at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
+}
+
+fn rounded(share: vec4f) -> vec4f {
+    return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
+}
+
+// What of the part lies behind the edge, at the surface that the pixel shows: shares, or share and places.
+fn coverage(in: Corner) -> vec4f {
+    let light = lights[in.light];
+    let at = seat(light, receiver_at(in.position_clip.xy), IS_SPHERE);
+    let seen = see(light, at.p, in.start_light, in.end_light, IS_SPHERE);
+    let share = covered(light, at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
     // Also against NaN, which compares to nothing.
-    let is_usable = share.a > 0.0 && share.a < 1.0 && depth > 0.0 && in.soft != 0.0;
-    return select(vec4f(0.0), round(min(share, vec4f(1.0)) * STEPS) / STEPS, is_usable);
+    let is_usable = share.a >= 0.0 && share.a < 1.0 && at.is_there && in.soft != 0.0;
+    var value = rounded(share);
+    if IS_SAMPLED {
+        let places = places_behind(seen, IS_SPHERE);
+        value = vec4f(value.a, dot(places[2].xy, DIGITS.xy), dot(places[0], DIGITS), dot(places[1], DIGITS));
+    }
+    return select(vec4f(0.0), value, is_usable);
 }
 
 // What the faces add. Behind the surface, outside of it: the front of a hard shadow's face gives back 1 to visibility,
@@ -239,15 +149,16 @@ fn shell_value(in: Corner) -> vec4f {
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> vec4f {
-    return (2.0 * coverage(in) - in.hard) * select(1.0, -1.0, front_facing);
+    let hard = select(vec4f(0.0), whole(in.position_clip.xy, in.light), in.hard > 0.0);
+    return (2.0 * coverage(in) - hard) * select(1.0, -1.0, front_facing);
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> vec4f {
-    return vec4f(in.hard * select(-1.0, 1.0, front_facing));
+    return in.hard * whole(in.position_clip.xy, in.light) * select(-1.0, 1.0, front_facing);
 }
 
-fn cap_value(front_facing: bool) -> vec4f {
-    return vec4f(select(-1.0, 1.0, front_facing));
+fn cap_value(in: CapCorner, front_facing: bool) -> vec4f {
+    return whole(in.position_clip.xy, in.light) * select(-1.0, 1.0, front_facing);
 }
 
 // A sum a layer; the layers that a face belongs to.
@@ -281,8 +192,8 @@ fn half(in: Corner) -> Layers {
 }
 
 @fragment
-fn cap(@builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(cap_value(front_facing), CAP_LAYERS);
+fn cap(in: CapCorner, @builtin(front_facing) front_facing: bool) -> Layers {
+    return layered(cap_value(in, front_facing), CAP_LAYERS);
 }
 
 // Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
@@ -324,8 +235,8 @@ fn half_split(in: Corner) -> Split {
 }
 
 @fragment
-fn cap_split(@builtin(front_facing) front_facing: bool) -> Split {
-    return split(cap_value(front_facing).r, CAP_LAYERS);
+fn cap_split(in: CapCorner, @builtin(front_facing) front_facing: bool) -> Split {
+    return split(cap_value(in, front_facing).r, CAP_LAYERS);
 }
 
 @fragment

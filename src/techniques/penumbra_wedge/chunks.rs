@@ -40,6 +40,8 @@ pub(super) struct Chunk {
     pub(super) wedges: Vec<Wedge>,
     pub(super) caps: Vec<u32>,
     pub(super) cap_counts: [u32; 3],
+    /// The two [layers](super::layers) are not one.
+    pub(super) is_layered: bool,
     pub(super) last_used: u64,
 }
 
@@ -87,6 +89,7 @@ impl Chunk {
             wedges: Vec::new(),
             caps: Vec::new(),
             cap_counts: [0; 3],
+            is_layered: false,
             last_used: 0,
         }
     }
@@ -127,6 +130,7 @@ impl Chunk {
         } else {
             part.shape
         };
+        self.is_layered = !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
         for &([a, b], layers) in &contour.edges {
             let ends = if mirrored { [b, a] } else { [a, b] };
             let bounds = self.key.bounds;

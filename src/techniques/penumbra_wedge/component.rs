@@ -16,7 +16,7 @@ use crate::silhouettes::NeedsSilhouettes;
 #[require(NeedsSilhouettes)]
 pub struct PenumbraWedge {
     /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
-    /// clamped). Spheres are not split. Section 5.2.
+    /// clamped). A sphere is split into as many smaller spheres. Section 5.2.
     pub split: [u32; 2],
     /// How the coverage of several casters combines.
     pub overlap: Overlap,
@@ -56,8 +56,13 @@ impl PenumbraWedge {
 /// How the coverage of several casters combines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Overlap {
-    /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
+    /// What is hidden is counted at ten places of the light, and told more finely by the sum of coverages, as far as the
+    /// sum agrees with the places: exact where nothing overlaps, and right within what ten rays and the sum together
+    /// tell where much does. One pass. Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light
+    /// without texture; else [`Overlap::Additive`].
     #[default]
+    Sampled,
+    /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
     Additive,
     /// Between the extremes of no and all overlap: `c = max + ½ min`, caster after caster. The paper goes loop by loop;
     /// that takes a hard shadow of each loop alone, which counting away from the viewer does not have: its caps are

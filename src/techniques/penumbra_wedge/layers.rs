@@ -3,7 +3,8 @@
 //! A volume of all triangles of an open mesh counts the light twice where it passes a front and a back. A hard shadow
 //! does not mind, but coverage would be twice what is covered: so each layer is summed by itself, and the larger sum
 //! counts. Where one layer hides what the other hides, as in a mesh that is all but closed, that is exact. Of closed
-//! pieces the back-facing triangles are both layers.
+//! pieces the back-facing triangles are both layers; so are those of all open pieces of a mesh if they agree on facing, as
+//! those of a ground.
 
 use glam::Vec3;
 
@@ -42,6 +43,7 @@ pub fn extract_layers(
     if positions.len() < mesh.vertex_count() || words.len() != mesh.clusters().len() {
         return;
     }
+    let split = Split::of(mesh, words, mode);
     let at = |[a, b]: [u32; 2], forward: bool| {
         let ends = [positions[a as usize], positions[b as usize]];
         if forward { ends } else { [ends[1], ends[0]] }
@@ -79,10 +81,10 @@ pub fn extract_layers(
             let lane = mesh.boundary_slots()[edge] as usize % CLUSTER_TRIANGLES;
             let is_facing = word >> lane & 1 != 0;
             let ends = at(mesh.boundary_vertices()[edge], is_facing);
-            out.edges.push((ends, if is_facing { FACING } else { AVERTED }));
+            out.edges.push((ends, split.layers_of(is_facing, false)));
         }
     }
-    push_irregular(mesh, facing, mode, |edge, forward, layers| {
+    push_irregular(mesh, facing, split, |edge, forward, layers| {
         out.edges
             .push((at(mesh.irregular_vertices()[edge], forward), layers));
     });
@@ -90,7 +92,7 @@ pub fn extract_layers(
         let is_closed = index < mesh.closed_cluster_count();
         for (lane, &[a, b, c]) in mesh.corners()[cluster.triangles()].iter().enumerate() {
             let is_facing = word >> lane & 1 != 0;
-            let layers = layers_of(is_facing, is_closed, mode);
+            let layers = split.layers_of(is_facing, is_closed);
             if layers != 0 {
                 let turned = if is_facing { [a, b, c] } else { [a, c, b] };
                 out.caps[layers as usize - 1].push(turned);
@@ -99,13 +101,38 @@ pub fn extract_layers(
     }
 }
 
-/// The layers that a triangle belongs to.
-fn layers_of(is_facing: bool, is_closed: bool, mode: CapMode) -> u32 {
-    match (is_closed && mode == CapMode::ClosedBackFacing, is_facing) {
-        (true, true) => 0,
-        (true, false) => FACING | AVERTED,
-        (false, true) => FACING,
-        (false, false) => AVERTED,
+/// Which triangles are which layer.
+#[derive(Clone, Copy)]
+struct Split {
+    mode: CapMode,
+    /// Open pieces have triangles of either kind.
+    is_mixed: bool,
+}
+
+impl Split {
+    fn of(mesh: &EdgeMesh, words: &[u64], mode: CapMode) -> Self {
+        let first_open = match mode {
+            CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
+            CapMode::AllTriangles => 0,
+        };
+        let open = || mesh.clusters().iter().zip(words).skip(first_open);
+        let some_face = open().any(|(_, &word)| word != 0);
+        let some_do_not = open().any(|(cluster, &word)| word != cluster.full_word());
+        Self {
+            mode,
+            is_mixed: some_face && some_do_not,
+        }
+    }
+
+    /// The layers that a triangle belongs to.
+    fn layers_of(self, is_facing: bool, is_closed: bool) -> u32 {
+        match (is_closed && self.mode == CapMode::ClosedBackFacing, is_facing) {
+            (true, true) => 0,
+            (true, false) => FACING | AVERTED,
+            (false, _) if !self.is_mixed => FACING | AVERTED,
+            (false, true) => FACING,
+            (false, false) => AVERTED,
+        }
     }
 }
 
@@ -113,7 +140,7 @@ fn layers_of(is_facing: bool, is_closed: bool, mode: CapMode) -> u32 {
 fn push_irregular(
     mesh: &EdgeMesh,
     facing: &FacingBits,
-    mode: CapMode,
+    split: Split,
     mut push: impl FnMut(usize, bool, u32),
 ) {
     let closed_slots = mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
@@ -122,7 +149,7 @@ fn push_irregular(
         for side in mesh.irregular_sides(edge) {
             let slot = side.slot() as usize;
             let is_facing = facing.is_facing(slot);
-            let layers = layers_of(is_facing, slot < closed_slots, mode);
+            let layers = split.layers_of(is_facing, slot < closed_slots);
             let sign = if is_facing == side.is_reversed() { -1 } else { 1 };
             for (layer, sum) in sums.iter_mut().enumerate() {
                 if layers >> layer & 1 != 0 {

@@ -1,14 +1,12 @@
 //! Leaves the visibility mask of one light: for every part of it the sums of hard shadow and coverage, then their share.
 //!
 //! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
-//! Groups  0 view, 2 wedges, 3 receiver depth or sums
-//! Reads   depth, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
+//! Groups  0 view, 1 receiver, 2 wedges; the resolve also 3 sums
+//! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
 //! All counting is away from the viewer: faces behind the surface count, so the camera may stand in shadows and wedges.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
-
-use std::sync::Mutex;
 
 use bevy_ecs::prelude::*;
 
@@ -36,8 +34,6 @@ pub const NAME: &str = "penumbra_wedge";
 pub struct PenumbraWedgeNode {
     pub(super) pipelines: WedgePipelines,
     pub(super) wedge_layout: wgpu::BindGroupLayout,
-    pub(super) receiver_layout: wgpu::BindGroupLayout,
-    pub(super) receiver: Mutex<Option<(wgpu::TextureView, wgpu::BindGroup)>>,
     pub(super) textures: SumTextures,
     pub(super) indices: wgpu::Buffer,
     pub(super) casters: GrowingBuffer,
@@ -84,19 +80,6 @@ impl PenumbraWedgeNode {
                 buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
             ],
         });
-        let receiver_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("receiver depth"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-                count: None,
-            }],
-        });
         let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
         let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
         indices.write(context, bytemuck::cast_slice(&topology::indices()));
@@ -108,18 +91,9 @@ impl PenumbraWedgeNode {
         let tables = storage("coverage tables");
         let textures = SumTextures::new(context);
         Ok(Self {
-            pipelines: WedgePipelines::new(
-                context,
-                shaders,
-                layouts,
-                &wedge_layout,
-                &receiver_layout,
-                textures.layout(),
-            )?,
+            pipelines: WedgePipelines::new(context, shaders, layouts, &wedge_layout, textures.layout())?,
             group: bind(context, &wedge_layout, [&casters, &wedges, &lights, &tables]),
             wedge_layout,
-            receiver_layout,
-            receiver: Mutex::new(None),
             textures,
             indices: indices.buffer,
             casters,
@@ -164,9 +138,12 @@ impl PenumbraWedgeNode {
                 Form::HalfColor
             };
         }
-        match light.settings.buffer {
-            VisibilityBuffer::Float if self.blends_floats => Form::Float,
-            VisibilityBuffer::Float | VisibilityBuffer::Split8 => Form::Split8,
+        match (light.settings.buffer, light.settings.overlap) {
+            (VisibilityBuffer::Split8, _) => Form::Split8,
+            (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
+            (VisibilityBuffer::Float, Overlap::Sampled) if light.is_layered => Form::SampledLayers,
+            (VisibilityBuffer::Float, Overlap::Sampled) => Form::Sampled,
+            (VisibilityBuffer::Float, Overlap::Additive | Overlap::Paper) => Form::Float,
         }
     }
 
@@ -212,8 +189,8 @@ impl PenumbraWedgeNode {
                 self.pipelines.require(context, key);
             };
             for layers in 1..=3 {
-                require(Part::NearCap(layers), false);
-                require(Part::FarCap(layers), false);
+                require(Part::NearCap(layers), part.is_sphere);
+                require(Part::FarCap(layers), part.is_sphere);
             }
             for kind in passes(plan.settings.culling, part.has_extent) {
                 require(*kind, part.is_sphere);
@@ -222,19 +199,20 @@ impl PenumbraWedgeNode {
                 require(Part::Show, part.is_sphere);
             }
         }
-        let combined = plan.settings.overlap == Overlap::Paper;
-        for (combines, is_combined) in [(true, false), (false, combined)] {
-            if combines && !combined {
-                continue;
-            }
-            self.pipelines.require_resolve(
-                context,
-                ResolveKey {
-                    form: plan.form,
-                    combines,
-                    is_combined,
-                },
-            );
+        let is_sphere = self.parts[plan.parts.clone()].iter().any(|part| part.is_sphere);
+        let is_combined = plan.settings.overlap == Overlap::Paper;
+        let mut require = |combines, is_combined| {
+            let key = ResolveKey {
+                form: plan.form,
+                is_sphere,
+                combines,
+                is_combined,
+            };
+            self.pipelines.require_resolve(context, key);
+        };
+        require(false, is_combined);
+        if is_combined {
+            require(true, false);
         }
     }
 }
@@ -306,12 +284,14 @@ impl ShadowTechnique for PenumbraWedgeNode {
         );
         for light in &wedges.lights {
             let first = self.parts.len();
-            for part in &wedges.parts[light.parts.clone()] {
+            for (number, index) in light.parts.clone().enumerate() {
+                let part = &wedges.parts[index];
                 self.parts.push(PartPlan {
+                    index: index as u32,
                     groups: part.groups.clone(),
                     share: self
                         .tables
-                        .share(&part.part, light.texture.as_ref(), light.parts.len()),
+                        .share(&part.part, light.texture.as_ref(), number, light.parts.len()),
                     has_extent: part.part.shape != PartShape::Point,
                     is_sphere: matches!(part.part.shape, PartShape::Sphere { .. }),
                 });
@@ -327,6 +307,10 @@ impl ShadowTechnique for PenumbraWedgeNode {
             self.plans.push(plan);
         }
         Ok(())
+    }
+
+    fn reads_planes(&self) -> bool {
+        true
     }
 
     fn visibility(&self, light: usize) -> Option<Visibility> {

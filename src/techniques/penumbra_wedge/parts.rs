@@ -1,4 +1,4 @@
-//! The parts of a light: what is one light to the wedges. A rectangle may be split; everything else is one part.
+//! The parts of a light: what is one light to the wedges. Rectangles and spheres may be split, all others are one part.
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -35,6 +35,10 @@ pub struct LightPart {
     pub shape: PartShape,
     /// Where the part lies in the light, −1 to 1 along its width and height: centre, then half size.
     pub place: [f32; 4],
+    /// The light's centre, light space.
+    pub whole_center: DVec3,
+    /// A sphere's radius before it is split, metres; else 0.
+    pub whole_radius: f64,
 }
 
 /// Below this length an extent counts as none, metres.
@@ -51,11 +55,24 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
         world_from_light: DMat4::from_translation(point.truncate() * point.w),
         shape,
         place: [0.0, 0.0, 1.0, 1.0],
+        whole_center: DVec3::ZERO,
+        whole_radius: 0.0,
     };
     match light.light.kind {
         LightKind::Sphere { radius } if f64::from(radius) > LEAST_EXTENT => {
-            parts.push(centered(PartShape::Sphere {
-                radius: f64::from(radius),
+            let [columns, rows] = settings.parts();
+            let count = columns * rows;
+            let whole_radius = f64::from(radius);
+            let shape = PartShape::Sphere {
+                radius: whole_radius / f64::from(count).sqrt(),
+            };
+            let centers = sphere_centers(count).map(|center| center * whole_radius);
+            parts.extend(centers.map(|offset| LightPart {
+                point_world: point + (offset * point.w).extend(0.0),
+                world_from_light: DMat4::from_translation((point.truncate() + offset) * point.w),
+                whole_center: -offset,
+                whole_radius,
+                ..centered(shape)
             }));
         }
         LightKind::Rect { width, height } if f64::from(width.max(height)) > LEAST_EXTENT => {
@@ -82,12 +99,52 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
                             count.x.recip() as f32,
                             count.y.recip() as f32,
                         ],
+                        whole_center: (-place * size * 0.5).extend(0.0),
+                        whole_radius: 0.0,
                     });
                 }
             }
         }
         _ => parts.push(centered(PartShape::Point)),
     }
+}
+
+/// Centres of the spheres that a unit sphere is split into, each of the area of its visible disc by their count.
+///
+/// Whatever direction the light is seen from, the discs should fill its own evenly. Points whose density goes with
+/// `1/√(1 − R²)` do: their projection is even over the disc. So distances are quantiles of that, and directions a
+/// spiral; all are scaled until the light's extent, as the mean square of its places, is that of the disc.
+fn sphere_centers(count: u32) -> impl Iterator<Item = DVec3> {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let at = move |i: u32| {
+        let height = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+        let (sin, cos) = (golden * f64::from(i)).sin_cos();
+        let flat = (1.0 - height * height).sqrt();
+        // Neighbours on the spiral are far apart in depth.
+        let share = (f64::from(i) * 0.618_033_988_749_895 + 0.5).fract();
+        DVec3::new(flat * cos, height, flat * sin) * distance_of_share(share)
+    };
+    // Of the disc ½, of its own disc each part has 1 / (2 count), and of its centre's distance two thirds show.
+    let wanted = 0.75 * (1.0 - f64::from(count).recip());
+    let mean = (0..count).map(|i| at(i).length_squared()).sum::<f64>() / f64::from(count);
+    let scale = if count > 1 { (wanted / mean).sqrt() } else { 0.0 };
+    (0..count).map(move |i| at(i) * scale)
+}
+
+/// The distance within which this share of points of density `1/√(1 − R²)` in the unit ball lies: inverts
+/// `(2/π)(asin R − R √(1 − R²))` by halving.
+fn distance_of_share(share: f64) -> f64 {
+    let (mut low, mut high) = (0.0f64, 1.0f64);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        let within = (middle.asin() - middle * (1.0 - middle * middle).sqrt()) * std::f64::consts::FRAC_2_PI;
+        if within < share {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
 }
 
 /// The light's own axes: right, up, and against the direction of shining.

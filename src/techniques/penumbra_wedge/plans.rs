@@ -22,6 +22,8 @@ pub(super) struct CapDraw {
 /// What is recorded for one part.
 #[derive(Clone, Debug)]
 pub(super) struct PartPlan {
+    /// Of the frame's parts.
+    pub(super) index: u32,
     pub(super) groups: Range<usize>,
     /// Of the light, by colour and area.
     pub(super) share: [f64; 4],
@@ -69,5 +71,10 @@ pub(super) fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
         table: 0,
         padding: 0,
         place: part.place,
+        whole: part
+            .whole_center
+            .as_vec3()
+            .extend(part.whole_radius as f32)
+            .to_array(),
     }
 }

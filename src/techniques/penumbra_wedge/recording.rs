@@ -21,7 +21,6 @@ impl PenumbraWedgeNode {
         let (Some(sums), Some(combined)) = (self.textures.get(plan.form), self.textures.combined()) else {
             return;
         };
-        let receiver = self.receiver_group(&input.masks.receiver_depth_view, input.device);
         {
             let radiance = attachment(&input.targets.radiance_view, wgpu::LoadOp::Load);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -47,54 +46,33 @@ impl PenumbraWedgeNode {
                     ..Default::default()
                 });
                 for group in &self.groups[part.groups.clone()] {
-                    self.record_sums(encoder, plan, part, sums, Some(group), &receiver, input);
+                    self.record_sums(encoder, plan, part, sums, Some(group), input);
                     let key = ResolveKey {
                         form: plan.form,
+                        is_sphere: part.is_sphere,
                         combines: true,
                         is_combined: false,
                     };
                     let target = attachment(&combined[1 - source], wgpu::LoadOp::Load);
-                    self.record_resolve(encoder, key, target, &sums.groups[source], part.share, input);
+                    self.record_resolve(encoder, key, target, &sums.groups[source], part, input);
                     source = 1 - source;
                 }
             } else {
                 let group = self.groups[part.groups.clone()].first();
-                self.record_sums(encoder, plan, part, sums, group, &receiver, input);
+                self.record_sums(encoder, plan, part, sums, group, input);
             }
             let key = ResolveKey {
                 form: plan.form,
+                is_sphere: part.is_sphere,
                 combines: false,
                 is_combined: combines,
             };
             let target = attachment(&input.masks.mask_view, load);
-            self.record_resolve(encoder, key, target, &sums.groups[source], part.share, input);
+            self.record_resolve(encoder, key, target, &sums.groups[source], part, input);
             load = wgpu::LoadOp::Load;
         }
         if plan.form == Form::Split8 {
             self.textures.overflow().record(encoder);
-        }
-    }
-
-    /// Group 3 of the wedges.
-    fn receiver_group(&self, context: &wgpu::TextureView, device: &wgpu::Device) -> wgpu::BindGroup {
-        let mut kept = self
-            .receiver
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        match &*kept {
-            Some((view, group)) if view == context => group.clone(),
-            _ => {
-                let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("receiver depth"),
-                    layout: &self.receiver_layout,
-                    entries: &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(context),
-                    }],
-                });
-                *kept = Some((context.clone(), group.clone()));
-                group
-            }
         }
     }
 
@@ -111,7 +89,7 @@ impl PenumbraWedgeNode {
             self.pipelines.get(Key {
                 part: kind,
                 form: plan.form,
-                is_sphere: part.is_sphere && !matches!(kind, Part::NearCap(_) | Part::FarCap(_)),
+                is_sphere: part.is_sphere,
                 looks_up: plan.settings.maths == CoverageMaths::Tables,
                 mirrored: self.mirrored,
             })
@@ -178,7 +156,6 @@ impl PenumbraWedgeNode {
         part: &PartPlan,
         sums: &Sums,
         group: Option<&Group>,
-        receiver: &wgpu::BindGroup,
         input: &ResolveInput,
     ) {
         let attachments: smallvec::SmallVec<[_; 4]> = sums
@@ -200,8 +177,8 @@ impl PenumbraWedgeNode {
             pass.set_scissor_rect(x, y, width, height);
             pass.set_stencil_reference(STENCIL_IN_BOUNDS);
             pass.set_bind_group(0, input.record.view, &[]);
+            pass.set_bind_group(1, &input.masks.receiver_group, &[]);
             pass.set_bind_group(2, &self.group, &[]);
-            pass.set_bind_group(3, receiver, &[]);
             self.record_group(&mut pass, plan, part, group, &input.record);
         }
     }
@@ -212,7 +189,7 @@ impl PenumbraWedgeNode {
         key: ResolveKey,
         target: wgpu::RenderPassColorAttachment,
         sums: &wgpu::BindGroup,
-        share: [f64; 4],
+        part: &PartPlan,
         input: &ResolveInput,
     ) {
         let Some(pipeline) = self.pipelines.get_resolve(key) else {
@@ -227,12 +204,15 @@ impl PenumbraWedgeNode {
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;
-        let [r, g, b, a] = share;
+        let [r, g, b, a] = part.share;
         pass.set_scissor_rect(x, y, width, height);
         pass.set_pipeline(pipeline);
         pass.set_blend_constant(wgpu::Color { r, g, b, a });
+        pass.set_bind_group(0, input.record.view, &[]);
+        pass.set_bind_group(1, &input.masks.receiver_group, &[]);
+        pass.set_bind_group(2, &self.group, &[]);
         pass.set_bind_group(3, sums, &[]);
-        pass.draw(0..3, 0..1);
+        pass.draw(0..3, part.index..part.index + 1);
     }
 }
 

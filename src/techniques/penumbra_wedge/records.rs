@@ -1,5 +1,5 @@
 //! What the GPU reads of wedges, and how the record of an edge is made. Mirrors of the structs of the same names in
-//! `shaders/techniques/penumbra_wedge/wedge.wgsl` (`tests/layout_contract.rs`).
+//! `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl` (`tests/layout_contract.rs`).
 
 use glam::{DMat4, DVec3, Vec3};
 
@@ -54,8 +54,10 @@ pub struct WedgeCaster {
     pub light_local: [f32; 4],
     /// Index into the objects of the frame.
     pub object: u32,
+    /// Index of the [`WedgeLight`].
+    pub light: u32,
     /// Unused.
-    pub padding: [u32; 3],
+    pub padding: [u32; 2],
 }
 
 /// One part of a light.
@@ -77,8 +79,10 @@ pub struct WedgeLight {
     pub table: u32,
     /// Unused.
     pub padding: u32,
-    /// Centre and half size within the light, −1 to 1.
+    /// Centre and half size within the whole light, −1 to 1.
     pub place: [f32; 4],
+    /// Centre of the whole light, light space; w: of a sphere, its radius.
+    pub whole: [f32; 4],
 }
 
 /// Share of a rectangle's larger side by which casters must stand before its plane to cover it.

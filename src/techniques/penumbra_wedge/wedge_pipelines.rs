@@ -40,6 +40,10 @@ pub enum Form {
     Color,
     /// Four half floats a layer, where the device blends no more.
     HalfColor,
+    /// Four floats: a sum, hard shadows and ten places on the light. All casters are one layer.
+    Sampled,
+    /// The same a layer.
+    SampledLayers,
     /// Two textures of four bytes a layer.
     Split8,
 }
@@ -50,9 +54,21 @@ impl Form {
         match self {
             Self::Float => &[wgpu::TextureFormat::R32Float; 2],
             Self::Color => &[wgpu::TextureFormat::Rgba32Float; 2],
+            Self::Sampled => &[wgpu::TextureFormat::Rgba32Float; 1],
+            Self::SampledLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
             Self::HalfColor => &[wgpu::TextureFormat::Rgba16Float; 2],
             Self::Split8 => &[wgpu::TextureFormat::Rgba8Unorm; 4],
         }
+    }
+
+    /// Places on the light are counted.
+    pub fn is_sampled(self) -> bool {
+        matches!(self, Self::Sampled | Self::SampledLayers)
+    }
+
+    /// There are sums by colour.
+    pub fn is_textured(self) -> bool {
+        matches!(self, Self::Color | Self::HalfColor)
     }
 }
 
@@ -76,6 +92,8 @@ pub struct Key {
 pub struct ResolveKey {
     /// What is read.
     pub form: Form,
+    /// The light is a sphere.
+    pub is_sphere: bool,
     /// Writes the combined coverage rather than the mask.
     pub combines: bool,
     /// Reads the combined coverage.
@@ -118,7 +136,6 @@ impl WedgePipelines {
         shaders: &Shaders,
         layouts: &BindGroupLayouts,
         wedges: &wgpu::BindGroupLayout,
-        receiver: &wgpu::BindGroupLayout,
         sums: &wgpu::BindGroupLayout,
     ) -> Result<Self, RenderError> {
         let device = &context.device;
@@ -134,9 +151,17 @@ impl WedgePipelines {
             resolve: shaders.module(device, "techniques/penumbra_wedge/resolve.wgsl")?,
             wedge_layout: layout(
                 "penumbra wedge",
-                &[Some(&layouts.view), None, Some(wedges), Some(receiver)],
+                &[Some(&layouts.view), Some(&layouts.receiver), Some(wedges)],
             ),
-            resolve_layout: layout("penumbra wedge resolve", &[None, None, None, Some(sums)]),
+            resolve_layout: layout(
+                "penumbra wedge resolve",
+                &[
+                    Some(&layouts.view),
+                    Some(&layouts.receiver),
+                    Some(wedges),
+                    Some(sums),
+                ],
+            ),
             wedges: Vec::new(),
             resolves: Vec::new(),
         })
@@ -209,10 +234,8 @@ impl WedgePipelines {
             ("HALF_SIGN", sign),
             ("CAP_LAYERS", layers),
             ("LOOKS_UP", f64::from(key.looks_up)),
-            (
-                "IS_TEXTURED",
-                f64::from(matches!(key.form, Form::Color | Form::HalfColor)),
-            ),
+            ("IS_TEXTURED", f64::from(key.form.is_textured())),
+            ("IS_SAMPLED", f64::from(key.form.is_sampled())),
         ];
         let formats = if debug {
             &[RADIANCE_FORMAT][..]
@@ -287,6 +310,9 @@ impl WedgePipelines {
     fn create_resolve(&self, context: &RenderContext, key: ResolveKey) -> wgpu::RenderPipeline {
         let constants = [
             ("IS_SPLIT", f64::from(key.form == Form::Split8)),
+            ("IS_SPHERE", f64::from(key.is_sphere)),
+            ("IS_TEXTURED", f64::from(key.form.is_textured())),
+            ("IS_SAMPLED", f64::from(key.form.is_sampled())),
             ("IS_SCALAR", f64::from(key.form == Form::Float)),
             ("IS_COMBINED", f64::from(key.is_combined)),
         ];

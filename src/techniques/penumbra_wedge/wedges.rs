@@ -52,6 +52,8 @@ pub struct LightWedges {
     pub texture: Option<EmitterTexture>,
     /// Range of [`PenumbraWedges::parts`].
     pub parts: Range<usize>,
+    /// Some caster is not the same in both [layers](super::layers).
+    pub is_layered: bool,
 }
 
 /// One part of a light.
@@ -165,7 +167,9 @@ pub fn build_penumbra_wedges(
                 .filter(|_| matches!(out.scratch.parts[0].shape, PartShape::Rect { .. }))
                 .cloned(),
             parts: first..out.parts.len(),
+            is_layered: false,
         });
+        let this = out.lights.len() - 1;
         let Some(known) = silhouettes.of_light(light.entity) else {
             continue;
         };
@@ -222,6 +226,7 @@ pub fn build_penumbra_wedges(
                     );
                     rebuilt = true;
                 }
+                out.lights[this].is_layered |= chunk.is_layered;
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
                     let layout = &mut out.scratch.layout;
                     layout.push(Placed {
@@ -296,7 +301,8 @@ impl PenumbraWedges {
                         caster_records.push(WedgeCaster {
                             light_local: chunk.light_local,
                             object,
-                            padding: [0; 3],
+                            light: index as u32,
+                            padding: [0; 2],
                         });
                         wedges.extend(chunk.wedges.iter().map(|wedge| Wedge {
                             caster,
