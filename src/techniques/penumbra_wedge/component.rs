@@ -64,9 +64,10 @@ pub enum Overlap {
     Sampled,
     /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
     Additive,
-    /// Between the extremes of no and all overlap: `c = max + ½ min`, caster after caster. The paper goes loop by loop;
-    /// that takes a hard shadow of each loop alone, which counting away from the viewer does not have: its caps are
-    /// those of a caster, not of a loop. Section 5.1, equation 1.
+    /// Between the extremes of no and all overlap: `c = max + ½ min`, loop after loop of all casters. A loop goes with its
+    /// holes and the [patch](super::patches) of triangles that they bound. Patches whose shadows cannot meet share a sum,
+    /// and so do others once there are more than [`MAX_SUMS`](super::patches::MAX_SUMS); a pass a sum. Section 5.1,
+    /// equation 1.
     Paper,
 }
 

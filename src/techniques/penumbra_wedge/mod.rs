@@ -31,6 +31,7 @@ pub mod lookup;
 pub mod node;
 pub mod overflow;
 pub mod parts;
+pub mod patches;
 #[cfg(feature = "render")]
 mod plans;
 #[cfg(feature = "render")]

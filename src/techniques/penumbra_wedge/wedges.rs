@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
+use smallvec::SmallVec;
 
 use super::chunks::{CasterItem, Chunk, ChunkKey, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge};
 use super::layers::LayeredContour;
 use super::parts::{LightPart, PartShape, push_parts};
+use super::patches::{ShadowCone, share_sums};
 use super::records::{Wedge, WedgeCaster};
 use super::texture::EmitterTexture;
 use crate::sets::depth_bounds::shadow_depth_range;
@@ -22,7 +24,7 @@ pub struct PenumbraWedges {
     pub lights: Vec<LightWedges>,
     /// Parts of all lights.
     pub parts: Vec<PartWedges>,
-    /// What is summed by itself; one a part, or with [`Overlap::Paper`] one a caster.
+    /// What is summed by itself; one a part, or with [`Overlap::Paper`] as many as [patches](super::patches) meet.
     pub groups: Vec<Group>,
     /// Casters of all parts.
     pub casters: Vec<CasterDraw>,
@@ -91,6 +93,12 @@ struct Scratch {
     /// What the flat arrays hold, and held in the last frame.
     layout: Vec<Placed>,
     last_layout: Vec<Placed>,
+    /// Of the parts of the frame that the flat arrays were made for.
+    part_groups: Vec<Range<usize>>,
+    /// Patches of one part: index into `layout`, and number within the chunk; where their shadows go; their sums.
+    entries: Vec<(usize, usize)>,
+    cones: Vec<ShadowCone>,
+    sums: Vec<u32>,
 }
 
 /// A chunk in the flat arrays.
@@ -103,7 +111,6 @@ struct Placed {
     index: u32,
     caster: Entity,
     object: u32,
-    overlap: Overlap,
 }
 
 /// Frames that a chunk outlives its last use; as of silhouettes.
@@ -200,6 +207,7 @@ pub fn build_penumbra_wedges(
                     light_from_local: light_from_local.as_mat4(),
                     shape: part.shape,
                     bounds: settings.bounds,
+                    by_patch: settings.overlap == Overlap::Paper,
                 };
                 let number = number as u32;
                 let at = match chunks
@@ -235,7 +243,6 @@ pub fn build_penumbra_wedges(
                         index: first as u32 + number,
                         caster: entity,
                         object: object as u32,
-                        overlap: settings.overlap,
                     });
                 }
             }
@@ -248,7 +255,7 @@ pub fn build_penumbra_wedges(
 }
 
 impl PenumbraWedges {
-    /// Lists groups and casters; copies the chunks into the flat arrays if `changed`.
+    /// Copies the chunks into the flat arrays if something `changed`; else they are as they were.
     fn assemble(&mut self, changed: bool) {
         let Self {
             lights,
@@ -263,40 +270,75 @@ impl PenumbraWedges {
             scratch,
             ..
         } = self;
+        let Scratch {
+            layout,
+            part_groups,
+            entries,
+            cones,
+            sums,
+            ..
+        } = scratch;
+        if !changed {
+            for (part, of_part) in parts.iter_mut().zip(part_groups.iter()) {
+                part.groups = of_part.clone();
+            }
+            return;
+        }
+        *generation += 1;
         groups.clear();
         casters.clear();
-        if changed {
-            *generation += 1;
-            caster_records.clear();
-            wedges.clear();
-            caps.clear();
-        }
-        let (mut wedge_count, mut cap_count) = (0u32, 0u32);
-        let mut entries = scratch.layout.iter().peekable();
+        caster_records.clear();
+        wedges.clear();
+        caps.clear();
+        part_groups.clear();
+        let mut placed = 0;
         for light in lights.iter() {
             let chunks = kept
                 .binary_search_by_key(&light.entity, |entry| entry.light)
-                .ok()
-                .map(|at| &kept[at].chunks);
-            for (number, index) in light.parts.clone().enumerate() {
+                .map_or(&[][..], |at| &kept[at].chunks);
+            for index in light.parts.clone() {
+                let first = placed;
+                placed += layout[first..]
+                    .iter()
+                    .take_while(|entry| entry.index == index as u32)
+                    .count();
+                let chunk_of = |at: usize| {
+                    let key = (layout[at].caster, layout[at].part);
+                    let found = chunks.binary_search_by_key(&key, |chunk| (chunk.entity, chunk.part));
+                    found.ok().map(|at| &chunks[at])
+                };
+                entries.clear();
+                cones.clear();
+                for at in first..placed {
+                    for (number, patch) in chunk_of(at)
+                        .into_iter()
+                        .flat_map(|chunk| chunk.patches.iter().enumerate())
+                    {
+                        entries.push((at, number));
+                        cones.push(patch.cone);
+                    }
+                }
+                let sum_count = if light.settings.overlap == Overlap::Paper {
+                    share_sums(cones, sums)
+                } else {
+                    sums.clear();
+                    sums.resize(entries.len(), 0);
+                    u32::from(!entries.is_empty())
+                };
                 let first_group = groups.len();
-                let mut first_caster = casters.len();
-                let mut first_wedge = wedge_count;
-                while let Some(&Placed {
-                    caster: entity,
-                    object,
-                    overlap,
-                    ..
-                }) = entries.next_if(|entry| entry.index == index as u32)
-                {
-                    let Some(chunk) = chunks.and_then(|chunks| {
-                        let key = (entity, number as u32);
-                        let at = chunks.binary_search_by_key(&key, |chunk| (chunk.entity, chunk.part));
-                        at.ok().map(|at| &chunks[at])
-                    }) else {
-                        continue;
-                    };
-                    if changed {
+                for sum in 0..sum_count {
+                    let (first_caster, first_wedge) = (casters.len(), wedges.len() as u32);
+                    let of_sum = entries.iter().zip(sums.iter()).filter(|(_, of)| **of == sum);
+                    let mut of_sum = of_sum.map(|(&entry, _)| entry).peekable();
+                    while let Some(&(at, _)) = of_sum.peek() {
+                        let Some(chunk) = chunk_of(at) else {
+                            break;
+                        };
+                        let mut numbers: SmallVec<[usize; 16]> = SmallVec::new();
+                        while let Some((_, number)) = of_sum.next_if(|entry| entry.0 == at) {
+                            numbers.push(number);
+                        }
+                        let object = layout[at].object;
                         let caster = caster_records.len() as u32;
                         caster_records.push(WedgeCaster {
                             light_local: chunk.light_local,
@@ -304,36 +346,35 @@ impl PenumbraWedges {
                             light: index as u32,
                             padding: [0; 2],
                         });
-                        wedges.extend(chunk.wedges.iter().map(|wedge| Wedge {
-                            caster,
-                            light: index as u32,
-                            ..*wedge
-                        }));
-                        caps.extend_from_slice(&chunk.caps);
-                    }
-                    casters.push(CasterDraw {
-                        object,
-                        caps: chunk.cap_counts.map(|count| {
-                            cap_count += count;
-                            cap_count - count..cap_count
-                        }),
-                    });
-                    wedge_count += chunk.wedges.len() as u32;
-                    if overlap == Overlap::Paper {
-                        groups.push(Group {
-                            casters: first_caster..casters.len(),
-                            wedges: first_wedge..wedge_count,
+                        for &number in &numbers {
+                            let own = &chunk.wedges[chunk.patches[number].wedges.clone()];
+                            wedges.extend(own.iter().map(|wedge| Wedge {
+                                caster,
+                                light: index as u32,
+                                ..*wedge
+                            }));
+                        }
+                        let cap_ranges = [0, 1, 2].map(|layers| {
+                            let first_cap = caps.len() as u32;
+                            for &number in &numbers {
+                                caps.extend_from_slice(
+                                    &chunk.caps[chunk.patches[number].caps[layers].clone()],
+                                );
+                            }
+                            first_cap..caps.len() as u32
                         });
-                        (first_caster, first_wedge) = (casters.len(), wedge_count);
+                        casters.push(CasterDraw {
+                            object,
+                            caps: cap_ranges,
+                        });
                     }
-                }
-                if first_caster < casters.len() {
                     groups.push(Group {
                         casters: first_caster..casters.len(),
-                        wedges: first_wedge..wedge_count,
+                        wedges: first_wedge..wedges.len() as u32,
                     });
                 }
                 parts[index].groups = first_group..groups.len();
+                part_groups.push(parts[index].groups.clone());
             }
         }
     }
