@@ -82,7 +82,7 @@ fn mirrors() -> Vec<Mirror> {
             padding_b,
             padding_c,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
-        mirror!(records, WedgeCaster { light_local, object, light, padding }
+        mirror!(records, WedgeCaster { light_local, object, padding }
             in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, Wedge {
             start_local,
@@ -90,9 +90,9 @@ fn mirrors() -> Vec<Mirror> {
             end_local,
             flags,
             start_light,
-            light,
+            padding_a,
             end_light,
-            padding,
+            padding_b,
             rims,
         } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, WedgeLight {
@@ -105,7 +105,7 @@ fn mirrors() -> Vec<Mirror> {
             padding,
             place,
             whole,
-        } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
+        } in "techniques/penumbra_wedge/wedge.wgsl", array: false),
     ]
 }
 

@@ -21,7 +21,8 @@ struct WedgeLight {                 // mirror: techniques::penumbra_wedge::recor
     whole: vec4f,                   // the whole light's centre; w: of a sphere, its radius
 }
 
-@group(2) @binding(2) var<storage, read> lights: array<WedgeLight>;
+// The part at hand: a uniform, for what is read by an index is read once a fragment.
+@group(2) @binding(2) var<uniform> light: WedgeLight;
 // Angles and areas, made by lookup.rs; then for each texture sectors along the border of the square and triangles,
 // shares by colour, made by texture.rs.
 @group(2) @binding(3) var<storage, read> tables: array<vec4f>;
@@ -121,14 +122,18 @@ struct Seat {
     is_there: bool,
 }
 
-// Of a light of this extent around `center`.
-fn seat_at(light: WedgeLight, receiver: Receiver, center: vec3f, half_size: vec2f, is_sphere: bool) -> Seat {
-    let relative = vec4f(receiver.position, 1.0);
-    let p = vec3f(
+fn in_light(position_relative: vec3f) -> vec3f {
+    let relative = vec4f(position_relative, 1.0);
+    return vec3f(
         dot(light.light_from_relative_x, relative),
         dot(light.light_from_relative_y, relative),
         dot(light.light_from_relative_z, relative),
-    ) - center;
+    );
+}
+
+// Of a light of this extent around `center`.
+fn seat_at(receiver: Receiver, center: vec3f, half_size: vec2f, is_sphere: bool) -> Seat {
+    let p = in_light(receiver.position) - center;
     let n = vec3f(
         dot(light.light_from_relative_x.xyz, receiver.normal),
         dot(light.light_from_relative_y.xyz, receiver.normal),
@@ -141,12 +146,12 @@ fn seat_at(light: WedgeLight, receiver: Receiver, center: vec3f, half_size: vec2
     return Seat(p, select(vec3f(0.0, 0.0, 1.0), vec3f(tilt, -dot(n, p)), is_known), receiver.depth > 0.0);
 }
 
-fn seat(light: WedgeLight, receiver: Receiver, is_sphere: bool) -> Seat {
-    return seat_at(light, receiver, vec3f(0.0), light.half_size, is_sphere);
+fn seat(receiver: Receiver, is_sphere: bool) -> Seat {
+    return seat_at(receiver, vec3f(0.0), light.half_size, is_sphere);
 }
 
 // By colour, and of the area: what lies behind an edge as seen from the centre.
-fn behind(light: WedgeLight, edge: Projected, maths: Maths) -> vec4f {
+fn behind(edge: Projected, maths: Maths) -> vec4f {
     var area = 0.0;
     if maths.is_sphere {
         if maths.looks_up {
@@ -173,22 +178,32 @@ fn side_of(horizon: vec3f, is_sphere: bool) -> i32 {
 }
 
 // What lies above the horizon.
-fn above(light: WedgeLight, horizon: vec3f, maths: Maths) -> vec4f {
+fn above(horizon: vec3f, maths: Maths) -> vec4f {
     let side = side_of(horizon, maths.is_sphere);
     var share = vec4f(select(0.0, 1.0, side > 0));
     if side == 0 {
         let none = Projected(vec2f(0.0), vec2f(0.0), false);
-        let beyond = behind(light, chord_of(horizon, maths.is_sphere, none, true), maths);
+        let beyond = behind(chord_of(horizon, maths.is_sphere, none, true), maths);
         share = select(beyond, 1.0 - beyond, horizon.z >= 0.0);
     }
     return share;
 }
 
-fn see(light: WedgeLight, p: vec3f, start: vec3f, end: vec3f, is_sphere: bool) -> Seen {
+fn see(p: vec3f, start: vec3f, end: vec3f, is_sphere: bool) -> Seen {
     if is_sphere {
         return see_on_disc(p, start, end, light.half_size.x);
     }
     return see_on_rect(p, start, end, light.half_size);
+}
+
+// Whether an edge passes beside the light: its line does, or both ends lie beyond one side.
+fn misses(seen: Seen, is_sphere: bool) -> bool {
+    let a = seen.first;
+    let b = seen.last;
+    let line = cross(a, b);
+    let reach = select(abs(line.x) + abs(line.y), length(line.xy), is_sphere);
+    let is_beyond = (a.xy > a.zz & b.xy > b.zz) | (a.xy < -a.zz & b.xy < -b.zz);
+    return !(seen.is_there && abs(line.z) < reach) || any(is_beyond);
 }
 
 // What lies above the horizon and behind an edge.
@@ -196,7 +211,7 @@ fn see(light: WedgeLight, p: vec3f, start: vec3f, end: vec3f, is_sphere: bool) -
 // As seen from the centre, the horizon is an edge too. With the centre above it, it hides of what lies behind an edge
 // all that lies behind itself; with the centre below, what is above lies behind the horizon, and behind the edge where
 // the edge is nearer to the centre.
-fn covered(light: WedgeLight, horizon: vec3f, seen: Seen, maths: Maths) -> vec4f {
+fn covered(horizon: vec3f, seen: Seen, maths: Maths) -> vec4f {
     var edge: Projected;
     if maths.is_sphere {
         edge = project_to_disc(seen);
@@ -206,7 +221,7 @@ fn covered(light: WedgeLight, horizon: vec3f, seen: Seen, maths: Maths) -> vec4f
     let side = side_of(horizon, maths.is_sphere);
     var share = vec4f(0.0);
     if side > 0 {
-        share = behind(light, edge, maths);
+        share = behind(edge, maths);
     } else if side == 0 && edge.is_visible {
         let at_start = dot(horizon.xy, edge.start) + horizon.z;
         let at_end = dot(horizon.xy, edge.end) + horizon.z;
@@ -216,8 +231,8 @@ fn covered(light: WedgeLight, horizon: vec3f, seen: Seen, maths: Maths) -> vec4f
         if is_over {
             near = over;
         }
-        let beyond = behind(light, chord_of(horizon, maths.is_sphere, near, false), maths);
-        let behind_edge = behind(light, over, maths);
+        let beyond = behind(chord_of(horizon, maths.is_sphere, near, false), maths);
+        let behind_edge = behind(over, maths);
         share = select(behind_edge + beyond, max(behind_edge - beyond, vec4f(0.0)), is_over);
     }
     return share;

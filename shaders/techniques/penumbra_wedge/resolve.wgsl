@@ -2,7 +2,7 @@
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{lights, WedgeLight, Maths, Seat, seat, seat_at, above, places_above}
+#import antumbra::wedge_light::{light, Maths, Seat, seat, seat_at, above, places_above}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
@@ -24,16 +24,10 @@ override IS_SAMPLED: bool = false;
 // The coverage of groups was combined.
 override IS_COMBINED: bool = false;
 
-struct Corner {
-    @builtin(position) position_clip: vec4f,
-    @location(0) @interpolate(flat) light: u32,
-}
-
-// The instance is the part's index.
 @vertex
-fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
+fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return Corner(vec4f(corner, 0.0, 1.0), instance);
+    return vec4f(corner, 0.0, 1.0);
 }
 
 fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
@@ -132,10 +126,10 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
 }
 
 // What of the whole light lies above the horizon; never quite nothing.
-fn whole_above(light: WedgeLight, pixel: vec2f) -> f32 {
+fn whole_above(pixel: vec2f) -> f32 {
     let half_size = select(light.half_size / light.place.zw, vec2f(light.whole.w), IS_SPHERE);
-    let at = seat_at(light, receiver_at(pixel), light.whole.xyz, half_size, IS_SPHERE);
-    return max(above(light, at.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
+    let at = seat_at(receiver_at(pixel), light.whole.xyz, half_size, IS_SPHERE);
+    return max(above(at.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
 }
 
 fn covered_by_group(pixel: vec2u, at: Seat, over: vec4f) -> vec4f {
@@ -147,11 +141,10 @@ fn covered_by_group(pixel: vec2u, at: Seat, over: vec4f) -> vec4f {
 
 // By colour: of what lies above the horizon, for light passes cut there too; of the area: of all.
 @fragment
-fn resolve(in: Corner) -> @location(0) vec4f {
-    let pixel = vec2u(in.position_clip.xy);
-    let light = lights[in.light];
-    let at = seat(light, receiver_at(in.position_clip.xy), IS_SPHERE);
-    let over = above(light, at.horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
+fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2u(position.xy);
+    let at = seat(receiver_at(position.xy), IS_SPHERE);
+    let over = above(at.horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
     var covered = vec4f(0.0);
     if IS_COMBINED {
         covered = min(textureLoad(combined, pixel, 0), over);
@@ -159,18 +152,17 @@ fn resolve(in: Corner) -> @location(0) vec4f {
         covered = covered_by_group(pixel, at, over);
     }
     let visible = over - covered;
-    let of_above = visible.rgb / whole_above(light, in.position_clip.xy);
+    let of_above = visible.rgb / whole_above(position.xy);
     return vec4f(of_above, visible.a);
 }
 
 // Coverage between the extremes of no and all overlap.
 // Source: Assarsson et al. 2003, equation 1.
 @fragment
-fn combine(in: Corner) -> @location(0) vec4f {
-    let pixel = vec2u(in.position_clip.xy);
-    let light = lights[in.light];
-    let at = seat(light, receiver_at(in.position_clip.xy), IS_SPHERE);
-    let over = above(light, at.horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
+fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let pixel = vec2u(position.xy);
+    let at = seat(receiver_at(position.xy), IS_SPHERE);
+    let over = above(at.horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
     let before = textureLoad(combined, pixel, 0);
     let now = covered_by_group(pixel, at, over);
     return max(before, now) + 0.5 * min(before, now);

@@ -2,15 +2,14 @@
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges
 // Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
-#import antumbra::view::{objects, clip_position}
-#import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{lights, Maths, seat, see, above, covered, places_behind}
+#import antumbra::view::{objects, clip_position, relative_from_pixel}
+#import antumbra::receiver::{receiver_at, receiver_depth}
+#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
     object: u32,
-    light: u32,
-    padding: array<u32, 2>,
+    padding: array<u32, 3>,
 }
 
 struct Wedge {                      // mirror: techniques::penumbra_wedge::records::Wedge
@@ -19,9 +18,9 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     end_local: vec3f,
     flags: u32,                     // HARD, PIECE, SOFT; layers from bit 3 on
     start_light: vec3f,
-    light: u32,
+    padding_a: u32,
     end_light: vec3f,
-    padding: u32,
+    padding_b: u32,
     rims: array<vec4f, 12>,         // direction; w: 1 where the ray leaves from the end
 }
 
@@ -51,10 +50,9 @@ struct Corner {
     @builtin(position) @invariant position_clip: vec4f,
     @location(0) @interpolate(flat) start_light: vec3f,
     @location(1) @interpolate(flat) end_light: vec3f,
-    @location(2) @interpolate(flat) light: u32,
-    @location(3) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
-    @location(4) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
-    @location(5) @interpolate(flat) layers: u32,
+    @location(2) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
+    @location(3) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
+    @location(4) @interpolate(flat) layers: u32,
 }
 
 fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
@@ -65,16 +63,19 @@ fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
 // Vertices as topology.rs names them.
 @vertex
 fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
-    let wedge = wedges[instance];
-    let caster = casters[wedge.caster];
-    let clip_from_light = lights[wedge.light].clip_from_light;
+    // Fields one by one: a copy of the record would be a copy of all its rims.
+    let caster = casters[wedges[instance].caster];
+    let flags = wedges[instance].flags;
+    let clip_from_light = light.clip_from_light;
     let rim_index = select(0u, (vertex - 4u) % 12u, vertex >= 4u);
-    let rim = wedge.rims[rim_index];
+    let rim = wedges[instance].rims[rim_index];
+    let start_light = wedges[instance].start_light;
+    let end_light = wedges[instance].end_light;
     let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u);
-    let position_local = select(wedge.start_local, wedge.end_local, is_end);
-    let position_light = select(wedge.start_light, wedge.end_light, is_end);
-    let is_piece = (wedge.flags & PIECE) != 0u;
-    let is_soft = (wedge.flags & SOFT) != 0u;
+    let position_local = select(wedges[instance].start_local, wedges[instance].end_local, is_end);
+    let position_light = select(start_light, end_light, is_end);
+    let is_piece = (flags & PIECE) != 0u;
+    let is_soft = (flags & SOFT) != 0u;
     let near = select(clip_position(caster.object, position_local), clip_from_light * vec4f(position_light, 1.0), is_piece);
     let far = select(far_position(caster, position_local), clip_from_light * vec4f(position_light, 0.0), is_piece);
     let ray = clip_from_light * vec4f(rim.xyz, 0.0);
@@ -82,30 +83,24 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let is_far = vertex == 2u || vertex == 3u;
     let is_ray = vertex >= 4u && vertex < 16u && is_soft;
     out.position_clip = select(select(near, far, is_far), ray, is_ray);
-    out.start_light = wedge.start_light;
-    out.end_light = wedge.end_light;
-    out.light = wedge.light;
-    out.hard = select(0.0, f32(wedge.flags & HARD), vertex < 4u);
+    out.start_light = start_light;
+    out.end_light = end_light;
+    out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
     out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
-    out.layers = wedge.flags >> 3u;
+    out.layers = flags >> 3u;
     return out;
 }
 
-struct CapCorner {
-    @builtin(position) @invariant position_clip: vec4f,
-    @location(0) @interpolate(flat) light: u32,
+@vertex
+fn near_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32)
+    -> @builtin(position) @invariant vec4f {
+    return clip_position(casters[instance].object, position_local);
 }
 
 @vertex
-fn near_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32) -> CapCorner {
-    let caster = casters[instance];
-    return CapCorner(clip_position(caster.object, position_local), caster.light);
-}
-
-@vertex
-fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32) -> CapCorner {
-    let caster = casters[instance];
-    return CapCorner(far_position(caster, position_local), caster.light);
+fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance: u32)
+    -> @builtin(position) @invariant vec4f {
+    return far_position(casters[instance], position_local);
 }
 
 // Capacity of a digit of the places' counts: −32 to 31. A channel holds four digits, 24 bits that a float has.
@@ -113,13 +108,12 @@ const DIGIT: f32 = 64.0;
 const DIGITS: vec4f = vec4f(1.0, 64.0, 4096.0, 262144.0);
 
 // What a whole hard shadow takes: of sampled sums a count of its own, else what of the part is above the horizon.
-fn whole(pixel: vec2f, index: u32) -> vec4f {
+fn whole(pixel: vec2f) -> vec4f {
     if IS_SAMPLED {
         return vec4f(0.0, DIGIT * DIGIT, 0.0, 0.0);
     }
-    let light = lights[index];
-    let at = seat(light, receiver_at(pixel), IS_SPHERE);
-    return rounded(above(light, at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
+    let at = seat(receiver_at(pixel), IS_SPHERE);
+    return rounded(above(at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
 }
 
 fn rounded(share: vec4f) -> vec4f {
@@ -127,13 +121,20 @@ fn rounded(share: vec4f) -> vec4f {
 }
 
 // What of the part lies behind the edge, at the surface that the pixel shows: shares, or share and places.
+//
+// Of most fragments the surface is not in the wedge, whose back is behind it all the same: that is found out first.
 fn coverage(in: Corner) -> vec4f {
-    let light = lights[in.light];
-    let at = seat(light, receiver_at(in.position_clip.xy), IS_SPHERE);
-    let seen = see(light, at.p, in.start_light, in.end_light, IS_SPHERE);
-    let share = covered(light, at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
+    let pixel = in.position_clip.xy;
+    let depth = textureLoad(receiver_depth, vec2u(pixel), 0).r;
+    let p = in_light(relative_from_pixel(pixel, max(depth, 1e-30)));
+    let seen = see(p, in.start_light, in.end_light, IS_SPHERE);
+    if in.soft == 0.0 || depth <= 0.0 || misses(seen, IS_SPHERE) {
+        return vec4f(0.0);
+    }
+    let at = seat(receiver_at(pixel), IS_SPHERE);
+    let share = covered(at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
     // Also against NaN, which compares to nothing.
-    let is_usable = share.a >= 0.0 && share.a < 1.0 && at.is_there && in.soft != 0.0;
+    let is_usable = share.a >= 0.0 && share.a < 1.0;
     var value = rounded(share);
     if IS_SAMPLED {
         let places = places_behind(seen, IS_SPHERE);
@@ -149,16 +150,16 @@ fn shell_value(in: Corner) -> vec4f {
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> vec4f {
-    let hard = select(vec4f(0.0), whole(in.position_clip.xy, in.light), in.hard > 0.0);
+    let hard = select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0);
     return (2.0 * coverage(in) - hard) * select(1.0, -1.0, front_facing);
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> vec4f {
-    return in.hard * whole(in.position_clip.xy, in.light) * select(-1.0, 1.0, front_facing);
+    return in.hard * whole(in.position_clip.xy) * select(-1.0, 1.0, front_facing);
 }
 
-fn cap_value(in: CapCorner, front_facing: bool) -> vec4f {
-    return whole(in.position_clip.xy, in.light) * select(-1.0, 1.0, front_facing);
+fn cap_value(position: vec4f, front_facing: bool) -> vec4f {
+    return whole(position.xy) * select(-1.0, 1.0, front_facing);
 }
 
 // A sum a layer; the layers that a face belongs to.
@@ -171,14 +172,23 @@ fn layered(value: vec4f, layers: u32) -> Layers {
     return Layers(value * f32(layers & 1u), value * f32(layers >> 1u));
 }
 
+// Nothing is blended where there is nothing to add.
 @fragment
 fn shell(in: Corner) -> Layers {
-    return layered(shell_value(in), in.layers);
+    let value = shell_value(in);
+    if all(value == vec4f(0.0)) {
+        discard;
+    }
+    return layered(value, in.layers);
 }
 
 @fragment
 fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(separator_value(in, front_facing), in.layers);
+    let value = separator_value(in, front_facing);
+    if all(value == vec4f(0.0)) {
+        discard;
+    }
+    return layered(value, in.layers);
 }
 
 @fragment
@@ -192,8 +202,8 @@ fn half(in: Corner) -> Layers {
 }
 
 @fragment
-fn cap(in: CapCorner, @builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(cap_value(in, front_facing), CAP_LAYERS);
+fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Layers {
+    return layered(cap_value(position, front_facing), CAP_LAYERS);
 }
 
 // Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
@@ -235,8 +245,8 @@ fn half_split(in: Corner) -> Split {
 }
 
 @fragment
-fn cap_split(in: CapCorner, @builtin(front_facing) front_facing: bool) -> Split {
-    return split(cap_value(in, front_facing).r, CAP_LAYERS);
+fn cap_split(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Split {
+    return split(cap_value(position, front_facing).r, CAP_LAYERS);
 }
 
 @fragment

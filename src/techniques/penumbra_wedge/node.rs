@@ -20,7 +20,7 @@ use super::tables::Tables;
 use super::topology::{self, HARD_SIDE, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
 use super::wedges::{Group, LightWedges, PenumbraWedges};
-use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
+use crate::render::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
 use crate::render::{RenderContext, RenderError, Shaders};
@@ -45,6 +45,7 @@ pub struct PenumbraWedgeNode {
     pub(super) group: wgpu::BindGroup,
     pub(super) generation: u64,
     pub(super) light_records: Vec<WedgeLight>,
+    light_bytes: Vec<u8>,
     pub(super) plans: Vec<LightPlan>,
     pub(super) parts: Vec<PartPlan>,
     pub(super) groups: Vec<Group>,
@@ -73,8 +74,8 @@ impl PenumbraWedgeNode {
                 buffer_entry(
                     2,
                     wgpu::ShaderStages::VERTEX_FRAGMENT,
-                    STORAGE,
-                    false,
+                    wgpu::BufferBindingType::Uniform,
+                    true,
                     size_of::<WedgeLight>(),
                 ),
                 buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
@@ -86,7 +87,7 @@ impl PenumbraWedgeNode {
         let (casters, wedges, lights) = (
             storage("wedge casters"),
             storage("wedges"),
-            storage("wedge lights"),
+            GrowingBuffer::new(context, "wedge lights", wgpu::BufferUsages::UNIFORM),
         );
         let tables = storage("coverage tables");
         let textures = SumTextures::new(context);
@@ -104,6 +105,7 @@ impl PenumbraWedgeNode {
             caps: GrowingBuffer::new(context, "wedge caps", wgpu::BufferUsages::INDEX),
             generation: 0,
             light_records: Vec::new(),
+            light_bytes: Vec::new(),
             plans: Vec::new(),
             parts: Vec::new(),
             groups: Vec::new(),
@@ -156,9 +158,14 @@ impl PenumbraWedgeNode {
             && self
                 .table_buffer
                 .write(context, bytemuck::cast_slice(self.tables.entries()));
-        rebind |= self
-            .lights
-            .write(context, bytemuck::cast_slice(&self.light_records));
+        // A light at every stride.
+        self.light_bytes.clear();
+        for record in &self.light_records {
+            self.light_bytes.extend_from_slice(bytemuck::bytes_of(record));
+            let filled = self.light_bytes.len().next_multiple_of(LIGHT_STRIDE as usize);
+            self.light_bytes.resize(filled, 0);
+        }
+        rebind |= self.lights.write(context, &self.light_bytes);
         if self.generation != world.generation {
             self.generation = world.generation;
             rebind |= self
@@ -226,10 +233,18 @@ fn bind(
         binding,
         resource: buffers[binding as usize].buffer.as_entire_binding(),
     };
+    let light = wgpu::BindGroupEntry {
+        binding: 2,
+        resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &buffers[2].buffer,
+            offset: 0,
+            size: std::num::NonZeroU64::new(size_of::<WedgeLight>() as u64),
+        }),
+    };
     context.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("wedges"),
         layout,
-        entries: &[entry(0), entry(1), entry(2), entry(3)],
+        entries: &[entry(0), entry(1), light, entry(3)],
     })
 }
 
@@ -326,9 +341,9 @@ impl ShadowTechnique for PenumbraWedgeNode {
             return;
         };
         pass.set_bind_group(0, input.view, &[]);
-        pass.set_bind_group(2, &self.group, &[]);
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         for part in &self.parts[plan.parts.clone()] {
+            pass.set_bind_group(2, &self.group, &[part.light_offset()]);
             let key = Key {
                 part: Part::Show,
                 form: plan.form,

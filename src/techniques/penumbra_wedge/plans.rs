@@ -9,6 +9,7 @@ use super::parts::PartShape;
 use super::records::WedgeLight;
 use super::wedge_pipelines::{Form, Part};
 use super::wedges::PartWedges;
+use crate::render::bind_groups::LIGHT_STRIDE;
 use crate::sets::ViewData;
 
 /// The caps of one caster.
@@ -29,6 +30,13 @@ pub(super) struct PartPlan {
     pub(super) share: [f64; 4],
     pub(super) has_extent: bool,
     pub(super) is_sphere: bool,
+}
+
+impl PartPlan {
+    /// Of the part's record, bytes.
+    pub(super) fn light_offset(&self) -> u32 {
+        self.index * LIGHT_STRIDE as u32
+    }
 }
 
 /// What is recorded for one light.

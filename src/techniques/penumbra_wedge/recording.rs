@@ -178,7 +178,7 @@ impl PenumbraWedgeNode {
             pass.set_stencil_reference(STENCIL_IN_BOUNDS);
             pass.set_bind_group(0, input.record.view, &[]);
             pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-            pass.set_bind_group(2, &self.group, &[]);
+            pass.set_bind_group(2, &self.group, &[part.light_offset()]);
             self.record_group(&mut pass, plan, part, group, &input.record);
         }
     }
@@ -210,9 +210,9 @@ impl PenumbraWedgeNode {
         pass.set_blend_constant(wgpu::Color { r, g, b, a });
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-        pass.set_bind_group(2, &self.group, &[]);
+        pass.set_bind_group(2, &self.group, &[part.light_offset()]);
         pass.set_bind_group(3, sums, &[]);
-        pass.draw(0..3, part.index..part.index + 1);
+        pass.draw(0..3, 0..1);
     }
 }
 

@@ -22,12 +22,12 @@ pub struct Wedge {
     pub flags: u32,
     /// Start of the edge or piece, light space.
     pub start_light: [f32; 3],
-    /// Index of the [`WedgeLight`].
-    pub light: u32,
+    /// Unused.
+    pub padding_a: u32,
     /// End of the edge or piece, light space.
     pub end_light: [f32; 3],
     /// Unused.
-    pub padding: u32,
+    pub padding_b: u32,
     /// Rims of the outer and inner half: direction in light space; w: 0 where the ray leaves from the start, 1 from the
     /// end. Zero without a shell.
     pub rims: [[f32; 4]; 2 * RIM],
@@ -54,10 +54,8 @@ pub struct WedgeCaster {
     pub light_local: [f32; 4],
     /// Index into the objects of the frame.
     pub object: u32,
-    /// Index of the [`WedgeLight`].
-    pub light: u32,
     /// Unused.
-    pub padding: [u32; 2],
+    pub padding: [u32; 3],
 }
 
 /// One part of a light.

@@ -343,14 +343,12 @@ impl PenumbraWedges {
                         caster_records.push(WedgeCaster {
                             light_local: chunk.light_local,
                             object,
-                            light: index as u32,
-                            padding: [0; 2],
+                            padding: [0; 3],
                         });
                         for &number in &numbers {
                             let own = &chunk.wedges[chunk.patches[number].wedges.clone()];
                             wedges.extend(own.iter().map(|wedge| Wedge {
                                 caster,
-                                light: index as u32,
                                 ..*wedge
                             }));
                         }
