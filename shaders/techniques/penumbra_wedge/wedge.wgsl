@@ -35,6 +35,8 @@ const SOFT: u32 = 4u;
 override IS_SPHERE: bool = false;
 // Sign of the half that is shaded: 1 for the inner half.
 override HALF_SIGN: f32 = 1.0;
+// −1 where faces before the surface count, not those behind it.
+override FACE_SIGN: f32 = 1.0;
 // Angles and areas come from tables.
 override LOOKS_UP: bool = false;
 // The light is a textured rectangle.
@@ -143,19 +145,19 @@ fn coverage(in: Corner) -> vec4f {
     return select(vec4f(0.0), value, is_usable);
 }
 
-// What the faces add. Behind the surface, outside of it: the front of a hard shadow's face gives back 1 to visibility,
-// its back takes 1.
+// What the faces add. Behind the surface, the front of a hard shadow's face gives back 1 to visibility, its back takes 1;
+// before the surface it is the other way.
 fn shell_value(in: Corner) -> vec4f {
     return in.soft * coverage(in);
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> vec4f {
     let hard = select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0);
-    return (2.0 * coverage(in) - hard) * select(1.0, -1.0, front_facing);
+    return (2.0 * coverage(in) - hard) * (FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> vec4f {
-    return in.hard * whole(in.position_clip.xy) * select(-1.0, 1.0, front_facing);
+    return in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing));
 }
 
 fn cap_value(position: vec4f, front_facing: bool) -> vec4f {

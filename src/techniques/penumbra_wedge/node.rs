@@ -5,7 +5,8 @@
 //! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
-//! All counting is away from the viewer: faces behind the surface count, so the camera may stand in shadows and wedges.
+//! Faces behind the surface count, so the camera may stand in shadows and wedges; of casters that surely shadow no part
+//! of the viewport it is the faces before the surface, which are fewer and need no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
 use bevy_ecs::prelude::*;
@@ -14,7 +15,7 @@ use super::buffers::SumTextures;
 use super::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use super::overflow::WedgeOverflow;
 use super::parts::PartShape;
-use super::plans::{CapDraw, LightPlan, PartPlan, light_record, passes};
+use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, passes};
 use super::records::{Wedge, WedgeCaster, WedgeLight};
 use super::tables::Tables;
 use super::topology::{self, HARD_SIDE, SHELLS};
@@ -124,6 +125,7 @@ impl PenumbraWedgeNode {
     fn cap_draw_count(&self, group: &Group) -> usize {
         let draws = self.cap_draws[group.casters.clone()].iter();
         draws
+            .filter(|draw| !draw.towards)
             .map(|draw| {
                 let near = draw.caps.iter().filter(|caps| !caps.is_empty()).count();
                 near * (1 + usize::from(draw.has_far))
@@ -185,25 +187,29 @@ impl PenumbraWedgeNode {
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
-            let mut require = |part_of_wedge, is_sphere| {
+            let mut require = |part_of_wedge, towards| {
                 let key = Key {
                     part: part_of_wedge,
                     form: plan.form,
-                    is_sphere,
+                    is_sphere: part.is_sphere,
                     looks_up,
+                    towards,
                     mirrored,
                 };
                 self.pipelines.require(context, key);
             };
             for layers in 1..=3 {
-                require(Part::NearCap(layers), part.is_sphere);
-                require(Part::FarCap(layers), part.is_sphere);
+                require(Part::NearCap(layers), false);
+                require(Part::FarCap(layers), false);
             }
             for kind in passes(plan.settings.culling, part.has_extent) {
-                require(*kind, part.is_sphere);
+                require(*kind, false);
+                if counts_towards(*kind) {
+                    require(*kind, true);
+                }
             }
             if debug {
-                require(Part::Show, part.is_sphere);
+                require(Part::Show, false);
             }
         }
         let is_sphere = self.parts[plan.parts.clone()].iter().any(|part| part.is_sphere);
@@ -295,6 +301,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
                     mesh: input.table.mesh[caster.object as usize],
                     caps: caster.caps.clone(),
                     has_far: record.light_local[3] != 0.0,
+                    towards: caster.towards,
                 }),
         );
         for light in &wedges.lights {
@@ -349,6 +356,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
                 form: plan.form,
                 is_sphere: part.is_sphere,
                 looks_up: plan.settings.maths == CoverageMaths::Tables,
+                towards: false,
                 mirrored: self.mirrored,
             };
             let Some(pipeline) = self.pipelines.get(key) else {
@@ -357,7 +365,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
             pass.set_pipeline(pipeline);
             let indices = if part.has_extent { SHELLS } else { HARD_SIDE };
             for group in &self.groups[part.groups.clone()] {
-                pass.draw_indexed(indices.clone(), 0, group.wedges.clone());
+                pass.draw_indexed(indices.clone(), 0, group.wedges());
             }
         }
     }
@@ -374,10 +382,12 @@ impl ShadowTechnique for PenumbraWedgeNode {
                     .map(|group| {
                         let faces = match (plan.settings.culling, part.has_extent) {
                             (_, false) => 1,
-                            (WedgeCulling::Stencil, true) => 1 + 4 * group.wedges.len(),
+                            (WedgeCulling::Stencil, true) => 1 + 4 * group.wedges().len(),
                             (_, true) => 2,
                         };
-                        self.cap_draw_count(group) + faces
+                        let ways = [&group.towards, &group.away];
+                        let ways = ways.iter().filter(|wedges| !wedges.is_empty()).count();
+                        self.cap_draw_count(group) + faces * ways
                     })
                     .sum();
                 drawn + 1

@@ -18,6 +18,8 @@ pub(super) struct CapDraw {
     pub(super) mesh: u32,
     pub(super) caps: [Range<u32>; 3],
     pub(super) has_far: bool,
+    /// Without caps: counted towards the viewer.
+    pub(super) towards: bool,
 }
 
 /// What is recorded for one part.
@@ -46,6 +48,11 @@ pub(super) struct LightPlan {
     pub(super) settings: PenumbraWedge,
     pub(super) form: Form,
     pub(super) parts: Range<usize>,
+}
+
+/// Whether there is a way to count these towards the viewer.
+pub(super) fn counts_towards(part: Part) -> bool {
+    matches!(part, Part::Separator | Part::Shell | Part::HardSide)
 }
 
 /// What the passes of a light draw.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::buffers::Sums;
 use super::component::{CoverageMaths, Overlap, WedgeCulling};
 use super::node::PenumbraWedgeNode;
-use super::plans::{LightPlan, PartPlan};
+use super::plans::{LightPlan, PartPlan, passes};
 use super::topology::{HARD_SIDE, INNER_HALF, OUTER_HALF, SEPARATORS, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey};
 use super::wedges::Group;
@@ -85,12 +85,13 @@ impl PenumbraWedgeNode {
         group: &Group,
         input: &RecordInput,
     ) {
-        let pipeline = |kind| {
+        let pipeline = |kind, towards| {
             self.pipelines.get(Key {
                 part: kind,
                 form: plan.form,
                 is_sphere: part.is_sphere,
                 looks_up: plan.settings.maths == CoverageMaths::Tables,
+                towards,
                 mirrored: self.mirrored,
             })
         };
@@ -101,7 +102,7 @@ impl PenumbraWedgeNode {
             } else {
                 Part::NearCap(layers)
             };
-            let Some(pipeline) = pipeline(kind) else {
+            let Some(pipeline) = pipeline(kind, false) else {
                 continue;
             };
             pass.set_pipeline(pipeline);
@@ -110,7 +111,7 @@ impl PenumbraWedgeNode {
                     continue;
                 };
                 let caps = &draw.caps[usize::from(layers) - 1];
-                if caps.is_empty() || (is_far && !draw.has_far) {
+                if draw.towards || caps.is_empty() || (is_far && !draw.has_far) {
                     continue;
                 }
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
@@ -118,32 +119,28 @@ impl PenumbraWedgeNode {
             }
         }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
-        let draw = |pass: &mut wgpu::RenderPass, kind, indices: Range<u32>, wedges: Range<u32>| {
-            if let Some(pipeline) = pipeline(kind) {
+        let draw = |pass: &mut wgpu::RenderPass, kind, towards, indices: Range<u32>, wedges: Range<u32>| {
+            if let (Some(pipeline), false) = (pipeline(kind, towards), wedges.is_empty()) {
                 pass.set_pipeline(pipeline);
                 pass.draw_indexed(indices, 0, wedges);
             }
         };
-        if !part.has_extent {
-            draw(pass, Part::HardSide, HARD_SIDE, group.wedges.clone());
-            return;
+        for (towards, wedges) in [(true, &group.towards), (false, &group.away)] {
+            for &kind in passes(plan.settings.culling, part.has_extent) {
+                let indices = match kind {
+                    Part::HardSide => HARD_SIDE,
+                    Part::Separator => SEPARATORS,
+                    Part::Shell | Part::ShellEverywhere => SHELLS,
+                    _ => continue, // edge by edge, below
+                };
+                draw(pass, kind, towards, indices, wedges.clone());
+            }
         }
-        match plan.settings.culling {
-            WedgeCulling::Depth => {
-                draw(pass, Part::Separator, SEPARATORS, group.wedges.clone());
-                draw(pass, Part::Shell, SHELLS, group.wedges.clone());
-            }
-            WedgeCulling::None => {
-                draw(pass, Part::Separator, SEPARATORS, group.wedges.clone());
-                draw(pass, Part::ShellEverywhere, SHELLS, group.wedges.clone());
-            }
-            WedgeCulling::Stencil => {
-                draw(pass, Part::HardSide, HARD_SIDE, group.wedges.clone());
-                for wedge in group.wedges.clone() {
-                    for (half, kind) in [(OUTER_HALF, Part::OuterHalf), (INNER_HALF, Part::InnerHalf)] {
-                        draw(pass, Part::Mark, half.clone(), wedge..wedge + 1);
-                        draw(pass, kind, half, wedge..wedge + 1);
-                    }
+        if part.has_extent && plan.settings.culling == WedgeCulling::Stencil {
+            for wedge in group.wedges() {
+                for (half, kind) in [(OUTER_HALF, Part::OuterHalf), (INNER_HALF, Part::InnerHalf)] {
+                    draw(pass, Part::Mark, false, half.clone(), wedge..wedge + 1);
+                    draw(pass, kind, false, half, wedge..wedge + 1);
                 }
             }
         }

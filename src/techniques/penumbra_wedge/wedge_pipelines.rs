@@ -83,6 +83,8 @@ pub struct Key {
     pub is_sphere: bool,
     /// Angles and areas come from tables.
     pub looks_up: bool,
+    /// Faces before the surface count, not those behind it.
+    pub towards: bool,
     /// The view mirrors.
     pub mirrored: bool,
 }
@@ -232,6 +234,7 @@ impl WedgePipelines {
         let constants = [
             ("IS_SPHERE", f64::from(key.is_sphere)),
             ("HALF_SIGN", sign),
+            ("FACE_SIGN", if key.towards { -1.0 } else { 1.0 }),
             ("CAP_LAYERS", layers),
             ("LOOKS_UP", f64::from(key.looks_up)),
             ("IS_TEXTURED", f64::from(key.form.is_textured())),
@@ -256,10 +259,12 @@ impl WedgePipelines {
                 })
             })
             .collect();
-        // Faces behind the surface or on it count: what lies on it counts as behind for both halves and for caps.
+        // Faces behind the surface or on it count: what lies on it counts as behind for both halves and for caps. Counted
+        // towards the viewer, it is the rest that counts.
         let depth_compare = match key.part {
             Part::ShellEverywhere => Always,
             Part::Show => Greater,
+            _ if key.towards => Greater,
             _ => LessEqual,
         };
         context
@@ -277,6 +282,7 @@ impl WedgePipelines {
                     // The far cap has the near cap's triangles, seen from the other end.
                     front_face: front_face(key.mirrored != matches!(key.part, Part::FarCap(_))),
                     cull_mode: match key.part {
+                        Part::Shell if key.towards => Some(wgpu::Face::Back),
                         Part::ShellEverywhere | Part::Shell | Part::OuterHalf | Part::InnerHalf => {
                             Some(wgpu::Face::Front)
                         }

@@ -6,15 +6,18 @@ use bevy_ecs::prelude::*;
 use smallvec::SmallVec;
 
 use super::chunks::{CasterItem, Chunk, ChunkKey, LightChunks, chunks_of, light_from_local};
-use super::component::{Overlap, PenumbraWedge};
+use super::component::{Overlap, PenumbraWedge, WedgeCulling};
 use super::layers::LayeredContour;
 use super::parts::{LightPart, PartShape, push_parts};
 use super::patches::{ShadowCone, share_sums};
 use super::records::{Wedge, WedgeCaster};
 use super::texture::EmitterTexture;
+use crate::geometry::Aabb;
+use crate::scene::FaceCulling;
 use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{FrameLights, Objects, View};
+use crate::sets::{FrameLights, Objects, SeenInto, View};
 use crate::silhouettes::{FacingBits, Silhouettes};
+use crate::techniques::stencil_volume::inside_test::OcclusionPyramid;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
 /// [`build_penumbra_wedges`].
@@ -72,8 +75,17 @@ pub struct PartWedges {
 pub struct Group {
     /// Range of [`PenumbraWedges::casters`].
     pub casters: Range<usize>,
-    /// Range of [`PenumbraWedges::wedges`].
-    pub wedges: Range<u32>,
+    /// Range of [`PenumbraWedges::wedges`]: those that count where they are before the surface.
+    pub towards: Range<u32>,
+    /// Those that count where they are behind it.
+    pub away: Range<u32>,
+}
+
+impl Group {
+    /// All of them.
+    pub fn wedges(&self) -> Range<u32> {
+        self.towards.start..self.away.end
+    }
 }
 
 /// One caster of one part.
@@ -83,6 +95,8 @@ pub struct CasterDraw {
     pub object: u32,
     /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::layers).
     pub caps: [Range<u32>; 3],
+    /// Counted towards the viewer: it shadows no part of the viewport, and its own surface hides the caps.
+    pub towards: bool,
 }
 
 #[derive(Debug, Default)]
@@ -111,6 +125,7 @@ struct Placed {
     index: u32,
     caster: Entity,
     object: u32,
+    towards: bool,
 }
 
 /// Frames that a chunk outlives its last use; as of silhouettes.
@@ -130,7 +145,8 @@ impl PenumbraWedges {
 /// Makes the wedges of every edge of every caster of every light with a [`PenumbraWedge`], those that are not known yet
 /// or stale, and lists what the frame draws.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`]; writes [`PenumbraWedges`].
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`SeenInto`]; writes
+/// [`PenumbraWedges`].
 /// Cost: an inverse a caster of S; the edges of what moved.
 pub fn build_penumbra_wedges(
     mut wedges: ResMut<PenumbraWedges>,
@@ -138,6 +154,8 @@ pub fn build_penumbra_wedges(
     objects: Res<Objects>,
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
+    seen_into: Res<SeenInto>,
+    face_culling: Res<FaceCulling>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterItem<'static>>,
 ) {
@@ -151,6 +169,8 @@ pub fn build_penumbra_wedges(
     let Some(view) = &view.data else {
         return;
     };
+    let near = &view.near_corners;
+    let around = [near[0], near[1], near[3], near[2]];
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
         let Ok((settings, texture)) = components.get(light.entity) else {
@@ -183,6 +203,7 @@ pub fn build_penumbra_wedges(
         let chunks = chunks_of(&mut out.kept, light.entity, frame);
         for number in 0..out.scratch.parts.len() {
             let part = out.scratch.parts[number];
+            let pyramid = OcclusionPyramid::new(&around, part.point_world);
             for object in light.s.ones() {
                 let Some((_, silhouette)) = known.of_object(object) else {
                     continue;
@@ -236,6 +257,19 @@ pub fn build_penumbra_wedges(
                 }
                 out.lights[this].is_layered |= chunk.is_layered;
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
+                    // Its own surface hides the near cap only where all of the surface is drawn. From elsewhere on the
+                    // light than its centre, the pyramid is within the light's radius of that from the centre.
+                    let hides_cap = objects.drawn.contains(object)
+                        && !seen_into.0.contains(object)
+                        && (*face_culling == FaceCulling::None || item.0.0.edges.is_closed());
+                    let bounds = objects.boxes.get(object);
+                    let radius = part.shape.radius() as f32;
+                    let towards = settings.culling == WedgeCulling::Depth
+                        && hides_cap
+                        && pyramid.excludes(&Aabb {
+                            min: bounds.min - radius,
+                            max: bounds.max + radius,
+                        });
                     let layout = &mut out.scratch.layout;
                     layout.push(Placed {
                         light: light.entity,
@@ -243,6 +277,7 @@ pub fn build_penumbra_wedges(
                         index: first as u32 + number,
                         caster: entity,
                         object: object as u32,
+                        towards,
                     });
                 }
             }
@@ -328,8 +363,14 @@ impl PenumbraWedges {
                 let first_group = groups.len();
                 for sum in 0..sum_count {
                     let (first_caster, first_wedge) = (casters.len(), wedges.len() as u32);
-                    let of_sum = entries.iter().zip(sums.iter()).filter(|(_, of)| **of == sum);
-                    let mut of_sum = of_sum.map(|(&entry, _)| entry).peekable();
+                    let mut first_away = first_wedge;
+                    let (layout, entries, sums) = (&*layout, &*entries, &*sums);
+                    let of_sum = |towards: bool| {
+                        let of_sum = entries.iter().zip(sums.iter()).filter(|(_, of)| **of == sum);
+                        let entries = of_sum.map(|(&entry, _)| entry);
+                        entries.filter(move |entry| layout[entry.0].towards == towards)
+                    };
+                    let mut of_sum = of_sum(true).chain(of_sum(false)).peekable();
                     while let Some(&(at, _)) = of_sum.peek() {
                         let Some(chunk) = chunk_of(at) else {
                             break;
@@ -347,10 +388,7 @@ impl PenumbraWedges {
                         });
                         for &number in &numbers {
                             let own = &chunk.wedges[chunk.patches[number].wedges.clone()];
-                            wedges.extend(own.iter().map(|wedge| Wedge {
-                                caster,
-                                ..*wedge
-                            }));
+                            wedges.extend(own.iter().map(|wedge| Wedge { caster, ..*wedge }));
                         }
                         let cap_ranges = [0, 1, 2].map(|layers| {
                             let first_cap = caps.len() as u32;
@@ -364,11 +402,16 @@ impl PenumbraWedges {
                         casters.push(CasterDraw {
                             object,
                             caps: cap_ranges,
+                            towards: layout[at].towards,
                         });
+                        if layout[at].towards {
+                            first_away = wedges.len() as u32;
+                        }
                     }
                     groups.push(Group {
                         casters: first_caster..casters.len(),
-                        wedges: first_wedge..wedges.len() as u32,
+                        towards: first_wedge..first_away,
+                        away: first_away..wedges.len() as u32,
                     });
                 }
                 parts[index].groups = first_group..groups.len();
