@@ -48,7 +48,7 @@ fn boxes(parts: &[(Vec3, Vec3)]) -> MeshData {
 }
 
 /// One closed piece: two round plates on a neck that widens downwards, so that all of it faces a light above.
-fn spool() -> MeshData {
+fn spool(inside_out: bool) -> MeshData {
     const SIDES: usize = 16;
     let profile = [(0.0, 1.5), (0.7, 1.4), (0.1, 1.36), (0.75, 0.9), (0.0, 0.85)];
     let corner = |ring: usize, side: usize| {
@@ -63,7 +63,10 @@ fn spool() -> MeshData {
         positions.extend([a, c, d]);
         positions.extend([a, d, b]);
     }
-    let indices = (0..positions.len() as u32).collect();
+    let mut indices: Vec<u32> = (0..positions.len() as u32).collect();
+    if inside_out {
+        indices.chunks_exact_mut(3).for_each(|corners| corners.swap(1, 2));
+    }
     MeshData::from_triangles("spool", positions, indices)
 }
 
@@ -130,7 +133,7 @@ fn equation_1_combines_the_loops_of_one_caster() {
 fn loops_of_one_piece_are_told_apart() {
     let context = strict_context(RequestedFeatures::default());
     let mut stage = ground(&context, EYE, Vec3::ZERO);
-    spawn(&mut stage, spool(), Transform::IDENTITY);
+    spawn(&mut stage, spool(false), Transform::IDENTITY);
     light(&mut stage, &above(Overlap::Paper));
     let truth = truth(&mut stage, 0, SAMPLES);
     let paper = judge(&mut stage, &truth, "spool_paper").rmse_penumbra;
@@ -148,6 +151,24 @@ fn loops_of_one_piece_are_told_apart() {
         sampled < paper && paper < additive,
         "{sampled} {paper} {additive}"
     );
+}
+
+#[test]
+fn inside_out_pieces_cast_as_open_ones() {
+    let context = strict_context(RequestedFeatures::default());
+    let mut stage = ground(&context, EYE, Vec3::ZERO);
+    spawn(&mut stage, spool(true), Transform::IDENTITY);
+    let entity = light(&mut stage, &above(Overlap::Additive));
+    stage.world.insert_resource(FaceCulling::None);
+    let truth = truth(&mut stage, 0, SAMPLES);
+    for overlap in [Overlap::Additive, Overlap::Paper, Overlap::Sampled] {
+        stage.world.entity_mut(entity).insert(above(overlap).wedge);
+        let error = judge(&mut stage, &truth, &format!("inside_out_{overlap:?}"));
+        assert!(
+            error.rmse_penumbra < 0.17 && error.lit_dark == 0.0,
+            "{overlap:?} {error:?}"
+        );
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, Seat, seat, seat_at, above, places_above}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
@@ -42,11 +42,16 @@ fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     return select(added, added.rrrr, IS_SCALAR);
 }
 
-// What is covered above the horizon, by the layer that hides more.
-fn summed(pixel: vec2u, over: vec4f) -> vec4f {
+// What is covered above the horizon, by layers.
+struct Covered {
+    facing: vec4f,
+    averted: vec4f,
+}
+
+fn summed(pixel: vec2u, over: vec4f) -> Covered {
     let facing = joined(textureLoad(facing_sums, pixel, 0), textureLoad(facing_subtracted, pixel, 0));
     let averted = joined(textureLoad(averted_sums, pixel, 0), textureLoad(averted_subtracted, pixel, 0));
-    return clamp(-min(facing, averted), vec4f(0.0), over);
+    return Covered(clamp(-facing, vec4f(0.0), over), clamp(-averted, vec4f(0.0), over));
 }
 
 // Four counts of −32 to 31 that one float holds.
@@ -132,11 +137,8 @@ fn whole_above(pixel: vec2f) -> f32 {
     return max(above(at.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
 }
 
-fn covered_by_group(pixel: vec2u, at: Seat, over: vec4f) -> vec4f {
-    if IS_SAMPLED {
-        return vec4f(sampled(pixel, at.horizon, over.a));
-    }
-    return summed(pixel, over);
+fn above_here(horizon: vec3f) -> vec4f {
+    return above(horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
 }
 
 // By colour: of what lies above the horizon, for light passes cut there too; of the area: of all.
@@ -144,26 +146,31 @@ fn covered_by_group(pixel: vec2u, at: Seat, over: vec4f) -> vec4f {
 fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
     let at = seat(receiver_at(position.xy), IS_SPHERE);
-    let over = above(at.horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
+    let over = above_here(at.horizon);
     var covered = vec4f(0.0);
-    if IS_COMBINED {
-        covered = min(textureLoad(combined, pixel, 0), over);
+    if IS_SAMPLED {
+        covered = vec4f(sampled(pixel, at.horizon, over.a));
+    } else if IS_COMBINED {
+        let before = textureLoad(combined, pixel, 0);
+        covered = min(select(vec4f(max(before.x, before.y)), before, IS_TEXTURED), over);
     } else {
-        covered = covered_by_group(pixel, at, over);
+        let layers = summed(pixel, over);
+        covered = max(layers.facing, layers.averted);
     }
     let visible = over - covered;
-    let of_above = visible.rgb / whole_above(position.xy);
-    return vec4f(of_above, visible.a);
+    return vec4f(visible.rgb / whole_above(position.xy), visible.a);
 }
 
-// Coverage between the extremes of no and all overlap.
+// Coverage between the extremes of no and all overlap. Layers are two accounts of one shadow: each is combined by
+// itself, in x and y. By colour there is no room for that, and the layer that hides more counts.
 // Source: Assarsson et al. 2003, equation 1.
 @fragment
 fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
     let at = seat(receiver_at(position.xy), IS_SPHERE);
-    let over = above(at.horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
+    let layers = summed(pixel, above_here(at.horizon));
+    let by_color = max(layers.facing, layers.averted);
+    let now = select(vec4f(layers.facing.a, layers.averted.a, 0.0, 0.0), by_color, IS_TEXTURED);
     let before = textureLoad(combined, pixel, 0);
-    let now = covered_by_group(pixel, at, over);
     return max(before, now) + 0.5 * min(before, now);
 }

@@ -176,7 +176,12 @@ impl Split {
         }
     }
 
+    /// The same of a slot; 0 where a short cluster has no triangle.
     fn layers_of_slot(self, mesh: &EdgeMesh, facing: &FacingBits, slot: usize) -> u32 {
+        let cluster = &mesh.clusters()[slot / CLUSTER_TRIANGLES];
+        if slot % CLUSTER_TRIANGLES >= cluster.triangle_count as usize {
+            return 0;
+        }
         let is_closed = slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
         self.layers_of(facing.is_facing(slot), is_closed)
     }
