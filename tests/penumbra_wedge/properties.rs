@@ -138,3 +138,18 @@ fn a_slowly_moving_light_does_not_flicker() {
     assert!(moved > 0.02, "the light moves");
     assert!(worst <= 0.05, "{worst}");
 }
+
+#[test]
+fn the_debug_view_shows_wedges() {
+    let context = strict_context(RequestedFeatures::default());
+    for kind in [rect(0.8, 0.5), sphere(0.4), LightKind::Point] {
+        let mut stage = crowd(&context, false);
+        light(&mut stage, &lit(kind, PenumbraWedge::default()));
+        let without = stage.render().expect("a frame");
+        stage.world.resource_mut::<Renderer>().settings.debug_volumes = true;
+        let with = stage.render().expect("a frame");
+        let brighter = with.radiance.iter().zip(&without.radiance).filter(|(a, b)| a > b);
+        assert!(brighter.count() > 1000, "{kind:?}");
+        assert_eq!(with.visibility, without.visibility, "{kind:?}");
+    }
+}

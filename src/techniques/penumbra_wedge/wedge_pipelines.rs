@@ -111,6 +111,8 @@ pub struct WedgePipelines {
     wedge: wgpu::ShaderModule,
     resolve: wgpu::ShaderModule,
     wedge_layout: wgpu::PipelineLayout,
+    /// Without receivers: the debug view is drawn into the light pass.
+    debug_layout: wgpu::PipelineLayout,
     resolve_layout: wgpu::PipelineLayout,
     wedges: Vec<(Key, wgpu::RenderPipeline)>,
     resolves: Vec<(ResolveKey, wgpu::RenderPipeline)>,
@@ -155,6 +157,7 @@ impl WedgePipelines {
                 "penumbra wedge",
                 &[Some(&layouts.view), Some(&layouts.receiver), Some(wedges)],
             ),
+            debug_layout: layout("wedge debug view", &[Some(&layouts.view), None, Some(wedges)]),
             resolve_layout: layout(
                 "penumbra wedge resolve",
                 &[
@@ -271,7 +274,11 @@ impl WedgePipelines {
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(&format!("penumbra wedge {key:?}")),
-                layout: Some(&self.wedge_layout),
+                layout: Some(if debug {
+                    &self.debug_layout
+                } else {
+                    &self.wedge_layout
+                }),
                 vertex: wgpu::VertexState {
                     module: &self.wedge,
                     entry_point: Some(vertex),
