@@ -81,7 +81,6 @@ pub fn extract_layers(
         let ends = [positions[a as usize], positions[b as usize]];
         if forward { ends } else { [ends[1], ends[0]] }
     };
-    let closed_slots = mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
     for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
         let corners = &mesh.corners()[cluster.triangles()];
         let first = index * CLUSTER_TRIANGLES;
@@ -91,18 +90,20 @@ pub fn extract_layers(
                 return;
             }
             let ends = at(side.vertices(corners), is_facing);
-            let slots = [first + side.lane(), other_slot];
-            if by_patch && split.is_mixed && slots[0] >= closed_slots {
-                for slot in slots {
-                    let layers = split.layers_of_slot(mesh, facing, slot);
+            if !by_patch {
+                edges.push(LayeredEdge {
+                    ends,
+                    layers: FACING | AVERTED,
+                    patch: 0,
+                });
+                return;
+            }
+            for slot in [first + side.lane(), other_slot] {
+                let layers = split.layers_of_slot(mesh, facing, slot);
+                if layers != 0 {
                     let patch = patch_of(slot);
                     edges.push(LayeredEdge { ends, layers, patch });
                 }
-            } else {
-                // Of closed pieces the averted triangle is in the shadow; which is it?
-                let patch = patch_of(slots[usize::from(is_facing)]);
-                let layers = FACING | AVERTED;
-                edges.push(LayeredEdge { ends, layers, patch });
             }
         };
         if word != 0 && word != cluster.full_word() {
