@@ -31,6 +31,7 @@
 //! Counting the hidden samples of a light from signed edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005,
 //! "Soft Shadow Volumes for Ray Tracing", there for each ray.
 
+mod assemble;
 #[cfg(feature = "render")]
 pub mod buffers;
 mod chunks;

@@ -174,16 +174,14 @@ impl WedgePipelines {
 
     /// The pipeline, if [`WedgePipelines::require`] has made it.
     pub fn get(&self, key: Key) -> Option<&wgpu::RenderPipeline> {
-        self.wedges
-            .iter()
-            .find_map(|(known, pipeline)| (*known == key).then_some(pipeline))
+        let found = self.wedges.iter().find(|(known, _)| *known == key);
+        found.map(|(_, pipeline)| pipeline)
     }
 
     /// The pipeline, if [`WedgePipelines::require_resolve`] has made it.
     pub fn get_resolve(&self, key: ResolveKey) -> Option<&wgpu::RenderPipeline> {
-        self.resolves
-            .iter()
-            .find_map(|(known, pipeline)| (*known == key).then_some(pipeline))
+        let found = self.resolves.iter().find(|(known, _)| *known == key);
+        found.map(|(_, pipeline)| pipeline)
     }
 
     /// Makes the pipeline if it does not exist yet.
