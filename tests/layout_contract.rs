@@ -91,9 +91,9 @@ fn mirrors() -> Vec<Mirror> {
             end_local,
             flags,
             start_light,
-            light,
+            padding_a,
             end_light,
-            padding,
+            padding_b,
             rims,
         } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, WedgeLight {
@@ -105,7 +105,8 @@ fn mirrors() -> Vec<Mirror> {
             table,
             padding,
             place,
-        } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
+            whole,
+        } in "techniques/penumbra_wedge/wedge.wgsl", array: false),
     ]
 }
 

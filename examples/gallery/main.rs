@@ -19,6 +19,7 @@
 //! | `html`, `gallery.css`, `gallery.js` | the page that shows them |
 //! | `soft_pages` | soft shadows side by side, after the figures of their paper |
 //! | `soft_table` | errors and costs of soft shadows, model by model |
+//! | `soft_cost` | what tight wedges and culling save |
 //! | `readme` | the pictures of the README |
 
 mod cost;
@@ -30,6 +31,7 @@ mod page;
 mod pages;
 mod panels;
 mod readme;
+mod soft_cost;
 mod soft_pages;
 mod soft_table;
 #[path = "../support/mod.rs"]
@@ -50,7 +52,7 @@ use support::stage::one_line;
 #[derive(Parser)]
 struct Arguments {
     /// Folder for the pictures and index.html; made if it is not there.
-    #[arg(long, required_unless_present_any = ["readme", "soft_table"])]
+    #[arg(long, required_unless_present_any = ["readme", "soft_table", "soft_cost"])]
     out: Option<PathBuf>,
     /// Folder of further models: adds a page for each that the gallery knows.
     #[arg(long)]
@@ -67,6 +69,9 @@ struct Arguments {
     /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` names a part of paths.
     #[arg(long, requires = "models")]
     soft_table: bool,
+    /// Prints what tight wedges and culling save instead.
+    #[arg(long)]
+    soft_cost: bool,
     /// Writes the page of soft shadows to `--out` instead.
     #[arg(long, requires = "out")]
     soft: bool,
@@ -95,6 +100,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     };
     if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
         return soft_table::print(&bench.context, folder, arguments.size, arguments.only.as_deref());
+    }
+    if arguments.soft_cost {
+        return soft_cost::print(&bench.context, &assets, arguments.size);
     }
     if let (true, Some(out)) = (arguments.soft, &arguments.out) {
         return soft_pages::write(&bench.context, &assets, arguments.size, out);

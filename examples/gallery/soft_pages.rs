@@ -20,12 +20,12 @@ use super::support::picture::write_png;
 use super::support::stage::{Stage, one_line};
 
 /// A caster on a ground.
-struct Scene {
-    name: &'static str,
+pub(super) struct Scene {
+    pub(super) name: &'static str,
     caption: &'static str,
     eye: Vec3,
     target: Vec3,
-    light: Vec3,
+    pub(super) light: Vec3,
     kind: Caster,
 }
 
@@ -35,7 +35,7 @@ enum Caster {
     Comb,
 }
 
-fn scenes() -> Vec<Scene> {
+pub(super) fn scenes() -> Vec<Scene> {
     let eye = Vec3::new(2.2, 2.4, 4.4);
     vec![
         Scene {
@@ -66,9 +66,14 @@ fn scenes() -> Vec<Scene> {
     ]
 }
 
-const SQUARE: LightKind = LightKind::Rect {
+pub(super) const SQUARE: LightKind = LightKind::Rect {
     width: 0.9,
     height: 0.9,
+};
+
+pub(super) const WIDE: LightKind = LightKind::Rect {
+    width: 2.4,
+    height: 0.3,
 };
 
 /// Renders and judges all, writes the page.
@@ -88,13 +93,7 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
             ("hard", LightKind::Point),
             ("sphere", LightKind::Sphere { radius: 0.5 }),
             ("square", SQUARE),
-            (
-                "wide",
-                LightKind::Rect {
-                    width: 2.4,
-                    height: 0.3,
-                },
-            ),
+            ("wide", WIDE),
         ];
         for (name, kind) in shapes {
             set_light(&mut stage, kind, scene.light, PenumbraWedge::default());
@@ -184,7 +183,12 @@ fn figure(
     Ok(())
 }
 
-fn stage(context: &RenderContext, assets: &Path, size: UVec2, scene: &Scene) -> Result<Stage, String> {
+pub(super) fn stage(
+    context: &RenderContext,
+    assets: &Path,
+    size: UVec2,
+    scene: &Scene,
+) -> Result<Stage, String> {
     let camera = Camera {
         vertical_fov: 0.75,
         near: 0.05,
@@ -224,7 +228,7 @@ fn stage(context: &RenderContext, assets: &Path, size: UVec2, scene: &Scene) -> 
     Ok(stage)
 }
 
-fn set_light(stage: &mut Stage, kind: LightKind, from: Vec3, wedge: PenumbraWedge) {
+pub(super) fn set_light(stage: &mut Stage, kind: LightKind, from: Vec3, wedge: PenumbraWedge) {
     for light in std::mem::take(&mut stage.lights) {
         stage.world.despawn(light);
     }

@@ -4,22 +4,18 @@
 //! Models are scaled to a radius of 1 m and stand on a ground.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::Instant;
 
-use antumbra::geometry::Aabb;
 use antumbra::prelude::*;
 use antumbra::reference::{
     LightSource, RayScene, SoftError, VisibilityImage, compare_soft, primary_hits, soft_visibility,
 };
-use antumbra::scene::animation::apply_animation;
-use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use antumbra::techniques::penumbra_wedge::{CoverageMaths, Overlap, WedgeBounds, WedgeCulling};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
 
-use super::support::solid::make_alpha_solid;
+use super::support::model::Model;
 use super::support::stage::{Stage, one_line};
 
 /// Samples of the truth.
@@ -42,6 +38,13 @@ fn ways() -> Vec<Way> {
     let wedge = PenumbraWedge::default();
     vec![
         Way::Wedges("wedges", wedge),
+        Way::Wedges(
+            "additive",
+            PenumbraWedge {
+                overlap: Overlap::Additive,
+                ..wedge
+            },
+        ),
         Way::Wedges(
             "eq. 1",
             PenumbraWedge {
@@ -108,7 +111,7 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, only: Option<&
     files.sort();
     files.retain(|file| only.is_none_or(|only| file.to_string_lossy().contains(only)));
     println!(
-        "RMSE over all receivers / over the penumbra, milliseconds of a frame, {size}, {}",
+        "RMSE over all receivers / over the penumbra, milliseconds of a frame (wall clock, median), {size}, {}",
         context.adapter
     );
     let ways = ways();
@@ -178,35 +181,20 @@ struct Subject {
     stage: Stage,
     scene: RayScene,
     light: Transform,
-    range: f32,
+    /// The model's radius, metres.
+    unit: f32,
 }
 
 impl Subject {
     /// `None` for a model without triangles.
     fn load(context: &RenderContext, file: &Path, size: UVec2) -> Result<Option<Self>, String> {
-        let mut stage = Stage::empty(size, Camera::default(), Transform::IDENTITY);
-        stage.world.insert_resource(FaceCulling::None);
-        let added = stage.add_renderer(context.clone(), RenderSettings::default());
-        added.map_err(|error| one_line(&error))?;
-        let loaded = load_gltf(file).map_err(|error| one_line(&error))?;
-        let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
-        if let Some(clip) = loaded.clips.first() {
-            apply_animation(&mut stage.world, &spawned, clip, 0.37 * clip.duration());
-        }
-        for &light in &spawned.lights {
-            stage.world.entity_mut(light).remove::<Light>();
-        }
-        for &camera in &spawned.cameras {
-            stage.world.entity_mut(camera).remove::<Camera>();
-        }
-        make_alpha_solid(&mut stage);
-        stage.schedule.run(&mut stage.world);
-        let bounds = stage.scene_bounds();
-        if bounds.is_empty() {
+        let Some(Model {
+            mut stage, bounds, ..
+        }) = Model::load(file, context, size)?
+        else {
             return Ok(None);
-        }
-        let unit = bounds.half_size().length().max(1e-6);
-        stage.spawn_ground(bounds, unit);
+        };
+        let unit = bounds.half_size().length().max(1e-3);
         let at = |direction: Vec3, distance: f32| bounds.center() + direction.normalize() * (distance * unit);
         let camera = Camera {
             vertical_fov: 0.9,
@@ -222,24 +210,16 @@ impl Subject {
         let scene = RayScene::from_world(&mut stage.world);
         let light = Transform::from_translation(at(Vec3::new(0.5, 1.0, 0.35), LIGHT.1))
             .looking_at(bounds.center(), Vec3::Z);
-        Ok(Some(
-            Self {
-                stage,
-                scene,
-                light,
-                range: 20.0 * unit,
-            }
-            .with_unit(unit),
-        ))
-    }
-
-    fn with_unit(mut self, unit: f32) -> Self {
-        self.light.scale = Vec3::splat(unit); // kept here: lights do not look at it
-        self
+        Ok(Some(Self {
+            stage,
+            scene,
+            light,
+            unit,
+        }))
     }
 
     fn kind(&self) -> LightKind {
-        let side = LIGHT.0 * self.light.scale.x;
+        let side = LIGHT.0 * self.unit;
         LightKind::Rect {
             width: side,
             height: side,
@@ -251,10 +231,9 @@ impl Subject {
             kind,
             color: Vec3::ONE,
             intensity: 10.0,
-            range: self.range,
+            range: 20.0 * self.unit,
         };
-        self.stage
-            .spawn_light(light, transform.with_scale(Vec3::ONE), shadow);
+        self.stage.spawn_light(light, transform, shadow);
     }
 
     fn clear(&mut self) {
@@ -286,7 +265,7 @@ impl Subject {
         match *way {
             Way::Wedges(_, wedge) => self.spawn(self.kind(), self.light, Some(wedge)),
             Way::Hard(_, side) => {
-                let extent = LIGHT.0 * self.light.scale.x;
+                let extent = LIGHT.0 * self.unit;
                 for cell in 0..side * side {
                     let share = |cell: u32| ((cell as f32 + 0.5) / side as f32 - 0.5) * extent;
                     let offset = Vec3::new(share(cell % side), share(cell / side), 0.0);
@@ -321,16 +300,5 @@ impl Subject {
         times.sort_by(f64::total_cmp);
         self.clear();
         Ok((error, times[RUNS / 2]))
-    }
-}
-
-impl Stage {
-    fn spawn_ground(&mut self, bounds: Aabb, unit: f32) {
-        self.world.spawn((
-            SceneMesh(Arc::new(MeshData::plane(6.0 * unit))),
-            SceneMaterials([Arc::new(Material::matte(Vec3::splat(0.8)))].into()),
-            (ShadowCaster, ShadowReceiver),
-            Transform::from_translation(bounds.center().with_y(bounds.min.y - 0.01 * unit)),
-        ));
     }
 }

@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each example and test uses a part")]
 
+pub mod model;
 pub mod picture;
 pub mod shadow;
 pub mod shadow_map;

@@ -52,6 +52,7 @@ fn whole() -> [u32; 2] {
 #[serde(rename_all = "snake_case")]
 pub enum ShotOverlap {
     #[default]
+    Sampled,
     Additive,
     Paper,
 }
@@ -137,6 +138,7 @@ impl ShotShadow {
                 light.insert(PenumbraWedge {
                     split,
                     overlap: match overlap {
+                        ShotOverlap::Sampled => Overlap::Sampled,
                         ShotOverlap::Additive => Overlap::Additive,
                         ShotOverlap::Paper => Overlap::Paper,
                     },

@@ -7,11 +7,18 @@
 
 #import antumbra::conventions::PI
 
-// An edge projected onto a rectangle and clipped to it; the rectangle is the square from −1 to 1.
+// An edge projected onto a light and clipped to it. A rectangle is the square from −1 to 1, a disc has radius 1.
 struct Projected {
     start: vec2f,
     end: vec2f,
     is_visible: bool,
+}
+
+// What of an edge lies between the receiver and the light: homogeneous places on the light, not clipped to it.
+struct Seen {
+    first: vec3f,
+    last: vec3f,
+    is_there: bool,
 }
 
 // The range of the parameter along an edge where a linear function is not negative; the ends' values in `at`.
@@ -22,23 +29,41 @@ fn clip_range(range: vec2f, at: vec2f) -> vec2f {
     return select(vec2f(lower, upper), vec2f(1.0, 0.0), at.x < 0.0 && at.y < 0.0);
 }
 
+// Least share of the way to the light at which an edge counts.
+const LEAST_WAY: f32 = 1e-6;
+
+fn cut_between(a: vec3f, b: vec3f) -> Seen {
+    let w = vec2f(a.z, b.z);
+    var range = clip_range(vec2f(0.0, 1.0), w - LEAST_WAY);
+    range = clip_range(range, 1.0 - w);
+    return Seen(mix(a, b, range.x), mix(a, b, range.y), range.x < range.y);
+}
+
 // Sees the edge from `p`. With w the share of the way from `p` to the light's plane, an edge point projects to
 // H / w; H and w are linear along the edge. Only points between `p` and the light count: 0 < w < 1.
-fn project_to_rect(p: vec3f, start: vec3f, end: vec3f, half_size: vec2f) -> Projected {
+fn see_on_rect(p: vec3f, start: vec3f, end: vec3f, half_size: vec2f) -> Seen {
     let w = (vec2f(start.z, end.z) - p.z) / -p.z;
     let a = (start.xy - p.xy * (1.0 - w.x)) / half_size;
     let b = (end.xy - p.xy * (1.0 - w.y)) / half_size;
+    var seen = cut_between(vec3f(a, w.x), vec3f(b, w.y));
+    seen.is_there = seen.is_there && p.z < 0.0;
+    return seen;
+}
+
+fn project_to_rect(seen: Seen) -> Projected {
+    let a = seen.first;
+    let b = seen.last;
+    let w = vec2f(a.z, b.z);
     var range = vec2f(0.0, 1.0);
     range = clip_range(range, w - vec2f(a.x, b.x));
     range = clip_range(range, w + vec2f(a.x, b.x));
     range = clip_range(range, w - vec2f(a.y, b.y));
     range = clip_range(range, w + vec2f(a.y, b.y));
-    range = clip_range(range, 1.0 - w);
     let at = max(mix(vec2f(w.x), vec2f(w.y), range), vec2f(1e-9));
     return Projected(
-        clamp(mix(a, b, range.x) / at.x, vec2f(-1.0), vec2f(1.0)),
-        clamp(mix(a, b, range.y) / at.y, vec2f(-1.0), vec2f(1.0)),
-        range.x < range.y && p.z < 0.0,
+        clamp(mix(a.xy, b.xy, range.x) / at.x, vec2f(-1.0), vec2f(1.0)),
+        clamp(mix(a.xy, b.xy, range.y) / at.y, vec2f(-1.0), vec2f(1.0)),
+        range.x < range.y && seen.is_there,
     );
 }
 
@@ -61,53 +86,93 @@ fn rect_coverage(edge: Projected) -> f32 {
     return select(0.0, 0.25 * max(sector - triangle, 0.0), edge.is_visible);
 }
 
-// A chord of the disc that stands for a sphere: the line's distance from the centre, and the places on it, all in radii.
-struct Chord {
-    distance: f32,
-    start: f32,
-    end: f32,
-    is_visible: bool,
+// Axes of the disc through a sphere's centre that faces `p`.
+struct DiscFrame {
+    axis: vec3f,                    // towards the centre
+    across: vec3f,
+    up: vec3f,
 }
 
-// Sees the edge from `p`, on the disc through the sphere's centre that faces `p`.
-//
+fn disc_frame(p: vec3f) -> DiscFrame {
+    let axis = -p / max(length(p), 1e-20);
+    let other = select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(axis.x) > 0.7);
+    let across = normalize(other - axis * dot(axis, other));
+    return DiscFrame(axis, across, cross(axis, across));
+}
+
+fn see_on_disc(p: vec3f, start: vec3f, end: vec3f, radius: f32) -> Seen {
+    let distance = max(length(p), 1e-20);
+    let frame = disc_frame(p);
+    let a = start - p;
+    let b = end - p;
+    return cut_between(
+        vec3f(vec2f(dot(a, frame.across), dot(a, frame.up)) / radius, dot(a, frame.axis) / distance),
+        vec3f(vec2f(dot(b, frame.across), dot(b, frame.up)) / radius, dot(b, frame.axis) / distance),
+    );
+}
+
 // The paper clips the edge at the cone by a quadratic; here the line of the projected edge is found first (the cross
 // product of its homogeneous ends), so that nothing cancels where an end lies beside the receiver.
-fn project_to_disc(p: vec3f, start: vec3f, end: vec3f, radius: f32) -> Chord {
-    let distance = length(p);
-    let axis = -p / max(distance, 1e-20);
-    let across = normalize(select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(axis.x) > 0.7) - axis
-        * select(axis.x, axis.y, abs(axis.x) > 0.7));
-    let up = cross(axis, across);
-    let from_start = start - p;
-    let from_end = end - p;
-    let w_start = dot(from_start, axis) / distance;
-    let w_end = dot(from_end, axis) / distance;
-    var a = vec3f(vec2f(dot(from_start, across), dot(from_start, up)) / radius, w_start);
-    var b = vec3f(vec2f(dot(from_end, across), dot(from_end, up)) / radius, w_end);
-    // Between the receiver and the disc alone.
-    let least = 1e-6;
-    var range = clip_range(vec2f(0.0, 1.0), vec2f(w_start, w_end) - least);
-    range = clip_range(range, 1.0 - vec2f(w_start, w_end));
-    let line = cross(a, b);
+fn project_to_disc(seen: Seen) -> Projected {
+    let line = cross(seen.first, seen.last);
     let scale = inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
     let normal = line.xy * scale;
     let offset = line.z * scale;
     let along = vec2f(-normal.y, normal.x);
     let half_chord = sqrt(max(1.0 - offset * offset, 0.0));
-    let first = mix(a, b, range.x);
-    let last = mix(a, b, range.y);
-    return Chord(
-        abs(offset),
-        clamp(dot(first.xy, along) / max(first.z, least), -half_chord, half_chord),
-        clamp(dot(last.xy, along) / max(last.z, least), -half_chord, half_chord),
-        range.x < range.y && abs(offset) < 1.0,
+    let from_place = clamp(dot(seen.first.xy, along) / max(seen.first.z, LEAST_WAY), -half_chord, half_chord);
+    let to_place = clamp(dot(seen.last.xy, along) / max(seen.last.z, LEAST_WAY), -half_chord, half_chord);
+    let foot = -normal * offset;
+    return Projected(
+        foot + along * from_place,
+        foot + along * to_place,
+        seen.is_there && abs(offset) < 1.0 && from_place != to_place,
     );
 }
 
 // Share of a disc.
-fn disc_coverage(chord: Chord) -> f32 {
-    let angle = abs(atan2(chord.start, chord.distance) - atan2(chord.end, chord.distance));
-    let triangle = chord.distance * abs(chord.start - chord.end);
-    return select(0.0, max(angle - triangle, 0.0) / (2.0 * PI), chord.is_visible);
+fn disc_coverage(edge: Projected) -> f32 {
+    let triangle = abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x);
+    let angle = atan2(triangle, dot(edge.start, edge.end));
+    return select(0.0, max(angle - triangle, 0.0) / (2.0 * PI), edge.is_visible);
+}
+
+// The part of an edge where a linear function is not negative.
+fn part_of(edge: Projected, at_start: f32, at_end: f32) -> Projected {
+    let range = clip_range(vec2f(0.0, 1.0), vec2f(at_start, at_end));
+    return Projected(
+        mix(edge.start, edge.end, range.x),
+        mix(edge.start, edge.end, range.y),
+        edge.is_visible && range.x < range.y,
+    );
+}
+
+// Where a line, `dot(line.xy, place) + line.z == 0`, crosses the light; of it what is seen from the centre between the
+// ends of `between`, or all.
+fn chord_of(line: vec3f, is_disc: bool, between: Projected, is_whole: bool) -> Projected {
+    let scale = inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
+    let normal = line.xy * scale;
+    let foot = -normal * (line.z * scale);
+    let along = vec2f(-normal.y, normal.x);
+    // The diagonal of the square is 2√2.
+    let reach = select(1.5, sqrt(max(1.0 - dot(foot, foot), 0.0)), is_disc);
+    let a = foot - along * reach;
+    let b = foot + along * reach;
+    let bounds = select(1.0, 4.0, is_disc);
+    var range = vec2f(0.0, 1.0);
+    range = clip_range(range, bounds - vec2f(a.x, b.x));
+    range = clip_range(range, bounds + vec2f(a.x, b.x));
+    range = clip_range(range, bounds - vec2f(a.y, b.y));
+    range = clip_range(range, bounds + vec2f(a.y, b.y));
+    let turn = between.start.x * between.end.y - between.start.y * between.end.x;
+    let start = select(between.end, between.start, turn >= 0.0);
+    let end = select(between.start, between.end, turn >= 0.0);
+    let after_start = vec2f(start.x * a.y - start.y * a.x, start.x * b.y - start.y * b.x);
+    let before_end = vec2f(a.x * end.y - a.y * end.x, b.x * end.y - b.y * end.x);
+    range = select(clip_range(clip_range(range, after_start), before_end), range, is_whole);
+    return Projected(
+        mix(a, b, range.x),
+        mix(a, b, range.y),
+        range.x < range.y && reach > 0.0 && (is_whole || between.is_visible),
+    );
 }

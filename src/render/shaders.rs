@@ -16,7 +16,7 @@ macro_rules! sources {
 }
 
 /// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 11] = sources![
+pub const COMMON: [(&str, &str); 12] = sources![
     "common/conventions.wgsl",
     "common/view.wgsl",
     "common/receiver.wgsl",
@@ -27,6 +27,7 @@ pub const COMMON: [(&str, &str); 11] = sources![
     "common/mask.wgsl",
     "common/front.wgsl",
     "common/coverage.wgsl",
+    "common/wedge_light.wgsl",
     "common/map.wgsl",
 ];
 

@@ -21,7 +21,7 @@ use super::{RenderContext, RenderError};
 /// Format of the accumulated radiance.
 pub const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Format of the visibility mask of one light: by colour in rgb, of the emitter's area in a. Half floats: 1 has 2048
+/// Format of the visibility mask of one light ([`Visibility::Mask`](super::technique::Visibility::Mask)). Half floats: 1 has 2048
 /// steps below it, while eight bits show bands beside a bright light.
 pub const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 

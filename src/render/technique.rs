@@ -21,7 +21,8 @@ pub enum Visibility {
     /// The stencil counts shadow volumes over [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS): lit
     /// where the count is 0.
     Stencil,
-    /// The mask holds visibility: by colour in rgb, of the emitter's area in a.
+    /// The mask holds visibility: of the emitter's area in a; by colour in rgb, where a technique that takes light below the
+    /// surface's horizon for hidden gives the share of what is above, for the light pass cuts areas there itself.
     Mask,
 }
 

@@ -1,6 +1,6 @@
 //! What the GPU tests share: a device whose errors fail the test, the models, and their judgement.
 
-#![allow(dead_code, reason = "each test uses a part")]
+#![allow(dead_code, unused_imports, reason = "each test uses a part")]
 
 #[path = "../../examples/support/mod.rs"]
 pub mod support;
@@ -16,11 +16,10 @@ use antumbra::prelude::*;
 use antumbra::reference::{
     HardError, LightSource, RayScene, VisibilityImage, compare_hard, hard_visibility, primary_hits,
 };
-use antumbra::scene::animation::apply_animation;
-use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use bevy_ecs::prelude::Bundle;
-use bevy_transform::prelude::{GlobalTransform, Transform};
+use bevy_transform::prelude::GlobalTransform;
 use glam::{UVec2, Vec3};
+use support::model::Model;
 pub use support::solid::make_alpha_solid;
 use support::stage::Stage;
 
@@ -101,38 +100,11 @@ pub struct ModelStage {
 impl ModelStage {
     /// Loads a model, takes its own lights and cameras away, and lays a ground under it.
     pub fn new(path: &Path, context: &RenderContext, size: UVec2) -> Option<Self> {
-        let mut stage = Stage::empty(size, Camera::default(), Transform::IDENTITY);
-        stage.world.insert_resource(FaceCulling::None);
-        stage
-            .add_renderer(context.clone(), RenderSettings::default())
-            .expect("shaders compose");
-        let loaded = load_gltf(path).expect("the model loads");
-        let spawned = spawn_scene(&mut stage.world, &loaded, None).expect("the model spawns");
-        if let Some(clip) = loaded.clips.first() {
-            // Somewhere in the middle of a motion, where no pose is the one that the mesh was made in.
-            apply_animation(&mut stage.world, &spawned, clip, 0.37 * clip.duration());
-        }
-        for &light in &spawned.lights {
-            stage.world.entity_mut(light).remove::<Light>();
-        }
-        for &camera in &spawned.cameras {
-            stage.world.entity_mut(camera).remove::<Camera>();
-        }
-        make_alpha_solid(&mut stage);
-        stage.schedule.run(&mut stage.world);
-        let bounds = stage.scene_bounds();
-        if bounds.is_empty() {
-            return None;
-        }
-        let vertex = some_vertex(&mut stage);
-        let radius = bounds.half_size().length().max(1e-3);
-        stage.world.spawn((
-            SceneMesh(Arc::new(MeshData::plane(6.0 * radius))),
-            SceneMaterials([Arc::new(Material::matte(Vec3::splat(0.8)))].into()),
-            (ShadowCaster, ShadowReceiver),
-            Transform::from_translation(bounds.center().with_y(bounds.min.y - 0.01 * radius)),
-        ));
-        stage.schedule.run(&mut stage.world);
+        let Model {
+            mut stage,
+            bounds,
+            vertex,
+        } = Model::load(path, context, size).expect("the model loads")?;
         let scene = RayScene::from_world(&mut stage.world);
         Some(Self {
             stage,
@@ -169,18 +141,6 @@ impl ModelStage {
         }
         all
     }
-}
-
-/// A vertex of the first mesh, world space.
-fn some_vertex(stage: &mut Stage) -> Vec3 {
-    let mut query = stage.world.query::<(&SceneMesh, &GlobalTransform)>();
-    query
-        .iter(&stage.world)
-        .find_map(|(mesh, transform)| {
-            let middle = mesh.0.positions.get(mesh.0.positions.len() / 2)?;
-            Some(transform.transform_point(*middle))
-        })
-        .unwrap_or_default()
 }
 
 /// The last part of a path.

@@ -56,7 +56,8 @@ fn lights_and_casters_may_meet() {
         Vec3::new(6.0, 0.0, 0.0),
         cube(),
     );
-    assert!(edge_on > 0.5, "{edge_on}");
+    // Half of it is below the ground's horizon, and sides of the cube turn away from it.
+    assert!((0.2..0.5).contains(&edge_on), "{edge_on}");
 }
 
 #[test]

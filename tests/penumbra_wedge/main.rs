@@ -1,11 +1,14 @@
 //! Penumbra wedges against ray-cast truth.
 
 mod bad_input;
+mod buffers;
 #[path = "../harness/mod.rs"]
 mod harness;
 mod models;
+mod overlap;
 mod properties;
 mod scenes;
+mod texture;
 
 use antumbra::prelude::*;
 use antumbra::techniques::penumbra_wedge::{VisibilityBuffer, WedgeBounds, WedgeCulling};

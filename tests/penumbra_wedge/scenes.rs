@@ -9,7 +9,7 @@ use antumbra::reference::{
 };
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{UVec2, Vec3};
+use glam::{Quat, UVec2, Vec3};
 
 use crate::harness::support::stage::Stage;
 
@@ -168,4 +168,54 @@ pub fn describe(stage: &Stage) {
             renderer.shadow_batch_count(light)
         );
     }
+}
+
+/// Where the camera stands.
+pub const EYE: Vec3 = Vec3::new(2.5, 3.0, 4.5);
+
+/// A light above the scene.
+pub fn lit(kind: LightKind, wedge: PenumbraWedge) -> Lit {
+    Lit {
+        kind,
+        from: Vec3::new(0.6, 4.5, 0.8),
+        to: Vec3::ZERO,
+        wedge,
+    }
+}
+
+/// Spheres and boxes that overlap as seen from the light, in an order.
+pub fn crowd(context: &RenderContext, reversed: bool) -> Stage {
+    let mut stage = ground(context, EYE, Vec3::ZERO);
+    let mut casters: Vec<(MeshData, Transform)> = (0..6)
+        .map(|i| {
+            let angle = i as f32 * 1.1;
+            let place = Transform::from_xyz(0.5 * angle.cos(), 0.5 + 0.25 * i as f32, 0.5 * angle.sin());
+            let mesh = if i % 2 == 0 {
+                MeshData::cuboid(Vec3::splat(0.25))
+            } else {
+                MeshData::icosphere(0.3, 2)
+            };
+            (mesh, place.with_rotation(Quat::from_rotation_x(angle)))
+        })
+        .collect();
+    if reversed {
+        casters.reverse();
+    }
+    for (mesh, place) in casters {
+        spawn(&mut stage, mesh, place);
+    }
+    stage
+}
+
+/// Of any pixel.
+pub fn largest_difference(a: &VisibilityImage, b: &VisibilityImage) -> f32 {
+    let pairs = a.values().iter().zip(b.values());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// Visibility of the first light with other settings.
+pub fn with(stage: &mut Stage, wedge: PenumbraWedge) -> VisibilityImage {
+    let light = stage.lights[0];
+    stage.world.entity_mut(light).insert(wedge);
+    rendered(stage, 0)
 }

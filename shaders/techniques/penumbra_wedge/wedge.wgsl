@@ -1,9 +1,10 @@
 // Wedges, separators and caps of one part of a light, blended into the visibility buffer.
 // Host    src/techniques/penumbra_wedge/node.rs
-// Groups  0 view, 2 wedges, 3 receiver depth
+// Groups  0 view, 1 receiver, 2 wedges
 // Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
 #import antumbra::view::{objects, clip_position, relative_from_pixel}
-#import antumbra::coverage::{Chord, Projected, border_place, project_to_rect, rect_coverage, project_to_disc, disc_coverage}
+#import antumbra::receiver::{receiver_at, receiver_depth}
+#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -17,30 +18,14 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     end_local: vec3f,
     flags: u32,                     // HARD, PIECE, SOFT; layers from bit 3 on
     start_light: vec3f,
-    light: u32,
+    padding_a: u32,
     end_light: vec3f,
-    padding: u32,
+    padding_b: u32,
     rims: array<vec4f, 12>,         // direction; w: 1 where the ray leaves from the end
-}
-
-struct WedgeLight {                 // mirror: techniques::penumbra_wedge::records::WedgeLight
-    clip_from_light: mat4x4f,
-    light_from_relative_x: vec4f,   // rows of the affine matrix
-    light_from_relative_y: vec4f,
-    light_from_relative_z: vec4f,
-    half_size: vec2f,               // of a sphere: its radius twice
-    table: u32,                     // first entry of the texture's tables
-    padding: u32,
-    place: vec4f,
 }
 
 @group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
 @group(2) @binding(1) var<storage, read> wedges: array<Wedge>;
-@group(2) @binding(2) var<storage, read> lights: array<WedgeLight>;
-// Angles and areas, made by lookup.rs; then for each texture sectors along the border of the square and triangles,
-// shares by colour, made by texture.rs.
-@group(2) @binding(3) var<storage, read> tables: array<vec4f>;
-@group(3) @binding(0) var receiver_depth: texture_2d<f32>;
 
 const HARD: u32 = 1u;
 const PIECE: u32 = 2u;
@@ -50,6 +35,8 @@ const SOFT: u32 = 4u;
 override IS_SPHERE: bool = false;
 // Sign of the half that is shaded: 1 for the inner half.
 override HALF_SIGN: f32 = 1.0;
+// −1 where faces before the surface count, not those behind it.
+override FACE_SIGN: f32 = 1.0;
 // Angles and areas come from tables.
 override LOOKS_UP: bool = false;
 // The light is a textured rectangle.
@@ -58,15 +45,16 @@ override IS_TEXTURED: bool = false;
 override CAP_LAYERS: u32 = 3u;
 // Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
 override STEPS: f32 = 16384.0;
+// Beside the share, hard shadows and ten places on the light are counted.
+override IS_SAMPLED: bool = false;
 
 struct Corner {
     @builtin(position) @invariant position_clip: vec4f,
     @location(0) @interpolate(flat) start_light: vec3f,
     @location(1) @interpolate(flat) end_light: vec3f,
-    @location(2) @interpolate(flat) light: u32,
-    @location(3) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
-    @location(4) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
-    @location(5) @interpolate(flat) layers: u32,
+    @location(2) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
+    @location(3) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
+    @location(4) @interpolate(flat) layers: u32,
 }
 
 fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
@@ -77,16 +65,19 @@ fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
 // Vertices as topology.rs names them.
 @vertex
 fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
-    let wedge = wedges[instance];
-    let caster = casters[wedge.caster];
-    let clip_from_light = lights[wedge.light].clip_from_light;
+    // Fields one by one: a copy of the record would be a copy of all its rims.
+    let caster = casters[wedges[instance].caster];
+    let flags = wedges[instance].flags;
+    let clip_from_light = light.clip_from_light;
     let rim_index = select(0u, (vertex - 4u) % 12u, vertex >= 4u);
-    let rim = wedge.rims[rim_index];
+    let rim = wedges[instance].rims[rim_index];
+    let start_light = wedges[instance].start_light;
+    let end_light = wedges[instance].end_light;
     let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u);
-    let position_local = select(wedge.start_local, wedge.end_local, is_end);
-    let position_light = select(wedge.start_light, wedge.end_light, is_end);
-    let is_piece = (wedge.flags & PIECE) != 0u;
-    let is_soft = (wedge.flags & SOFT) != 0u;
+    let position_local = select(wedges[instance].start_local, wedges[instance].end_local, is_end);
+    let position_light = select(start_light, end_light, is_end);
+    let is_piece = (flags & PIECE) != 0u;
+    let is_soft = (flags & SOFT) != 0u;
     let near = select(clip_position(caster.object, position_local), clip_from_light * vec4f(position_light, 1.0), is_piece);
     let far = select(far_position(caster, position_local), clip_from_light * vec4f(position_light, 0.0), is_piece);
     let ray = clip_from_light * vec4f(rim.xyz, 0.0);
@@ -94,12 +85,11 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let is_far = vertex == 2u || vertex == 3u;
     let is_ray = vertex >= 4u && vertex < 16u && is_soft;
     out.position_clip = select(select(near, far, is_far), ray, is_ray);
-    out.start_light = wedge.start_light;
-    out.end_light = wedge.end_light;
-    out.light = wedge.light;
-    out.hard = select(0.0, f32(wedge.flags & HARD), vertex < 4u);
+    out.start_light = start_light;
+    out.end_light = end_light;
+    out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
     out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
-    out.layers = wedge.flags >> 3u;
+    out.layers = flags >> 3u;
     return out;
 }
 
@@ -115,139 +105,63 @@ fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance
     return far_position(casters[instance], position_local);
 }
 
-const ANGLE_STEPS: u32 = 1024u;
-const SECTOR_STEPS: u32 = 256u;
+// Capacity of a digit of the places' counts: −32 to 31. A channel holds four digits, 24 bits that a float has.
+const DIGIT: f32 = 64.0;
+const DIGITS: vec4f = vec4f(1.0, 64.0, 4096.0, 262144.0);
 
-// Turns, 0..1.
-fn table_angle(direction: vec2f) -> f32 {
-    let size = abs(direction);
-    let at = clamp(size.y / max(size.x + size.y, 1e-20), 0.0, 1.0) * f32(ANGLE_STEPS);
-    let first = min(u32(at), ANGLE_STEPS - 1u);
-    let quarter = mix(tables[first].r, tables[first + 1u].r, at - f32(first));
-    let half_turn = select(quarter, 0.5 - quarter, direction.x < 0.0);
-    return select(half_turn, 1.0 - half_turn, direction.y < 0.0);
+// What a whole hard shadow takes: of sampled sums a count of its own, else what of the part is above the horizon.
+fn whole(pixel: vec2f) -> vec4f {
+    if IS_SAMPLED {
+        return vec4f(0.0, DIGIT * DIGIT, 0.0, 0.0);
+    }
+    let at = seat(receiver_at(pixel), IS_SPHERE);
+    return rounded(above(at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
 }
 
-fn table_rect_coverage(edge: Projected) -> f32 {
-    let at = clamp(vec2f(table_angle(edge.start), table_angle(edge.end)), vec2f(0.0), vec2f(1.0)) * f32(SECTOR_STEPS);
-    let cell = min(vec2u(at), vec2u(SECTOR_STEPS - 1u));
-    let share = at - vec2f(cell);
-    let first = ANGLE_STEPS + 1u + cell.x * (SECTOR_STEPS + 1u) + cell.y;
-    let low = mix(tables[first].r, tables[first + 1u].r, share.y);
-    let next = first + SECTOR_STEPS + 1u;
-    let high = mix(tables[next].r, tables[next + 1u].r, share.y);
-    let triangle = 0.125 * abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x);
-    return select(0.0, max(mix(low, high, share.x) - triangle, 0.0), edge.is_visible);
+fn rounded(share: vec4f) -> vec4f {
+    return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
 }
 
-fn table_disc_coverage(chord: Chord) -> f32 {
-    // The places of the chord, a quarter turn on: so that no angle is beyond a turn.
-    let angle = abs(table_angle(vec2f(-chord.start, chord.distance)) - table_angle(vec2f(-chord.end, chord.distance)));
-    let triangle = chord.distance * abs(chord.start - chord.end) * 0.15915494;
-    return select(0.0, max(angle - triangle, 0.0), chord.is_visible);
-}
-
-const BORDER_STEPS: f32 = 256.0;
-const NODES: u32 = 16u;
-
-// The texture's integral from the border's start to a place on it.
-fn sector_to(table: u32, place: f32) -> vec3f {
-    let at = clamp((place - 8.0 * floor(place / 8.0)) * (BORDER_STEPS / 8.0), 0.0, BORDER_STEPS);
-    let first = min(u32(at), u32(BORDER_STEPS) - 1u);
-    return mix(tables[table + first].rgb, tables[table + first + 1u].rgb, at - f32(first));
-}
-
-// Interpolated along one end of the edge at a node of the other.
-fn triangle_at(table: u32, node: u32, corner: vec2u, share: vec2f) -> vec3f {
-    let first = table + u32(BORDER_STEPS) + 1u + node * NODES * NODES + corner.y * NODES + corner.x;
-    let low = mix(tables[first].rgb, tables[first + 1u].rgb, share.x);
-    let high = mix(tables[first + NODES].rgb, tables[first + NODES + 1u].rgb, share.x);
-    return mix(low, high, share.y);
-}
-
-// By colour: the sector between the ends, counter-clockwise, less the triangle. A lookup in four dimensions.
-fn textured_coverage(table: u32, edge: Projected) -> vec3f {
-    let turn = edge.start.x * edge.end.y - edge.start.y * edge.end.x;
-    let start = select(edge.end, edge.start, turn >= 0.0);
-    let end = select(edge.start, edge.end, turn >= 0.0);
-    let from_place = border_place(start);
-    let to_place = border_place(end);
-    let low = sector_to(table, from_place);
-    let high = sector_to(table, to_place);
-    let turns = (to_place - 8.0 * floor(to_place / 8.0)) < (from_place - 8.0 * floor(from_place / 8.0));
-    let sector = high - low + select(0.0, 1.0, turns);
-    let last = f32(NODES - 1u);
-    let start_at = (start * 0.5 + 0.5) * last;
-    let end_at = (end * 0.5 + 0.5) * last;
-    let start_cell = min(vec2u(start_at), vec2u(NODES - 2u));
-    let end_cell = min(vec2u(end_at), vec2u(NODES - 2u));
-    let start_share = start_at - vec2f(start_cell);
-    let end_share = end_at - vec2f(end_cell);
-    let node = end_cell.y * NODES + end_cell.x;
-    let lower = mix(
-        triangle_at(table, node, start_cell, start_share),
-        triangle_at(table, node + 1u, start_cell, start_share),
-        end_share.x,
-    );
-    let upper = mix(
-        triangle_at(table, node + NODES, start_cell, start_share),
-        triangle_at(table, node + NODES + 1u, start_cell, start_share),
-        end_share.x,
-    );
-    return max(sector - mix(lower, upper, end_share.y), vec3f(0.0));
-}
-
-// Share of the part that lies behind the edge, at the surface that the pixel shows.
+// What of the part lies behind the edge, at the surface that the pixel shows: shares, or share and places.
+//
+// Of most fragments the surface is not in the wedge, whose back is behind it all the same: that is found out first.
 fn coverage(in: Corner) -> vec4f {
     let pixel = in.position_clip.xy;
     let depth = textureLoad(receiver_depth, vec2u(pixel), 0).r;
-    let relative = vec4f(relative_from_pixel(pixel, max(depth, 1e-30)), 1.0);
-    let light = lights[in.light];
-    let p = vec3f(
-        dot(light.light_from_relative_x, relative),
-        dot(light.light_from_relative_y, relative),
-        dot(light.light_from_relative_z, relative),
-    );
-    var share = vec4f(0.0);
-    if IS_SPHERE {
-        let chord = project_to_disc(p, in.start_light, in.end_light, light.half_size.x);
-        if LOOKS_UP {
-            share = vec4f(table_disc_coverage(chord));
-        } else {
-            share = vec4f(disc_coverage(chord));
-        }
-    } else {
-        let edge = project_to_rect(p, in.start_light, in.end_light, light.half_size);
-        if LOOKS_UP {
-            share = vec4f(table_rect_coverage(edge));
-        } else {
-            share = vec4f(rect_coverage(edge));
-        }
-        if IS_TEXTURED {
-            share = vec4f(textured_coverage(light.table, edge), share.a);
-        }
+    let p = in_light(relative_from_pixel(pixel, max(depth, 1e-30)));
+    let seen = see(p, in.start_light, in.end_light, IS_SPHERE);
+    if in.soft == 0.0 || depth <= 0.0 || misses(seen, IS_SPHERE) {
+        return vec4f(0.0);
     }
+    let at = seat(receiver_at(pixel), IS_SPHERE);
+    let share = covered(at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
     // Also against NaN, which compares to nothing.
-    let is_usable = share.a > 0.0 && share.a < 1.0 && depth > 0.0 && in.soft != 0.0;
-    return select(vec4f(0.0), round(min(share, vec4f(1.0)) * STEPS) / STEPS, is_usable);
+    let is_usable = share.a >= 0.0 && share.a < 1.0;
+    var value = rounded(share);
+    if IS_SAMPLED {
+        let places = places_behind(seen, IS_SPHERE);
+        value = vec4f(value.a, dot(places[2].xy, DIGITS.xy), dot(places[0], DIGITS), dot(places[1], DIGITS));
+    }
+    return select(vec4f(0.0), value, is_usable);
 }
 
-// What the faces add. Behind the surface, outside of it: the front of a hard shadow's face gives back 1 to visibility,
-// its back takes 1.
+// What the faces add. Behind the surface, the front of a hard shadow's face gives back 1 to visibility, its back takes 1;
+// before the surface it is the other way.
 fn shell_value(in: Corner) -> vec4f {
     return in.soft * coverage(in);
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> vec4f {
-    return (2.0 * coverage(in) - in.hard) * select(1.0, -1.0, front_facing);
+    let hard = select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0);
+    return (2.0 * coverage(in) - hard) * (FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> vec4f {
-    return vec4f(in.hard * select(-1.0, 1.0, front_facing));
+    return in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing));
 }
 
-fn cap_value(front_facing: bool) -> vec4f {
-    return vec4f(select(-1.0, 1.0, front_facing));
+fn cap_value(position: vec4f, front_facing: bool) -> vec4f {
+    return whole(position.xy) * select(-1.0, 1.0, front_facing);
 }
 
 // A sum a layer; the layers that a face belongs to.
@@ -260,14 +174,23 @@ fn layered(value: vec4f, layers: u32) -> Layers {
     return Layers(value * f32(layers & 1u), value * f32(layers >> 1u));
 }
 
+// Nothing is blended where there is nothing to add.
 @fragment
 fn shell(in: Corner) -> Layers {
-    return layered(shell_value(in), in.layers);
+    let value = shell_value(in);
+    if all(value == vec4f(0.0)) {
+        discard;
+    }
+    return layered(value, in.layers);
 }
 
 @fragment
 fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(separator_value(in, front_facing), in.layers);
+    let value = separator_value(in, front_facing);
+    if all(value == vec4f(0.0)) {
+        discard;
+    }
+    return layered(value, in.layers);
 }
 
 @fragment
@@ -281,8 +204,8 @@ fn half(in: Corner) -> Layers {
 }
 
 @fragment
-fn cap(@builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(cap_value(front_facing), CAP_LAYERS);
+fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Layers {
+    return layered(cap_value(position, front_facing), CAP_LAYERS);
 }
 
 // Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
@@ -324,8 +247,8 @@ fn half_split(in: Corner) -> Split {
 }
 
 @fragment
-fn cap_split(@builtin(front_facing) front_facing: bool) -> Split {
-    return split(cap_value(front_facing).r, CAP_LAYERS);
+fn cap_split(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Split {
+    return split(cap_value(position, front_facing).r, CAP_LAYERS);
 }
 
 @fragment

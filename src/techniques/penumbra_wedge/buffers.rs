@@ -14,7 +14,7 @@ use crate::render::{RenderContext, RenderError};
 pub struct Sums {
     /// What they are for.
     pub form: Form,
-    /// One or two a layer: facing, averted.
+    /// One or two a layer: facing, averted; or one for both.
     pub views: Vec<wgpu::TextureView>,
     /// Group 3 of the resolve: reading either combined texture.
     pub groups: [wgpu::BindGroup; 2],
@@ -123,6 +123,8 @@ impl SumTextures {
         let Some(combined) = &self.combined else {
             return Ok(());
         };
+        // A form with one layer is read as both; one of one texture a layer has no second.
+        let (averted, second) = (views.len() / 2, usize::from(views.len() > 2));
         let groups = [0, 1].map(|source: usize| {
             let texture = |binding, view| wgpu::BindGroupEntry {
                 binding,
@@ -133,9 +135,9 @@ impl SumTextures {
                 layout: &self.layout,
                 entries: &[
                     texture(0, &views[0]),
-                    texture(1, &views[1]),
-                    texture(4, &views[views.len() / 2]),
-                    texture(5, &views[views.len() - 1]),
+                    texture(1, &views[second]),
+                    texture(4, &views[averted]),
+                    texture(5, &views[averted + second]),
                     texture(2, &combined[source]),
                     wgpu::BindGroupEntry {
                         binding: 3,

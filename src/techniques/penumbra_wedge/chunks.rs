@@ -1,12 +1,15 @@
 //! The wedges of one caster in one part of a light: kept until one of them moves.
 
+use std::ops::Range;
+
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, Mat4};
+use glam::{DMat4, Mat4, Vec3};
 
 use super::component::WedgeBounds;
 use super::layers::{LayeredContour, extract_layers};
 use super::parts::{LightPart, PartShape};
+use super::patches::ShadowCone;
 use super::records::{Wedge, push_edge};
 use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::FrameLight;
@@ -28,6 +31,17 @@ pub(super) struct ChunkKey {
     pub(super) light_from_local: Mat4,
     pub(super) shape: PartShape,
     pub(super) bounds: WedgeBounds,
+    /// Patches are told apart.
+    pub(super) by_patch: bool,
+}
+
+/// What of a chunk is combined with other shadows: all, or one patch.
+#[derive(Clone, Debug)]
+pub(super) struct ChunkPatch {
+    pub(super) wedges: Range<usize>,
+    /// By layers less 1.
+    pub(super) caps: [Range<usize>; 3],
+    pub(super) cone: ShadowCone,
 }
 
 /// The wedges of one caster in one part.
@@ -39,7 +53,9 @@ pub(super) struct Chunk {
     pub(super) light_local: [f32; 4],
     pub(super) wedges: Vec<Wedge>,
     pub(super) caps: Vec<u32>,
-    pub(super) cap_counts: [u32; 3],
+    pub(super) patches: Vec<ChunkPatch>,
+    /// The two [layers](super::layers) are not one.
+    pub(super) is_layered: bool,
     pub(super) last_used: u64,
 }
 
@@ -86,7 +102,8 @@ impl Chunk {
             light_local: [0.0; 4],
             wedges: Vec::new(),
             caps: Vec::new(),
-            cap_counts: [0; 3],
+            patches: Vec::new(),
+            is_layered: false,
             last_used: 0,
         }
     }
@@ -108,7 +125,7 @@ impl Chunk {
     ) {
         self.wedges.clear();
         self.caps.clear();
-        self.cap_counts = [0; 3];
+        self.patches.clear();
         let Some(light_local) = light_in_local(transform, part.point_world) else {
             return;
         };
@@ -119,7 +136,15 @@ impl Chunk {
             _ => (&mesh.0.positions, &edges.0.planes),
         };
         classify(&edges.0.edges, planes, light_local, bits);
-        extract_layers(&edges.0.edges, positions, bits, silhouette.mode, contour);
+        let by_patch = self.key.by_patch;
+        extract_layers(
+            &edges.0.edges,
+            positions,
+            bits,
+            silhouette.mode,
+            by_patch,
+            contour,
+        );
         self.light_local = light_local.to_array();
         let mirrored = light_from_local.determinant() < 0.0;
         let shape = if light.point_world.w == 0.0 {
@@ -127,15 +152,52 @@ impl Chunk {
         } else {
             part.shape
         };
-        for &([a, b], layers) in &contour.edges {
-            let ends = if mirrored { [b, a] } else { [a, b] };
-            let bounds = self.key.bounds;
-            push_edge(ends, layers, light_from_local, shape, bounds, &mut self.wedges);
+        self.is_layered = !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
+        if by_patch {
+            // Stable: within a patch the order stays that of the mesh.
+            contour.edges.sort_by_key(|edge| edge.patch);
+            contour
+                .caps
+                .iter_mut()
+                .for_each(|caps| caps.sort_by_key(|cap| cap.patch));
         }
-        for (count, triangles) in self.cap_counts.iter_mut().zip(&contour.caps) {
-            *count = 3 * triangles.len() as u32;
-            let turned = |&[a, b, c]: &[u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-            self.caps.extend(triangles.iter().flat_map(turned));
+        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        let mut edges = contour.edges.iter().peekable();
+        let mut caps = contour.caps.each_ref().map(|caps| caps.iter().peekable());
+        for patch in 0..if by_patch { contour.patches.count() } else { 1 } {
+            let first_wedge = self.wedges.len();
+            while let Some(edge) = edges.next_if(|edge| edge.patch == patch) {
+                let [a, b] = edge.ends;
+                push_edge(
+                    if mirrored { [b, a] } else { [a, b] },
+                    edge.layers,
+                    light_from_local,
+                    shape,
+                    self.key.bounds,
+                    &mut self.wedges,
+                );
+            }
+            let cap_ranges = caps.each_mut().map(|caps| {
+                let first = self.caps.len();
+                while let Some(cap) = caps.next_if(|cap| cap.patch == patch) {
+                    self.caps.extend(turned(cap.corners));
+                }
+                first..self.caps.len()
+            });
+            let points = self.wedges[first_wedge..]
+                .iter()
+                .flat_map(|wedge| [wedge.start_light, wedge.end_light])
+                .map(Vec3::from);
+            let cone = if by_patch && light.point_world.w != 0.0 {
+                ShadowCone::around(points, part.shape.radius() as f32)
+            } else {
+                ShadowCone::ALL
+            };
+            self.patches.push(ChunkPatch {
+                wedges: first_wedge..self.wedges.len(),
+                caps: cap_ranges,
+                cone,
+            });
         }
     }
 }

@@ -16,7 +16,7 @@ use crate::silhouettes::NeedsSilhouettes;
 #[require(NeedsSilhouettes)]
 pub struct PenumbraWedge {
     /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
-    /// clamped). Spheres are not split. Section 5.2.
+    /// clamped). A sphere is split into as many smaller spheres. Section 5.2.
     pub split: [u32; 2],
     /// How the coverage of several casters combines.
     pub overlap: Overlap,
@@ -56,19 +56,27 @@ impl PenumbraWedge {
 /// How the coverage of several casters combines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Overlap {
-    /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
+    /// What is hidden is counted at ten places of the light, and told more finely by the sum of coverages, as far as the
+    /// sum agrees with the places: exact where nothing overlaps, and right within what ten rays and the sum together
+    /// tell where much does. One pass. Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light
+    /// without texture; else [`Overlap::Additive`].
     #[default]
+    Sampled,
+    /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
     Additive,
-    /// Between the extremes of no and all overlap: `c = max + ½ min`, caster after caster. The paper goes loop by loop;
-    /// that takes a hard shadow of each loop alone, which counting away from the viewer does not have: its caps are
-    /// those of a caster, not of a loop. Section 5.1, equation 1.
+    /// Between the extremes of no and all overlap: `c = max + ½ min`, loop after loop of all casters. A loop goes with its
+    /// holes and the [patch](super::patches) of triangles that they bound. Patches whose shadows cannot meet share a sum,
+    /// and so do others once there are more than [`MAX_SUMS`](super::patches::MAX_SUMS); a pass a sum. Section 5.1,
+    /// equation 1.
     Paper,
 }
 
 /// Where visibility is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum VisibilityBuffer {
-    /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`].
+    /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`]. Half floats err by no more
+    /// than 0.001 beside them on four models and were no faster (llvmpipe), but cannot hold the counts of
+    /// [`Overlap::Sampled`].
     #[default]
     Float,
     /// Twelve bits over the four bytes of two `Rgba8Unorm` textures, one for what adds and one for what subtracts.

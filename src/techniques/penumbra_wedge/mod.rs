@@ -15,12 +15,23 @@
 //! of the edge's wedge, so wedges need to enclose, not to fit. What is drawn is blended: `w` by the faces of the hard
 //! shadow behind the surface, `c` by the back faces of shells behind it, and where a ray from the surface crosses the
 //! separator, both at once: `2 c − 1`, which is 0 at the separator itself. So no pixel depends on which side of the
-//! separator rounding puts it.
+//! separator rounding puts it. Of casters that surely shadow no part of the viewport, faces before the surface are
+//! counted instead, fronts of shells for backs, and caps are not needed.
+//!
+//! Only what of the light is above the receiver's horizon is looked at, or a convex caster would darken itself: its
+//! silhouette from the light's centre is not that from a point beside it on its own surface.
+//!
+//! The sum counts what overlaps as often as it does. The same faces, with the same signs, also count ten places on the
+//! light, 1 where an edge hides a place and 0 where not: so many times each place is hidden, exactly. The resolve tells
+//! from both what is hidden at all ([`Overlap::Sampled`]).
 //!
 //! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
 //! Real-Time Performance". The formula with `w` and sectors is theirs in substance; that faces alone, without marking,
-//! give the same sum is ours.
+//! give the same sum is ours, and so are the horizon and the places; theirs is equation 1 ([`Overlap::Paper`]).
+//! Counting the hidden samples of a light from signed edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005,
+//! "Soft Shadow Volumes for Ray Tracing", there for each ray.
 
+mod assemble;
 #[cfg(feature = "render")]
 pub mod buffers;
 mod chunks;
@@ -31,6 +42,7 @@ pub mod lookup;
 pub mod node;
 pub mod overflow;
 pub mod parts;
+pub mod patches;
 #[cfg(feature = "render")]
 mod plans;
 #[cfg(feature = "render")]

@@ -1,14 +1,13 @@
 //! Leaves the visibility mask of one light: for every part of it the sums of hard shadow and coverage, then their share.
 //!
 //! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
-//! Groups  0 view, 2 wedges, 3 receiver depth or sums
-//! Reads   depth, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
+//! Groups  0 view, 1 receiver, 2 wedges; the resolve also 3 sums
+//! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
-//! All counting is away from the viewer: faces behind the surface count, so the camera may stand in shadows and wedges.
+//! Faces behind the surface count, so the camera may stand in shadows and wedges; of casters that surely shadow no part
+//! of the viewport it is the faces before the surface, which are fewer and need no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
-
-use std::sync::Mutex;
 
 use bevy_ecs::prelude::*;
 
@@ -16,13 +15,13 @@ use super::buffers::SumTextures;
 use super::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use super::overflow::WedgeOverflow;
 use super::parts::PartShape;
-use super::plans::{CapDraw, LightPlan, PartPlan, light_record, passes};
+use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, passes};
 use super::records::{Wedge, WedgeCaster, WedgeLight};
 use super::tables::Tables;
 use super::topology::{self, HARD_SIDE, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
 use super::wedges::{Group, LightWedges, PenumbraWedges};
-use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
+use crate::render::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
 use crate::render::{RenderContext, RenderError, Shaders};
@@ -36,8 +35,6 @@ pub const NAME: &str = "penumbra_wedge";
 pub struct PenumbraWedgeNode {
     pub(super) pipelines: WedgePipelines,
     pub(super) wedge_layout: wgpu::BindGroupLayout,
-    pub(super) receiver_layout: wgpu::BindGroupLayout,
-    pub(super) receiver: Mutex<Option<(wgpu::TextureView, wgpu::BindGroup)>>,
     pub(super) textures: SumTextures,
     pub(super) indices: wgpu::Buffer,
     pub(super) casters: GrowingBuffer,
@@ -49,6 +46,7 @@ pub struct PenumbraWedgeNode {
     pub(super) group: wgpu::BindGroup,
     pub(super) generation: u64,
     pub(super) light_records: Vec<WedgeLight>,
+    light_bytes: Vec<u8>,
     pub(super) plans: Vec<LightPlan>,
     pub(super) parts: Vec<PartPlan>,
     pub(super) groups: Vec<Group>,
@@ -77,25 +75,12 @@ impl PenumbraWedgeNode {
                 buffer_entry(
                     2,
                     wgpu::ShaderStages::VERTEX_FRAGMENT,
-                    STORAGE,
-                    false,
+                    wgpu::BufferBindingType::Uniform,
+                    true,
                     size_of::<WedgeLight>(),
                 ),
                 buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
             ],
-        });
-        let receiver_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("receiver depth"),
-            entries: &[wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                    view_dimension: wgpu::TextureViewDimension::D2,
-                    multisampled: false,
-                },
-                count: None,
-            }],
         });
         let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
         let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
@@ -103,23 +88,14 @@ impl PenumbraWedgeNode {
         let (casters, wedges, lights) = (
             storage("wedge casters"),
             storage("wedges"),
-            storage("wedge lights"),
+            GrowingBuffer::new(context, "wedge lights", wgpu::BufferUsages::UNIFORM),
         );
         let tables = storage("coverage tables");
         let textures = SumTextures::new(context);
         Ok(Self {
-            pipelines: WedgePipelines::new(
-                context,
-                shaders,
-                layouts,
-                &wedge_layout,
-                &receiver_layout,
-                textures.layout(),
-            )?,
+            pipelines: WedgePipelines::new(context, shaders, layouts, &wedge_layout, textures.layout())?,
             group: bind(context, &wedge_layout, [&casters, &wedges, &lights, &tables]),
             wedge_layout,
-            receiver_layout,
-            receiver: Mutex::new(None),
             textures,
             indices: indices.buffer,
             casters,
@@ -130,6 +106,7 @@ impl PenumbraWedgeNode {
             caps: GrowingBuffer::new(context, "wedge caps", wgpu::BufferUsages::INDEX),
             generation: 0,
             light_records: Vec::new(),
+            light_bytes: Vec::new(),
             plans: Vec::new(),
             parts: Vec::new(),
             groups: Vec::new(),
@@ -148,6 +125,7 @@ impl PenumbraWedgeNode {
     fn cap_draw_count(&self, group: &Group) -> usize {
         let draws = self.cap_draws[group.casters.clone()].iter();
         draws
+            .filter(|draw| !draw.towards)
             .map(|draw| {
                 let near = draw.caps.iter().filter(|caps| !caps.is_empty()).count();
                 near * (1 + usize::from(draw.has_far))
@@ -164,9 +142,12 @@ impl PenumbraWedgeNode {
                 Form::HalfColor
             };
         }
-        match light.settings.buffer {
-            VisibilityBuffer::Float if self.blends_floats => Form::Float,
-            VisibilityBuffer::Float | VisibilityBuffer::Split8 => Form::Split8,
+        match (light.settings.buffer, light.settings.overlap) {
+            (VisibilityBuffer::Split8, _) => Form::Split8,
+            (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
+            (VisibilityBuffer::Float, Overlap::Sampled) if light.is_layered => Form::SampledLayers,
+            (VisibilityBuffer::Float, Overlap::Sampled) => Form::Sampled,
+            (VisibilityBuffer::Float, Overlap::Additive | Overlap::Paper) => Form::Float,
         }
     }
 
@@ -179,9 +160,14 @@ impl PenumbraWedgeNode {
             && self
                 .table_buffer
                 .write(context, bytemuck::cast_slice(self.tables.entries()));
-        rebind |= self
-            .lights
-            .write(context, bytemuck::cast_slice(&self.light_records));
+        // A light at every stride.
+        self.light_bytes.clear();
+        for record in &self.light_records {
+            self.light_bytes.extend_from_slice(bytemuck::bytes_of(record));
+            let filled = self.light_bytes.len().next_multiple_of(LIGHT_STRIDE as usize);
+            self.light_bytes.resize(filled, 0);
+        }
+        rebind |= self.lights.write(context, &self.light_bytes);
         if self.generation != world.generation {
             self.generation = world.generation;
             rebind |= self
@@ -201,12 +187,13 @@ impl PenumbraWedgeNode {
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
-            let mut require = |part_of_wedge, is_sphere| {
+            let mut require = |part_of_wedge, towards| {
                 let key = Key {
                     part: part_of_wedge,
                     form: plan.form,
-                    is_sphere,
+                    is_sphere: part.is_sphere,
                     looks_up,
+                    towards,
                     mirrored,
                 };
                 self.pipelines.require(context, key);
@@ -216,25 +203,29 @@ impl PenumbraWedgeNode {
                 require(Part::FarCap(layers), false);
             }
             for kind in passes(plan.settings.culling, part.has_extent) {
-                require(*kind, part.is_sphere);
+                require(*kind, false);
+                if counts_towards(*kind) {
+                    require(*kind, true);
+                }
             }
             if debug {
-                require(Part::Show, part.is_sphere);
+                require(Part::Show, false);
             }
         }
-        let combined = plan.settings.overlap == Overlap::Paper;
-        for (combines, is_combined) in [(true, false), (false, combined)] {
-            if combines && !combined {
-                continue;
-            }
-            self.pipelines.require_resolve(
-                context,
-                ResolveKey {
-                    form: plan.form,
-                    combines,
-                    is_combined,
-                },
-            );
+        let is_sphere = self.parts[plan.parts.clone()].iter().any(|part| part.is_sphere);
+        let is_combined = plan.settings.overlap == Overlap::Paper;
+        let mut require = |combines, is_combined| {
+            let key = ResolveKey {
+                form: plan.form,
+                is_sphere,
+                combines,
+                is_combined,
+            };
+            self.pipelines.require_resolve(context, key);
+        };
+        require(false, is_combined);
+        if is_combined {
+            require(true, false);
         }
     }
 }
@@ -248,10 +239,18 @@ fn bind(
         binding,
         resource: buffers[binding as usize].buffer.as_entire_binding(),
     };
+    let light = wgpu::BindGroupEntry {
+        binding: 2,
+        resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: &buffers[2].buffer,
+            offset: 0,
+            size: std::num::NonZeroU64::new(size_of::<WedgeLight>() as u64),
+        }),
+    };
     context.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("wedges"),
         layout,
-        entries: &[entry(0), entry(1), entry(2), entry(3)],
+        entries: &[entry(0), entry(1), light, entry(3)],
     })
 }
 
@@ -301,16 +300,19 @@ impl ShadowTechnique for PenumbraWedgeNode {
                     mesh: input.table.mesh[caster.object as usize],
                     caps: caster.caps.clone(),
                     has_far: record.light_local[3] != 0.0,
+                    towards: caster.towards,
                 }),
         );
         for light in &wedges.lights {
             let first = self.parts.len();
-            for part in &wedges.parts[light.parts.clone()] {
+            for (number, index) in light.parts.clone().enumerate() {
+                let part = &wedges.parts[index];
                 self.parts.push(PartPlan {
+                    index: index as u32,
                     groups: part.groups.clone(),
                     share: self
                         .tables
-                        .share(&part.part, light.texture.as_ref(), light.parts.len()),
+                        .share(&part.part, light.texture.as_ref(), number, light.parts.len()),
                     has_extent: part.part.shape != PartShape::Point,
                     is_sphere: matches!(part.part.shape, PartShape::Sphere { .. }),
                 });
@@ -329,6 +331,10 @@ impl ShadowTechnique for PenumbraWedgeNode {
         Ok(())
     }
 
+    fn reads_planes(&self) -> bool {
+        true
+    }
+
     fn visibility(&self, light: usize) -> Option<Visibility> {
         self.plan_of(light).map(|_| Visibility::Mask)
     }
@@ -342,14 +348,15 @@ impl ShadowTechnique for PenumbraWedgeNode {
             return;
         };
         pass.set_bind_group(0, input.view, &[]);
-        pass.set_bind_group(2, &self.group, &[]);
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         for part in &self.parts[plan.parts.clone()] {
+            pass.set_bind_group(2, &self.group, &[part.light_offset()]);
             let key = Key {
                 part: Part::Show,
                 form: plan.form,
                 is_sphere: part.is_sphere,
                 looks_up: plan.settings.maths == CoverageMaths::Tables,
+                towards: false,
                 mirrored: self.mirrored,
             };
             let Some(pipeline) = self.pipelines.get(key) else {
@@ -358,7 +365,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
             pass.set_pipeline(pipeline);
             let indices = if part.has_extent { SHELLS } else { HARD_SIDE };
             for group in &self.groups[part.groups.clone()] {
-                pass.draw_indexed(indices.clone(), 0, group.wedges.clone());
+                pass.draw_indexed(indices.clone(), 0, group.wedges());
             }
         }
     }
@@ -375,10 +382,12 @@ impl ShadowTechnique for PenumbraWedgeNode {
                     .map(|group| {
                         let faces = match (plan.settings.culling, part.has_extent) {
                             (_, false) => 1,
-                            (WedgeCulling::Stencil, true) => 1 + 4 * group.wedges.len(),
+                            (WedgeCulling::Stencil, true) => 1 + 4 * group.wedges().len(),
                             (_, true) => 2,
                         };
-                        self.cap_draw_count(group) + faces
+                        let ways = [&group.towards, &group.away];
+                        let ways = ways.iter().filter(|wedges| !wedges.is_empty()).count();
+                        self.cap_draw_count(group) + faces * ways
                     })
                     .sum();
                 drawn + 1

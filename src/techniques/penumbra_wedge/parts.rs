@@ -1,4 +1,4 @@
-//! The parts of a light: what is one light to the wedges. A rectangle may be split; everything else is one part.
+//! The parts of a light: what is one light to the wedges. Rectangles and spheres may be split, all others are one part.
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -23,6 +23,17 @@ pub enum PartShape {
     },
 }
 
+impl PartShape {
+    /// Of the sphere around it, metres.
+    pub fn radius(&self) -> f64 {
+        match *self {
+            Self::Point => 0.0,
+            Self::Rect { half } => half.length(),
+            Self::Sphere { radius } => radius,
+        }
+    }
+}
+
 /// One part of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPart {
@@ -35,6 +46,10 @@ pub struct LightPart {
     pub shape: PartShape,
     /// Where the part lies in the light, −1 to 1 along its width and height: centre, then half size.
     pub place: [f32; 4],
+    /// The light's centre, light space.
+    pub whole_center: DVec3,
+    /// A sphere's radius before it is split, metres; else 0.
+    pub whole_radius: f64,
 }
 
 /// Below this length an extent counts as none, metres.
@@ -51,11 +66,24 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
         world_from_light: DMat4::from_translation(point.truncate() * point.w),
         shape,
         place: [0.0, 0.0, 1.0, 1.0],
+        whole_center: DVec3::ZERO,
+        whole_radius: 0.0,
     };
     match light.light.kind {
         LightKind::Sphere { radius } if f64::from(radius) > LEAST_EXTENT => {
-            parts.push(centered(PartShape::Sphere {
-                radius: f64::from(radius),
+            let [columns, rows] = settings.parts();
+            let count = columns * rows;
+            let whole_radius = f64::from(radius);
+            let shape = PartShape::Sphere {
+                radius: whole_radius / f64::from(count).sqrt(),
+            };
+            let centers = sphere_centers(count).map(|center| center * whole_radius);
+            parts.extend(centers.map(|offset| LightPart {
+                point_world: point + (offset * point.w).extend(0.0),
+                world_from_light: DMat4::from_translation((point.truncate() + offset) * point.w),
+                whole_center: -offset,
+                whole_radius,
+                ..centered(shape)
             }));
         }
         LightKind::Rect { width, height } if f64::from(width.max(height)) > LEAST_EXTENT => {
@@ -82,12 +110,32 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
                             count.x.recip() as f32,
                             count.y.recip() as f32,
                         ],
+                        whole_center: (-place * size * 0.5).extend(0.0),
+                        whole_radius: 0.0,
                     });
                 }
             }
         }
         _ => parts.push(centered(PartShape::Point)),
     }
+}
+
+/// Centres of the spheres that a unit sphere is split into, each of the area of its visible disc by their count.
+///
+/// From whatever side the light is seen, the discs should fill its own: so the centres lie evenly on a sphere, which is
+/// so large that the light keeps its extent, as the mean square of its places. Discs do not tile a disc: what an edge
+/// covers errs by 0.036 of the light for four parts, by 0.020 for nine, by 0.012 for many (the mean over sides and
+/// edges, computed). Distances by quantiles of `1/√(1 − R²)`, whose projection is even, err more.
+fn sphere_centers(count: u32) -> impl Iterator<Item = DVec3> {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    // Of a unit disc ½; of its own disc each part has 1 / (2 count), and of its distance's square two thirds show.
+    let distance = (0.75 * (1.0 - f64::from(count).recip())).sqrt();
+    (0..count).map(move |i| {
+        let height = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
+        let (sin, cos) = (golden * f64::from(i)).sin_cos();
+        let flat = (1.0 - height * height).sqrt();
+        DVec3::new(flat * cos, height, flat * sin) * distance
+    })
 }
 
 /// The light's own axes: right, up, and against the direction of shining.

@@ -9,6 +9,7 @@ use super::parts::PartShape;
 use super::records::WedgeLight;
 use super::wedge_pipelines::{Form, Part};
 use super::wedges::PartWedges;
+use crate::render::bind_groups::LIGHT_STRIDE;
 use crate::sets::ViewData;
 
 /// The caps of one caster.
@@ -17,16 +18,27 @@ pub(super) struct CapDraw {
     pub(super) mesh: u32,
     pub(super) caps: [Range<u32>; 3],
     pub(super) has_far: bool,
+    /// Without caps: counted towards the viewer.
+    pub(super) towards: bool,
 }
 
 /// What is recorded for one part.
 #[derive(Clone, Debug)]
 pub(super) struct PartPlan {
+    /// Of the frame's parts.
+    pub(super) index: u32,
     pub(super) groups: Range<usize>,
     /// Of the light, by colour and area.
     pub(super) share: [f64; 4],
     pub(super) has_extent: bool,
     pub(super) is_sphere: bool,
+}
+
+impl PartPlan {
+    /// Of the part's record, bytes.
+    pub(super) fn light_offset(&self) -> u32 {
+        self.index * LIGHT_STRIDE as u32
+    }
 }
 
 /// What is recorded for one light.
@@ -36,6 +48,11 @@ pub(super) struct LightPlan {
     pub(super) settings: PenumbraWedge,
     pub(super) form: Form,
     pub(super) parts: Range<usize>,
+}
+
+/// Whether there is a way to count these towards the viewer.
+pub(super) fn counts_towards(part: Part) -> bool {
+    matches!(part, Part::Separator | Part::Shell | Part::HardSide)
 }
 
 /// What the passes of a light draw.
@@ -69,5 +86,10 @@ pub(super) fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
         table: 0,
         padding: 0,
         place: part.place,
+        whole: part
+            .whole_center
+            .as_vec3()
+            .extend(part.whole_radius as f32)
+            .to_array(),
     }
 }

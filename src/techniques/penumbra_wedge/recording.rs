@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::buffers::Sums;
 use super::component::{CoverageMaths, Overlap, WedgeCulling};
 use super::node::PenumbraWedgeNode;
-use super::plans::{LightPlan, PartPlan};
+use super::plans::{LightPlan, PartPlan, passes};
 use super::topology::{HARD_SIDE, INNER_HALF, OUTER_HALF, SEPARATORS, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey};
 use super::wedges::Group;
@@ -21,7 +21,6 @@ impl PenumbraWedgeNode {
         let (Some(sums), Some(combined)) = (self.textures.get(plan.form), self.textures.combined()) else {
             return;
         };
-        let receiver = self.receiver_group(&input.masks.receiver_depth_view, input.device);
         {
             let radiance = attachment(input.radiance, wgpu::LoadOp::Load);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -47,54 +46,33 @@ impl PenumbraWedgeNode {
                     ..Default::default()
                 });
                 for group in &self.groups[part.groups.clone()] {
-                    self.record_sums(encoder, plan, part, sums, Some(group), &receiver, input);
+                    self.record_sums(encoder, plan, part, sums, Some(group), input);
                     let key = ResolveKey {
                         form: plan.form,
+                        is_sphere: part.is_sphere,
                         combines: true,
                         is_combined: false,
                     };
                     let target = attachment(&combined[1 - source], wgpu::LoadOp::Load);
-                    self.record_resolve(encoder, key, target, &sums.groups[source], part.share, input);
+                    self.record_resolve(encoder, key, target, &sums.groups[source], part, input);
                     source = 1 - source;
                 }
             } else {
                 let group = self.groups[part.groups.clone()].first();
-                self.record_sums(encoder, plan, part, sums, group, &receiver, input);
+                self.record_sums(encoder, plan, part, sums, group, input);
             }
             let key = ResolveKey {
                 form: plan.form,
+                is_sphere: part.is_sphere,
                 combines: false,
                 is_combined: combines,
             };
             let target = attachment(&input.masks.mask_view, load);
-            self.record_resolve(encoder, key, target, &sums.groups[source], part.share, input);
+            self.record_resolve(encoder, key, target, &sums.groups[source], part, input);
             load = wgpu::LoadOp::Load;
         }
         if plan.form == Form::Split8 {
             self.textures.overflow().record(encoder);
-        }
-    }
-
-    /// Group 3 of the wedges.
-    fn receiver_group(&self, context: &wgpu::TextureView, device: &wgpu::Device) -> wgpu::BindGroup {
-        let mut kept = self
-            .receiver
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        match &*kept {
-            Some((view, group)) if view == context => group.clone(),
-            _ => {
-                let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("receiver depth"),
-                    layout: &self.receiver_layout,
-                    entries: &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(context),
-                    }],
-                });
-                *kept = Some((context.clone(), group.clone()));
-                group
-            }
         }
     }
 
@@ -107,12 +85,13 @@ impl PenumbraWedgeNode {
         group: &Group,
         input: &RecordInput,
     ) {
-        let pipeline = |kind| {
+        let pipeline = |kind, towards| {
             self.pipelines.get(Key {
                 part: kind,
                 form: plan.form,
-                is_sphere: part.is_sphere && !matches!(kind, Part::NearCap(_) | Part::FarCap(_)),
+                is_sphere: part.is_sphere,
                 looks_up: plan.settings.maths == CoverageMaths::Tables,
+                towards,
                 mirrored: self.mirrored,
             })
         };
@@ -123,7 +102,7 @@ impl PenumbraWedgeNode {
             } else {
                 Part::NearCap(layers)
             };
-            let Some(pipeline) = pipeline(kind) else {
+            let Some(pipeline) = pipeline(kind, false) else {
                 continue;
             };
             pass.set_pipeline(pipeline);
@@ -132,7 +111,7 @@ impl PenumbraWedgeNode {
                     continue;
                 };
                 let caps = &draw.caps[usize::from(layers) - 1];
-                if caps.is_empty() || (is_far && !draw.has_far) {
+                if draw.towards || caps.is_empty() || (is_far && !draw.has_far) {
                     continue;
                 }
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
@@ -140,32 +119,28 @@ impl PenumbraWedgeNode {
             }
         }
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
-        let draw = |pass: &mut wgpu::RenderPass, kind, indices: Range<u32>, wedges: Range<u32>| {
-            if let Some(pipeline) = pipeline(kind) {
+        let draw = |pass: &mut wgpu::RenderPass, kind, towards, indices: Range<u32>, wedges: Range<u32>| {
+            if let (Some(pipeline), false) = (pipeline(kind, towards), wedges.is_empty()) {
                 pass.set_pipeline(pipeline);
                 pass.draw_indexed(indices, 0, wedges);
             }
         };
-        if !part.has_extent {
-            draw(pass, Part::HardSide, HARD_SIDE, group.wedges.clone());
-            return;
+        for (towards, wedges) in [(true, &group.towards), (false, &group.away)] {
+            for &kind in passes(plan.settings.culling, part.has_extent) {
+                let indices = match kind {
+                    Part::HardSide => HARD_SIDE,
+                    Part::Separator => SEPARATORS,
+                    Part::Shell | Part::ShellEverywhere => SHELLS,
+                    _ => continue, // edge by edge, below
+                };
+                draw(pass, kind, towards, indices, wedges.clone());
+            }
         }
-        match plan.settings.culling {
-            WedgeCulling::Depth => {
-                draw(pass, Part::Separator, SEPARATORS, group.wedges.clone());
-                draw(pass, Part::Shell, SHELLS, group.wedges.clone());
-            }
-            WedgeCulling::None => {
-                draw(pass, Part::Separator, SEPARATORS, group.wedges.clone());
-                draw(pass, Part::ShellEverywhere, SHELLS, group.wedges.clone());
-            }
-            WedgeCulling::Stencil => {
-                draw(pass, Part::HardSide, HARD_SIDE, group.wedges.clone());
-                for wedge in group.wedges.clone() {
-                    for (half, kind) in [(OUTER_HALF, Part::OuterHalf), (INNER_HALF, Part::InnerHalf)] {
-                        draw(pass, Part::Mark, half.clone(), wedge..wedge + 1);
-                        draw(pass, kind, half, wedge..wedge + 1);
-                    }
+        if part.has_extent && plan.settings.culling == WedgeCulling::Stencil {
+            for wedge in group.wedges() {
+                for (half, kind) in [(OUTER_HALF, Part::OuterHalf), (INNER_HALF, Part::InnerHalf)] {
+                    draw(pass, Part::Mark, false, half.clone(), wedge..wedge + 1);
+                    draw(pass, kind, false, half, wedge..wedge + 1);
                 }
             }
         }
@@ -178,7 +153,6 @@ impl PenumbraWedgeNode {
         part: &PartPlan,
         sums: &Sums,
         group: Option<&Group>,
-        receiver: &wgpu::BindGroup,
         input: &ResolveInput,
     ) {
         let attachments: smallvec::SmallVec<[_; 4]> = sums
@@ -201,8 +175,8 @@ impl PenumbraWedgeNode {
             pass.set_scissor_rect(x, y, width, height);
             pass.set_stencil_reference(STENCIL_IN_BOUNDS);
             pass.set_bind_group(0, input.record.view, &[]);
-            pass.set_bind_group(2, &self.group, &[]);
-            pass.set_bind_group(3, receiver, &[]);
+            pass.set_bind_group(1, &input.masks.receiver_group, &[]);
+            pass.set_bind_group(2, &self.group, &[part.light_offset()]);
             self.record_group(&mut pass, plan, part, group, &input.record);
         }
     }
@@ -213,7 +187,7 @@ impl PenumbraWedgeNode {
         key: ResolveKey,
         target: wgpu::RenderPassColorAttachment,
         sums: &wgpu::BindGroup,
-        share: [f64; 4],
+        part: &PartPlan,
         input: &ResolveInput,
     ) {
         let Some(pipeline) = self.pipelines.get_resolve(key) else {
@@ -228,10 +202,13 @@ impl PenumbraWedgeNode {
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;
-        let [r, g, b, a] = share;
+        let [r, g, b, a] = part.share;
         pass.set_scissor_rect(x, y, width, height);
         pass.set_pipeline(pipeline);
         pass.set_blend_constant(wgpu::Color { r, g, b, a });
+        pass.set_bind_group(0, input.record.view, &[]);
+        pass.set_bind_group(1, &input.masks.receiver_group, &[]);
+        pass.set_bind_group(2, &self.group, &[part.light_offset()]);
         pass.set_bind_group(3, sums, &[]);
         pass.draw(0..3, 0..1);
     }

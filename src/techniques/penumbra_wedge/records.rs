@@ -1,5 +1,5 @@
 //! What the GPU reads of wedges, and how the record of an edge is made. Mirrors of the structs of the same names in
-//! `shaders/techniques/penumbra_wedge/wedge.wgsl` (`tests/layout_contract.rs`).
+//! `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl` (`tests/layout_contract.rs`).
 
 use glam::{DMat4, DVec3, Vec3};
 
@@ -22,12 +22,12 @@ pub struct Wedge {
     pub flags: u32,
     /// Start of the edge or piece, light space.
     pub start_light: [f32; 3],
-    /// Index of the [`WedgeLight`].
-    pub light: u32,
+    /// Unused.
+    pub padding_a: u32,
     /// End of the edge or piece, light space.
     pub end_light: [f32; 3],
     /// Unused.
-    pub padding: u32,
+    pub padding_b: u32,
     /// Rims of the outer and inner half: direction in light space; w: 0 where the ray leaves from the start, 1 from the
     /// end. Zero without a shell.
     pub rims: [[f32; 4]; 2 * RIM],
@@ -77,8 +77,10 @@ pub struct WedgeLight {
     pub table: u32,
     /// Unused.
     pub padding: u32,
-    /// Centre and half size within the light, −1 to 1.
+    /// Centre and half size within the whole light, −1 to 1.
     pub place: [f32; 4],
+    /// Centre of the whole light, light space; w: of a sphere, its radius.
+    pub whole: [f32; 4],
 }
 
 /// Share of a rectangle's larger side by which casters must stand before its plane to cover it.

@@ -94,8 +94,18 @@ impl Tables {
     }
 
     /// What a part gives to the mask where it is wholly seen: by colour, and of the area.
-    pub fn share(&self, part: &LightPart, texture: Option<&EmitterTexture>, parts: usize) -> [f64; 4] {
-        let share = (parts as f64).recip();
+    ///
+    /// In whole steps of a half float below 1, which the mask is made of: so that all parts together give 1.
+    pub fn share(
+        &self,
+        part: &LightPart,
+        texture: Option<&EmitterTexture>,
+        number: usize,
+        parts: usize,
+    ) -> [f64; 4] {
+        const STEPS: usize = 2048;
+        let until = |number: usize| (number * STEPS + parts / 2) / parts;
+        let share = (until(number + 1) - until(number)) as f64 / STEPS as f64;
         let placed = texture.and_then(|texture| {
             let tables = self.placed.iter();
             let mut tables = tables.filter(|tables| Arc::ptr_eq(&tables.texture, &texture.texture));

@@ -40,6 +40,10 @@ pub enum Form {
     Color,
     /// Four half floats a layer, where the device blends no more.
     HalfColor,
+    /// Four floats: a sum, hard shadows and ten places on the light. All casters are one layer.
+    Sampled,
+    /// The same a layer.
+    SampledLayers,
     /// Two textures of four bytes a layer.
     Split8,
 }
@@ -50,9 +54,21 @@ impl Form {
         match self {
             Self::Float => &[wgpu::TextureFormat::R32Float; 2],
             Self::Color => &[wgpu::TextureFormat::Rgba32Float; 2],
+            Self::Sampled => &[wgpu::TextureFormat::Rgba32Float; 1],
+            Self::SampledLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
             Self::HalfColor => &[wgpu::TextureFormat::Rgba16Float; 2],
             Self::Split8 => &[wgpu::TextureFormat::Rgba8Unorm; 4],
         }
+    }
+
+    /// Places on the light are counted.
+    pub fn is_sampled(self) -> bool {
+        matches!(self, Self::Sampled | Self::SampledLayers)
+    }
+
+    /// There are sums by colour.
+    pub fn is_textured(self) -> bool {
+        matches!(self, Self::Color | Self::HalfColor)
     }
 }
 
@@ -67,6 +83,8 @@ pub struct Key {
     pub is_sphere: bool,
     /// Angles and areas come from tables.
     pub looks_up: bool,
+    /// Faces before the surface count, not those behind it.
+    pub towards: bool,
     /// The view mirrors.
     pub mirrored: bool,
 }
@@ -76,6 +94,8 @@ pub struct Key {
 pub struct ResolveKey {
     /// What is read.
     pub form: Form,
+    /// The light is a sphere.
+    pub is_sphere: bool,
     /// Writes the combined coverage rather than the mask.
     pub combines: bool,
     /// Reads the combined coverage.
@@ -91,6 +111,8 @@ pub struct WedgePipelines {
     wedge: wgpu::ShaderModule,
     resolve: wgpu::ShaderModule,
     wedge_layout: wgpu::PipelineLayout,
+    /// Without receivers: the debug view is drawn into the light pass.
+    debug_layout: wgpu::PipelineLayout,
     resolve_layout: wgpu::PipelineLayout,
     wedges: Vec<(Key, wgpu::RenderPipeline)>,
     resolves: Vec<(ResolveKey, wgpu::RenderPipeline)>,
@@ -118,7 +140,6 @@ impl WedgePipelines {
         shaders: &Shaders,
         layouts: &BindGroupLayouts,
         wedges: &wgpu::BindGroupLayout,
-        receiver: &wgpu::BindGroupLayout,
         sums: &wgpu::BindGroupLayout,
     ) -> Result<Self, RenderError> {
         let device = &context.device;
@@ -134,9 +155,18 @@ impl WedgePipelines {
             resolve: shaders.module(device, "techniques/penumbra_wedge/resolve.wgsl")?,
             wedge_layout: layout(
                 "penumbra wedge",
-                &[Some(&layouts.view), None, Some(wedges), Some(receiver)],
+                &[Some(&layouts.view), Some(&layouts.receiver), Some(wedges)],
             ),
-            resolve_layout: layout("penumbra wedge resolve", &[None, None, None, Some(sums)]),
+            debug_layout: layout("wedge debug view", &[Some(&layouts.view), None, Some(wedges)]),
+            resolve_layout: layout(
+                "penumbra wedge resolve",
+                &[
+                    Some(&layouts.view),
+                    Some(&layouts.receiver),
+                    Some(wedges),
+                    Some(sums),
+                ],
+            ),
             wedges: Vec::new(),
             resolves: Vec::new(),
         })
@@ -144,16 +174,14 @@ impl WedgePipelines {
 
     /// The pipeline, if [`WedgePipelines::require`] has made it.
     pub fn get(&self, key: Key) -> Option<&wgpu::RenderPipeline> {
-        self.wedges
-            .iter()
-            .find_map(|(known, pipeline)| (*known == key).then_some(pipeline))
+        let found = self.wedges.iter().find(|(known, _)| *known == key);
+        found.map(|(_, pipeline)| pipeline)
     }
 
     /// The pipeline, if [`WedgePipelines::require_resolve`] has made it.
     pub fn get_resolve(&self, key: ResolveKey) -> Option<&wgpu::RenderPipeline> {
-        self.resolves
-            .iter()
-            .find_map(|(known, pipeline)| (*known == key).then_some(pipeline))
+        let found = self.resolves.iter().find(|(known, _)| *known == key);
+        found.map(|(_, pipeline)| pipeline)
     }
 
     /// Makes the pipeline if it does not exist yet.
@@ -207,12 +235,11 @@ impl WedgePipelines {
         let constants = [
             ("IS_SPHERE", f64::from(key.is_sphere)),
             ("HALF_SIGN", sign),
+            ("FACE_SIGN", if key.towards { -1.0 } else { 1.0 }),
             ("CAP_LAYERS", layers),
             ("LOOKS_UP", f64::from(key.looks_up)),
-            (
-                "IS_TEXTURED",
-                f64::from(matches!(key.form, Form::Color | Form::HalfColor)),
-            ),
+            ("IS_TEXTURED", f64::from(key.form.is_textured())),
+            ("IS_SAMPLED", f64::from(key.form.is_sampled())),
         ];
         let formats = if debug {
             &[RADIANCE_FORMAT][..]
@@ -233,17 +260,23 @@ impl WedgePipelines {
                 })
             })
             .collect();
-        // Faces behind the surface or on it count: what lies on it counts as behind for both halves and for caps.
+        // Faces behind the surface or on it count: what lies on it counts as behind for both halves and for caps. Counted
+        // towards the viewer, it is the rest that counts.
         let depth_compare = match key.part {
             Part::ShellEverywhere => Always,
             Part::Show => Greater,
+            _ if key.towards => Greater,
             _ => LessEqual,
         };
         context
             .device
             .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(&format!("penumbra wedge {key:?}")),
-                layout: Some(&self.wedge_layout),
+                layout: Some(if debug {
+                    &self.debug_layout
+                } else {
+                    &self.wedge_layout
+                }),
                 vertex: wgpu::VertexState {
                     module: &self.wedge,
                     entry_point: Some(vertex),
@@ -254,6 +287,7 @@ impl WedgePipelines {
                     // The far cap has the near cap's triangles, seen from the other end.
                     front_face: front_face(key.mirrored != matches!(key.part, Part::FarCap(_))),
                     cull_mode: match key.part {
+                        Part::Shell if key.towards => Some(wgpu::Face::Back),
                         Part::ShellEverywhere | Part::Shell | Part::OuterHalf | Part::InnerHalf => {
                             Some(wgpu::Face::Front)
                         }
@@ -287,6 +321,9 @@ impl WedgePipelines {
     fn create_resolve(&self, context: &RenderContext, key: ResolveKey) -> wgpu::RenderPipeline {
         let constants = [
             ("IS_SPLIT", f64::from(key.form == Form::Split8)),
+            ("IS_SPHERE", f64::from(key.is_sphere)),
+            ("IS_TEXTURED", f64::from(key.form.is_textured())),
+            ("IS_SAMPLED", f64::from(key.form.is_sampled())),
             ("IS_SCALAR", f64::from(key.form == Form::Float)),
             ("IS_COMBINED", f64::from(key.is_combined)),
         ];

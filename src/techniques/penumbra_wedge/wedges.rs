@@ -5,14 +5,18 @@ use std::ops::Range;
 use bevy_ecs::prelude::*;
 
 use super::chunks::{CasterItem, Chunk, ChunkKey, LightChunks, chunks_of, light_from_local};
-use super::component::{Overlap, PenumbraWedge};
+use super::component::{Overlap, PenumbraWedge, WedgeCulling};
 use super::layers::LayeredContour;
 use super::parts::{LightPart, PartShape, push_parts};
+use super::patches::ShadowCone;
 use super::records::{Wedge, WedgeCaster};
 use super::texture::EmitterTexture;
+use crate::geometry::Aabb;
+use crate::scene::FaceCulling;
 use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{FrameLights, Objects, View};
+use crate::sets::{FrameLights, Objects, SeenInto, View};
 use crate::silhouettes::{FacingBits, Silhouettes};
+use crate::techniques::stencil_volume::inside_test::OcclusionPyramid;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
 /// [`build_penumbra_wedges`].
@@ -22,7 +26,7 @@ pub struct PenumbraWedges {
     pub lights: Vec<LightWedges>,
     /// Parts of all lights.
     pub parts: Vec<PartWedges>,
-    /// What is summed by itself; one a part, or with [`Overlap::Paper`] one a caster.
+    /// What is summed by itself; one a part, or with [`Overlap::Paper`] as many as [patches](super::patches) meet.
     pub groups: Vec<Group>,
     /// Casters of all parts.
     pub casters: Vec<CasterDraw>,
@@ -34,8 +38,8 @@ pub struct PenumbraWedges {
     pub caps: Vec<u32>,
     /// Increases when `caster_records`, `wedges` or `caps` changed.
     pub generation: u64,
-    kept: Vec<LightChunks>,
-    scratch: Scratch,
+    pub(super) kept: Vec<LightChunks>,
+    pub(super) scratch: Scratch,
     frame: u64,
 }
 
@@ -52,6 +56,8 @@ pub struct LightWedges {
     pub texture: Option<EmitterTexture>,
     /// Range of [`PenumbraWedges::parts`].
     pub parts: Range<usize>,
+    /// Some caster is not the same in both [layers](super::layers).
+    pub is_layered: bool,
 }
 
 /// One part of a light.
@@ -68,8 +74,17 @@ pub struct PartWedges {
 pub struct Group {
     /// Range of [`PenumbraWedges::casters`].
     pub casters: Range<usize>,
-    /// Range of [`PenumbraWedges::wedges`].
-    pub wedges: Range<u32>,
+    /// Range of [`PenumbraWedges::wedges`]: those that count where they are before the surface.
+    pub towards: Range<u32>,
+    /// Those that count where they are behind it.
+    pub away: Range<u32>,
+}
+
+impl Group {
+    /// All of them.
+    pub fn wedges(&self) -> Range<u32> {
+        self.towards.start..self.away.end
+    }
 }
 
 /// One caster of one part.
@@ -79,29 +94,37 @@ pub struct CasterDraw {
     pub object: u32,
     /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::layers).
     pub caps: [Range<u32>; 3],
+    /// Counted towards the viewer: it shadows no part of the viewport, and its own surface hides the caps.
+    pub towards: bool,
 }
 
 #[derive(Debug, Default)]
-struct Scratch {
+pub(super) struct Scratch {
     bits: FacingBits,
     contour: LayeredContour,
     parts: Vec<LightPart>,
     /// What the flat arrays hold, and held in the last frame.
-    layout: Vec<Placed>,
+    pub(super) layout: Vec<Placed>,
     last_layout: Vec<Placed>,
+    /// Of the parts of the frame that the flat arrays were made for.
+    pub(super) part_groups: Vec<Range<usize>>,
+    /// Patches of one part: index into `layout`, and number within the chunk; where their shadows go; their sums.
+    pub(super) entries: Vec<(usize, usize)>,
+    pub(super) cones: Vec<ShadowCone>,
+    pub(super) sums: Vec<u32>,
 }
 
 /// A chunk in the flat arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Placed {
-    light: Entity,
+pub(super) struct Placed {
+    pub(super) light: Entity,
     /// Number of the part in its light.
-    part: u32,
+    pub(super) part: u32,
     /// Index of the part in the frame.
-    index: u32,
-    caster: Entity,
-    object: u32,
-    overlap: Overlap,
+    pub(super) index: u32,
+    pub(super) caster: Entity,
+    pub(super) object: u32,
+    pub(super) towards: bool,
 }
 
 /// Frames that a chunk outlives its last use; as of silhouettes.
@@ -121,7 +144,8 @@ impl PenumbraWedges {
 /// Makes the wedges of every edge of every caster of every light with a [`PenumbraWedge`], those that are not known yet
 /// or stale, and lists what the frame draws.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`]; writes [`PenumbraWedges`].
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`SeenInto`]; writes
+/// [`PenumbraWedges`].
 /// Cost: an inverse a caster of S; the edges of what moved.
 pub fn build_penumbra_wedges(
     mut wedges: ResMut<PenumbraWedges>,
@@ -129,6 +153,8 @@ pub fn build_penumbra_wedges(
     objects: Res<Objects>,
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
+    seen_into: Res<SeenInto>,
+    face_culling: Res<FaceCulling>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterItem<'static>>,
 ) {
@@ -142,6 +168,8 @@ pub fn build_penumbra_wedges(
     let Some(view) = &view.data else {
         return;
     };
+    let near = &view.near_corners;
+    let around = [near[0], near[1], near[3], near[2]];
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
         let Ok((settings, texture)) = components.get(light.entity) else {
@@ -165,13 +193,16 @@ pub fn build_penumbra_wedges(
                 .filter(|_| matches!(out.scratch.parts[0].shape, PartShape::Rect { .. }))
                 .cloned(),
             parts: first..out.parts.len(),
+            is_layered: false,
         });
+        let this = out.lights.len() - 1;
         let Some(known) = silhouettes.of_light(light.entity) else {
             continue;
         };
         let chunks = chunks_of(&mut out.kept, light.entity, frame);
         for number in 0..out.scratch.parts.len() {
             let part = out.scratch.parts[number];
+            let pyramid = OcclusionPyramid::new(&around, part.point_world);
             for object in light.s.ones() {
                 let Some((_, silhouette)) = known.of_object(object) else {
                     continue;
@@ -196,6 +227,7 @@ pub fn build_penumbra_wedges(
                     light_from_local: light_from_local.as_mat4(),
                     shape: part.shape,
                     bounds: settings.bounds,
+                    by_patch: settings.overlap == Overlap::Paper,
                 };
                 let number = number as u32;
                 let at = match chunks
@@ -222,7 +254,21 @@ pub fn build_penumbra_wedges(
                     );
                     rebuilt = true;
                 }
+                out.lights[this].is_layered |= chunk.is_layered;
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
+                    // Its own surface hides the near cap only where all of the surface is drawn. From elsewhere on the
+                    // light than its centre, the pyramid is within the light's radius of that from the centre.
+                    let hides_cap = objects.drawn.contains(object)
+                        && !seen_into.0.contains(object)
+                        && (*face_culling == FaceCulling::None || item.0.0.edges.is_closed());
+                    let bounds = objects.boxes.get(object);
+                    let radius = part.shape.radius() as f32;
+                    let towards = settings.culling == WedgeCulling::Depth
+                        && hides_cap
+                        && pyramid.excludes(&Aabb {
+                            min: bounds.min - radius,
+                            max: bounds.max + radius,
+                        });
                     let layout = &mut out.scratch.layout;
                     layout.push(Placed {
                         light: light.entity,
@@ -230,7 +276,7 @@ pub fn build_penumbra_wedges(
                         index: first as u32 + number,
                         caster: entity,
                         object: object as u32,
-                        overlap: settings.overlap,
+                        towards,
                     });
                 }
             }
@@ -240,95 +286,4 @@ pub fn build_penumbra_wedges(
     out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
     let same_layout = out.scratch.layout == out.scratch.last_layout;
     out.assemble(rebuilt || !same_layout);
-}
-
-impl PenumbraWedges {
-    /// Lists groups and casters; copies the chunks into the flat arrays if `changed`.
-    fn assemble(&mut self, changed: bool) {
-        let Self {
-            lights,
-            parts,
-            groups,
-            casters,
-            caster_records,
-            wedges,
-            caps,
-            generation,
-            kept,
-            scratch,
-            ..
-        } = self;
-        groups.clear();
-        casters.clear();
-        if changed {
-            *generation += 1;
-            caster_records.clear();
-            wedges.clear();
-            caps.clear();
-        }
-        let (mut wedge_count, mut cap_count) = (0u32, 0u32);
-        let mut entries = scratch.layout.iter().peekable();
-        for light in lights.iter() {
-            let chunks = kept
-                .binary_search_by_key(&light.entity, |entry| entry.light)
-                .ok()
-                .map(|at| &kept[at].chunks);
-            for (number, index) in light.parts.clone().enumerate() {
-                let first_group = groups.len();
-                let mut first_caster = casters.len();
-                let mut first_wedge = wedge_count;
-                while let Some(&Placed {
-                    caster: entity,
-                    object,
-                    overlap,
-                    ..
-                }) = entries.next_if(|entry| entry.index == index as u32)
-                {
-                    let Some(chunk) = chunks.and_then(|chunks| {
-                        let key = (entity, number as u32);
-                        let at = chunks.binary_search_by_key(&key, |chunk| (chunk.entity, chunk.part));
-                        at.ok().map(|at| &chunks[at])
-                    }) else {
-                        continue;
-                    };
-                    if changed {
-                        let caster = caster_records.len() as u32;
-                        caster_records.push(WedgeCaster {
-                            light_local: chunk.light_local,
-                            object,
-                            padding: [0; 3],
-                        });
-                        wedges.extend(chunk.wedges.iter().map(|wedge| Wedge {
-                            caster,
-                            light: index as u32,
-                            ..*wedge
-                        }));
-                        caps.extend_from_slice(&chunk.caps);
-                    }
-                    casters.push(CasterDraw {
-                        object,
-                        caps: chunk.cap_counts.map(|count| {
-                            cap_count += count;
-                            cap_count - count..cap_count
-                        }),
-                    });
-                    wedge_count += chunk.wedges.len() as u32;
-                    if overlap == Overlap::Paper {
-                        groups.push(Group {
-                            casters: first_caster..casters.len(),
-                            wedges: first_wedge..wedge_count,
-                        });
-                        (first_caster, first_wedge) = (casters.len(), wedge_count);
-                    }
-                }
-                if first_caster < casters.len() {
-                    groups.push(Group {
-                        casters: first_caster..casters.len(),
-                        wedges: first_wedge..wedge_count,
-                    });
-                }
-                parts[index].groups = first_group..groups.len();
-            }
-        }
-    }
 }

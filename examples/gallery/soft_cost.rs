@@ -1,0 +1,130 @@
+//! What tight wedges and culling save: pixels that wedges cover, and frames, against wedges around a sphere and against a
+//! plain renderer, in one run.
+//!
+//! Section 6 of Assarsson et al. 2003 has 1.2 to 2 for tight wedges.
+
+use std::path::Path;
+use std::time::Instant;
+
+use antumbra::prelude::*;
+use antumbra::techniques::penumbra_wedge::{Overlap, WedgeBounds, WedgeCulling};
+use glam::UVec2;
+
+use super::soft_pages::{SQUARE, WIDE, scenes, set_light, stage};
+use super::support::stage::{Stage, one_line};
+
+/// Frames that a time is the median of.
+const RUNS: usize = 9;
+
+/// What the debug view adds to blue where a wedge's front and back are before the surface.
+const DEBUG_BLUE: f32 = 0.03;
+
+/// Prints a line a scene and light.
+///
+/// # Errors
+/// One line that names the file and the element.
+pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), String> {
+    let ours = PenumbraWedge::default();
+    let sphere = PenumbraWedge {
+        bounds: WedgeBounds::Sphere,
+        ..ours
+    };
+    let ways = [
+        ("ours", ours),
+        ("sphere bounds", sphere),
+        (
+            "stencil culled",
+            PenumbraWedge {
+                culling: WedgeCulling::Stencil,
+                ..ours
+            },
+        ),
+        (
+            "not culled",
+            PenumbraWedge {
+                culling: WedgeCulling::None,
+                ..ours
+            },
+        ),
+        (
+            "plain",
+            PenumbraWedge {
+                culling: WedgeCulling::None,
+                ..sphere
+            },
+        ),
+        (
+            "additive",
+            PenumbraWedge {
+                overlap: Overlap::Additive,
+                ..ours
+            },
+        ),
+    ];
+    println!("{size}, {}; times as ratios to ours", context.adapter);
+    for scene in scenes() {
+        let mut stage = stage(context, assets, size, &scene)?;
+        for (name, kind) in [("square", SQUARE), ("wide", WIDE)] {
+            set_light(&mut stage, kind, scene.light, ours);
+            let first = visibility(&mut stage)?;
+            let mut covered = [0.0; 2];
+            for (covered, wedge) in covered.iter_mut().zip([ours, sphere]) {
+                set_light(&mut stage, kind, scene.light, wedge);
+                *covered = cover(&mut stage)?;
+            }
+            set_light(&mut stage, kind, scene.light, ways[4].1);
+            let plain = visibility(&mut stage)?;
+            let apart = first.iter().zip(&plain).map(|(a, b)| (a - b).abs());
+            let apart = apart.fold(0.0, f32::max);
+            // In turn, so that drift meets all alike.
+            let mut times = vec![Vec::new(); ways.len()];
+            for run in 0..=RUNS {
+                for ((_, wedge), times) in ways.iter().zip(&mut times) {
+                    let entity = stage.lights[0];
+                    stage.world.entity_mut(entity).insert(*wedge);
+                    stage.draw().map_err(|error| one_line(&error))?; // chunks and pipelines
+                    let begin = Instant::now();
+                    stage.draw().map_err(|error| one_line(&error))?;
+                    if run > 0 {
+                        times.push(begin.elapsed().as_secs_f64() * 1e3);
+                    }
+                }
+            }
+            let medians: Vec<f64> = times
+                .iter_mut()
+                .map(|times| {
+                    times.sort_by(f64::total_cmp);
+                    times[RUNS / 2]
+                })
+                .collect();
+            let mut line = format!(
+                "{:<9} {name:<7} covered {:>9.0} px, sphere bounds {:.2}x; ours {:.1} ms",
+                scene.name,
+                covered[0],
+                covered[1] / covered[0].max(1.0),
+                medians[0]
+            );
+            for ((name, _), time) in ways.iter().zip(&medians).skip(1) {
+                line += &format!(", {name} {:.2}x", time / medians[0]);
+            }
+            println!("{line}; plain differs by {apart:.4}");
+        }
+    }
+    Ok(())
+}
+
+fn visibility(stage: &mut Stage) -> Result<Vec<f32>, String> {
+    let rendered = stage.render().map_err(|error| one_line(&error))?;
+    Ok(rendered.visibility[0].clone())
+}
+
+/// How many pixels wedges cover, a pixel as often as it is covered: the debug view counts.
+fn cover(stage: &mut Stage) -> Result<f64, String> {
+    let mut blue = |debug_volumes: bool| {
+        stage.world.resource_mut::<Renderer>().settings.debug_volumes = debug_volumes;
+        let rendered = stage.render().map_err(|error| one_line(&error))?;
+        let blue = rendered.radiance.iter().skip(2).step_by(4);
+        Ok::<f64, String>(blue.map(|&blue| f64::from(blue)).sum())
+    };
+    Ok((blue(true)? - blue(false)?) / f64::from(DEBUG_BLUE))
+}

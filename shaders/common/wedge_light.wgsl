@@ -1,0 +1,291 @@
+// A part of a light as wedges and their resolve see it: where the receiver stands, what of the part lies above the
+// receiver's horizon, and what lies behind an edge.
+// Host    src/techniques/penumbra_wedge/{records,plans,tables}.rs
+// Groups  2 wedges
+// Spaces  light: origin at the part's centre; places on the light: the square from −1 to 1, or the unit disc
+#define_import_path antumbra::wedge_light
+
+#import antumbra::coverage::{Projected, Seen, border_place, part_of, chord_of}
+#import antumbra::coverage::{see_on_rect, project_to_rect, rect_coverage, see_on_disc, project_to_disc, disc_coverage, disc_frame}
+#import antumbra::receiver::Receiver
+
+struct WedgeLight {                 // mirror: techniques::penumbra_wedge::records::WedgeLight
+    clip_from_light: mat4x4f,
+    light_from_relative_x: vec4f,   // rows of the affine matrix
+    light_from_relative_y: vec4f,
+    light_from_relative_z: vec4f,
+    half_size: vec2f,               // of a sphere: its radius twice
+    table: u32,                     // first entry of the texture's tables
+    padding: u32,
+    place: vec4f,                   // centre and half size within the whole light, a rectangle from −1 to 1
+    whole: vec4f,                   // the whole light's centre; w: of a sphere, its radius
+}
+
+// The part at hand: a uniform, for what is read by an index is read once a fragment.
+@group(2) @binding(2) var<uniform> light: WedgeLight;
+// Angles and areas, made by lookup.rs; then for each texture sectors along the border of the square and triangles,
+// shares by colour, made by texture.rs.
+@group(2) @binding(3) var<storage, read> tables: array<vec4f>;
+
+// How shares are computed.
+struct Maths {
+    is_sphere: bool,
+    looks_up: bool,                 // angles and areas come from tables
+    is_textured: bool,
+}
+
+const ANGLE_STEPS: u32 = 1024u;
+const SECTOR_STEPS: u32 = 256u;
+
+// Turns, 0..1.
+fn table_angle(direction: vec2f) -> f32 {
+    let size = abs(direction);
+    let at = clamp(size.y / max(size.x + size.y, 1e-20), 0.0, 1.0) * f32(ANGLE_STEPS);
+    let first = min(u32(at), ANGLE_STEPS - 1u);
+    let quarter = mix(tables[first].r, tables[first + 1u].r, at - f32(first));
+    let half_turn = select(quarter, 0.5 - quarter, direction.x < 0.0);
+    return select(half_turn, 1.0 - half_turn, direction.y < 0.0);
+}
+
+fn table_rect_coverage(edge: Projected) -> f32 {
+    let at = clamp(vec2f(table_angle(edge.start), table_angle(edge.end)), vec2f(0.0), vec2f(1.0)) * f32(SECTOR_STEPS);
+    let cell = min(vec2u(at), vec2u(SECTOR_STEPS - 1u));
+    let share = at - vec2f(cell);
+    let first = ANGLE_STEPS + 1u + cell.x * (SECTOR_STEPS + 1u) + cell.y;
+    let low = mix(tables[first].r, tables[first + 1u].r, share.y);
+    let next = first + SECTOR_STEPS + 1u;
+    let high = mix(tables[next].r, tables[next + 1u].r, share.y);
+    let triangle = 0.125 * abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x);
+    return select(0.0, max(mix(low, high, share.x) - triangle, 0.0), edge.is_visible);
+}
+
+fn table_disc_coverage(edge: Projected) -> f32 {
+    let between = abs(table_angle(edge.start) - table_angle(edge.end));
+    let triangle = abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x) * 0.15915494;
+    return select(0.0, max(min(between, 1.0 - between) - triangle, 0.0), edge.is_visible);
+}
+
+const BORDER_STEPS: f32 = 256.0;
+const NODES: u32 = 16u;
+
+// The texture's integral from the border's start to a place on it.
+fn sector_to(table: u32, place: f32) -> vec3f {
+    let at = clamp((place - 8.0 * floor(place / 8.0)) * (BORDER_STEPS / 8.0), 0.0, BORDER_STEPS);
+    let first = min(u32(at), u32(BORDER_STEPS) - 1u);
+    return mix(tables[table + first].rgb, tables[table + first + 1u].rgb, at - f32(first));
+}
+
+// Interpolated along one end of the edge at a node of the other.
+fn triangle_at(table: u32, node: u32, corner: vec2u, share: vec2f) -> vec3f {
+    let first = table + u32(BORDER_STEPS) + 1u + node * NODES * NODES + corner.y * NODES + corner.x;
+    let low = mix(tables[first].rgb, tables[first + 1u].rgb, share.x);
+    let high = mix(tables[first + NODES].rgb, tables[first + NODES + 1u].rgb, share.x);
+    return mix(low, high, share.y);
+}
+
+// By colour: the sector between the ends, counter-clockwise, less the triangle. A lookup in four dimensions.
+fn textured_coverage(table: u32, edge: Projected) -> vec3f {
+    let turn = edge.start.x * edge.end.y - edge.start.y * edge.end.x;
+    let start = select(edge.end, edge.start, turn >= 0.0);
+    let end = select(edge.start, edge.end, turn >= 0.0);
+    let from_place = border_place(start);
+    let to_place = border_place(end);
+    let low = sector_to(table, from_place);
+    let high = sector_to(table, to_place);
+    let turns = (to_place - 8.0 * floor(to_place / 8.0)) < (from_place - 8.0 * floor(from_place / 8.0));
+    let sector = high - low + select(0.0, 1.0, turns);
+    let last = f32(NODES - 1u);
+    let start_at = (start * 0.5 + 0.5) * last;
+    let end_at = (end * 0.5 + 0.5) * last;
+    let start_cell = min(vec2u(start_at), vec2u(NODES - 2u));
+    let end_cell = min(vec2u(end_at), vec2u(NODES - 2u));
+    let start_share = start_at - vec2f(start_cell);
+    let end_share = end_at - vec2f(end_cell);
+    let node = end_cell.y * NODES + end_cell.x;
+    let lower = mix(
+        triangle_at(table, node, start_cell, start_share),
+        triangle_at(table, node + 1u, start_cell, start_share),
+        end_share.x,
+    );
+    let upper = mix(
+        triangle_at(table, node + NODES, start_cell, start_share),
+        triangle_at(table, node + NODES + 1u, start_cell, start_share),
+        end_share.x,
+    );
+    return max(sector - mix(lower, upper, end_share.y), vec3f(0.0));
+}
+
+// Where a receiver stands for a light.
+struct Seat {
+    p: vec3f,                       // light space
+    horizon: vec3f,                 // dot(xy, place) + z: negative for places on the light below the horizon
+    is_there: bool,
+}
+
+fn in_light(position_relative: vec3f) -> vec3f {
+    let relative = vec4f(position_relative, 1.0);
+    return vec3f(
+        dot(light.light_from_relative_x, relative),
+        dot(light.light_from_relative_y, relative),
+        dot(light.light_from_relative_z, relative),
+    );
+}
+
+// Of a light of this extent around `center`.
+fn seat_at(receiver: Receiver, center: vec3f, half_size: vec2f, is_sphere: bool) -> Seat {
+    let p = in_light(receiver.position) - center;
+    let n = vec3f(
+        dot(light.light_from_relative_x.xyz, receiver.normal),
+        dot(light.light_from_relative_y.xyz, receiver.normal),
+        dot(light.light_from_relative_z.xyz, receiver.normal),
+    );
+    let frame = disc_frame(p);
+    let tilt = select(n.xy, vec2f(dot(n, frame.across), dot(n, frame.up)), is_sphere) * half_size;
+    // A point has no part below, and where no plane is known nothing is cut.
+    let is_known = dot(n, n) > 0.5 && half_size.x > 0.0;
+    return Seat(p, select(vec3f(0.0, 0.0, 1.0), vec3f(tilt, -dot(n, p)), is_known), receiver.depth > 0.0);
+}
+
+fn seat(receiver: Receiver, is_sphere: bool) -> Seat {
+    return seat_at(receiver, vec3f(0.0), light.half_size, is_sphere);
+}
+
+// By colour, and of the area: what lies behind an edge as seen from the centre.
+fn behind(edge: Projected, maths: Maths) -> vec4f {
+    var area = 0.0;
+    if maths.is_sphere {
+        if maths.looks_up {
+            area = table_disc_coverage(edge);
+        } else {
+            area = disc_coverage(edge);
+        }
+    } else if maths.looks_up {
+        area = table_rect_coverage(edge);
+    } else {
+        area = rect_coverage(edge);
+    }
+    var share = vec4f(area);
+    if maths.is_textured && edge.is_visible {
+        share = vec4f(textured_coverage(light.table, edge), area);
+    }
+    return share;
+}
+
+// 1: all of the part is above the horizon, −1: all below, 0: it is cut.
+fn side_of(horizon: vec3f, is_sphere: bool) -> i32 {
+    let reach = select(abs(horizon.x) + abs(horizon.y), length(horizon.xy), is_sphere);
+    return select(select(0, -1, horizon.z <= -reach), 1, horizon.z >= reach);
+}
+
+// What lies above the horizon.
+fn above(horizon: vec3f, maths: Maths) -> vec4f {
+    let side = side_of(horizon, maths.is_sphere);
+    var share = vec4f(select(0.0, 1.0, side > 0));
+    if side == 0 {
+        let none = Projected(vec2f(0.0), vec2f(0.0), false);
+        let beyond = behind(chord_of(horizon, maths.is_sphere, none, true), maths);
+        share = select(beyond, 1.0 - beyond, horizon.z >= 0.0);
+    }
+    return share;
+}
+
+fn see(p: vec3f, start: vec3f, end: vec3f, is_sphere: bool) -> Seen {
+    if is_sphere {
+        return see_on_disc(p, start, end, light.half_size.x);
+    }
+    return see_on_rect(p, start, end, light.half_size);
+}
+
+// Whether an edge passes beside the light: its line does, or both ends lie beyond one side.
+fn misses(seen: Seen, is_sphere: bool) -> bool {
+    let a = seen.first;
+    let b = seen.last;
+    let line = cross(a, b);
+    let reach = select(abs(line.x) + abs(line.y), length(line.xy), is_sphere);
+    let is_beyond = (a.xy > a.zz & b.xy > b.zz) | (a.xy < -a.zz & b.xy < -b.zz);
+    return !(seen.is_there && abs(line.z) < reach) || any(is_beyond);
+}
+
+// What lies above the horizon and behind an edge.
+//
+// As seen from the centre, the horizon is an edge too. With the centre above it, it hides of what lies behind an edge
+// all that lies behind itself; with the centre below, what is above lies behind the horizon, and behind the edge where
+// the edge is nearer to the centre.
+fn covered(horizon: vec3f, seen: Seen, maths: Maths) -> vec4f {
+    var edge: Projected;
+    if maths.is_sphere {
+        edge = project_to_disc(seen);
+    } else {
+        edge = project_to_rect(seen);
+    }
+    let side = side_of(horizon, maths.is_sphere);
+    var share = vec4f(0.0);
+    if side > 0 {
+        share = behind(edge, maths);
+    } else if side == 0 && edge.is_visible {
+        let at_start = dot(horizon.xy, edge.start) + horizon.z;
+        let at_end = dot(horizon.xy, edge.end) + horizon.z;
+        let over = part_of(edge, at_start, at_end);
+        let is_over = horizon.z >= 0.0;
+        var near = part_of(edge, -at_start, -at_end);
+        if is_over {
+            near = over;
+        }
+        let beyond = behind(chord_of(horizon, maths.is_sphere, near, false), maths);
+        let behind_edge = behind(over, maths);
+        share = select(behind_edge + beyond, max(behind_edge - beyond, vec4f(0.0)), is_over);
+    }
+    return share;
+}
+
+// Ten places on the light, spread over it: a lattice along the golden ratio on the square, on the disc a sunflower.
+const SQUARE_X = mat3x4f(
+    vec4f(-0.90000, -0.70000, -0.50000, -0.30000),
+    vec4f(-0.10000, 0.10000, 0.30000, 0.50000),
+    vec4f(0.70000, 0.90000, 0.00000, 0.00000),
+);
+const SQUARE_Y = mat3x4f(
+    vec4f(0.00000, -0.76393, 0.47214, -0.29180),
+    vec4f(0.94427, 0.18034, -0.58359, 0.65248),
+    vec4f(-0.11146, -0.87539, 0.00000, 0.00000),
+);
+const DISC_X = mat3x4f(
+    vec4f(0.22361, -0.28558, 0.04371, 0.35996),
+    vec4f(-0.66057, 0.62575, -0.20930, -0.39916),
+    vec4f(0.86601, -0.90094, 0.00000, 0.00000),
+);
+const DISC_Y = mat3x4f(
+    vec4f(0.00000, 0.26162, -0.49809, 0.46950),
+    vec4f(-0.11684, -0.39805, 0.77858, -0.76855),
+    vec4f(0.31627, 0.37190, 0.00000, 0.00000),
+);
+
+fn four_behind(seen: Seen, line: vec3f, x: vec4f, y: vec4f) -> vec4f {
+    let left_of_first = seen.first.x * y - seen.first.y * x > vec4f(0.0);
+    let left_of_last = seen.last.x * y - seen.last.y * x > vec4f(0.0);
+    let is_beyond = (line.x * x + line.y * y + line.z > vec4f(0.0)) != vec4<bool>(line.z > 0.0);
+    return select(vec4f(0.0), vec4f(1.0), (left_of_first != left_of_last) & is_beyond & vec4<bool>(seen.is_there));
+}
+
+// Whether each of the ten places lies behind the edge as seen from the centre: 1 or 0; the last two are none.
+fn places_behind(seen: Seen, is_sphere: bool) -> mat3x4f {
+    let line = cross(seen.first, seen.last);
+    return mat3x4f(
+        four_behind(seen, line, select(SQUARE_X[0], DISC_X[0], is_sphere), select(SQUARE_Y[0], DISC_Y[0], is_sphere)),
+        four_behind(seen, line, select(SQUARE_X[1], DISC_X[1], is_sphere), select(SQUARE_Y[1], DISC_Y[1], is_sphere)),
+        four_behind(seen, line, select(SQUARE_X[2], DISC_X[2], is_sphere), select(SQUARE_Y[2], DISC_Y[2], is_sphere)),
+    );
+}
+
+fn four_above(horizon: vec3f, x: vec4f, y: vec4f) -> vec4f {
+    return select(vec4f(0.0), vec4f(1.0), horizon.x * x + horizon.y * y + horizon.z > vec4f(0.0));
+}
+
+// The same for the horizon: 1 for places above it.
+fn places_above(horizon: vec3f, is_sphere: bool) -> mat3x4f {
+    return mat3x4f(
+        four_above(horizon, select(SQUARE_X[0], DISC_X[0], is_sphere), select(SQUARE_Y[0], DISC_Y[0], is_sphere)),
+        four_above(horizon, select(SQUARE_X[1], DISC_X[1], is_sphere), select(SQUARE_Y[1], DISC_Y[1], is_sphere)),
+        four_above(horizon, select(SQUARE_X[2], DISC_X[2], is_sphere), select(SQUARE_Y[2], DISC_Y[2], is_sphere)),
+    );
+}
