@@ -30,6 +30,10 @@ pub struct HostLight {
     pub kind: BevyLight,
 }
 
+/// The entity of the game that an entity of a mirror stands for.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct HostEntity(pub Entity);
+
 /// Bounds of a mesh that has none of our data, local space: it is lit, and casts nothing.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HostBounds(pub Aabb);
@@ -110,7 +114,7 @@ impl Mirror {
         if let Some(known) = self.map.get(main) {
             return known;
         }
-        let mirrored = self.world.spawn(*transform).id();
+        let mirrored = self.world.spawn((*transform, HostEntity(main))).id();
         if let Some(orphan) = self.map.insert(main, mirrored) {
             self.world.despawn(orphan);
         }
