@@ -9,7 +9,6 @@ pub mod buffers;
 pub mod context;
 pub mod draw_list;
 pub mod frame;
-pub mod hosted;
 pub mod frame_data;
 mod front_lights;
 mod front_surfaces;

@@ -53,7 +53,6 @@ pub struct Renderer {
     pub(super) frame: FrameData,
     pub(super) timings: Timings,
     pub(super) failure: Option<RenderError>,
-    pub(super) host: Option<super::hosted::HostTarget>,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -107,7 +106,6 @@ impl Renderer {
             frame: FrameData::default(),
             timings: Timings::new(&context),
             failure: None,
-            host: None,
             context,
             shaders,
             layouts,
