@@ -205,6 +205,7 @@ fn flat(path: &Path, size: UVec2) -> Bench {
         vertical_fov: 1.1,
         near: 0.05,
         aspect: size.x as f32 / size.y as f32,
+        ..Camera::default()
     };
     let view = Transform::from_xyz(5.4, 1.6, 4.6).looking_at(Vec3::new(1.0, 0.9, 1.0), Vec3::Y);
     let mut stage = Stage::empty(size, camera, view);

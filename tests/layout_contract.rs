@@ -40,7 +40,7 @@ macro_rules! mirror {
 
 fn mirrors() -> Vec<Mirror> {
     vec![
-        mirror!(View { ambient, relative_from_ndc, size } in "passes/ambient.wgsl", array: false),
+        mirror!(View { ambient, relative_from_ndc, size, origin } in "passes/ambient.wgsl", array: false),
         mirror!(Object {
             clip_from_local,
             relative_from_local_x,
@@ -48,6 +48,7 @@ fn mirrors() -> Vec<Mirror> {
             relative_from_local_z,
             handedness,
         } in "passes/ambient.wgsl", array: true),
+        mirror!(HostDepth { numerator, denominator, scale } in "passes/host_depth.wgsl", array: false),
         mirror!(Light { point_relative, emission, axis, cone, half_right, half_up } in "passes/light_accumulate.wgsl", array: false),
         mirror!(Slot { uv_matrix, uv_offset, uv_set, present } in "passes/ambient.wgsl", array: false),
         mirror!(Material {

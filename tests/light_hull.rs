@@ -3,7 +3,7 @@
 mod sets_harness;
 
 use antumbra::geometry::{Aabb, Emitter, Frustum, FrustumShape, LightHull, PlaneSet};
-use glam::{DVec3, DVec4, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec3};
 use sets_harness::Random;
 
 struct Case {
@@ -28,6 +28,7 @@ fn case(seed: u64) -> Case {
         forward,
         half_right: random.range(0.2, 1.5),
         half_up: random.range(0.2, 1.5),
+        center: DVec2::new(random.range(-0.8, 0.8), random.range(-0.8, 0.8)) * f64::from(random.chance(0.5)),
         near: random.range(0.1, 2.0),
     };
     let light = match random.below(4) {
@@ -54,7 +55,8 @@ impl Case {
     fn random_inside(&self, random: &mut Random) -> DVec3 {
         let shape = self.frustum.shape();
         let depth = shape.near * (1.0 + random.unit().powi(3) * 60.0);
-        let (x, y) = (random.range(-1.0, 1.0), random.range(-1.0, 1.0));
+        let x = shape.center.x + random.range(-1.0, 1.0);
+        let y = shape.center.y + random.range(-1.0, 1.0);
         shape.eye + (shape.forward + self.axes[0] * x + self.axes[1] * y) * depth
     }
 
@@ -76,8 +78,14 @@ impl Case {
         let from_eye = point - shape.eye;
         let [right, up] = self.axes.map(|axis| axis / axis.length_squared());
         let forward = shape.forward;
-        let sides =
-            [forward + right, forward - right, forward + up, forward - up].map(|normal| (normal, 0.0));
+        let DVec2 { x, y } = shape.center;
+        let sides = [
+            forward * (1.0 - x) + right,
+            forward * (1.0 + x) - right,
+            forward * (1.0 - y) + up,
+            forward * (1.0 + y) - up,
+        ]
+        .map(|normal| (normal, 0.0));
         let mut range = (0.0f64, f64::INFINITY);
         for (normal, offset) in std::iter::once((forward, -shape.near)).chain(sides) {
             let margin = 0.02 * normal.length() * (1.0 + from_eye.length());
@@ -259,6 +267,7 @@ fn flat_frusta_are_refused() {
         forward: DVec3::NEG_Z,
         half_right: 1.0,
         half_up: 1.0,
+        center: DVec2::ZERO,
         near: 0.1,
     };
     assert!(Frustum::new(&good).is_some_and(|frustum| !frustum.is_mirrored()));

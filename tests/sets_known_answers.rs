@@ -235,6 +235,7 @@ fn bad_cameras_give_no_view_and_strange_ones_lose_nothing() {
             vertical_fov,
             near,
             aspect,
+            ..Camera::default()
         };
         let (world, _) = run(&scene);
         let wrong = judge(&scene, &world, 1).wrong;

@@ -19,6 +19,7 @@ fn camera(eye: Vec3, target: Vec3) -> (Camera, Transform) {
         vertical_fov: 0.9,
         near: 0.02,
         aspect: SIZE.x as f32 / SIZE.y as f32,
+        ..Camera::default()
     };
     (
         camera,

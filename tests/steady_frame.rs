@@ -181,9 +181,9 @@ fn one_pass_for_all_lights_draws_what_a_pass_each_draws() {
     let mut encoder = context.device.create_command_encoder(&Default::default());
     renderer.record(&mut encoder, &FrameOutputs::default());
     context.queue.submit([encoder.finish()]);
-    let targets = renderer.targets().expect("a frame was drawn");
+    let radiance = renderer.radiance().expect("a frame was drawn");
     let all = wgpu::TextureAspect::All;
-    let rows = antumbra::render::readback::read_texture(context, &targets.radiance, all, "radiance")
+    let rows = antumbra::render::readback::read_texture(context, &radiance.texture, all, "radiance")
         .expect("radiance can be read");
     let one: Vec<f32> = rows
         .bytes

@@ -87,6 +87,7 @@ pub fn spawn_camera(world: &mut World) {
         vertical_fov: std::f32::consts::FRAC_PI_4,
         near: 0.1,
         aspect: 16.0 / 9.0,
+        ..Camera::default()
     };
     let place = Transform::from_translation(EYE).looking_at(Vec3::ZERO, Vec3::Y);
     world.spawn((camera, GlobalTransform::from(place)));

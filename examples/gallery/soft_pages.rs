@@ -189,6 +189,7 @@ fn stage(context: &RenderContext, assets: &Path, size: UVec2, scene: &Scene) -> 
         vertical_fov: 0.75,
         near: 0.05,
         aspect: size.x as f32 / size.y as f32,
+        ..Camera::default()
     };
     let view = Transform::from_translation(scene.eye).looking_at(scene.target, Vec3::Y);
     let mut stage = Stage::empty(size, camera, view);

@@ -212,6 +212,7 @@ impl Subject {
             vertical_fov: 0.9,
             near: 0.01 * unit,
             aspect: size.x as f32 / size.y as f32,
+            ..Camera::default()
         };
         let view = Transform::from_translation(at(Vec3::new(0.5, 0.45, 0.9), 2.8))
             .looking_at(bounds.center(), Vec3::Y);

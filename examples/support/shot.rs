@@ -222,6 +222,7 @@ impl ShotCamera {
             vertical_fov: self.vfov_deg.to_radians(),
             near: self.near,
             aspect: size.x as f32 / size.y.max(1) as f32,
+            ..Camera::default()
         }
     }
 

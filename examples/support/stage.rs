@@ -244,8 +244,8 @@ impl Stage {
             })
             .collect::<Result<Vec<Vec<f32>>, RenderError>>()?;
         let has_view = renderer.targets().is_some();
-        let radiance = match renderer.targets() {
-            Some(targets) => halves(&read_texture(&context, &targets.radiance, all, "radiance")?),
+        let radiance = match renderer.radiance() {
+            Some(radiance) => halves(&read_texture(&context, &radiance.texture, all, "radiance")?),
             None => vec![0.0; 4 * size.element_product() as usize],
         };
         Ok(Rendered {
@@ -285,11 +285,11 @@ impl Stage {
     /// What the device refuses.
     pub fn radiance_bytes(&self) -> Result<Vec<u8>, RenderError> {
         let renderer = self.world.resource::<Renderer>();
-        let Some(targets) = renderer.targets() else {
+        let Some(radiance) = renderer.radiance() else {
             return Ok(Vec::new());
         };
         let all = wgpu::TextureAspect::All;
-        Ok(read_texture(renderer.context(), &targets.radiance, all, "radiance")?.bytes)
+        Ok(read_texture(renderer.context(), &radiance.texture, all, "radiance")?.bytes)
     }
 
     /// Runs and draws a frame of which only the GPU times are wanted.
@@ -362,6 +362,7 @@ pub fn framing_camera(bounds: Aabb, aspect: f32) -> (Camera, Transform) {
         vertical_fov,
         near: (distance - radius).max(distance * 1e-3) * 0.5,
         aspect,
+        ..Camera::default()
     };
     (
         camera,

@@ -8,6 +8,7 @@ struct View {                       // mirror: render::gpu_types::View
     ambient: vec4f,                 // linear RGB radiance; w unused
     relative_from_ndc: mat4x4f,     // of a pixel's NDC position and depth; divide by w
     size: vec4f,                    // width and height of the picture, pixels; their reciprocals
+    origin: vec4f,                  // upper left corner of the picture in its targets, pixels; zw unused
 }
 
 struct Object {                     // mirror: render::gpu_types::Object
@@ -21,11 +22,14 @@ struct Object {                     // mirror: render::gpu_types::Object
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<storage, read> objects: array<Object>;
 
-// The point that a pixel shows: `pixel` is the fragment position (centres at +0.5, row 0 at the top), `depth` the
+fn ndc_from_pixel(pixel: vec2f) -> vec2f {
+    return vec2f(2.0, -2.0) * ((pixel - view.origin.xy) * view.size.zw) + vec2f(-1.0, 1.0);
+}
+
+// The point that a pixel shows: `pixel` is the fragment position (centres at +0.5, row 0 at the top of the targets), `depth` the
 // depth buffer's value, greater than 0.
 fn relative_from_pixel(pixel: vec2f, depth: f32) -> vec3f {
-    let ndc = vec2f(2.0, -2.0) * (pixel * view.size.zw) + vec2f(-1.0, 1.0);
-    let p = view.relative_from_ndc * vec4f(ndc, depth, 1.0);
+    let p = view.relative_from_ndc * vec4f(ndc_from_pixel(pixel), depth, 1.0);
     return p.xyz / p.w;
 }
 

@@ -1,6 +1,6 @@
 //! View frustum with its far plane at infinity.
 
-use glam::{DVec3, DVec4, Vec4};
+use glam::{DVec2, DVec3, DVec4, Vec4};
 
 use super::light_hull::{HalfSpace, SolidEdge};
 use super::{Plane, PlaneSet};
@@ -22,6 +22,8 @@ pub struct FrustumShape {
     pub half_right: f64,
     /// Half the picture's height at `forward`, in lengths of `up`.
     pub half_up: f64,
+    /// Where the picture's centre is at `forward`, in halves of its size to the right and up; zero but off-centre.
+    pub center: DVec2,
     /// Near plane, in lengths of `forward`.
     pub near: f64,
 }
@@ -86,20 +88,22 @@ impl Frustum {
             forward,
             half_right,
             half_up,
+            center,
             near,
         } = *shape;
-        if !(eye.is_finite() && half_right > 0.0 && half_up > 0.0 && near > 0.0) {
+        if !(eye.is_finite() && center.is_finite() && half_right > 0.0 && half_up > 0.0 && near > 0.0) {
             return None;
         }
-        let rays: [DVec3; 4] = std::array::from_fn(|i| {
-            let x = if i & 1 == 0 { -half_right } else { half_right };
-            let y = if i & 2 == 0 { -half_up } else { half_up };
-            forward + right * x + up * y
-        });
-        // The forward axis is a mean of the four rays, so it lies strictly inside every plane but the near one.
+        let ray_at = |x: f64, y: f64| {
+            forward + right * (half_right * (x + center.x)) + up * (half_up * (y + center.y))
+        };
+        let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
+        let rays: [DVec3; 4] = std::array::from_fn(|i| ray_at(sign(i & 1), sign(i & 2)));
+        // The central ray is the mean of the four, so it lies strictly inside every plane but the near one.
+        let middle = ray_at(0.0, 0.0);
         let side = |a: usize, b: usize| {
             let normal = rays[a].cross(rays[b]).try_normalize()?;
-            let towards = normal.dot(forward);
+            let towards = normal.dot(middle);
             (towards != 0.0).then(|| HalfSpace {
                 normal: normal * towards.signum(),
                 offset: 0.0,

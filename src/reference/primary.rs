@@ -68,6 +68,7 @@ pub fn camera_rays(
     let world_from_view = DMat3::from_cols_array(&affine.matrix3.to_cols_array().map(f64::from));
     let origin = Vec3::from(affine.translation).as_dvec3();
     let (right, up) = camera.half_extent_at_unit_distance();
+    let shift = camera.shift.as_dvec2();
     let rows = 0..size.y;
     Ok(rows
         .flat_map(|y| (0..size.x).map(move |x| (x, y)))
@@ -76,7 +77,8 @@ pub fn camera_rays(
             let ndc_y = 1.0 - (f64::from(y) + 0.5) / f64::from(size.y) * 2.0;
             Ray {
                 origin,
-                direction: world_from_view * DVec3::new(ndc_x * right, ndc_y * up, -1.0),
+                direction: world_from_view
+                    * DVec3::new((ndc_x - shift.x) * right, (ndc_y - shift.y) * up, -1.0),
             }
         })
         .collect())

@@ -21,6 +21,8 @@ pub struct BindGroupLayouts {
     pub mask: wgpu::BindGroupLayout,
     /// Group 3 of passes that read the depth of a frame or of its front layer.
     pub depth: wgpu::BindGroupLayout,
+    /// Group 3 of the pass that takes a host's depth.
+    pub host: wgpu::BindGroupLayout,
     /// Group 3 of the tonemap.
     pub tonemap: wgpu::BindGroupLayout,
 }
@@ -54,6 +56,19 @@ fn texture_entry(binding: u32, filterable: bool) -> wgpu::BindGroupLayoutEntry {
         visibility: wgpu::ShaderStages::FRAGMENT,
         ty: wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+fn depth_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Depth,
             view_dimension: wgpu::TextureViewDimension::D2,
             multisampled: false,
         },
@@ -142,18 +157,19 @@ impl BindGroupLayouts {
                 ],
             ),
             mask: layout("mask", &[texture_entry(0, false)]),
-            depth: layout(
-                "depth",
-                &[wgpu::BindGroupLayoutEntry {
-                    binding: 0,
-                    visibility: ShaderStages::FRAGMENT,
-                    ty: wgpu::BindingType::Texture {
-                        sample_type: wgpu::TextureSampleType::Depth,
-                        view_dimension: wgpu::TextureViewDimension::D2,
-                        multisampled: false,
-                    },
-                    count: None,
-                }],
+            depth: layout("depth", &[depth_entry(0)]),
+            host: layout(
+                "host depth",
+                &[
+                    depth_entry(0),
+                    buffer_entry(
+                        1,
+                        ShaderStages::FRAGMENT,
+                        Uniform,
+                        false,
+                        size_of::<gpu_types::HostDepth>(),
+                    ),
+                ],
             ),
             tonemap: layout(
                 "tonemap",

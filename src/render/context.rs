@@ -3,6 +3,8 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use glam::UVec2;
+
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -29,6 +31,19 @@ pub enum RenderError {
     /// The device was lost; make a new [`RenderContext`] and [`Renderer`](super::Renderer).
     #[error("the GPU device was lost")]
     DeviceLost,
+    /// A view outside of its host's targets, or a projection that cannot be inverted.
+    #[error(
+        "a view of {viewport} pixels at {origin} does not lie in the targets of its host, of {target_size}, or its \
+         projection cannot be inverted"
+    )]
+    HostView {
+        /// Pixels.
+        viewport: UVec2,
+        /// Its upper left corner.
+        origin: UVec2,
+        /// Texels of the host's targets.
+        target_size: UVec2,
+    },
     /// A result could not be read back.
     #[error("reading back {what}: {reason}")]
     Readback {
@@ -139,18 +154,32 @@ impl RenderContext {
         Ok(context)
     }
 
-    /// Renders with an engine's own device. `adapter` is a name for reports.
+    /// Renders with an engine's own device, and hears of its loss: the device's callback is taken. `adapter` is a name
+    /// for reports.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, adapter: String) -> Self {
-        let lost = Arc::new(AtomicBool::new(false));
-        let flag = lost.clone();
-        device.set_device_lost_callback(move |_, _| flag.store(true, Ordering::Release));
+        let context = Self::hosted(device, queue, adapter);
+        let flag = context.lost.clone();
+        context
+            .device
+            .set_device_lost_callback(move |_, _| flag.store(true, Ordering::Release));
+        context
+    }
+
+    /// Renders with the device of an engine that has its own callback for the loss of it, and says
+    /// [`RenderContext::set_lost`] then. `adapter` is a name for reports.
+    pub fn hosted(device: wgpu::Device, queue: wgpu::Queue, adapter: String) -> Self {
         Self {
             device,
             queue,
             adapter,
             anisotropy: 8,
-            lost,
+            lost: Arc::new(AtomicBool::new(false)),
         }
+    }
+
+    /// Says that the device is gone.
+    pub fn set_lost(&self) {
+        self.lost.store(true, Ordering::Release);
     }
 
     /// Whether the device is gone; nothing that it held can be used again.

@@ -1,6 +1,6 @@
 //! The frame: its passes in order.
 
-use super::frame_data::ActiveLight;
+use super::frame_data::{ActiveLight, Viewport};
 use super::front_lights::LightSurfaces;
 use super::nodes;
 use super::nodes::visibility::Shadow;
@@ -31,7 +31,7 @@ impl Renderer {
 
     /// Records the prepared frame. Without a view, a size or a device it records nothing.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
-        let Some((targets, tonemap_group)) = &self.targets else {
+        let (Some(targets), Some((radiance, tonemap_group))) = (&self.targets, &self.radiance) else {
             return;
         };
         if self.context.is_lost() {
@@ -39,12 +39,17 @@ impl Renderer {
         }
         self.timings.begin_frame();
         let resources = self.surface_resources();
+        let canvas = Canvas {
+            radiance: &radiance.view,
+            targets,
+            viewport: self.frame.viewport,
+        };
 
         // First, for every later pass tests against its depth.
         let background = self.settings.sanitized().background.as_dvec3();
         nodes::ambient::record(
             encoder,
-            targets,
+            &canvas,
             wgpu::Color {
                 r: background.x,
                 g: background.y,
@@ -57,23 +62,7 @@ impl Renderer {
             &self.timings,
         );
 
-        // Before the lights, for their techniques read it while they write the stencil.
-        if self.frame.lights.iter().any(ActiveLight::has_mask)
-            && let Some(masks) = &self.masks
-        {
-            self.depth_copy.record(encoder, targets, masks, &self.timings);
-            if self.reads_planes() {
-                nodes::receiver_plane::record(
-                    encoder,
-                    targets,
-                    masks,
-                    &self.view_group,
-                    &self.frame.batches[self.frame.ambient.clone()],
-                    &resources,
-                    &self.timings,
-                );
-            }
-        }
+        self.record_receivers(encoder, targets);
 
         // Light by light, so that one stencil and one mask serve all of them. Lights with stencils that follow one
         // another share a pass, unless somebody looks at each.
@@ -89,10 +78,10 @@ impl Renderer {
                 _ => "lights",
             };
             for light in group {
-                self.resolve_mask(encoder, targets, light, LightSurfaces::Opaque);
+                self.resolve_mask(encoder, &canvas, light, LightSurfaces::Opaque);
             }
             {
-                let mut pass = begin_light_pass(encoder, targets, label, self.timings.pass(label));
+                let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
                 for light in group {
                     pass.push_debug_group(&self.labels[light.light]);
                     self.record_light(&mut pass, light, LightSurfaces::Opaque);
@@ -120,7 +109,7 @@ impl Renderer {
         }
         if !self.frame.blended.is_empty() {
             let writes = self.timings.pass("blended");
-            let mut pass = begin_light_pass(encoder, targets, "blended", writes);
+            let mut pass = canvas.begin_light_pass(encoder, "blended", writes);
             nodes::blended::record(
                 &mut pass,
                 &self.view_group,
@@ -133,10 +122,14 @@ impl Renderer {
             );
         }
         if let Some(front) = front {
-            self.record_front_lights(encoder, front, outputs);
+            let canvas = Canvas {
+                targets: front,
+                ..canvas
+            };
+            self.record_front_lights(encoder, &canvas, outputs);
         }
         if self.settings.debug_volumes {
-            let mut pass = begin_light_pass(encoder, targets, "debug", None);
+            let mut pass = canvas.begin_light_pass(encoder, "debug", None);
             self.record_debug(&mut pass);
         }
 
@@ -145,6 +138,30 @@ impl Renderer {
                 .record(encoder, picture, tonemap_group, self.timings.pass("tonemap"));
         }
         self.timings.end_frame(encoder);
+    }
+
+    /// What techniques that resolve masks read of the opaque surfaces. Before the lights, for they read it while they
+    /// write the stencil.
+    pub(super) fn record_receivers(&self, encoder: &mut wgpu::CommandEncoder, targets: &FrameTargets) {
+        let Some(masks) = &self.masks else {
+            return;
+        };
+        if !self.frame.lights.iter().any(ActiveLight::has_mask) {
+            return;
+        }
+        self.depth_copy.record(encoder, targets, masks, &self.timings);
+        if self.reads_planes() {
+            nodes::receiver_plane::record(
+                encoder,
+                targets,
+                masks,
+                &self.frame.viewport,
+                &self.view_group,
+                &self.frame.batches[self.frame.ambient.clone()],
+                &self.surface_resources(),
+                &self.timings,
+            );
+        }
     }
 
     /// Whether a technique of the frame's lights with masks reads the receivers' planes.
@@ -160,7 +177,7 @@ impl Renderer {
     pub(super) fn resolve_mask(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
+        canvas: &Canvas,
         light: &ActiveLight,
         surfaces: LightSurfaces,
     ) {
@@ -169,7 +186,8 @@ impl Renderer {
                 context: &self.context,
                 record: surfaces.record_input(self, light),
                 device: &self.context.device,
-                targets,
+                radiance: canvas.radiance,
+                targets: canvas.targets,
                 masks,
                 scissor: surfaces.scissor(light),
                 depth_range: light.depth_range,
@@ -181,8 +199,8 @@ impl Renderer {
         }
     }
 
-    /// One light: begin its stencil, let its technique mark what it does not see, add it where it does.
-    pub(super) fn record_light(
+    /// Begins the stencil of a light, and lets its technique mark what it does not see if it does so there.
+    pub(super) fn mark_light(
         &self,
         pass: &mut wgpu::RenderPass,
         light: &ActiveLight,
@@ -195,6 +213,16 @@ impl Renderer {
             self.light_begin.record(pass, near, far);
             self.techniques[technique].mark(light.light, pass, &surfaces.record_input(self, light));
         }
+    }
+
+    /// One light: mark what it does not see, add it where it does.
+    pub(super) fn record_light(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) {
+        self.mark_light(pass, light, surfaces);
         nodes::light_accumulate::record(
             pass,
             &self.view_group,
@@ -296,6 +324,7 @@ impl Renderer {
             frame,
             pipelines,
             context,
+            host,
             ..
         } = self;
         let mut require = |pass, batches: std::ops::Range<usize>| {
@@ -303,7 +332,11 @@ impl Renderer {
                 pipelines.require(context, pass, batch.variant);
             }
         };
-        require(SurfacePass::Ambient, frame.ambient.clone());
+        let drawn = match host {
+            Some(_) => SurfacePass::HostSurface,
+            None => SurfacePass::Ambient,
+        };
+        require(drawn, frame.ambient.clone());
         if reads_planes {
             require(SurfacePass::ReceiverPlane, frame.ambient.clone());
             require(SurfacePass::ReceiverPlane, frame.blended_batches.clone());
@@ -336,33 +369,53 @@ impl Renderer {
     }
 }
 
-/// The pass of one light or of several, which keeps what is there.
-pub(super) fn begin_light_pass<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    targets: &FrameTargets,
-    label: &str,
-    timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
-) -> wgpu::RenderPass<'a> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &targets.radiance_view,
+/// What the passes of a frame draw into.
+#[derive(Clone, Copy, Debug)]
+pub struct Canvas<'a> {
+    /// Accumulated radiance.
+    pub radiance: &'a wgpu::TextureView,
+    /// Depth and stencil.
+    pub targets: &'a FrameTargets,
+    /// The part of them that the view has.
+    pub viewport: Viewport,
+}
+
+impl<'a> Canvas<'a> {
+    /// The pass of one light or of several, which keeps what is there.
+    pub fn begin_light_pass<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        label: &str,
+        timestamp_writes: Option<wgpu::RenderPassTimestampWrites>,
+    ) -> wgpu::RenderPass<'e> {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(label),
+            color_attachments: &[Some(self.radiance(wgpu::LoadOp::Load))],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.targets.depth_stencil_view,
+                depth_ops: None,
+                stencil_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Load,
+                    store: wgpu::StoreOp::Store,
+                }),
+            }),
+            timestamp_writes,
+            ..Default::default()
+        });
+        self.viewport.set(&mut pass);
+        pass
+    }
+
+    /// The radiance as an attachment.
+    pub fn radiance(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'a> {
+        wgpu::RenderPassColorAttachment {
+            view: self.radiance,
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Load,
+                load,
                 store: wgpu::StoreOp::Store,
             },
-        })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &targets.depth_stencil_view,
-            depth_ops: None,
-            stencil_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Load,
-                store: wgpu::StoreOp::Store,
-            }),
-        }),
-        timestamp_writes,
-        ..Default::default()
-    })
+        }
+    }
 }

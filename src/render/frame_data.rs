@@ -2,22 +2,49 @@
 
 use std::ops::Range;
 
+use bevy_ecs::prelude::Entity;
 use fixedbitset::FixedBitSet;
+use glam::UVec2;
 
 use super::draw_list::Batch;
 use super::nodes::blended::{BlendedDraw, BlendedLight};
 use super::technique::Visibility;
 
+/// The part of the targets that the view has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Viewport {
+    /// Its upper left corner, pixels.
+    pub origin: UVec2,
+    /// Pixels.
+    pub size: UVec2,
+}
+
+impl Viewport {
+    /// Maps NDC to it in a pass that draws geometry.
+    pub fn set(&self, pass: &mut wgpu::RenderPass) {
+        let [x, y] = self.origin.as_vec2().to_array();
+        let [width, height] = self.size.as_vec2().to_array();
+        pass.set_viewport(x, y, width, height, 0.0, 1.0);
+    }
+
+    /// A rectangle of the view in the targets.
+    pub fn place(&self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
+        [x + self.origin.x, y + self.origin.y, width, height]
+    }
+}
+
 /// One light of the frame, ready to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveLight {
+    /// Its entity.
+    pub entity: Entity,
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
     /// Slot of the light's constants.
     pub slot: usize,
     /// Index of its technique and what that leaves; `None`: unshadowed.
     pub shadow: Option<(usize, Visibility)>,
-    /// x, y, width, height; pixels.
+    /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
     pub depth_range: (f32, f32),
@@ -61,6 +88,8 @@ pub struct FrameData {
     pub light_constants: Vec<u8>,
     /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
     pub front_casters: Vec<FixedBitSet>,
+    /// Where the view is in the targets.
+    pub viewport: Viewport,
     /// Whether there is a view to draw.
     pub has_view: bool,
     /// For sorting blended surfaces: distance, object, item.

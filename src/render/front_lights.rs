@@ -3,13 +3,12 @@
 
 use std::ops::Range;
 
-use super::frame::{FrameOutputs, begin_light_pass};
+use super::frame::{Canvas, FrameOutputs};
 use super::frame_data::ActiveLight;
 use super::nodes;
 use super::nodes::visibility::Shadow;
 use super::pipelines::SurfacePass;
 use super::renderer::Renderer;
-use super::targets::FrameTargets;
 use super::technique::{RecordInput, Visibility};
 
 /// Which surfaces a light is added to.
@@ -60,9 +59,10 @@ impl Renderer {
     pub(super) fn record_front_lights(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        front: &FrameTargets,
+        canvas: &Canvas,
         outputs: &FrameOutputs,
     ) {
+        let front = canvas.targets;
         let lights = || self.frame.lights.iter().filter(|light| !light.front.is_empty());
         if lights().any(ActiveLight::has_mask)
             && let Some(masks) = &self.masks
@@ -73,6 +73,7 @@ impl Renderer {
                     encoder,
                     front,
                     masks,
+                    &self.frame.viewport,
                     &self.view_group,
                     &self.frame.batches[self.frame.blended_batches.clone()],
                     &self.surface_resources(),
@@ -82,9 +83,9 @@ impl Renderer {
         }
         for light in lights() {
             let label = &self.labels[light.light];
-            self.resolve_mask(encoder, front, light, LightSurfaces::Front);
+            self.resolve_mask(encoder, canvas, light, LightSurfaces::Front);
             {
-                let mut pass = begin_light_pass(encoder, front, label, self.timings.pass(label));
+                let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
                 self.record_light(&mut pass, light, LightSurfaces::Front);
             }
             if let (Some(target), Some((_, visibility))) = (outputs.visibility.get(light.light), light.shadow)

@@ -12,6 +12,8 @@ pub struct View {
     pub relative_from_ndc: [[f32; 4]; 4],
     /// Width and height of the picture, pixels, and their reciprocals.
     pub size: [f32; 4],
+    /// Upper left corner of the picture in its targets, pixels; z, w unused.
+    pub origin: [f32; 4],
 }
 
 /// Mirror of `Object` in `shaders/common/view.wgsl`.
@@ -28,6 +30,18 @@ pub struct Object {
     pub relative_from_local_z: [f32; 4],
     /// x: sign of the determinant.
     pub handedness: [f32; 4],
+}
+
+/// Mirror of `HostDepth` in `shaders/passes/host_depth.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct HostDepth {
+    /// Our depth is the quotient of the two, dotted with NDC, the host's depth, and 1.
+    pub numerator: [f32; 4],
+    /// See `numerator`.
+    pub denominator: [f32; 4],
+    /// x: distance of the near plane; y: of the eye from the world's origin, metres; z, w unused.
+    pub scale: [f32; 4],
 }
 
 /// Mirror of `Light` in `shaders/common/light.wgsl`.

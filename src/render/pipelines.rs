@@ -39,6 +39,8 @@ pub enum SurfacePass {
     Dark,
     /// Writes the plane of the triangle.
     ReceiverPlane,
+    /// Depth, where a host shows the surface.
+    HostSurface,
 }
 
 impl SurfacePass {
@@ -67,7 +69,7 @@ impl SurfacePass {
     }
 }
 
-const PASSES: [SurfacePass; 14] = [
+const PASSES: [SurfacePass; 15] = [
     SurfacePass::Ambient,
     SurfacePass::AmbientBlended,
     SurfacePass::Light,
@@ -82,6 +84,7 @@ const PASSES: [SurfacePass; 14] = [
     SurfacePass::VisibilityFront,
     SurfacePass::Dark,
     SurfacePass::ReceiverPlane,
+    SurfacePass::HostSurface,
 ];
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
@@ -113,11 +116,13 @@ pub struct SurfacePipelines {
     light: wgpu::ShaderModule,
     visibility: wgpu::ShaderModule,
     receiver_plane: wgpu::ShaderModule,
+    host_depth: wgpu::ShaderModule,
     unlit_layout: wgpu::PipelineLayout,
     lit_layout: wgpu::PipelineLayout,
     masked_layout: wgpu::PipelineLayout,
     masked_unlit_layout: wgpu::PipelineLayout,
     behind_front_layout: wgpu::PipelineLayout,
+    host_layout: wgpu::PipelineLayout,
     pipelines: Vec<Option<wgpu::RenderPipeline>>,
     /// Pipelines made so far; does not grow in a steady frame.
     pub created: usize,
@@ -163,6 +168,7 @@ impl SurfacePipelines {
             light: shaders.module(&context.device, "passes/light_accumulate.wgsl")?,
             visibility: shaders.module(&context.device, "passes/visibility.wgsl")?,
             receiver_plane: shaders.module(&context.device, "passes/receiver_plane.wgsl")?,
+            host_depth: shaders.module(&context.device, "passes/host_depth.wgsl")?,
             unlit_layout: layout("surface", None, None),
             lit_layout: layout("lit surface", Some(&layouts.light), None),
             masked_layout: layout("masked surface", Some(&layouts.light), Some(&layouts.mask)),
@@ -172,6 +178,7 @@ impl SurfacePipelines {
                 Some(&layouts.light),
                 Some(&layouts.depth),
             ),
+            host_layout: layout("surface of a host", None, Some(&layouts.host)),
             pipelines: vec![None; PASSES.len() * VARIANT_COUNT],
             created: 0,
         })
@@ -196,7 +203,7 @@ impl SurfacePipelines {
     }
 
     fn create(&self, context: &RenderContext, pass: SurfacePass, variant: Variant) -> wgpu::RenderPipeline {
-        use wgpu::CompareFunction::{Equal, Greater, GreaterEqual, Less};
+        use wgpu::CompareFunction::{Always, Equal, Greater, GreaterEqual, Less};
         let add = wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::One,
             dst_factor: wgpu::BlendFactor::One,
@@ -303,6 +310,15 @@ impl SurfacePipelines {
                 Equal,
                 Default::default(),
             ),
+            SurfacePass::HostSurface => (
+                &self.host_depth,
+                &self.host_layout,
+                RADIANCE_FORMAT,
+                None,
+                true,
+                Always,
+                Default::default(),
+            ),
             SurfacePass::VisibilityMasked => (
                 &self.visibility,
                 &self.masked_unlit_layout,
@@ -316,6 +332,7 @@ impl SurfacePipelines {
         let fragment = match pass {
             SurfacePass::FrontDepth => "depth_of_blended",
             SurfacePass::LightBehindFront => "behind_front",
+            SurfacePass::HostSurface => "surface",
             SurfacePass::VisibilityFront => "lit",
             SurfacePass::LightMasked | SurfacePass::FrontLightMasked | SurfacePass::VisibilityMasked
                 if !variant.unshadowed =>
@@ -370,7 +387,7 @@ impl SurfacePipelines {
                         constants,
                         ..Default::default()
                     },
-                    targets: if pass == SurfacePass::FrontDepth {
+                    targets: if matches!(pass, SurfacePass::FrontDepth | SurfacePass::HostSurface) {
                         &[]
                     } else {
                         std::slice::from_ref(&color)

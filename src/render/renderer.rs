@@ -7,16 +7,18 @@ use super::bind_groups::{BindGroupLayouts, LIGHT_STRIDE};
 use super::buffers::GrowingBuffer;
 use super::draw_list::DrawListBuilder;
 use super::frame_data::{ActiveLight, FrameData};
+use super::hosted::HostView;
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use super::nodes::depth_copy::DepthCopy;
+use super::nodes::host_depth::HostDepth;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
 use super::objects::ObjectTable;
 use super::pipelines::SurfacePipelines;
 use super::settings::RenderSettings;
-use super::targets::MaskTargets;
+use super::targets::{MaskTargets, RadianceTarget};
 use super::technique::{RecordInput, ShadowTechnique};
 use super::timings::Timings;
 use super::{FrameTargets, RenderContext, RenderError, Shaders, gpu_types};
@@ -45,7 +47,10 @@ pub struct Renderer {
     pub(super) light_group: wgpu::BindGroup,
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Vec<Box<dyn ShadowTechnique>>,
-    pub(super) targets: Option<(FrameTargets, wgpu::BindGroup)>,
+    pub(super) targets: Option<FrameTargets>,
+    pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
+    pub(super) host: Option<HostView>,
+    pub(super) host_depth: Option<HostDepth>,
     pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
     pub(super) depth_copy: DepthCopy,
@@ -99,6 +104,9 @@ impl Renderer {
             draw_lists: DrawListBuilder::default(),
             techniques: Vec::new(),
             targets: None,
+            radiance: None,
+            host: None,
+            host_depth: None,
             front: None,
             masks: None,
             depth_copy: DepthCopy::new(&context, &shaders, &layouts)?,
@@ -141,9 +149,14 @@ impl Renderer {
         &self.layouts
     }
 
-    /// Radiance, depth and stencil of the last frame; `None` before the first, or for a frame without pixels.
+    /// Depth and stencil of the last frame; `None` before the first, or for a frame without pixels.
     pub fn targets(&self) -> Option<&FrameTargets> {
-        self.targets.as_ref().map(|(targets, _)| targets)
+        self.targets.as_ref()
+    }
+
+    /// Radiance of the last frame; `None` before the first, for a frame without pixels, or with a host.
+    pub fn radiance(&self) -> Option<&RadianceTarget> {
+        self.radiance.as_ref().map(|(radiance, _)| radiance)
     }
 
     /// The mask and the depth that techniques read; `None` before the first frame with a mask of this size.
@@ -196,32 +209,43 @@ impl Renderer {
     }
 
     pub(super) fn resize(&mut self, size: UVec2) -> Result<(), RenderError> {
-        if self
-            .targets
-            .as_ref()
-            .is_some_and(|(targets, _)| targets.size == size)
-        {
+        let is_there = self.targets.as_ref().is_some_and(|targets| targets.size == size);
+        if is_there && self.radiance.is_none() == self.host.is_some() {
             return Ok(());
         }
-        self.targets = FrameTargets::new(&self.context, &self.layouts, size)?.map(|targets| {
-            let bind_group = self.tonemap.bind(&self.context, &targets.radiance_view);
-            (targets, bind_group)
-        });
+        self.targets = None;
+        self.radiance = None;
         self.front = None;
         self.masks = None;
+        if size.min_element() == 0 {
+            return Ok(()); // there is nothing to draw
+        }
+        let targets = FrameTargets::new(&self.context, &self.layouts, "depth and stencil", size)?;
+        if self.host.is_none() {
+            let radiance = RadianceTarget::new(&self.context, size)?;
+            let tonemap_group = self.tonemap.bind(&self.context, &radiance.view);
+            self.radiance = Some((radiance, tonemap_group));
+        }
+        self.targets = Some(targets);
         Ok(())
     }
 
     /// Makes the targets of masks and of the front layer if a light of the frame needs them.
     pub(super) fn require_targets(&mut self) -> Result<(), RenderError> {
-        let Some((targets, _)) = &self.targets else {
+        let Some(targets) = &self.targets else {
             return Ok(());
         };
         if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
             self.masks = Some(MaskTargets::new(&self.context, &self.layouts, targets)?);
         }
         if self.front.is_none() && self.frame.has_front_layer() {
-            self.front = Some(targets.front_layer(&self.context, &self.layouts)?);
+            let label = "front depth and stencil";
+            self.front = Some(FrameTargets::new(
+                &self.context,
+                &self.layouts,
+                label,
+                targets.size,
+            )?);
         }
         Ok(())
     }
@@ -262,6 +286,7 @@ impl Renderer {
             meshes: &self.meshes,
             materials: &self.materials,
             table: &self.table,
+            viewport: self.frame.viewport,
             casters: None,
         }
     }

@@ -31,9 +31,10 @@ pub const COMMON: [(&str, &str); 11] = sources![
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 14] = sources![
+pub const PASSES: [(&str, &str); 15] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
+    "passes/host_depth.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
     "passes/receiver_plane.wgsl",

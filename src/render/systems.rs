@@ -7,7 +7,7 @@ use glam::{DMat4, UVec2};
 use super::RenderError;
 use super::bind_groups::LIGHT_STRIDE;
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
-use super::frame_data::{ActiveLight, FrameData};
+use super::frame_data::{ActiveLight, FrameData, Viewport};
 use super::front_surfaces::collect_front;
 use super::gpu_types;
 use super::lights::light_constants;
@@ -39,12 +39,18 @@ pub fn prepare_objects(
         renderer.failure = Some(RenderError::DeviceLost);
         return;
     }
-    let size = if view.data.is_some() {
-        viewport.0
-    } else {
-        UVec2::ZERO
+    let host = renderer.host;
+    let size = match (&view.data, host) {
+        (None, _) => UVec2::ZERO,
+        (Some(_), None) => viewport.0,
+        (Some(_), Some(host)) => host.target_size,
     };
-    if let Err(error) = renderer.resize(size) {
+    renderer.frame.viewport = Viewport {
+        origin: host.map_or(UVec2::ZERO, |host| host.viewport_origin),
+        size: viewport.0,
+    };
+    let fits = host.map_or(Ok(()), |host| host.check(viewport.0));
+    if let Err(error) = fits.and_then(|()| renderer.resize(size)) {
         renderer.failure = Some(error);
         return;
     }
@@ -86,6 +92,9 @@ pub fn prepare_objects(
         renderer.write_objects();
         renderer.last_clip_from_world = Some(current.clip_from_world);
     }
+    if let (Some(host), Some(host_depth)) = (&renderer.host, &renderer.host_depth) {
+        host_depth.write(&renderer.context, host, current.near, current.eye);
+    }
     let ambient = renderer.settings.sanitized().ambient;
     let relative_from_ndc = (current.clip_from_world * DMat4::from_translation(current.eye)).inverse();
     let [width, height] = current.viewport.as_vec2().to_array();
@@ -93,6 +102,14 @@ pub fn prepare_objects(
         ambient: [ambient.x, ambient.y, ambient.z, 0.0],
         relative_from_ndc: relative_from_ndc.as_mat4().to_cols_array_2d(),
         size: [width, height, width.recip(), height.recip()],
+        origin: renderer
+            .frame
+            .viewport
+            .origin
+            .as_vec2()
+            .extend(0.0)
+            .extend(0.0)
+            .to_array(),
     };
     renderer
         .context
@@ -114,12 +131,17 @@ pub fn prepare_techniques(world: &mut World) {
             .data
             .as_ref()
             .is_some_and(|view| view.mirrored);
+        let target_size = renderer
+            .targets
+            .as_ref()
+            .map_or(UVec2::ZERO, |targets| targets.size);
         let input = PrepareInput {
             context: &renderer.context,
             shaders: &renderer.shaders,
             layouts: &renderer.layouts,
             meshes: &renderer.meshes,
             table: &renderer.table,
+            target_size,
             mirrored_view,
             debug_view: renderer.settings.debug_volumes,
         };
@@ -201,14 +223,15 @@ pub fn prepare_draws(
             .copy_from_slice(bytemuck::bytes_of(&constants));
         let bounds = light.depth_bounds.filter(|_| renderer.settings.depth_bounds);
         frame.lights.push(ActiveLight {
+            entity: light.entity,
             light: index,
             slot,
             shadow,
-            scissor: if renderer.settings.scissor {
+            scissor: frame.viewport.place(if renderer.settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
                 [0, 0, width, height]
-            },
+            }),
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
             batches: first..frame.batches.len(),
             front: 0..0,
@@ -232,8 +255,10 @@ pub fn prepare_draws(
         );
         frame.dark.push((index, first..frame.batches.len()));
     }
-    collect_blended(frame, &input, &visible, &lights, current.mirrored);
-    collect_front(frame, &input, &objects, &lights, current);
+    if renderer.host.is_none() {
+        collect_blended(frame, &input, &visible, &lights, current.mirrored);
+        collect_front(frame, &input, &objects, &lights, current);
+    }
     renderer
         .instances
         .write(&renderer.context, bytemuck::cast_slice(&frame.instances));

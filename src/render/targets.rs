@@ -2,8 +2,8 @@
 //!
 //! | texture | format | cleared to | written by | read by |
 //! | --- | --- | --- | --- | --- |
-//! | radiance | `Rgba16Float` | background | ambient, light accumulate | tonemap, readback |
-//! | depth | [`RenderContext::depth_stencil_format`] | infinity | ambient | all later passes |
+//! | radiance, or a host's | `Rgba16Float` | background | ambient, light accumulate | tonemap, readback |
+//! | depth | [`RenderContext::depth_stencil_format`] | infinity | ambient, or host depth | all later passes |
 //! | receiver depth | [`DEPTH_COPY_FORMAT`] | written whole | depth copy | techniques that resolve masks |
 //! | receiver plane | [`RECEIVER_PLANE_FORMAT`] | no plane | receiver plane | techniques that ask for it |
 //! | front depth and stencil | as depth | copied from depth | front layer | lights of the front layer |
@@ -32,15 +32,34 @@ pub const DEPTH_COPY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float
 /// as a float's bits.
 pub const RECEIVER_PLANE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
-/// Textures of one frame size.
+/// Accumulated linear radiance. A frame that a host lights has none of its own.
+#[derive(Debug)]
+pub struct RadianceTarget {
+    /// The texture.
+    pub texture: wgpu::Texture,
+    /// Its view.
+    pub view: wgpu::TextureView,
+}
+
+impl RadianceTarget {
+    /// A texture of `size`.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] beyond the device's largest texture.
+    pub fn new(context: &RenderContext, size: UVec2) -> Result<Self, RenderError> {
+        let texture = create_target(context, "radiance", size, RADIANCE_FORMAT)?;
+        Ok(Self {
+            view: texture.create_view(&Default::default()),
+            texture,
+        })
+    }
+}
+
+/// Depth and stencil of one frame size.
 #[derive(Debug)]
 pub struct FrameTargets {
     /// Texels.
     pub size: UVec2,
-    /// Accumulated linear radiance.
-    pub radiance: wgpu::Texture,
-    /// Its view.
-    pub radiance_view: wgpu::TextureView,
     /// Depth and stencil.
     pub depth_stencil: wgpu::Texture,
     /// Its view.
@@ -87,46 +106,15 @@ pub fn create_target(
 }
 
 impl FrameTargets {
-    /// Textures of `size`; `None` if a side is 0, when there is nothing to draw.
+    /// Textures of `size`; `label` tells those of the frame from those of its front layer.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
     pub fn new(
         context: &RenderContext,
         layouts: &BindGroupLayouts,
-        size: UVec2,
-    ) -> Result<Option<Self>, RenderError> {
-        if size.min_element() == 0 {
-            return Ok(None);
-        }
-        let radiance = create_target(context, "radiance", size, RADIANCE_FORMAT)?;
-        Self::with_radiance(context, layouts, "depth and stencil", size, radiance).map(Some)
-    }
-
-    /// The same radiance with a depth and a stencil of its own.
-    ///
-    /// # Errors
-    /// [`RenderError::Limit`] beyond the device's largest texture.
-    pub fn front_layer(
-        &self,
-        context: &RenderContext,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        Self::with_radiance(
-            context,
-            layouts,
-            "front depth and stencil",
-            self.size,
-            self.radiance.clone(),
-        )
-    }
-
-    fn with_radiance(
-        context: &RenderContext,
-        layouts: &BindGroupLayouts,
         label: &'static str,
         size: UVec2,
-        radiance: wgpu::Texture,
     ) -> Result<Self, RenderError> {
         let depth_stencil = create_target(context, label, size, context.depth_stencil_format())?;
         let depth = depth_stencil.create_view(&wgpu::TextureViewDescriptor {
@@ -136,7 +124,6 @@ impl FrameTargets {
         });
         Ok(Self {
             size,
-            radiance_view: radiance.create_view(&Default::default()),
             depth_stencil_view: depth_stencil.create_view(&Default::default()),
             depth_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("depth"),
@@ -146,7 +133,6 @@ impl FrameTargets {
                     resource: wgpu::BindingResource::TextureView(&depth),
                 }],
             }),
-            radiance,
             depth_stencil,
         })
     }

@@ -3,8 +3,10 @@
 
 use bevy_ecs::prelude::World;
 use fixedbitset::FixedBitSet;
+use glam::UVec2;
 
 use super::bind_groups::BindGroupLayouts;
+use super::frame_data::Viewport;
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use super::nodes::light_begin::LightBegin;
@@ -36,6 +38,8 @@ pub struct PrepareInput<'a> {
     pub meshes: &'a MeshPool,
     /// Mesh index and handedness by dense object index.
     pub table: &'a ObjectTable,
+    /// Texels of the targets.
+    pub target_size: UVec2,
     /// The view mirrors.
     pub mirrored_view: bool,
     /// The light pass will draw the debug view of this technique.
@@ -53,6 +57,8 @@ pub struct RecordInput<'a> {
     pub materials: &'a MaterialPool,
     /// Meshes and materials by dense object index.
     pub table: &'a ObjectTable,
+    /// The part of the targets that the view has. A pass begins with all of them.
+    pub viewport: Viewport,
     /// Objects of which alone shadows matter, by dense index; `None`: all. A technique may leave others out.
     pub casters: Option<&'a FixedBitSet>,
 }
@@ -68,6 +74,8 @@ pub struct ResolveInput<'a> {
     pub device: &'a wgpu::Device,
     /// Depth and stencil of the frame; the depth must stay as it is, the stencil is the technique's own.
     pub targets: &'a FrameTargets,
+    /// Radiance of the frame, for passes that share pipelines with the light's; it must stay as it is.
+    pub radiance: &'a wgpu::TextureView,
     /// The mask to write, and the depth as a texture to read.
     pub masks: &'a MaskTargets,
     /// x, y, width, height, pixels: nothing outside is looked at.

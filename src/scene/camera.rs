@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{DMat4, Mat4};
+use glam::{DMat4, Mat4, Vec2};
 
 /// A perspective camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed and infinite
 /// ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
@@ -15,6 +15,8 @@ pub struct Camera {
     pub near: f32,
     /// Width over height of the picture; > 0.
     pub aspect: f32,
+    /// NDC by which the picture is moved, right and up: an off-centre lens, or the jitter of temporal anti-aliasing.
+    pub shift: Vec2,
 }
 
 impl Default for Camera {
@@ -23,6 +25,7 @@ impl Default for Camera {
             vertical_fov: std::f32::consts::FRAC_PI_4,
             near: 0.1,
             aspect: 16.0 / 9.0,
+            shift: Vec2::ZERO,
         }
     }
 }
@@ -36,9 +39,10 @@ impl Camera {
             && self.near.is_finite()
             && self.aspect > 0.0
             && self.aspect.is_finite()
+            && self.shift.is_finite()
     }
 
-    /// Half the size of the picture at distance 1, as (right, up).
+    /// Half the size of the picture at distance 1, as (right, up); its centre is at minus `shift` times that.
     pub fn half_extent_at_unit_distance(&self) -> (f64, f64) {
         let up = (f64::from(self.vertical_fov) * 0.5).tan();
         (up * f64::from(self.aspect), up)
@@ -50,6 +54,8 @@ impl Camera {
         let mut m = DMat4::ZERO;
         m.x_axis.x = 1.0 / right;
         m.y_axis.y = 1.0 / up;
+        m.z_axis.x = -f64::from(self.shift.x);
+        m.z_axis.y = -f64::from(self.shift.y);
         m.z_axis.w = -1.0;
         m.w_axis.z = f64::from(self.near);
         m

@@ -191,8 +191,8 @@ impl Projector {
         self.bounds(&clip, (0..N).flat_map(|b| (0..b).map(move |a| (a, b))))
     }
 
-    /// Bounds of a ball: those of its tangent planes through the eye, where it lies wholly before the camera and the
-    /// view keeps angles; those of its box otherwise. The depth is exact in both.
+    /// Bounds of a ball: those of its tangent planes through the eye, where it lies wholly before the camera; those of its
+    /// box otherwise. The depth is exact in both.
     ///
     /// Source: Lengyel 2002, "The Mechanics of Robust Stencil Shadows": scissor rectangle of a sphere from the two
     /// tangents in each of the planes x–z and y–z.
@@ -204,19 +204,20 @@ impl Projector {
         let depth = self.depth(center);
         bounds.near = bounds.near.max(depth - reach);
         bounds.far = bounds.far.min(depth + reach);
-        let orthogonal =
-            x.dot(w).abs() <= 1e-9 * x.length() * scale && y.dot(w).abs() <= 1e-9 * y.length() * scale;
-        if !orthogonal || depth <= reach * (1.0 + 1e-6) {
+        if depth <= reach * (1.0 + 1e-6) {
             return bounds;
         }
         let tangents = |row: DVec3| {
+            // Less its part along the depth, which moves all of the picture alike.
+            let shift = row.dot(w) / (scale * scale);
+            let row = row - w * shift;
             // In the plane of the row and the depth, both brought to the scale of the depth.
             let stretch = row.length() / scale;
             let across = row.dot(center - self.eye) / stretch;
             let root = reach * (across * across + depth * depth - reach * reach).max(0.0).sqrt();
             let below = depth * depth - reach * reach;
             let (a, b) = ((across * depth - root) / below, (across * depth + root) / below);
-            (a * stretch, b * stretch)
+            (a * stretch + shift, b * stretch + shift)
         };
         let ((left, right), (bottom, top)) = (tangents(x), tangents(y));
         let exact = ScreenBounds {

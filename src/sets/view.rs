@@ -78,6 +78,7 @@ impl ViewData {
             forward: -axis(affine.matrix3.z_axis),
             half_right,
             half_up,
+            center: -camera.shift.as_dvec2(),
             near: f64::from(camera.near),
         })?;
         let clip_from_view = camera.clip_from_view();

@@ -290,9 +290,9 @@ fn thousands_of_lights_render() {
     let mut encoder = context.device.create_command_encoder(&Default::default());
     renderer.record(&mut encoder, &Default::default());
     context.queue.submit([encoder.finish()]);
-    let targets = renderer.targets().expect("there is a picture");
+    let radiance = renderer.radiance().expect("there is a picture");
     let all = wgpu::TextureAspect::All;
-    let rows = antumbra::render::readback::read_texture(&context, &targets.radiance, all, "radiance");
+    let rows = antumbra::render::readback::read_texture(&context, &radiance.texture, all, "radiance");
     let radiance: Vec<f32> = rows
         .expect("it is read")
         .bytes

@@ -88,6 +88,7 @@ pub fn case(bounds: Aabb, vertex: Vec3, placement: Placement, kind: &str, aspect
             vertical_fov: 0.9,
             near: 0.004 * radius,
             aspect,
+            ..Camera::default()
         },
         view: Transform::from_translation(eye).looking_at(target, up),
         light: Light {

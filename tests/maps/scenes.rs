@@ -258,6 +258,7 @@ impl TestScene {
             vertical_fov: 0.9,
             near: 0.02 * self.scale,
             aspect: SIZE.x as f32 / SIZE.y as f32,
+            ..Camera::default()
         };
         let view = Transform::from_translation(at(self.view.0)).looking_at(at(self.view.1), Vec3::Y);
         stage.world.entity_mut(stage.camera).insert((camera, view));

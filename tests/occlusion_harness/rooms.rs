@@ -161,6 +161,7 @@ pub fn random_rooms(seed: u64) -> Rooms {
         vertical_fov: random.range(0.6, 1.8),
         near: random.range(0.01, 0.1),
         aspect: 16.0 / 9.0,
+        ..Camera::default()
     };
     let look = Quat::from_euler(
         glam::EulerRot::YXZ,

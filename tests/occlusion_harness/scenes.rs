@@ -6,7 +6,7 @@ use antumbra::plugin::init_resources;
 use antumbra::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::{Random, VIEWPORT};
 
@@ -86,6 +86,8 @@ pub fn random_scene(seed: u64) -> World {
         vertical_fov: random.range(0.4, 2.0),
         near: random.range(0.02, 0.4),
         aspect: 16.0 / 9.0,
+        shift: Vec2::new(random.range(-0.5, 0.5), random.range(-0.5, 0.5))
+            * f32::from(u8::from(seed.is_multiple_of(3))),
     };
     let view = Transform::from_translation(origin + random.vec(3.0))
         .with_rotation(random.rotation())

@@ -25,6 +25,7 @@ fn models_err_little_and_split_lights_less() {
             vertical_fov: 0.9,
             near: 0.01 * unit,
             aspect: SIZE.x as f32 / SIZE.y as f32,
+            ..Camera::default()
         };
         let view =
             Transform::from_translation(at(Vec3::new(0.5, 0.45, 0.9), 2.8)).looking_at(center, Vec3::Y);

@@ -50,6 +50,7 @@ pub fn camera() -> Camera {
         vertical_fov: 0.9,
         near: 0.05,
         aspect: SIZE.x as f32 / SIZE.y as f32,
+        ..Camera::default()
     }
 }
 

@@ -7,7 +7,7 @@ use antumbra::sets::{
 };
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::{Id, Random, Scene, SceneLight, Thing, VIEWPORT};
 
@@ -18,6 +18,7 @@ pub struct Eye {
     right: DVec3,
     up: DVec3,
     half: (f64, f64),
+    shift: DVec2,
     near: f64,
 }
 
@@ -31,12 +32,14 @@ impl Eye {
             up: affine.matrix3.y_axis.as_dvec3(),
             forward: -affine.matrix3.z_axis.as_dvec3(),
             half: (up * f64::from(scene.camera.aspect), up),
+            shift: scene.camera.shift.as_dvec2(),
             near: f64::from(scene.camera.near),
         }
     }
 
     /// The ray through a point of the picture, −1..=1.
     pub fn ray(&self, x: f64, y: f64) -> DVec3 {
+        let (x, y) = (x - self.shift.x, y - self.shift.y);
         self.forward + self.right * (x * self.half.0) + self.up * (y * self.half.1)
     }
 
@@ -47,8 +50,8 @@ impl Eye {
         if depth < self.near {
             return None;
         }
-        let x = to.dot(self.right) / depth / self.half.0;
-        let y = to.dot(self.up) / depth / self.half.1;
+        let x = to.dot(self.right) / depth / self.half.0 + self.shift.x;
+        let y = to.dot(self.up) / depth / self.half.1 + self.shift.y;
         let size = VIEWPORT.as_dvec2();
         (x.abs() <= 1.0 && y.abs() <= 1.0).then(|| Seen {
             x: (((x * 0.5 + 0.5) * size.x) as u32).min(VIEWPORT.x - 1),

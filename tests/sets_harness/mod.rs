@@ -12,7 +12,7 @@ use antumbra::scene::{
 use antumbra::sets::{FrameLights, FrustumSet, Objects, ViewportSize, collect_sets, init_set_resources};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{DVec3, EulerRot, Quat, UVec2, Vec3};
+use glam::{DVec3, EulerRot, Quat, UVec2, Vec2, Vec3};
 
 use judge::Eye;
 
@@ -151,10 +151,13 @@ pub fn random_scene(seed: u64) -> Scene {
         DVec3::new(-1e6, 2e5, 4e5),
     ][random.below(4)];
     let mirror = random.chance(0.25);
+    let mut off_center = || random.range(-0.9, 0.9) as f32;
+    let shift = Vec2::new(off_center(), off_center()) * f32::from(u8::from(random.chance(0.3)));
     let camera = Camera {
         vertical_fov: random.range(0.2, 2.4) as f32,
         near: random.range(0.05, 0.6) as f32,
         aspect: random.range(0.5, 2.5) as f32,
+        shift,
     };
     let scale = Vec3::new(if mirror { -1.0 } else { 1.0 }, 1.0, 1.0);
     let mut scene = Scene {

@@ -8,14 +8,14 @@
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
 use crate::render::draw_list::Batch;
+use crate::render::frame::Canvas;
 use crate::render::pipelines::SurfacePass;
-use crate::render::targets::FrameTargets;
 use crate::render::timings::Timings;
 
 /// Records the pass.
 pub fn record(
     encoder: &mut wgpu::CommandEncoder,
-    targets: &FrameTargets,
+    canvas: &Canvas,
     background: wgpu::Color,
     view: &wgpu::BindGroup,
     batches: &[Batch],
@@ -24,17 +24,9 @@ pub fn record(
 ) {
     let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("ambient"),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &targets.radiance_view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(background),
-                store: wgpu::StoreOp::Store,
-            },
-        })],
+        color_attachments: &[Some(canvas.radiance(wgpu::LoadOp::Clear(background)))],
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &targets.depth_stencil_view,
+            view: &canvas.targets.depth_stencil_view,
             depth_ops: Some(wgpu::Operations {
                 load: wgpu::LoadOp::Clear(DEPTH_INFINITY),
                 store: wgpu::StoreOp::Store,

@@ -4,6 +4,7 @@ pub mod ambient;
 pub mod blended;
 pub mod depth_copy;
 pub mod front_layer;
+pub mod host_depth;
 pub mod light_accumulate;
 pub mod light_begin;
 pub mod receiver_plane;

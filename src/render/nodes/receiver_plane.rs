@@ -11,6 +11,7 @@
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::render::draw_list::Batch;
+use crate::render::frame_data::Viewport;
 use crate::render::pipelines::SurfacePass;
 use crate::render::targets::{FrameTargets, MaskTargets};
 use crate::render::timings::Timings;
@@ -23,6 +24,7 @@ pub fn record(
     encoder: &mut wgpu::CommandEncoder,
     targets: &FrameTargets,
     masks: &MaskTargets,
+    viewport: &Viewport,
     view: &wgpu::BindGroup,
     batches: &[Batch],
     resources: &SurfaceResources,
@@ -53,6 +55,7 @@ pub fn record(
         timestamp_writes: timings.pass("receiver plane"),
         ..Default::default()
     });
+    viewport.set(&mut pass);
     pass.set_bind_group(0, view, &[]);
     draw_batches(&mut pass, SurfacePass::ReceiverPlane, batches, resources);
 }

@@ -307,6 +307,7 @@ pub(super) fn load_cameras(accessors: &Accessors<'_>, report: &mut Report) -> Ve
             vertical_fov: perspective.yfov,
             near: perspective.znear,
             aspect: perspective.aspect_ratio.unwrap_or(Camera::default().aspect),
+            ..Camera::default()
         });
         let usable = camera.filter(Camera::is_valid);
         if usable.is_none() {

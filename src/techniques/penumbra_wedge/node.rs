@@ -26,7 +26,7 @@ use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
 use crate::render::{RenderContext, RenderError, Shaders};
-use crate::sets::{View, ViewData, ViewportSize};
+use crate::sets::{View, ViewData};
 
 /// Name of the technique.
 pub const NAME: &str = "penumbra_wedge";
@@ -265,10 +265,9 @@ impl ShadowTechnique for PenumbraWedgeNode {
         self.parts.clear();
         self.groups.clear();
         self.cap_draws.clear();
-        let (Some(wedges), Some(view), Some(viewport)) = (
+        let (Some(wedges), Some(view)) = (
             world.get_resource::<PenumbraWedges>(),
             world.get_resource::<View>().and_then(|view| view.data.as_ref()),
-            world.get_resource::<ViewportSize>(),
         ) else {
             return Ok(());
         };
@@ -322,7 +321,8 @@ impl ShadowTechnique for PenumbraWedgeNode {
                 form: self.form(light),
                 parts: first..self.parts.len(),
             };
-            self.textures.require(input.context, viewport.0, plan.form)?;
+            self.textures
+                .require(input.context, input.target_size, plan.form)?;
             self.require(input.context, &plan, input.debug_view);
             self.plans.push(plan);
         }

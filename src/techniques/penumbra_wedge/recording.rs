@@ -23,7 +23,7 @@ impl PenumbraWedgeNode {
         };
         let receiver = self.receiver_group(&input.masks.receiver_depth_view, input.device);
         {
-            let radiance = attachment(&input.targets.radiance_view, wgpu::LoadOp::Load);
+            let radiance = attachment(input.radiance, wgpu::LoadOp::Load);
             let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("wedge bounds"),
                 color_attachments: &[Some(radiance)],
@@ -197,6 +197,7 @@ impl PenumbraWedgeNode {
         });
         if let Some(group) = group {
             let [x, y, width, height] = input.scissor;
+            input.record.viewport.set(&mut pass);
             pass.set_scissor_rect(x, y, width, height);
             pass.set_stencil_reference(STENCIL_IN_BOUNDS);
             pass.set_bind_group(0, input.record.view, &[]);

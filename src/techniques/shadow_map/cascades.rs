@@ -49,9 +49,11 @@ pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
     // A rotation in f32 is of unit length but for rounding, and a ball must not change with that.
     let length = |axis: DVec3| (axis.length() * 1e5).round() * 1e-5;
     let scale = length(shape.forward);
+    // Off-centre by what jitters, the ball stays the same.
+    let off_center = |center: f64| 1.0 + (center.abs() * 64.0).ceil() / 64.0;
     let (right, up) = (
-        shape.half_right * length(shape.right) / scale,
-        shape.half_up * length(shape.up) / scale,
+        shape.half_right * off_center(shape.center.x) * length(shape.right) / scale,
+        shape.half_up * off_center(shape.center.y) * length(shape.up) / scale,
     );
     let (near, far) = (near * scale, far * scale);
     let spread = right * right + up * up;

@@ -1,0 +1,57 @@
+// The depth of a host's picture, copied and then replaced by our own wherever the host shows a surface that we know.
+// Host    src/render/nodes/host_depth.rs
+// Groups  0 view, 2 material (not read), 3 the host's depth
+#import antumbra::view::ndc_from_pixel
+#import antumbra::surface::{VertexIn, Fragment, surface_vertex}
+
+struct HostDepth {                  // mirror: render::gpu_types::HostDepth
+    numerator: vec4f,               // our depth is the quotient of these, dotted with (NDC, host's depth, 1)
+    denominator: vec4f,
+    scale: vec4f,                   // x: distance of the near plane; y: of the eye from the world's origin, metres; zw unused
+}
+
+@group(3) @binding(0) var host_texture: texture_depth_2d;
+@group(3) @binding(1) var<uniform> host: HostDepth;
+
+// Relative difference of depths that is rounding: of matrices and positions in f32, by two renderers.
+const ROUNDING: f32 = 1e-5;
+// What f32 loses of positions in the world, as part of their distance from its origin.
+const WORLD_ROUNDING: f32 = 2.4e-7;
+// Pixels by which two rasterizers may place a vertex apart.
+const SUBPIXEL: f32 = 1.0/64.0;
+
+fn host_depth(pixel: vec2f) -> f32 {
+    let theirs = textureLoad(host_texture, vec2u(pixel), 0);
+    let p = vec4f(ndc_from_pixel(pixel), theirs, 1.0);
+    let ours = dot(host.numerator, p) / dot(host.denominator, p);
+    return select(0.0, clamp(ours, 0.0, 1.0), theirs > 0.0);
+}
+
+@vertex
+fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
+    return vec4f(corner, 0.0, 1.0);
+}
+
+@fragment
+fn copy(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
+    return host_depth(position.xy);
+}
+
+@vertex
+fn vertex(in: VertexIn) -> Fragment {
+    return surface_vertex(in);
+}
+
+// A surface as the host shows it, or nothing.
+@fragment
+fn surface(in: Fragment) {
+    let ours = in.position_clip.z;
+    let slope = abs(dpdx(ours)) + abs(dpdy(ours));
+    let away = abs(ours - host_depth(in.position_clip.xy));
+    // A shift by s of a surface at distance d changes its depth by the part s / d, and ours is near / d.
+    let rounding = ROUNDING * ours + WORLD_ROUNDING * host.scale.y / host.scale.x * ours * ours;
+    if away > rounding + SUBPIXEL * slope {
+        discard;
+    }
+}

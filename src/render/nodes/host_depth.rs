@@ -1,0 +1,162 @@
+//! The depth of a picture that a host drew, as the depth that shadow volumes are counted against.
+//!
+//! Shader  `shaders/passes/host_depth.wgsl`
+//! Groups  0 view, 2 material (not read), 3 host depth
+//! Reads   the host's depth.  Writes  depth
+//! Order   first of a hosted frame, in place of `ambient`
+//!
+//! Shadow volumes begin on surfaces. A host computes these with its own matrices, vertex shaders and roundings, so a near
+//! cap and the surface that it lies on would be equal by luck. Therefore the host's depth is copied, and then the visible
+//! set is drawn over it with our own vertex stage: wherever the host shows that surface, within roundings, its depth
+//! becomes ours, and caps are equal to it by construction, with no bias. Where the host shows something else (a hole in a
+//! texture, a surface that we do not know), its depth stays.
+
+use glam::{DVec3, DVec4};
+
+use super::surfaces::{SurfaceResources, draw_batches};
+use crate::conventions::DEPTH_INFINITY;
+use crate::render::bind_groups::BindGroupLayouts;
+use crate::render::draw_list::Batch;
+use crate::render::frame_data::Viewport;
+use crate::render::gpu_types;
+use crate::render::hosted::HostView;
+use crate::render::pipelines::SurfacePass;
+use crate::render::targets::FrameTargets;
+use crate::render::timings::Timings;
+use crate::render::{RenderContext, RenderError, Shaders};
+
+/// The pipeline of the copy, and what it reads.
+#[derive(Debug)]
+pub struct HostDepth {
+    copy: wgpu::RenderPipeline,
+    constants: wgpu::Buffer,
+}
+
+impl HostDepth {
+    /// Builds it.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn new(
+        context: &RenderContext,
+        shaders: &Shaders,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
+        let device = &context.device;
+        let module = shaders.module(device, "passes/host_depth.wgsl")?;
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("host depth"),
+            bind_group_layouts: &[Some(&layouts.view), None, None, Some(&layouts.host)],
+            immediate_size: 0,
+        });
+        Ok(Self {
+            copy: device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("host depth"),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("everywhere"),
+                    compilation_options: Default::default(),
+                    buffers: &[],
+                },
+                primitive: Default::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: context.depth_stencil_format(),
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Always),
+                    stencil: Default::default(),
+                    bias: Default::default(),
+                }),
+                multisample: Default::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some("copy"),
+                    compilation_options: Default::default(),
+                    targets: &[],
+                }),
+                multiview_mask: None,
+                cache: None,
+            }),
+            constants: device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("host depth"),
+                size: size_of::<gpu_types::HostDepth>() as u64,
+                usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }),
+        })
+    }
+
+    /// Uploads how the host's depth becomes that of a view whose near plane is at `near`.
+    pub fn write(&self, context: &RenderContext, host: &HostView, near: f64, eye: DVec3) {
+        // Ours is near / distance, where view = view_from_clip · (ndc, 1) and distance = −view.z / view.w.
+        let view_from_clip = host.clip_from_view.inverse();
+        let row = |v: DVec4| v.as_vec4().to_array();
+        let constants = gpu_types::HostDepth {
+            numerator: row(view_from_clip.row(3) * near),
+            denominator: row(-view_from_clip.row(2)),
+            scale: [near as f32, eye.length() as f32, 0.0, 0.0],
+        };
+        context
+            .queue
+            .write_buffer(&self.constants, 0, bytemuck::bytes_of(&constants));
+    }
+
+    /// Group 3, of the depth aspect of the host's depth.
+    pub fn bind(
+        &self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        depth: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("host depth"),
+            layout: &layouts.host,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::TextureView(depth),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: self.constants.as_entire_binding(),
+                },
+            ],
+        })
+    }
+
+    /// Records the copy, and the draws of the visible set over it.
+    pub fn record(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &FrameTargets,
+        viewport: &Viewport,
+        host: &wgpu::BindGroup,
+        view: &wgpu::BindGroup,
+        batches: &[Batch],
+        resources: &SurfaceResources,
+        timings: &Timings,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("host depth"),
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth_stencil_view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(DEPTH_INFINITY),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0),
+                    store: wgpu::StoreOp::Store,
+                }),
+            }),
+            timestamp_writes: timings.pass("host depth"),
+            ..Default::default()
+        });
+        viewport.set(&mut pass);
+        pass.set_bind_group(0, view, &[]);
+        pass.set_bind_group(3, host, &[]);
+        pass.set_pipeline(&self.copy);
+        pass.draw(0..3, 0..1);
+        draw_batches(&mut pass, SurfacePass::HostSurface, batches, resources);
+    }
+}
