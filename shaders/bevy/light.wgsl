@@ -119,10 +119,10 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 #ifdef UNSHADOWED_ONLY
     if shows_shadows { discard; }
 #endif
-    var visibility = 1.0;
+    var visibility = vec3<f32>(1.0);
 #ifdef VISIBILITY_MASK
-    visibility = select(1.0, textureLoad(visibility_mask, texel, 0).x, shows_shadows);
-    if visibility == 0.0 { discard; }
+    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, shows_shadows);
+    if all(visibility == vec3<f32>(0.0)) { discard; }
 #endif
     var input = lighting_input(surface);
     let color = radiance(&input) * (visibility * view.exposure);

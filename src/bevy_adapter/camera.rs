@@ -21,10 +21,9 @@ use bevy::render::view::Msaa;
 #[require(Camera3d, Hdr, DepthPrepass, DeferredPrepass, Msaa::Off)]
 pub struct AntumbraCamera;
 
-/// What is wrong with a camera, once each.
+/// What a camera must be.
 type CameraItem<'a> = (
     Entity,
-    Option<&'a mut Msaa>,
     Has<Hdr>,
     Has<DepthPrepass>,
     Has<DeferredPrepass>,
@@ -35,13 +34,13 @@ type CameraItem<'a> = (
 #[derive(Component)]
 pub struct Warned;
 
-/// Turns MSAA off where it is on, and warns once of a camera that cannot show our shadows: until it is changed, its
-/// lights are Bevy's.
+/// Warns once of a camera that cannot show our shadows: until it is changed, its lights are Bevy's. (Of MSAA, which deferred
+/// shading has not, Bevy itself warns, and turns it off.)
 pub(super) fn check_cameras(
     mut commands: Commands,
-    mut cameras: Query<(CameraItem<'static>, Has<Warned>), With<AntumbraCamera>>,
+    cameras: Query<(CameraItem<'static>, Has<Warned>), With<AntumbraCamera>>,
 ) {
-    for ((camera, msaa, hdr, depth, deferred, occlusion), warned) in &mut cameras {
+    for ((camera, hdr, depth, deferred, occlusion), warned) in &cameras {
         let mut wrong: Option<&str> = None;
         if !hdr {
             wrong = Some("it has no `Hdr`: lights cannot be added to a picture that is tonemapped already");
@@ -49,13 +48,6 @@ pub(super) fn check_cameras(
             wrong = Some("it lacks `DepthPrepass` or `DeferredPrepass`, which shadows are computed from");
         } else if occlusion {
             wrong = Some("Bevy's `OcclusionCulling` does not go with `DeferredPrepass`: objects may be missing");
-        } else if msaa.as_ref().is_some_and(|msaa| **msaa != Msaa::Off) {
-            wrong = Some("`Msaa` does not go with deferred shading; it was set to `Msaa::Off`");
-        }
-        if let Some(mut msaa) = msaa
-            && *msaa != Msaa::Off
-        {
-            *msaa = Msaa::Off;
         }
         match wrong {
             Some(wrong) if !warned => {

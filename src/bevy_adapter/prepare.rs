@@ -1,6 +1,5 @@
 //! Each view's frame on the CPU, and what the GPU needs of it.
 
-use bevy::camera::Hdr;
 use bytemuck::Zeroable;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::prelude::*;
@@ -21,9 +20,9 @@ use glam::{UVec2, Vec3, Vec4};
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::pipelines::{AntumbraPipelines, LightPipelines, Visibility, is_ready};
-use super::projection::camera_of;
+use super::projection::projection_of;
 use super::view_state::{DRAW_STRIDE, DrawSlot, LightDraw, Managed, Unindexed};
-use crate::render::hosted::HostTarget;
+use crate::render::hosted::HostView;
 use crate::render::{RenderContext, Renderer};
 use crate::scene::Camera;
 use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};
@@ -61,7 +60,8 @@ type ViewItem<'a> = (
     &'a ExtractedView,
     &'a ExtractedCamera,
     Option<&'a TemporalJitter>,
-    (Has<Hdr>, Has<DepthPrepass>, Has<DeferredPrepass>),
+    Has<DepthPrepass>,
+    Has<DeferredPrepass>,
     Has<SkipDeferredLighting>,
     Has<AntumbraView>,
 );
@@ -77,7 +77,7 @@ pub(super) fn prepare_views(
     mut gpu: Gpu,
     lights: BevyLights,
 ) {
-    for (view, main, extracted, camera, jitter, (hdr, depth, deferred), skips, lit) in &views {
+    for (view, main, extracted, camera, jitter, depth, deferred, skips, lit) in &views {
         let Some(mirror) = mirrors.get_mut(main.id()) else {
             if lit {
                 commands.entity(view).remove::<(AntumbraView, SkipDeferredLighting)>();
@@ -85,7 +85,7 @@ pub(super) fn prepare_views(
             continue;
         };
         let key = gpu.keys.get(&extracted.retained_view_entity).copied();
-        let ready = (camera.hdr && hdr && depth && deferred)
+        let ready = (camera.hdr && depth && deferred)
             .then(|| key.and_then(|key| prepare_view(mirror, extracted, camera, jitter, key, &mut gpu, &lights)))
             .flatten();
         match ready {
@@ -118,7 +118,10 @@ fn prepare_view(
     let size = camera.physical_viewport_size?;
     let target = camera.physical_target_size?;
     let origin = camera.viewport.as_ref().map_or(UVec2::ZERO, |viewport| viewport.physical_position);
-    let ours = camera_of(&view.clip_from_view, jitter, size)?;
+    let Some(projection) = projection_of(&view.clip_from_view, jitter, size) else {
+        mirror.view.warn_of_projection();
+        return None;
+    };
     let base = gpu.pipelines.base(&gpu.cache, &gpu.bevy, key);
 
     if !mirror.world.contains_resource::<Renderer>() {
@@ -129,25 +132,33 @@ fn prepare_view(
         );
         match Renderer::new(context) {
             Ok(renderer) => mirror.world.insert_resource(renderer),
-            Err(error) => {
-                tracing::error!("no shadows: {error}");
-                mirror.view.failed = true;
-                return None;
-            }
+            Err(error) => return mirror.view.fail(&error),
         }
     }
     let mut place = mirror.world.entity_mut(mirror.camera);
-    if place.get::<Camera>() != Some(&ours) {
-        place.insert(ours);
+    if place.get::<Camera>() != Some(&projection.camera) {
+        place.insert(projection.camera);
     }
     if place.get() != Some(&view.world_from_view) {
         place.insert(view.world_from_view);
     }
     mirror.world.resource_mut::<ViewportSize>().set_if_neq(ViewportSize(size));
     let mut renderer = mirror.world.resource_mut::<Renderer>();
-    renderer.set_host(Some(HostTarget { size: target, origin }));
+    let host = HostView {
+        target_size: target,
+        viewport_origin: origin,
+        clip_from_view: projection.clip_from_view,
+    };
+    if let Err(error) = renderer.set_host(Some(host)) {
+        return mirror.view.fail(&error);
+    }
     let depth_stencil = renderer.context().depth_stencil_format();
     mirror.run();
+    if let Some(error) = mirror.world.resource_mut::<Renderer>().take_failure() {
+        // Of this frame, perhaps: the next may be smaller.
+        mirror.view.warn_of_failure(&error);
+        return None;
+    }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
     is_ready(&gpu.cache, base).then_some(AntumbraView { base })
 }

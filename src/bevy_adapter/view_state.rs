@@ -6,6 +6,7 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::{Pod, Zeroable};
 
 use super::pipelines::LightPipelines;
+use crate::render::RenderError;
 
 /// A light that Bevy gives no index that we can see, told by what Bevy uploads of it. Mirror: `Unindexed` of
 /// `shaders/bevy/base.wgsl`.
@@ -107,11 +108,36 @@ pub struct ViewState {
     pub bits: Uploaded,
     /// [`LightDraw`]s, [`DRAW_STRIDE`] apart.
     pub lights: Uploaded,
-    /// There is no renderer for it, and will be none.
+    /// It cannot be drawn, and never will be on this device.
     pub failed: bool,
+    warned_of_projection: bool,
+    warned_of_failure: bool,
     /// Whether objects are in view that show no shadows.
     pub unshadowed_in_view: bool,
     /// Kept for their allocations.
     pub(super) bit_words: Vec<u32>,
     pub(super) draw_bytes: Vec<u8>,
+}
+
+impl ViewState {
+    /// Gives the view up, says why, and leaves it to Bevy.
+    pub(super) fn fail<T>(&mut self, error: &RenderError) -> Option<T> {
+        tracing::error!("a view has no shadows of ours: {error}");
+        self.failed = true;
+        None
+    }
+
+    /// Says once why a frame is left to Bevy.
+    pub(super) fn warn_of_failure(&mut self, error: &RenderError) {
+        if !std::mem::replace(&mut self.warned_of_failure, true) {
+            tracing::warn!("a frame has no shadows of ours: {error}");
+        }
+    }
+
+    /// Says once that a view is left to Bevy.
+    pub(super) fn warn_of_projection(&mut self) {
+        if !std::mem::replace(&mut self.warned_of_projection, true) {
+            tracing::warn!("a view that is no perspective has no shadows of ours");
+        }
+    }
 }

@@ -16,7 +16,8 @@ fn game() -> (App, Entity) {
     let camera = harness::camera(world, Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y));
     world.entity_mut(camera).insert(AntumbraCamera);
     let floor = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(8.0, 8.0));
-    world.spawn((Mesh3d(floor), MeshMaterial3d::<StandardMaterial>::default()));
+    let matte = harness::matte(world);
+    world.spawn((Mesh3d(floor), matte));
     world.spawn((
         PointLight {
             intensity: 500_000.0,
@@ -30,7 +31,7 @@ fn game() -> (App, Entity) {
 
 fn add(world: &mut World, mesh: Mesh) -> Entity {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-    let material = MeshMaterial3d::<StandardMaterial>::default();
+    let material = harness::matte(world);
     world.spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 1.0, 0.0))).id()
 }
 
@@ -58,11 +59,8 @@ fn meshes_that_cannot_cast_are_told_of_and_lit() {
         .with_inserted_indices(Indices::U16(vec![0, 1, 2, 3]));
     add(world, strip);
     // Of the render world alone, yet seen before it went there.
-    let gone = Mesh::from(Cuboid::new(0.5, 0.5, 0.5));
-    let gone = Mesh {
-        asset_usage: RenderAssetUsages::RENDER_WORLD,
-        ..gone
-    };
+    let mut gone = Mesh::from(Cuboid::new(0.5, 0.5, 0.5));
+    gone.asset_usage = RenderAssetUsages::RENDER_WORLD;
     add(world, gone);
     let mut game = Game::start(app);
     game.run(4);

@@ -90,6 +90,11 @@ pub fn camera(world: &mut World, transform: Transform) -> Entity {
         .id()
 }
 
+/// Some material.
+pub fn matte(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
+    MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default()))
+}
+
 /// A game that runs.
 pub struct Game {
     pub apps: SubApps,

@@ -36,7 +36,6 @@ pub fn mesh(data: &MeshData) -> Mesh {
 pub struct ModelGame {
     pub game: Game,
     pub camera: Entity,
-    pub light: Entity,
 }
 
 impl ModelGame {
@@ -100,10 +99,10 @@ impl ModelGame {
         };
         let bounds = stage.scene_bounds();
         let distance = (at.translation() - bounds.center()).length().max(1e-3);
-        let light = world.spawn((Transform::from(at), technique)).insert_light(&light, distance);
+        world.spawn((Transform::from(at), technique)).insert_light(&light, distance);
         let mut game = Game::start(app);
         game.run(5);
-        Self { game, camera, light }
+        Self { game, camera }
     }
 
     pub fn picture(&mut self) -> harness::Picture {

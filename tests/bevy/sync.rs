@@ -80,7 +80,8 @@ fn place(random: &mut Random) -> Transform {
 
 fn spawn_object(world: &mut World, edited: &mut Edited, random: &mut Random) {
     let mesh = edited.meshes[random.below(edited.meshes.len())].clone();
-    let object = world.spawn((Mesh3d(mesh), MeshMaterial3d::<StandardMaterial>::default(), place(random)));
+    let matte = harness::matte(world);
+    let object = world.spawn((Mesh3d(mesh), matte, place(random)));
     edited.objects.push(object.id());
 }
 
@@ -200,14 +201,16 @@ fn what_changed_makes_the_same_mirror_as_everything() {
     for step in 0..60 {
         for _ in 0..1 + random.below(4) {
             edit(game.world(), &mut edited, &mut random);
-        }
-        edited.objects.retain(|&object| game.apps.main.world().get_entity(object).is_ok());
-        edited.lights.retain(|&light| game.apps.main.world().get_entity(light).is_ok());
-        while edited.objects.len() < 4 {
-            spawn_object(game.world(), &mut edited, &mut random);
-        }
-        while edited.lights.len() < 3 {
-            spawn_light(game.world(), &mut edited, &mut random);
+            // Children go with their parents.
+            let world = game.world();
+            edited.objects.retain(|&object| world.get_entity(object).is_ok());
+            edited.lights.retain(|&light| world.get_entity(light).is_ok());
+            while edited.objects.len() < 4 {
+                spawn_object(world, &mut edited, &mut random);
+            }
+            while edited.lights.len() < 3 {
+                spawn_light(world, &mut edited, &mut random);
+            }
         }
         game.run(1);
         let followed = mirror_dump(&mut game, camera);
@@ -234,7 +237,8 @@ fn a_steady_frame_changes_nothing() {
     let camera = harness::camera(world, Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y));
     world.entity_mut(camera).insert(AntumbraCamera);
     let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
-    world.spawn((Mesh3d(mesh), MeshMaterial3d::<StandardMaterial>::default()));
+    let matte = harness::matte(world);
+    world.spawn((Mesh3d(mesh), matte));
     world.spawn((PointLight::default(), StencilVolume::default(), Transform::from_xyz(1.0, 4.0, 1.0)));
     let mut game = Game::start(app);
     game.run(4);
