@@ -9,6 +9,8 @@ use bevy::reflect::Reflect;
 use bevy::render::occlusion_culling::OcclusionCulling;
 use bevy::render::view::Msaa;
 
+use super::settings::AntumbraSettings;
+
 /// Shows the shadows of managed lights: put it beside `Camera3d`.
 ///
 /// A camera without it is Bevy's alone. It needs what it requires: deferred shading with a depth prepass, into an HDR
@@ -59,6 +61,18 @@ pub(super) fn check_cameras(
             }
             _ => {}
         }
+    }
+}
+
+/// Gives 3D cameras without the marker the prepass that deferred materials are seen by
+/// ([`AntumbraSettings::defer_other_cameras`]).
+pub(super) fn defer_other_cameras(
+    mut commands: Commands,
+    settings: Res<AntumbraSettings>,
+    cameras: Query<Entity, (Added<Camera3d>, Without<AntumbraCamera>, Without<DeferredPrepass>)>,
+) {
+    for camera in cameras.iter().filter(|_| settings.defer_other_cameras) {
+        commands.entity(camera).insert((DepthPrepass, DeferredPrepass));
     }
 }
 

@@ -10,7 +10,7 @@ use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use bevy::shader::Shader;
 
-use super::camera::{AntumbraCamera, check_cameras, warn_without_renderer};
+use super::camera::{AntumbraCamera, check_cameras, defer_other_cameras, warn_without_renderer};
 use super::mesh_library::{MeshLibrary, collect_meshes};
 use super::mirror::Mirrors;
 use super::pass::light_view;
@@ -41,7 +41,7 @@ pub fn install(app: &mut App) -> bool {
     app.insert_resource(DefaultOpaqueRendererMethod::deferred())
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
-        .add_systems(PostUpdate, check_cameras.in_set(AntumbraMainSystems::CheckCameras))
+        .add_systems(PostUpdate, (check_cameras, defer_other_cameras).in_set(AntumbraMainSystems::CheckCameras))
         .add_systems(
             PostUpdate,
             collect_meshes

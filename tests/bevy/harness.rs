@@ -23,6 +23,7 @@ pub const SIZE: UVec2 = UVec2::new(128, 72);
 
 /// The plugins of a game without a window, with results in the same frame.
 pub fn headless() -> App {
+    crate::setup::listen();
     let mut app = App::new();
     let plugins = DefaultPlugins
         .set(WindowPlugin {
@@ -54,6 +55,7 @@ pub fn antumbra() -> App {
     app.add_plugins(AntumbraPlugin);
     app.insert_resource(AntumbraSettings {
         immediate_triangles: usize::MAX,
+        ..default()
     });
     app
 }
@@ -129,7 +131,20 @@ impl Game {
         render.world_mut()
     }
 
-    /// Linear radiance that a camera sees, RGBA.
+    /// What a camera sees once two frames in a row are the same: Bevy's clusters grow over frames.
+    pub fn settled(&mut self, camera: Entity) -> Picture {
+        let mut last = self.radiance(camera);
+        for _ in 0..30 {
+            let next = self.run(3).radiance(camera);
+            if next == last {
+                return next;
+            }
+            last = next;
+        }
+        panic!("the picture never settles");
+    }
+
+    /// Linear radiance that a camera sees.
     pub fn radiance(&mut self, camera: Entity) -> Picture {
         let view = self.world().get::<RenderEntity>(camera).expect("a camera").id();
         let world = self.render_world();

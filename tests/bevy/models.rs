@@ -88,6 +88,7 @@ impl ModelGame {
             Projection::Perspective(PerspectiveProjection {
                 fov: view.vertical_fov,
                 near: view.near,
+                near_clip_plane: Vec4::new(0.0, 0.0, -1.0, -view.near),
                 ..default()
             }),
             Transform::from(at),
@@ -106,7 +107,7 @@ impl ModelGame {
     }
 
     pub fn picture(&mut self) -> harness::Picture {
-        self.game.radiance(self.camera)
+        self.game.settled(self.camera)
     }
 }
 

@@ -29,7 +29,7 @@ impl Visit for Message {
 
 impl tracing::Subscriber for Listener {
     fn enabled(&self, metadata: &tracing::Metadata<'_>) -> bool {
-        metadata.target().starts_with("antumbra") && *metadata.level() <= tracing::Level::WARN
+        *metadata.level() <= tracing::Level::WARN
     }
     fn new_span(&self, _: &span::Attributes<'_>) -> span::Id {
         span::Id::from_u64(1)
@@ -39,7 +39,12 @@ impl tracing::Subscriber for Listener {
     fn event(&self, event: &tracing::Event<'_>) {
         let mut message = Message(String::new());
         event.record(&mut message);
-        WARNINGS.lock().unwrap().push(message.0);
+        let target = event.metadata().target();
+        if target.starts_with("antumbra") {
+            WARNINGS.lock().unwrap().push(message.0);
+        } else {
+            println!("{} {target}: {}", event.metadata().level(), message.0);
+        }
     }
     fn enter(&self, _: &span::Id) {}
     fn exit(&self, _: &span::Id) {}

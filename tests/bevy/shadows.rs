@@ -44,6 +44,15 @@ fn compare(path: &std::path::Path, case: usize) -> Outcome {
     let name = path.file_stem().unwrap().to_string_lossy();
     lit.save(&format!("shadows_{name}_{label}_lit"));
     shadowed.save(&format!("shadows_{name}_{label}"));
+    println!(
+        "{name} {label}: mean radiance {} lit, {} shadowed; camera {:?} at {:?}, light {:?} at {:?}",
+        lit.mean(),
+        shadowed.mean(),
+        case.camera,
+        case.view.translation,
+        case.light,
+        case.place.translation,
+    );
     let got = visibility(&shadowed, &lit);
     let truth = truth(&model.stage, &model.scene, 0);
     let mut outcome = Outcome::default();
