@@ -14,7 +14,7 @@ use bevy::prelude::*;
 mod bevy_headless;
 
 // [snippet]
-fn game(app: &mut App) {
+pub fn game(app: &mut App) {
     app.add_plugins(AntumbraPlugin).add_systems(Startup, setup);
 }
 
@@ -27,7 +27,11 @@ fn setup(
     let floor = meshes.add(Plane3d::default().mesh().size(10.0, 10.0));
     let cube = meshes.add(Cuboid::default());
     commands.spawn((Mesh3d(floor), MeshMaterial3d(matte.clone())));
-    commands.spawn((Mesh3d(cube), MeshMaterial3d(matte), Transform::from_xyz(0.0, 0.5, 0.0)));
+    commands.spawn((
+        Mesh3d(cube),
+        MeshMaterial3d(matte),
+        Transform::from_xyz(0.0, 0.5, 0.0),
+    ));
     let light = Transform::from_xyz(2.0, 4.0, 1.0);
     commands.spawn((PointLight::default(), StencilVolume::default(), light));
     let camera = Transform::from_xyz(-2.5, 4.5, 6.0).looking_at(Vec3::ZERO, Vec3::Y);

@@ -21,17 +21,17 @@ use std::collections::HashSet;
 use std::time::Instant;
 
 use antumbra::sets::{FrameLight, FrameLights, LightVolume, Objects, init_set_resources};
-use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin};
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{CubemapVisibleEntities, NoAutoAabb, VisibleEntities};
 use bevy::camera::{
     Camera, Camera3d, CameraPlugin, CameraProjection, PerspectiveProjection, Projection, RenderTargetInfo,
 };
-use bevy_ecs::prelude::*;
 use bevy::light::cluster::{ClusterVisibilityClass, GlobalClusterSettings};
 use bevy::light::{LightPlugin, PointLight, check_point_light_mesh_visibility};
 use bevy::math::Vec3A;
 use bevy::mesh::Mesh3d;
+use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin};
+use bevy_ecs::prelude::*;
 use bevy_transform::TransformPlugin;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec3, UVec2, Vec3};

@@ -81,7 +81,11 @@ pub fn headless(file: PathBuf) -> App {
     );
     image.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
     let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
-    app.insert_resource(Picture { image, file, frames: 0 });
+    app.insert_resource(Picture {
+        image,
+        file,
+        frames: 0,
+    });
     app.add_systems(PreUpdate, (aim_cameras, take_picture));
     app
 }
@@ -89,7 +93,9 @@ pub fn headless(file: PathBuf) -> App {
 /// Cameras of the example draw into the picture.
 fn aim_cameras(mut commands: Commands, picture: Res<Picture>, cameras: Query<Entity, Added<Camera3d>>) {
     for camera in &cameras {
-        commands.entity(camera).insert(RenderTarget::Image(picture.image.clone().into()));
+        commands
+            .entity(camera)
+            .insert(RenderTarget::Image(picture.image.clone().into()));
     }
 }
 
@@ -99,7 +105,9 @@ const FRAMES: usize = 12;
 fn take_picture(mut commands: Commands, mut picture: ResMut<Picture>) {
     picture.frames += 1;
     if picture.frames == FRAMES {
-        commands.spawn(Readback::texture(picture.image.clone())).observe(save);
+        commands
+            .spawn(Readback::texture(picture.image.clone()))
+            .observe(save);
     }
 }
 

@@ -49,7 +49,8 @@ pub(super) fn check_cameras(
         } else if !depth || !deferred {
             wrong = Some("it lacks `DepthPrepass` or `DeferredPrepass`, which shadows are computed from");
         } else if occlusion {
-            wrong = Some("Bevy's `OcclusionCulling` does not go with `DeferredPrepass`: objects may be missing");
+            wrong =
+                Some("Bevy's `OcclusionCulling` does not go with `DeferredPrepass`: objects may be missing");
         }
         match wrong {
             Some(wrong) if !warned => {

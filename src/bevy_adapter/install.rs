@@ -2,11 +2,11 @@
 
 use bevy::app::{App, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
+use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
 use bevy::pbr::deferred::{deferred_lighting, prepare_deferred_lighting_pipelines};
 use bevy::pbr::{DefaultOpaqueRendererMethod, MeshPipelineSystems, screen_space_reflections};
-use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use bevy::shader::Shader;
 
@@ -41,7 +41,10 @@ pub fn install(app: &mut App) -> bool {
     app.insert_resource(DefaultOpaqueRendererMethod::deferred())
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
-        .add_systems(PostUpdate, (check_cameras, defer_other_cameras).in_set(AntumbraMainSystems::CheckCameras))
+        .add_systems(
+            PostUpdate,
+            (check_cameras, defer_other_cameras).in_set(AntumbraMainSystems::CheckCameras),
+        )
         .add_systems(
             PostUpdate,
             collect_meshes
@@ -64,7 +67,10 @@ pub fn install(app: &mut App) -> bool {
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
         )
-        .add_systems(RenderStartup, (init_pipelines.after(MeshPipelineSystems), forget_mirrors))
+        .add_systems(
+            RenderStartup,
+            (init_pipelines.after(MeshPipelineSystems), forget_mirrors),
+        )
         .add_systems(
             ExtractSchedule,
             (

@@ -31,7 +31,10 @@ pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
         } else {
             LightKind::Point
         };
-        return Some((BevyLight::Point, make(kind, light.color, light.intensity, light.range)));
+        return Some((
+            BevyLight::Point,
+            make(kind, light.color, light.intensity, light.range),
+        ));
     }
     if let Some(light) = entity.get::<SpotLight>() {
         // Bevy allows cones that are sharp at their edge and as wide as a half space.
@@ -40,10 +43,18 @@ pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
             inner_angle: 0.0,
             outer_angle,
         };
-        return Some((BevyLight::Spot, make(kind, light.color, light.intensity, light.range)));
+        return Some((
+            BevyLight::Spot,
+            make(kind, light.color, light.intensity, light.range),
+        ));
     }
     if let Some(light) = entity.get::<DirectionalLight>() {
-        let light = make(LightKind::Directional, light.color, light.illuminance, f32::INFINITY);
+        let light = make(
+            LightKind::Directional,
+            light.color,
+            light.illuminance,
+            f32::INFINITY,
+        );
         return Some((BevyLight::Directional, light));
     }
     let light = entity.get::<RectLight>()?;
@@ -51,7 +62,10 @@ pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
         width: light.width,
         height: light.height,
     };
-    Some((BevyLight::Rect, make(kind, light.color, light.intensity, light.range)))
+    Some((
+        BevyLight::Rect,
+        make(kind, light.color, light.intensity, light.range),
+    ))
 }
 
 fn make(kind: LightKind, color: Color, intensity: f32, range: f32) -> Light {

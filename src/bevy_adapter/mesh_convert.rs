@@ -48,10 +48,15 @@ impl From<MeshAccessError> for MeshRefusal {
 /// [`MeshRefusal`] says what the mesh lacks.
 pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
     let topology = mesh.primitive_topology();
-    if !matches!(topology, PrimitiveTopology::TriangleList | PrimitiveTopology::TriangleStrip) {
+    if !matches!(
+        topology,
+        PrimitiveTopology::TriangleList | PrimitiveTopology::TriangleStrip
+    ) {
         return Err(MeshRefusal::NotTriangles(topology));
     }
-    let Some(VertexAttributeValues::Float32x3(positions)) = mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION)? else {
+    let Some(VertexAttributeValues::Float32x3(positions)) =
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION)?
+    else {
         return Err(MeshRefusal::NoPositions);
     };
     let count = positions.len();
@@ -70,7 +75,8 @@ pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
     }
     let positions = positions.iter().copied().map(Vec3::from_array).collect();
     let mut data = MeshData::from_triangles(name, positions, indices);
-    if let Some(VertexAttributeValues::Float32x3(normals)) = mesh.try_attribute_option(Mesh::ATTRIBUTE_NORMAL)?
+    if let Some(VertexAttributeValues::Float32x3(normals)) =
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_NORMAL)?
         && normals.len() == count
     {
         data.normals = normals.iter().copied().map(Vec3::from_array).collect();
@@ -142,7 +148,8 @@ mod tests {
         assert_eq!(strip.indices, [0, 1, 2, 2, 1, 3, 2, 3, 4]);
         let list = convert_mesh(&mesh(PrimitiveTopology::TriangleList, 7), "list").unwrap();
         assert_eq!(list.indices, [0, 1, 2, 3, 4, 5]);
-        let indexed = mesh(PrimitiveTopology::TriangleList, 4).with_inserted_indices(Indices::U16(vec![0, 2, 3, 1]));
+        let indexed =
+            mesh(PrimitiveTopology::TriangleList, 4).with_inserted_indices(Indices::U16(vec![0, 2, 3, 1]));
         assert_eq!(convert_mesh(&indexed, "indexed").unwrap().indices, [0, 2, 3]);
     }
 
@@ -153,7 +160,8 @@ mod tests {
         assert_eq!(refusal, MeshRefusal::NotTriangles(PrimitiveTopology::LineList));
         let bare = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
         assert_eq!(convert_mesh(&bare, "bare").unwrap_err(), MeshRefusal::NoPositions);
-        let wild = mesh(PrimitiveTopology::TriangleList, 3).with_inserted_indices(Indices::U32(vec![0, 1, 9]));
+        let wild =
+            mesh(PrimitiveTopology::TriangleList, 3).with_inserted_indices(Indices::U32(vec![0, 1, 9]));
         let refusal = convert_mesh(&wild, "wild").unwrap_err();
         assert_eq!(refusal.to_string(), "triangle 0 names vertex 9, of 3");
     }

@@ -81,7 +81,11 @@ impl MeshLibrary {
     fn convert(&mut self, id: AssetId<Mesh>, mesh: &Mesh, immediate_triangles: usize) {
         let entry = match convert_mesh(mesh, &format!("mesh {id}")) {
             // A change that we were not shown the data of: what is known stays as near as anything.
-            Err(MeshRefusal::RenderWorldOnly) if matches!(self.entries.get(&id), Some(MeshEntry::Ready(_))) => return,
+            Err(MeshRefusal::RenderWorldOnly)
+                if matches!(self.entries.get(&id), Some(MeshEntry::Ready(_))) =>
+            {
+                return;
+            }
             Err(refusal) => MeshEntry::Refused(refusal),
             Ok(data) if data.triangle_count() <= immediate_triangles => MeshEntry::Ready(build(data)),
             Ok(data) => MeshEntry::Building(AsyncComputeTaskPool::get().spawn(async move { build(data) })),

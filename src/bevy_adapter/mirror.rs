@@ -179,13 +179,19 @@ impl Mirrors {
 
     /// That of a camera of the game.
     pub fn get(&self, camera: Entity) -> Option<&Mirror> {
-        let at = self.entries.binary_search_by_key(&camera, |&(camera, _)| camera).ok()?;
+        let at = self
+            .entries
+            .binary_search_by_key(&camera, |&(camera, _)| camera)
+            .ok()?;
         Some(&self.entries[at].1)
     }
 
     /// That of a camera of the game.
     pub fn get_mut(&mut self, camera: Entity) -> Option<&mut Mirror> {
-        let at = self.entries.binary_search_by_key(&camera, |&(camera, _)| camera).ok()?;
+        let at = self
+            .entries
+            .binary_search_by_key(&camera, |&(camera, _)| camera)
+            .ok()?;
         Some(&mut self.entries[at].1)
     }
 

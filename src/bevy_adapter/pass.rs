@@ -40,7 +40,8 @@ pub(super) fn light_view(
     mut ctx: RenderContext,
 ) {
     let (main, camera, target, prepass, bevy, antumbra) = view.into_inner();
-    let (Some(mirror), Some(base)) = (mirrors.get(main.id()), cache.get_render_pipeline(antumbra.base)) else {
+    let (Some(mirror), Some(base)) = (mirrors.get(main.id()), cache.get_render_pipeline(antumbra.base))
+    else {
         return;
     };
     let (Some(renderer), Some(depth), Some(pass_id)) = (
@@ -52,7 +53,8 @@ pub(super) fn light_view(
     };
     let pass_id = &pass_id.texture.default_view;
     let device = ctx.render_device().clone();
-    let Some((base_group, light_group)) = own_groups(&device, &cache, &pipelines, &mirror.view, pass_id) else {
+    let Some((base_group, light_group)) = own_groups(&device, &cache, &pipelines, &mirror.view, pass_id)
+    else {
         return;
     };
 
@@ -92,14 +94,16 @@ pub(super) fn light_view(
         pass.set_bind_group(2, &*light_group, &[slot.offset]);
         if let HostedVisibility::Mask(mask) = light.visibility {
             let layout = cache.get_bind_group_layout(&pipelines.mask_layout);
-            let group = device.wgpu_device().create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("antumbra mask"),
-                layout: &layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(mask),
-                }],
-            });
+            let group = device
+                .wgpu_device()
+                .create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("antumbra mask"),
+                    layout: &layout,
+                    entries: &[wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(mask),
+                    }],
+                });
             pass.set_bind_group(3, &group, &[]);
         }
         let mut draw = |visibility| {

@@ -10,17 +10,17 @@
 use bevy::asset::{Assets, Handle};
 use bevy::core_pipeline::FullscreenShader;
 use bevy::ecs::prelude::*;
-use bevy::pbr::deferred::{DEFAULT_PBR_DEFERRED_LIGHTING_PASS_ID, DeferredLightingLayout};
 use bevy::pbr::MeshPipelineKey;
+use bevy::pbr::deferred::{DEFAULT_PBR_DEFERRED_LIGHTING_PASS_ID, DeferredLightingLayout};
 use bevy::platform::collections::HashMap;
 use bevy::render::render_resource::binding_types::{
     storage_buffer_read_only_sized, texture_2d, uniform_buffer_sized,
 };
 use bevy::render::render_resource::{
-    BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor, BlendOperation, BlendState,
-    CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState, DepthStencilState, PipelineCache,
-    RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline, StencilState, TextureFormat,
-    TextureSampleType, VertexState,
+    BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor, BlendOperation,
+    BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
+    DepthStencilState, PipelineCache, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
+    StencilState, TextureFormat, TextureSampleType, VertexState,
 };
 use bevy::shader::{Shader, ShaderDefVal};
 
@@ -64,8 +64,14 @@ impl AntumbraShaders {
     pub fn add(shaders: &mut Assets<Shader>) -> Self {
         let mut add = |text: &'static str, path: &str| shaders.add(Shader::from_wgsl(text, path));
         Self {
-            base: add(include_str!("../../shaders/bevy/base.wgsl"), "antumbra/bevy/base.wgsl"),
-            light: add(include_str!("../../shaders/bevy/light.wgsl"), "antumbra/bevy/light.wgsl"),
+            base: add(
+                include_str!("../../shaders/bevy/base.wgsl"),
+                "antumbra/bevy/base.wgsl",
+            ),
+            light: add(
+                include_str!("../../shaders/bevy/light.wgsl"),
+                "antumbra/bevy/light.wgsl",
+            ),
         }
     }
 }
@@ -86,7 +92,11 @@ pub struct AntumbraPipelines {
 }
 
 /// Makes [`AntumbraPipelines`]. `RenderStartup`: after a lost device too.
-pub(super) fn init_pipelines(mut commands: Commands, shaders: Res<AntumbraShaders>, fullscreen: Res<FullscreenShader>) {
+pub(super) fn init_pipelines(
+    mut commands: Commands,
+    shaders: Res<AntumbraShaders>,
+    fullscreen: Res<FullscreenShader>,
+) {
     let uint = || texture_2d(TextureSampleType::Uint);
     let float = || texture_2d(TextureSampleType::Float { filterable: false });
     let storage = || storage_buffer_read_only_sized(false, None);
@@ -121,7 +131,8 @@ impl AntumbraPipelines {
         if let Some(&known) = self.base.get(&key) {
             return known;
         }
-        let mut descriptor = self.descriptor(bevy, key, "antumbra base", &self.shaders.base, &self.base_layout);
+        let mut descriptor =
+            self.descriptor(bevy, key, "antumbra base", &self.shaders.base, &self.base_layout);
         descriptor.depth_stencil = None;
         let queued = cache.queue_render_pipeline(descriptor);
         self.base.insert(key, queued);
@@ -142,7 +153,13 @@ impl AntumbraPipelines {
         if let Some(&known) = self.lights.get(&variant) {
             return known;
         }
-        let mut descriptor = self.descriptor(bevy, key, "antumbra light", &self.shaders.light, &self.light_layout);
+        let mut descriptor = self.descriptor(
+            bevy,
+            key,
+            "antumbra light",
+            &self.shaders.light,
+            &self.light_layout,
+        );
         if visibility == Visibility::Mask {
             descriptor.layout.push(self.mask_layout.clone());
         }

@@ -1,6 +1,6 @@
 //! Each view's frame on the CPU, and what the GPU needs of it.
 
-use bytemuck::Zeroable;
+use bevy::color::ColorToComponents;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::prelude::*;
 use bevy::ecs::system::SystemParam;
@@ -14,7 +14,7 @@ use bevy::render::render_resource::{BufferUsages, CachedRenderPipelineId, Pipeli
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::sync_world::MainEntity;
 use bevy::render::view::ExtractedView;
-use bevy::color::ColorToComponents;
+use bytemuck::Zeroable;
 use glam::{UVec2, Vec3, Vec4};
 
 use super::light_convert::BevyLight;
@@ -80,13 +80,17 @@ pub(super) fn prepare_views(
     for (view, main, extracted, camera, jitter, depth, deferred, skips, lit) in &views {
         let Some(mirror) = mirrors.get_mut(main.id()) else {
             if lit {
-                commands.entity(view).remove::<(AntumbraView, SkipDeferredLighting)>();
+                commands
+                    .entity(view)
+                    .remove::<(AntumbraView, SkipDeferredLighting)>();
             }
             continue;
         };
         let key = gpu.keys.get(&extracted.retained_view_entity).copied();
         let ready = (camera.hdr && depth && deferred)
-            .then(|| key.and_then(|key| prepare_view(mirror, extracted, camera, jitter, key, &mut gpu, &lights)))
+            .then(|| {
+                key.and_then(|key| prepare_view(mirror, extracted, camera, jitter, key, &mut gpu, &lights))
+            })
             .flatten();
         match ready {
             Some(ready) => {
@@ -96,7 +100,9 @@ pub(super) fn prepare_views(
                 }
             }
             None if lit => {
-                commands.entity(view).remove::<(AntumbraView, SkipDeferredLighting)>();
+                commands
+                    .entity(view)
+                    .remove::<(AntumbraView, SkipDeferredLighting)>();
             }
             None => {}
         }
@@ -117,7 +123,10 @@ fn prepare_view(
     }
     let size = camera.physical_viewport_size?;
     let target = camera.physical_target_size?;
-    let origin = camera.viewport.as_ref().map_or(UVec2::ZERO, |viewport| viewport.physical_position);
+    let origin = camera
+        .viewport
+        .as_ref()
+        .map_or(UVec2::ZERO, |viewport| viewport.physical_position);
     let Some(projection) = projection_of(&view.clip_from_view, jitter, size) else {
         mirror.view.warn_of_projection();
         return None;
@@ -142,7 +151,10 @@ fn prepare_view(
     if place.get() != Some(&view.world_from_view) {
         place.insert(view.world_from_view);
     }
-    mirror.world.resource_mut::<ViewportSize>().set_if_neq(ViewportSize(size));
+    mirror
+        .world
+        .resource_mut::<ViewportSize>()
+        .set_if_neq(ViewportSize(size));
     let mut renderer = mirror.world.resource_mut::<Renderer>();
     let host = HostView {
         target_size: target,
@@ -190,7 +202,8 @@ fn prepare_lights(
             }
             let offset = view.draw_bytes.len();
             view.draw_bytes.resize(offset + DRAW_STRIDE, 0);
-            view.draw_bytes[offset..offset + size_of::<LightDraw>()].copy_from_slice(bytemuck::bytes_of(&draw));
+            view.draw_bytes[offset..offset + size_of::<LightDraw>()]
+                .copy_from_slice(bytemuck::bytes_of(&draw));
             Some(DrawSlot {
                 offset: offset as u32,
                 pipelines,
@@ -208,9 +221,17 @@ fn prepare_lights(
     let (device, queue) = (&gpu.device, &gpu.queue);
     let (storage, uniform) = (BufferUsages::STORAGE, BufferUsages::UNIFORM);
     let bits = bytemuck::cast_slice(&view.bit_words);
-    view.managed.write(device, queue, "antumbra managed", storage, bytemuck::bytes_of(&managed));
-    view.bits.write(device, queue, "antumbra managed bits", storage, bits);
-    view.lights.write(device, queue, "antumbra lights", uniform, &view.draw_bytes);
+    view.managed.write(
+        device,
+        queue,
+        "antumbra managed",
+        storage,
+        bytemuck::bytes_of(&managed),
+    );
+    view.bits
+        .write(device, queue, "antumbra managed bits", storage, bits);
+    view.lights
+        .write(device, queue, "antumbra lights", uniform, &view.draw_bytes);
 }
 
 /// A light as Bevy's shaders know it; `None` if they do not.
@@ -296,11 +317,16 @@ fn pipelines_of(
         if !wanted.contains(&Some(visibility)) {
             return None;
         }
-        let id = gpu.pipelines.light(&gpu.cache, &gpu.bevy, key, kind, visibility, depth_stencil);
+        let id = gpu
+            .pipelines
+            .light(&gpu.cache, &gpu.bevy, key, kind, visibility, depth_stencil);
         ready &= is_ready(&gpu.cache, id);
         Some(id)
     });
     ready.then_some(LightPipelines(ids))
 }
 
-const _: () = assert!(MAX_DIRECTIONAL_LIGHTS == 10 && MAX_RECT_LIGHTS == 8, "the arrays of base.wgsl");
+const _: () = assert!(
+    MAX_DIRECTIONAL_LIGHTS == 10 && MAX_RECT_LIGHTS == 8,
+    "the arrays of base.wgsl"
+);

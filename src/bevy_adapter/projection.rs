@@ -45,7 +45,10 @@ pub fn projection_of(
         let ray = (Vec2::new(x, y) - shift) * half;
         m.w_axis.z / (1.0 + m.z_axis.z - m.x_axis.z * ray.x - m.y_axis.z * ray.y)
     });
-    let near = depths.into_iter().filter(|depth| *depth > 0.0).fold(f32::INFINITY, f32::min);
+    let near = depths
+        .into_iter()
+        .filter(|depth| *depth > 0.0)
+        .fold(f32::INFINITY, f32::min);
     let camera = Camera {
         vertical_fov: 2.0 * half.y.atan(),
         near,
@@ -83,7 +86,11 @@ mod tests {
     fn a_perspective_is_ours_to_rounding() {
         let view = projection_of(&bevy(None), None, SIZE).unwrap();
         let ours = view.camera.clip_from_view();
-        assert!(ours.abs_diff_eq(view.clip_from_view, 1e-6), "{ours} {}", view.clip_from_view);
+        assert!(
+            ours.abs_diff_eq(view.clip_from_view, 1e-6),
+            "{ours} {}",
+            view.clip_from_view
+        );
     }
 
     #[test]
@@ -93,7 +100,11 @@ mod tests {
         };
         let view = projection_of(&bevy(None), Some(&jitter), SIZE).unwrap();
         assert!(view.camera.shift != Vec2::ZERO);
-        assert!(view.camera.clip_from_view().abs_diff_eq(view.clip_from_view, 1e-6));
+        assert!(
+            view.camera
+                .clip_from_view()
+                .abs_diff_eq(view.clip_from_view, 1e-6)
+        );
     }
 
     #[test]
@@ -105,7 +116,11 @@ mod tests {
         let right = (0.9f32 * 0.5).tan() * 16.0 / 9.0;
         let at_edge = |x: f32| -plane.w / normal.dot(glam::vec3(x, 0.0, -1.0));
         let expected = at_edge(right).min(at_edge(-right));
-        assert!((view.camera.near - expected).abs() < 1e-3, "{} {expected}", view.camera.near);
+        assert!(
+            (view.camera.near - expected).abs() < 1e-3,
+            "{} {expected}",
+            view.camera.near
+        );
     }
 
     #[test]

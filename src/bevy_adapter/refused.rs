@@ -29,7 +29,13 @@ impl RefusedMeshes {
     }
 
     /// Warns of a mesh the first time that it is met.
-    pub(super) fn report(&mut self, mesh: AssetId<Mesh>, path: Option<&AssetPath>, user: Entity, why: MeshRefusal) {
+    pub(super) fn report(
+        &mut self,
+        mesh: AssetId<Mesh>,
+        path: Option<&AssetPath>,
+        user: Entity,
+        why: MeshRefusal,
+    ) {
         if self.entries.insert(mesh, why) == Some(why) || self.warnings >= MAX_WARNINGS {
             return;
         }

@@ -14,7 +14,12 @@ use crate::scene::{Light, LightSelection};
 
 /// A light changed in a way that is to be taken over.
 type LightChanged = (
-    Or<(With<PointLight>, With<SpotLight>, With<DirectionalLight>, With<RectLight>)>,
+    Or<(
+        With<PointLight>,
+        With<SpotLight>,
+        With<DirectionalLight>,
+        With<RectLight>,
+    )>,
     Or<(
         Changed<PointLight>,
         Changed<SpotLight>,
@@ -47,7 +52,17 @@ pub(super) fn sync_lights(
     techniques: Res<Techniques>,
     mut touched: ResMut<TouchedLights>,
     changed: Extract<Query<Entity, LightChanged>>,
-    all: Extract<Query<Entity, Or<(With<PointLight>, With<SpotLight>, With<DirectionalLight>, With<RectLight>)>>>,
+    all: Extract<
+        Query<
+            Entity,
+            Or<(
+                With<PointLight>,
+                With<SpotLight>,
+                With<DirectionalLight>,
+                With<RectLight>,
+            )>,
+        >,
+    >,
     mut removed: RemovedFromLights,
 ) {
     let dirty = &mut touched.0;
@@ -81,7 +96,9 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     };
     let layers = light.get::<RenderLayers>();
     let shines = techniques.manage(&light)
-        && light.get::<InheritedVisibility>().is_none_or(|visibility| visibility.get())
+        && light
+            .get::<InheritedVisibility>()
+            .is_none_or(|visibility| visibility.get())
         && mirror.layers.intersects(layers.unwrap_or_default());
     let (true, Some((kind, converted)), Some(render_entity)) =
         (shines, convert_light(&light), light.get::<RenderEntity>())

@@ -119,10 +119,14 @@ fn sync_object(
         mirror.despawn(entity);
         return;
     };
-    let is_visible = object.get::<InheritedVisibility>().is_none_or(|visibility| visibility.get());
-    let (true, Some(mesh), Some(transform)) =
-        (is_visible, object.get::<Mesh3d>(), object.get::<GlobalTransform>())
-    else {
+    let is_visible = object
+        .get::<InheritedVisibility>()
+        .is_none_or(|visibility| visibility.get());
+    let (true, Some(mesh), Some(transform)) = (
+        is_visible,
+        object.get::<Mesh3d>(),
+        object.get::<GlobalTransform>(),
+    ) else {
         mirror.remove_object(entity);
         return;
     };
@@ -149,8 +153,16 @@ fn sync_object(
     if target.get::<SelectionLayers>() != Some(&bits) {
         target.insert(bits);
     }
-    set(&mut target, ShadowCaster, ready.is_some() && !object.contains::<NotShadowCaster>());
-    set(&mut target, ShadowReceiver, !object.contains::<NotShadowReceiver>());
+    set(
+        &mut target,
+        ShadowCaster,
+        ready.is_some() && !object.contains::<NotShadowCaster>(),
+    );
+    set(
+        &mut target,
+        ShadowReceiver,
+        !object.contains::<NotShadowReceiver>(),
+    );
     if seen != target.contains::<SceneMaterials>() {
         if seen {
             // Only that it is seen matters: Bevy draws it.
@@ -194,7 +206,15 @@ fn insert_bounds(mirror: &mut Mirror, mirrored: Entity, object: &EntityRef, tran
         max: Vec3::from(aabb.max()),
     });
     let mut target = mirror.world.entity_mut(mirrored);
-    target.remove::<(SceneMesh, LocalBounds, Skin, MorphWeights, PosedMesh, CasterEdges, PosedPlanes)>();
+    target.remove::<(
+        SceneMesh,
+        LocalBounds,
+        Skin,
+        MorphWeights,
+        PosedMesh,
+        CasterEdges,
+        PosedPlanes,
+    )>();
     if target.get::<HostBounds>() != Some(&HostBounds(bounds)) {
         let world = WorldBounds(bounds.transformed(&transform.affine()));
         target.insert((HostBounds(bounds), world));
@@ -219,10 +239,14 @@ fn sync_pose(mirror: &mut Mirror, main: &World, object: &EntityRef, mirrored: En
         });
         Some((joints.collect::<Vec<_>>(), &inverse_bind[..]))
     });
-    let weights = object.get::<MeshMorphWeights>().and_then(|weights| match weights {
-        MeshMorphWeights::Value { weights } => Some(&weights[..]),
-        MeshMorphWeights::Reference(shared) => main.get::<BevyMorphWeights>(*shared).map(|shared| shared.weights()),
-    });
+    let weights = object
+        .get::<MeshMorphWeights>()
+        .and_then(|weights| match weights {
+            MeshMorphWeights::Value { weights } => Some(&weights[..]),
+            MeshMorphWeights::Reference(shared) => main
+                .get::<BevyMorphWeights>(*shared)
+                .map(|shared| shared.weights()),
+        });
     let mut target = mirror.world.entity_mut(mirrored);
     match skin {
         Some((joints, inverse_bind)) => {
@@ -240,7 +264,10 @@ fn sync_pose(mirror: &mut Mirror, main: &World, object: &EntityRef, mirrored: En
     }
     match weights {
         Some(weights) => {
-            if !target.get::<MorphWeights>().is_some_and(|known| known.0 == weights) {
+            if !target
+                .get::<MorphWeights>()
+                .is_some_and(|known| known.0 == weights)
+            {
                 target.insert(MorphWeights(weights.to_vec()));
             }
         }

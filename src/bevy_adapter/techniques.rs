@@ -57,7 +57,10 @@ impl AddShadowTechnique for App {
             },
             set_up,
         });
-        render_app.add_systems(ExtractSchedule, collect_touched::<T>.in_set(AntumbraExtractSystems::Collect));
+        render_app.add_systems(
+            ExtractSchedule,
+            collect_touched::<T>.in_set(AntumbraExtractSystems::Collect),
+        );
         self
     }
 }

@@ -56,7 +56,11 @@ pub enum LightKind {
 
 /// What a light acts on. A bit shared with an object's [`SelectionLayers`](super::SelectionLayers) selects it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Component, Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 pub struct LightSelection {
     /// Layers that the light lights.
     pub affects: u32,

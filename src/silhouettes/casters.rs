@@ -75,7 +75,8 @@ impl CasterMeshes {
     /// Keeps an edge mesh that was built elsewhere, of just this mesh.
     pub fn insert(&mut self, mesh: &Arc<MeshData>, built: Arc<CasterMesh>) {
         self.by_address.retain(|_, (source, _)| source.strong_count() > 0);
-        self.by_address.insert(address(mesh), (Arc::downgrade(mesh), built));
+        self.by_address
+            .insert(address(mesh), (Arc::downgrade(mesh), built));
     }
 
     /// Whether it is there already.

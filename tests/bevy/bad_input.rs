@@ -13,9 +13,14 @@ use crate::setup::{listen, warnings};
 fn game() -> (App, Entity) {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(world, Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     world.entity_mut(camera).insert(AntumbraCamera);
-    let floor = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(8.0, 8.0));
+    let floor = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Plane3d::default().mesh().size(8.0, 8.0));
     let matte = harness::matte(world);
     world.spawn((Mesh3d(floor), matte));
     world.spawn((
@@ -32,7 +37,9 @@ fn game() -> (App, Entity) {
 fn add(world: &mut World, mesh: Mesh) -> Entity {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
     let material = harness::matte(world);
-    world.spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 1.0, 0.0))).id()
+    world
+        .spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 1.0, 0.0)))
+        .id()
 }
 
 fn casters(game: &mut Game, camera: Entity) -> usize {
@@ -47,7 +54,14 @@ fn meshes_that_cannot_cast_are_told_of_and_lit() {
     let (mut app, camera) = game();
     let world = app.world_mut();
     let usage = RenderAssetUsages::default();
-    let positions = || vec![[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let positions = || {
+        vec![
+            [0.0f32, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [1.0, 1.0, 0.0],
+        ]
+    };
     let lines = Mesh::new(PrimitiveTopology::LineList, usage)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions())
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, vec![[0.0f32, 0.0, 1.0]; 4]);
@@ -70,7 +84,11 @@ fn meshes_that_cannot_cast_are_told_of_and_lit() {
     let told = warnings("LineList");
     assert_eq!(told.len(), 1, "{told:?}");
     assert!(told[0].contains(&lines.to_string()), "{told:?} names the entity");
-    assert_eq!(casters(&mut game, camera), 3, "floor, strip and what went to the render world");
+    assert_eq!(
+        casters(&mut game, camera),
+        3,
+        "floor, strip and what went to the render world"
+    );
 }
 
 #[test]
@@ -86,7 +104,9 @@ fn meshes_replaced_every_frame_are_followed() {
         let handle = world.get::<Mesh3d>(object).unwrap().0.clone();
         let mut meshes = world.resource_mut::<Assets<Mesh>>();
         if frame % 2 == 0 {
-            meshes.insert(handle.id(), Cuboid::new(size, size, size).into()).unwrap();
+            meshes
+                .insert(handle.id(), Cuboid::new(size, size, size).into())
+                .unwrap();
         } else {
             let mesh = meshes.add(Cuboid::new(size, size, size));
             world.entity_mut(object).insert(Mesh3d(mesh));
@@ -137,7 +157,10 @@ fn lights_come_and_go_every_frame_and_two_thousand_are_managed() {
     let lights = mirror.world.resource::<FrameLights>();
     assert_eq!(lights.lights.len(), MANY + 1);
     let managed = mirror.view.draws.iter().flatten().count();
-    println!("{managed} of {} lights are drawn by us or skipped", lights.lights.len());
+    println!(
+        "{managed} of {} lights are drawn by us or skipped",
+        lights.lights.len()
+    );
     assert_eq!(managed, MANY + 1);
 }
 
@@ -145,7 +168,10 @@ fn lights_come_and_go_every_frame_and_two_thousand_are_managed() {
 fn cameras_without_the_marker_are_bevys() {
     let (mut app, _) = game();
     let world = app.world_mut();
-    let plain = harness::camera(world, Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let plain = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     let mut game = Game::start(app);
     game.run(4);
     assert!(game.render_world().resource::<Mirrors>().get(plain).is_none());

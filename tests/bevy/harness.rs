@@ -7,8 +7,8 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{
-    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType, TexelCopyBufferInfo,
-    TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
+    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::sync_world::RenderEntity;
@@ -94,7 +94,11 @@ pub fn camera(world: &mut World, transform: Transform) -> Entity {
 
 /// Some material.
 pub fn matte(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
-    MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default()))
+    MeshMaterial3d(
+        world
+            .resource_mut::<Assets<StandardMaterial>>()
+            .add(StandardMaterial::default()),
+    )
 }
 
 /// A game that runs.
@@ -127,7 +131,11 @@ impl Game {
 
     /// The renderer's world.
     pub fn render_world(&mut self) -> &mut World {
-        let render = self.apps.sub_apps.get_mut(&RenderApp.intern()).expect("a renderer");
+        let render = self
+            .apps
+            .sub_apps
+            .get_mut(&RenderApp.intern())
+            .expect("a renderer");
         render.world_mut()
     }
 
@@ -174,7 +182,9 @@ impl Game {
             texture.size(),
         );
         queue.submit([encoder.finish()]);
-        buffer.slice(..).map_async(MapMode::Read, |result| result.unwrap());
+        buffer
+            .slice(..)
+            .map_async(MapMode::Read, |result| result.unwrap());
         device.poll(PollType::wait_indefinitely()).unwrap();
         let bytes = buffer.slice(..).get_mapped_range();
         let texels = (0..size.y as usize)
@@ -248,5 +258,9 @@ impl Picture {
 /// Numbers of the format, counted from 0.
 fn ordered(x: half::f16) -> i32 {
     let bits = i32::from(x.to_bits());
-    if bits & 0x8000 == 0 { bits } else { -(bits & 0x7fff) }
+    if bits & 0x8000 == 0 {
+        bits
+    } else {
+        -(bits & 0x7fff)
+    }
 }

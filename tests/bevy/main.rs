@@ -5,6 +5,8 @@ mod core_harness;
 
 mod bad_input;
 mod harness;
+mod lifetimes;
+mod minimal;
 mod models;
 mod runs;
 mod setup;

@@ -24,7 +24,10 @@ pub fn mesh(data: &MeshData) -> Mesh {
         .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
         .with_inserted_indices(Indices::U32(data.indices.clone()));
     if !data.joints.is_empty() {
-        mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(data.joints.clone()));
+        mesh.insert_attribute(
+            Mesh::ATTRIBUTE_JOINT_INDEX,
+            VertexAttributeValues::Uint16x4(data.joints.clone()),
+        );
         let weights: Vec<[f32; 4]> = data.joint_weights.iter().map(|w| w.to_array()).collect();
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
     }
@@ -44,16 +47,20 @@ impl ModelGame {
         app.insert_resource(GlobalAmbientLight::NONE);
         let size = stage.world.resource::<antumbra::sets::ViewportSize>().0;
         let world = app.world_mut();
-        let material = world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial {
-            base_color: Color::WHITE,
-            perceptual_roughness: 1.0,
-            reflectance: 0.0,
-            double_sided: true,
-            cull_mode: None,
-            ..default()
-        });
+        let material = world
+            .resource_mut::<Assets<StandardMaterial>>()
+            .add(StandardMaterial {
+                base_color: Color::WHITE,
+                perceptual_roughness: 1.0,
+                reflectance: 0.0,
+                double_sided: true,
+                cull_mode: None,
+                ..default()
+            });
         let mut joints = EntityHashMap::<Entity>::default();
-        let mut objects = stage.world.query::<(&SceneMesh, &GlobalTransform, Option<&Skin>)>();
+        let mut objects = stage
+            .world
+            .query::<(&SceneMesh, &GlobalTransform, Option<&Skin>)>();
         for (scene_mesh, transform, skin) in objects.iter(&stage.world) {
             let handle = world.resource_mut::<Assets<Mesh>>().add(mesh(&scene_mesh.0));
             let mut object = world.spawn((Mesh3d(handle), MeshMaterial3d(material.clone())));
@@ -64,8 +71,14 @@ impl ModelGame {
             let object = object.id();
             let Some(skin) = skin else { continue };
             let skin_joints = skin.joints.iter().map(|&joint| {
-                let transform = stage.world.get::<GlobalTransform>(joint).copied().unwrap_or_default();
-                *joints.entry(joint).or_insert_with(|| world.spawn(Transform::from(transform)).id())
+                let transform = stage
+                    .world
+                    .get::<GlobalTransform>(joint)
+                    .copied()
+                    .unwrap_or_default();
+                *joints
+                    .entry(joint)
+                    .or_insert_with(|| world.spawn(Transform::from(transform)).id())
             });
             let skin_joints: Vec<Entity> = skin_joints.collect();
             let mut binds = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
@@ -77,7 +90,10 @@ impl ModelGame {
         }
         let (view, at) = {
             let camera = stage.world.entity(stage.camera);
-            (*camera.get::<scene::Camera>().unwrap(), *camera.get::<GlobalTransform>().unwrap())
+            (
+                *camera.get::<scene::Camera>().unwrap(),
+                *camera.get::<GlobalTransform>().unwrap(),
+            )
         };
         let target = harness::target(world, size);
         let camera = world.spawn((
@@ -96,11 +112,16 @@ impl ModelGame {
         let camera = camera.id();
         let (light, at) = {
             let light = stage.world.entity(stage.lights[0]);
-            (light.get::<scene::Light>().unwrap().clone(), *light.get::<GlobalTransform>().unwrap())
+            (
+                light.get::<scene::Light>().unwrap().clone(),
+                *light.get::<GlobalTransform>().unwrap(),
+            )
         };
         let bounds = stage.scene_bounds();
         let distance = (at.translation() - bounds.center()).length().max(1e-3);
-        world.spawn((Transform::from(at), technique)).insert_light(&light, distance);
+        world
+            .spawn((Transform::from(at), technique))
+            .insert_light(&light, distance);
         let mut game = Game::start(app);
         game.run(5);
         Self { game, camera }
@@ -135,7 +156,10 @@ impl InsertLight for EntityWorldMut<'_> {
                 radius,
                 ..default()
             }),
-            LightKind::Spot { inner_angle, outer_angle } => self.insert(SpotLight {
+            LightKind::Spot {
+                inner_angle,
+                outer_angle,
+            } => self.insert(SpotLight {
                 intensity,
                 range: light.range,
                 inner_angle,

@@ -22,9 +22,14 @@ fn runs(lights: usize, shadow_maps: bool) -> usize {
     });
     app.insert_resource(bevy::light::PointLightShadowMap { size: 16 });
     let world = app.world_mut();
-    let camera = harness::camera(world, Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(1.0, 1.0, 1.0));
     world.spawn((Mesh3d(mesh), MeshMaterial3d::<StandardMaterial>::default()));
     for i in 0..lights {
         let angle = i as f32;
@@ -48,7 +53,9 @@ fn runs(lights: usize, shadow_maps: bool) -> usize {
 fn core_3d_runs_once_a_camera_with_many_managed_lights() {
     let ours = runs(40, false);
     let bevys = runs(1, true);
-    println!("runs of Core3d a frame: 40 managed lights {ours}; one shadow-mapped point light of Bevy's {bevys}");
+    println!(
+        "runs of Core3d a frame: 40 managed lights {ours}; one shadow-mapped point light of Bevy's {bevys}"
+    );
     assert_eq!(ours, 1);
     assert_eq!(bevys, 7, "the count counts");
 }

@@ -53,7 +53,10 @@ impl tracing::Subscriber for Listener {
 /// Warnings so far that hold a text.
 pub fn warnings(text: &str) -> Vec<String> {
     let all = WARNINGS.lock().unwrap();
-    all.iter().filter(|warning| warning.contains(text)).cloned().collect()
+    all.iter()
+        .filter(|warning| warning.contains(text))
+        .cloned()
+        .collect()
 }
 
 /// Hears warnings from now on.
@@ -62,12 +65,21 @@ pub fn listen() {
 }
 
 fn scene(world: &mut World) -> Entity {
-    let camera = harness::camera(world, Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(1.0, 1.0, 1.0));
     let matte = harness::matte(world);
     world.spawn((Mesh3d(mesh), matte));
-    world.spawn((PointLight::default(), StencilVolume::default(), Transform::from_xyz(1.0, 4.0, 1.0)));
+    world.spawn((
+        PointLight::default(),
+        StencilVolume::default(),
+        Transform::from_xyz(1.0, 4.0, 1.0),
+    ));
     camera
 }
 
@@ -117,11 +129,27 @@ fn the_marker_brings_what_it_needs() {
     let world = app.world();
     assert_eq!(world.get::<Msaa>(camera), Some(&Msaa::Off));
     assert!(world.get::<Hdr>(camera).is_some() && world.get::<Camera3d>(camera).is_some());
-    assert!(world.get::<bevy::core_pipeline::prepass::DeferredPrepass>(camera).is_some());
+    assert!(
+        world
+            .get::<bevy::core_pipeline::prepass::DeferredPrepass>(camera)
+            .is_some()
+    );
     let registry = world.resource::<AppTypeRegistry>().read();
-    for name in ["AntumbraCamera", "StencilVolume", "PenumbraWedge", "ShadowMap", "OmniMap", "LightSelection"] {
-        let registered = registry.get_with_short_type_path(name).unwrap_or_else(|| panic!("{name}"));
-        assert!(registered.data::<ReflectComponent>().is_some(), "{name} can be made from its name");
+    for name in [
+        "AntumbraCamera",
+        "StencilVolume",
+        "PenumbraWedge",
+        "ShadowMap",
+        "OmniMap",
+        "LightSelection",
+    ] {
+        let registered = registry
+            .get_with_short_type_path(name)
+            .unwrap_or_else(|| panic!("{name}"));
+        assert!(
+            registered.data::<ReflectComponent>().is_some(),
+            "{name} can be made from its name"
+        );
         assert!(registered.data::<ReflectDefault>().is_some(), "{name}");
     }
 }

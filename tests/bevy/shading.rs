@@ -39,17 +39,31 @@ struct Scene {
 /// Lights that are managed.
 const MANAGED: i32 = 5;
 
-fn add_mesh(world: &mut World, mesh: impl Into<Mesh>, material: StandardMaterial, transform: Transform) -> Entity {
+fn add_mesh(
+    world: &mut World,
+    mesh: impl Into<Mesh>,
+    material: StandardMaterial,
+    transform: Transform,
+) -> Entity {
     let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh.into());
     let material = world.resource_mut::<Assets<StandardMaterial>>().add(material);
-    world.spawn((Mesh3d(mesh), MeshMaterial3d(material), transform)).id()
+    world
+        .spawn((Mesh3d(mesh), MeshMaterial3d(material), transform))
+        .id()
 }
 
 fn game(scene: Scene) -> (Game, Entity) {
-    let mut app = if scene.ours { harness::antumbra() } else { harness::headless() };
+    let mut app = if scene.ours {
+        harness::antumbra()
+    } else {
+        harness::headless()
+    };
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     let world = app.world_mut();
-    let camera = harness::camera(world, Transform::from_xyz(-2.5, 4.5, 9.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(-2.5, 4.5, 9.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     let mut view = world.entity_mut(camera);
     view.insert((DepthPrepass, DeferredPrepass));
     if scene.ours {
@@ -106,7 +120,12 @@ fn game(scene: Scene) -> (Game, Entity) {
         perceptual_roughness: 0.6,
         ..default()
     };
-    add_mesh(world, Plane3d::default().mesh().size(12.0, 12.0), floor, Transform::default());
+    add_mesh(
+        world,
+        Plane3d::default().mesh().size(12.0, 12.0),
+        floor,
+        Transform::default(),
+    );
     let coated = StandardMaterial {
         base_color: Color::srgb(0.2, 0.4, 0.9),
         perceptual_roughness: 0.3,
@@ -147,9 +166,15 @@ fn game(scene: Scene) -> (Game, Entity) {
         ..default()
     };
     let managed = [
-        world.spawn((point(300_000.0, Color::WHITE), at(3.0, 4.0, 2.0))).id(),
-        world.spawn((point(200_000.0, Color::srgb(1.0, 0.6, 0.3)), at(-3.0, 2.0, 3.0))).id(),
-        world.spawn((spot(800_000.0, Color::srgb(0.4, 1.0, 0.4)), at(-1.0, 6.0, 2.0))).id(),
+        world
+            .spawn((point(300_000.0, Color::WHITE), at(3.0, 4.0, 2.0)))
+            .id(),
+        world
+            .spawn((point(200_000.0, Color::srgb(1.0, 0.6, 0.3)), at(-3.0, 2.0, 3.0)))
+            .id(),
+        world
+            .spawn((spot(800_000.0, Color::srgb(0.4, 1.0, 0.4)), at(-1.0, 6.0, 2.0)))
+            .id(),
         world.spawn((sun(300.0), at(1.0, 2.0, 1.5))).id(),
         world.spawn((rect(200_000.0, 2.0), at(0.0, 3.0, 4.0))).id(),
     ];
@@ -170,7 +195,10 @@ fn game(scene: Scene) -> (Game, Entity) {
         }
     }
     // Nothing casts, so that visibility is 1.
-    let meshes: Vec<Entity> = world.query_filtered::<Entity, With<Mesh3d>>().iter(world).collect();
+    let meshes: Vec<Entity> = world
+        .query_filtered::<Entity, With<Mesh3d>>()
+        .iter(world)
+        .collect();
     for mesh in meshes {
         world.entity_mut(mesh).insert(bevy::light::NotShadowCaster);
     }

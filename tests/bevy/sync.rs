@@ -26,7 +26,9 @@ fn dump(mirror: &mut Mirror) -> Vec<String> {
         if layers.is_none() && light.is_none() {
             continue;
         }
-        let mesh = entity.get::<SceneMesh>().map(|mesh| std::sync::Arc::as_ptr(&mesh.0));
+        let mesh = entity
+            .get::<SceneMesh>()
+            .map(|mesh| std::sync::Arc::as_ptr(&mesh.0));
         let mesh: Option<*const MeshData> = mesh;
         lines.push(format!(
             "{:?} {:?} {mesh:?} {} {} {} {layers:?} {:?} {light:?} {:?} {:?} {:?} {:?}",
@@ -112,10 +114,14 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
             world.entity_mut(either).insert(Visibility::Inherited);
         }
         3 => {
-            world.entity_mut(either).insert(RenderLayers::from_layers(&[0, random.below(40)]));
+            world
+                .entity_mut(either)
+                .insert(RenderLayers::from_layers(&[0, random.below(40)]));
         }
         4 => {
-            world.entity_mut(either).insert(RenderLayers::layer(random.below(3)));
+            world
+                .entity_mut(either)
+                .insert(RenderLayers::layer(random.below(3)));
         }
         5 => {
             world.entity_mut(either).remove::<RenderLayers>();
@@ -146,10 +152,13 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
             world.entity_mut(light).remove::<StencilVolume>();
         }
         13 => {
-            world.entity_mut(light).insert((StencilVolume::default(), LightSelection {
-                affects: 1,
-                casts_for: random.below(4) as u32,
-            }));
+            world.entity_mut(light).insert((
+                StencilVolume::default(),
+                LightSelection {
+                    affects: 1,
+                    casts_for: random.below(4) as u32,
+                },
+            ));
         }
         14 => {
             // Hot reload.
@@ -161,7 +170,10 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
         _ => {
             // A new parent, or none.
             let parent = edited.objects[random.below(edited.objects.len())];
-            if parent != either && world.get::<Children>(either).is_none() && world.get::<ChildOf>(parent).is_none() {
+            if parent != either
+                && world.get::<Children>(either).is_none()
+                && world.get::<ChildOf>(parent).is_none()
+            {
                 world.entity_mut(either).insert(ChildOf(parent));
             } else {
                 world.entity_mut(either).remove::<ChildOf>();
@@ -174,7 +186,10 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
 fn what_changed_makes_the_same_mirror_as_everything() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(world, Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     world.entity_mut(camera).insert(AntumbraCamera);
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
@@ -234,24 +249,40 @@ fn what_changed_makes_the_same_mirror_as_everything() {
 fn a_steady_frame_changes_nothing() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(world, Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y));
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
     world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(Cuboid::new(1.0, 1.0, 1.0));
+    let mesh = world
+        .resource_mut::<Assets<Mesh>>()
+        .add(Cuboid::new(1.0, 1.0, 1.0));
     let matte = harness::matte(world);
     world.spawn((Mesh3d(mesh), matte));
-    world.spawn((PointLight::default(), StencilVolume::default(), Transform::from_xyz(1.0, 4.0, 1.0)));
+    world.spawn((
+        PointLight::default(),
+        StencilVolume::default(),
+        Transform::from_xyz(1.0, 4.0, 1.0),
+    ));
     let mut game = Game::start(app);
     game.run(4);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
     let mirror = mirrors.get_mut(camera).unwrap();
     let lights = mirror.world.resource::<FrameLights>();
     assert!(!lights.lights[0].moved, "the light did not move");
-    let (i, s) = (lights.lights[0].i.count_ones(..), lights.lights[0].s.count_ones(..));
+    let (i, s) = (
+        lights.lights[0].i.count_ones(..),
+        lights.lights[0].s.count_ones(..),
+    );
     assert_eq!((i, s), (1, 1));
     let work = mirror.world.resource::<antumbra::sets::SetWork>().clone();
     game.run(3);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
     let mirror = mirrors.get_mut(camera).unwrap();
     let after = mirror.world.resource::<antumbra::sets::SetWork>();
-    assert_eq!(format!("{work:?}"), format!("{after:?}"), "sets were computed again");
+    assert_eq!(
+        format!("{work:?}"),
+        format!("{after:?}"),
+        "sets were computed again"
+    );
 }

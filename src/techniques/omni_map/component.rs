@@ -11,7 +11,11 @@ use crate::techniques::maps::{MapBias, MapFilter, MapFormat, MapResolution, MapS
 /// Gives a light at a place shadows by a map of all directions. Area lights cast from their centre. Alpha-tested casters
 /// cast the holes of their texture; casters block from both sides.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Component, Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 pub struct OmniMap {
     /// Texels along a side of each of the six faces.
     pub resolution: MapResolution,

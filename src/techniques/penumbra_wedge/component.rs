@@ -17,7 +17,11 @@ use crate::silhouettes::NeedsSilhouettes;
 /// Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
 /// Real-Time Performance".
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Component, Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 #[require(NeedsSilhouettes)]
 pub struct PenumbraWedge {
     /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
@@ -60,7 +64,11 @@ impl PenumbraWedge {
 
 /// How the coverage of several casters combines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum Overlap {
     /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
     #[default]
@@ -73,7 +81,11 @@ pub enum Overlap {
 
 /// Where visibility is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum VisibilityBuffer {
     /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`].
     #[default]
@@ -85,7 +97,11 @@ pub enum VisibilityBuffer {
 
 /// What encloses the penumbra of an edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum WedgeBounds {
     /// The convex hull of the penumbra of the light's own shape.
     #[default]
@@ -96,7 +112,11 @@ pub enum WedgeBounds {
 
 /// Which pixels the coverage of an edge is computed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum WedgeCulling {
     /// Where a back face of the wedge lies behind the surface; all wedges in one draw.
     #[default]
@@ -109,7 +129,11 @@ pub enum WedgeCulling {
 
 /// How areas are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "bevy", derive(bevy_reflect::Reflect), reflect(Default, Debug, Clone, PartialEq))]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum CoverageMaths {
     /// In the shader.
     #[default]
