@@ -11,9 +11,10 @@ use antumbra::bevy_adapter::prelude::*;
 use bevy::prelude::*;
 
 #[path = "support/bevy_headless.rs"]
-mod bevy_headless;
+pub mod bevy_headless;
 
 // [snippet]
+/// Call it after `DefaultPlugins` are added.
 pub fn game(app: &mut App) {
     app.add_plugins(AntumbraPlugin).add_systems(Startup, setup);
 }

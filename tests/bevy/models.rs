@@ -34,15 +34,14 @@ pub fn mesh(data: &MeshData) -> Mesh {
     mesh
 }
 
-/// A game that shows what a stage shows, in the camera's and the light's place, without ambient light. `casts`: whether
-/// anything blocks light.
+/// A game that shows what a stage shows, in the camera's and the light's place, without ambient light.
 pub struct ModelGame {
     pub game: Game,
     pub camera: Entity,
 }
 
 impl ModelGame {
-    pub fn new(stage: &mut Stage, casts: bool, technique: impl Bundle) -> Self {
+    pub fn new(stage: &mut Stage, technique: impl Bundle) -> Self {
         let mut app = harness::antumbra();
         app.insert_resource(GlobalAmbientLight::NONE);
         let size = stage.world.resource::<antumbra::sets::ViewportSize>().0;
@@ -65,9 +64,6 @@ impl ModelGame {
             let handle = world.resource_mut::<Assets<Mesh>>().add(mesh(&scene_mesh.0));
             let mut object = world.spawn((Mesh3d(handle), MeshMaterial3d(material.clone())));
             object.insert(Transform::from(*transform));
-            if !casts {
-                object.insert(NotShadowCaster);
-            }
             let object = object.id();
             let Some(skin) = skin else { continue };
             let skin_joints = skin.joints.iter().map(|&joint| {
@@ -125,6 +121,24 @@ impl ModelGame {
         let mut game = Game::start(app);
         game.run(5);
         Self { game, camera }
+    }
+
+    /// Whether anything blocks light.
+    pub fn set_casting(&mut self, casts: bool) -> &mut Self {
+        let world = self.game.world();
+        let meshes: Vec<Entity> = world
+            .query_filtered::<Entity, With<Mesh3d>>()
+            .iter(world)
+            .collect();
+        for mesh in meshes {
+            if casts {
+                world.entity_mut(mesh).remove::<NotShadowCaster>();
+            } else {
+                world.entity_mut(mesh).insert(NotShadowCaster);
+            }
+        }
+        self.game.run(2);
+        self
     }
 
     pub fn picture(&mut self) -> harness::Picture {

@@ -7,7 +7,7 @@ use antumbra::scene::{
     Light, MeshData, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver, WorldBounds,
 };
 use antumbra::sets::FrameLights;
-use bevy::camera::visibility::RenderLayers;
+use bevy::camera::visibility::{CubemapVisibleEntities, RenderLayers};
 use bevy::ecs::entity::EntityHashSet;
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::prelude::*;
@@ -275,7 +275,7 @@ fn a_steady_frame_changes_nothing() {
         lights.lights[0].s.count_ones(..),
     );
     assert_eq!((i, s), (1, 1));
-    let work = mirror.world.resource::<antumbra::sets::SetWork>().clone();
+    let work = *mirror.world.resource::<antumbra::sets::SetWork>();
     game.run(3);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
     let mirror = mirrors.get_mut(camera).unwrap();
@@ -285,4 +285,73 @@ fn a_steady_frame_changes_nothing() {
         format!("{after:?}"),
         "sets were computed again"
     );
+}
+
+#[test]
+fn casters_are_among_bevys() {
+    let mut app = harness::antumbra();
+    let world = app.world_mut();
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
+    world.entity_mut(camera).insert(AntumbraCamera);
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let meshes = vec![
+        meshes.add(Cuboid::new(1.0, 1.0, 1.0)),
+        meshes.add(Sphere::new(0.5)),
+    ];
+    let mut edited = Edited {
+        meshes,
+        objects: Vec::new(),
+        lights: Vec::new(),
+    };
+    let mut random = Random(0xda94_2042_e4dd_58b5);
+    for _ in 0..80 {
+        spawn_object(world, &mut edited, &mut random);
+    }
+    for _ in 0..4 {
+        let light = PointLight {
+            range: 3.0,
+            shadow_maps_enabled: true,
+            ..default()
+        };
+        world.spawn((light, StencilVolume::default(), place(&mut random)));
+    }
+    app.insert_resource(bevy::light::PointLightShadowMap { size: 16 });
+    let mut game = Game::start(app);
+    game.run(3);
+    let mut mirrors = game.render_world().resource_mut::<Mirrors>();
+    let mirror = mirrors.get_mut(camera).expect("a mirror");
+    let host = |entity: Entity| mirror.world.get::<HostEntity>(entity).expect("of the game").0;
+    let objects = mirror.world.resource::<antumbra::sets::Objects>();
+    let lights = mirror.world.resource::<FrameLights>();
+    let ours: Vec<(Entity, Vec<Entity>)> = lights
+        .lights
+        .iter()
+        .map(|light| {
+            (
+                host(light.entity),
+                light.s.ones().map(|i| host(objects.entities[i])).collect(),
+            )
+        })
+        .collect();
+    let (mut of_ours, mut of_bevy) = (0, 0);
+    for (light, casters) in ours {
+        let bevys: EntityHashSet = game
+            .world()
+            .get::<CubemapVisibleEntities>(light)
+            .expect("Bevy's casters")
+            .iter()
+            .flat_map(|face| face.entities.iter().copied())
+            .collect();
+        assert!(
+            casters.iter().all(|caster| bevys.contains(caster)),
+            "light {light}"
+        );
+        of_ours += casters.len();
+        of_bevy += bevys.len();
+    }
+    println!("casters of four lights: ours {of_ours}, Bevy's {of_bevy}");
+    assert!(of_ours > 4 && of_ours <= of_bevy);
 }
