@@ -42,7 +42,7 @@ impl tracing::Subscriber for Listener {
         let target = event.metadata().target();
         if target.starts_with("antumbra") {
             WARNINGS.lock().unwrap().push(message.0);
-        } else {
+        } else if target != "log" {
             println!("{} {target}: {}", event.metadata().level(), message.0);
         }
     }
