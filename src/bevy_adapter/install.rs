@@ -1,6 +1,6 @@
 //! Registration: what [`AntumbraPlugin`](crate::plugin::AntumbraPlugin) does in an app of Bevy's.
 
-use bevy::app::{App, PostUpdate};
+use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
 use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
@@ -35,7 +35,7 @@ pub fn install(app: &mut App) -> bool {
         .register_type::<OmniMap>()
         .register_type::<LightSelection>();
     if app.get_sub_app(RenderApp).is_none() {
-        app.add_systems(PostUpdate, warn_without_renderer);
+        app.add_systems(Last, warn_without_renderer); // where nothing of the core runs
         return false;
     }
     app.insert_resource(DefaultOpaqueRendererMethod::deferred())

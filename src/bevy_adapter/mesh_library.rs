@@ -34,7 +34,8 @@ pub enum MeshEntry {
     Refused(MeshRefusal),
 }
 
-/// The meshes of the game, by asset. Written by [`collect_meshes`].
+/// The meshes of the game, by asset. Written in `PostUpdate`, in
+/// [`CollectMeshes`](super::AntumbraMainSystems::CollectMeshes).
 #[derive(Resource, Debug, Default)]
 pub struct MeshLibrary {
     entries: HashMap<AssetId<Mesh>, MeshEntry>,

@@ -49,6 +49,7 @@ pub mod mesh_library;
 pub mod mirror;
 pub mod pass;
 pub mod pipelines;
+pub mod prelude;
 pub mod prepare;
 pub mod projection;
 pub mod refused;
@@ -68,11 +69,3 @@ pub use refused::RefusedMeshes;
 pub use settings::AntumbraSettings;
 pub use systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
 pub use techniques::AddShadowTechnique;
-
-/// What a game names.
-pub mod prelude {
-    pub use super::{AddShadowTechnique, AntumbraCamera, AntumbraSettings};
-    pub use crate::plugin::AntumbraPlugin;
-    pub use crate::scene::LightSelection;
-    pub use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
-}

@@ -325,8 +325,3 @@ fn pipelines_of(
     });
     ready.then_some(LightPipelines(ids))
 }
-
-const _: () = assert!(
-    MAX_DIRECTIONAL_LIGHTS == 10 && MAX_RECT_LIGHTS == 8,
-    "the arrays of base.wgsl"
-);

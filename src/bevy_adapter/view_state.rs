@@ -41,6 +41,9 @@ pub struct LightDraw {
     pub index: [u32; 4],
 }
 
+// As the shaders have them; naga cannot read those without Bevy's. `tests/bevy/shading.rs` would see a difference.
+const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 48);
+
 /// Bytes from one [`LightDraw`] to the next: the largest alignment of dynamic offsets that WebGPU allows a device.
 pub const DRAW_STRIDE: usize = 256;
 
