@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
@@ -93,9 +94,9 @@ pub fn headless(file: PathBuf) -> App {
 /// Cameras of the example draw into the picture.
 fn aim_cameras(mut commands: Commands, picture: Res<Picture>, cameras: Query<Entity, Added<Camera3d>>) {
     for camera in &cameras {
-        commands
-            .entity(camera)
-            .insert(RenderTarget::Image(picture.image.clone().into()));
+        let target = RenderTarget::Image(picture.image.clone().into());
+        // Bevy's default looks colours up in a table that comes with a feature.
+        commands.entity(camera).insert((target, Tonemapping::AcesFitted));
     }
 }
 

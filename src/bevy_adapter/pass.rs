@@ -80,6 +80,7 @@ pub(super) fn light_view(
         radiance: target.main_texture_view(),
         depth,
     };
+    let mut mask_group: Option<(wgpu::TextureView, wgpu::BindGroup)> = None;
     let shade = &mut |pass: &mut wgpu::RenderPass<'_>, light: &HostedLight| {
         let Some(slot) = mirror.view.draws.get(light.light).copied().flatten() else {
             return; // left to Bevy
@@ -93,18 +94,22 @@ pub(super) fn light_view(
         pass.set_bind_group(1, &*bevy.binding_array, &[]);
         pass.set_bind_group(2, &*light_group, &[slot.offset]);
         if let HostedVisibility::Mask(mask) = light.visibility {
-            let layout = cache.get_bind_group_layout(&pipelines.mask_layout);
-            let group = device
-                .wgpu_device()
-                .create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("antumbra mask"),
-                    layout: &layout,
-                    entries: &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(mask),
-                    }],
-                });
-            pass.set_bind_group(3, &group, &[]);
+            // The lights of a frame share one mask.
+            if mask_group.as_ref().is_none_or(|(known, _)| known != mask) {
+                let layout = cache.get_bind_group_layout(&pipelines.mask_layout);
+                let group = device
+                    .wgpu_device()
+                    .create_bind_group(&wgpu::BindGroupDescriptor {
+                        label: Some("antumbra mask"),
+                        layout: &layout,
+                        entries: &[wgpu::BindGroupEntry {
+                            binding: 0,
+                            resource: wgpu::BindingResource::TextureView(mask),
+                        }],
+                    });
+                mask_group = Some((mask.clone(), group));
+            }
+            pass.set_bind_group(3, mask_group.as_ref().map(|(_, group)| group), &[]);
         }
         let mut draw = |visibility| {
             let id = slot.pipelines.get(visibility);

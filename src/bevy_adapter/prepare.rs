@@ -6,8 +6,7 @@ use bevy::ecs::prelude::*;
 use bevy::ecs::system::SystemParam;
 use bevy::pbr::deferred::{DeferredLightingLayout, SkipDeferredLighting};
 use bevy::pbr::{
-    ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta, MAX_DIRECTIONAL_LIGHTS,
-    MAX_RECT_LIGHTS, MeshPipelineKey, ViewKeyCache,
+    ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta, MeshPipelineKey, ViewKeyCache,
 };
 use bevy::render::camera::{ExtractedCamera, TemporalJitter};
 use bevy::render::render_resource::{BufferUsages, CachedRenderPipelineId, PipelineCache};

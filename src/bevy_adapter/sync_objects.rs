@@ -71,8 +71,10 @@ pub(super) fn sync_objects(
     mut removed: RemovedFromObjects,
     library: Extract<Res<MeshLibrary>>,
     mut dirty: Local<Vec<Entity>>,
+    mut waiting: Local<Vec<Entity>>,
 ) {
     dirty.clear();
+    dirty.append(&mut waiting);
     dirty.extend(changed.iter());
     dirty.extend(removed.mesh.read());
     dirty.extend(removed.layers.read());
@@ -98,11 +100,11 @@ pub(super) fn sync_objects(
     for mirror in mirrors.iter_mut() {
         if mirror.fresh {
             for (entity, _) in &all {
-                sync_object(mirror, &main, &library, &mut refused, entity);
+                sync_object(mirror, &main, &library, &mut refused, &mut waiting, entity);
             }
         } else {
             for &entity in &*dirty {
-                sync_object(mirror, &main, &library, &mut refused, entity);
+                sync_object(mirror, &main, &library, &mut refused, &mut waiting, entity);
             }
         }
     }
@@ -113,6 +115,7 @@ fn sync_object(
     main: &World,
     library: &MeshLibrary,
     refused: &mut RefusedMeshes,
+    waiting: &mut Vec<Entity>,
     entity: Entity,
 ) {
     let Ok(object) = main.get_entity(entity) else {
@@ -142,7 +145,9 @@ fn sync_object(
     match ready {
         Some(ready) => {
             insert_mesh(mirror, mirrored, ready);
-            sync_pose(mirror, main, &object, mirrored);
+            if !sync_pose(mirror, main, &object, mirrored) {
+                waiting.push(entity);
+            }
         }
         None => insert_bounds(mirror, mirrored, &object, transform),
     }
@@ -228,8 +233,8 @@ const EVERYWHERE: Aabb = Aabb {
     max: Vec3::splat(1e6),
 };
 
-/// Skin and morph weights, as Bevy has them.
-fn sync_pose(mirror: &mut Mirror, main: &World, object: &EntityRef, mirrored: Entity) {
+/// Skin and morph weights, as Bevy has them; `false` while the asset of a skin is not there.
+fn sync_pose(mirror: &mut Mirror, main: &World, object: &EntityRef, mirrored: Entity) -> bool {
     let binds = main.resource::<Assets<SkinnedMeshInverseBindposes>>();
     let skin = object.get::<SkinnedMesh>().and_then(|skin| {
         let inverse_bind = binds.get(&skin.inverse_bindposes)?;
@@ -275,4 +280,5 @@ fn sync_pose(mirror: &mut Mirror, main: &World, object: &EntityRef, mirrored: En
             target.remove::<MorphWeights>();
         }
     }
+    !object.contains::<SkinnedMesh>() || target.contains::<Skin>()
 }
