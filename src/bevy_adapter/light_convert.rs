@@ -111,9 +111,9 @@ mod tests {
     fn layers_beyond_the_mask_share_its_last_bit() {
         assert_eq!(layer_bits(None), 1);
         assert_eq!(layer_bits(Some(&RenderLayers::from_layers(&[0, 3]))), 0b1001);
-        assert_eq!(layer_bits(Some(&RenderLayers::layer(31))), 1 << 31);
-        assert_eq!(layer_bits(Some(&RenderLayers::layer(40))), 1 << 31);
-        assert_eq!(layer_bits(Some(&RenderLayers::layer(130))), 1 << 31);
+        assert_eq!(layer_bits(Some(&RenderLayers::from_layers(&[31]))), 1 << 31);
+        assert_eq!(layer_bits(Some(&RenderLayers::from_layers(&[40]))), 1 << 31);
+        assert_eq!(layer_bits(Some(&RenderLayers::from_layers(&[130]))), 1 << 31);
         assert_eq!(layer_bits(Some(&RenderLayers::none())), 0);
     }
 }
