@@ -1,11 +1,6 @@
 //! Occlusion changes what a frame costs and not what it shows. Along a walk of 200 views through each scene the batches of
 //! all lights are counted, and pictures with and without occlusion compared bit for bit. They are drawn small and with
 //! some of the lights, for the software driver's sake.
-//!
-//! A pixel whose centre lies within the GPU's rounding of a shadow volume's edge may count that volume as −1, and then
-//! shine in a light that another caster blocks: the picture *without* occlusion is wrong there. Where occlusion knows that
-//! the light does not reach the object, the pixel is dark, as it should be. Such pixels are the only ones that may differ:
-//! the ray caster must find the plain picture wrong, and of them there may be one in 100,000. The test prints how many.
 
 mod harness;
 
@@ -13,10 +8,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::reference::{HitImage, LightSource, RayScene, hard_visibility, primary_hits_culled};
 use antumbra::scene::Occluder;
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use glam::UVec2;
 use harness::support::stats::Batches;
 use harness::support::table::{Row, Walked, rows};
@@ -47,27 +40,6 @@ fn differing(a: &[Vec<u8>], b: &[Vec<u8>]) -> Vec<(usize, usize)> {
             .map(move |(pixel, _)| (frame, pixel))
     };
     (0..a.len()).flat_map(pixels).collect()
-}
-
-/// Whether the plain picture shines at a pixel in a light that the ray caster finds blocked there.
-fn plain_is_wrong(walked: &mut Walked, scene: &RayScene, frame: usize, pixel: usize) -> bool {
-    walked.set_row(&rows()[0]);
-    walked.set_view(frame);
-    let rendered = walked.stage.render().expect("the frame renders");
-    let world = &walked.stage.world;
-    let camera = world.get::<Camera>(walked.stage.camera).unwrap();
-    let place = world.get::<GlobalTransform>(walked.stage.camera).unwrap();
-    let culling = antumbra::reference::PrimaryCulling::SingleSided;
-    let hits: HitImage = primary_hits_culled(scene, camera, place, SIZE, culling).unwrap();
-    walked
-        .stage
-        .lights
-        .iter()
-        .zip(&rendered.visibility)
-        .any(|(&light, got)| {
-            let truth = hard_visibility(scene, &hits, &LightSource::of_entity(world, light).unwrap());
-            got[pixel] > 0.5 && truth.values()[pixel] < 0.5
-        })
 }
 
 fn walked(test: &str, file: &str, shines: fn(usize) -> bool) -> Option<Walked> {
@@ -115,18 +87,7 @@ fn compare_pictures(test: &str, file: &str, shines: fn(usize) -> bool) {
         "{file}: {} of {pixels} pixels differ: {differing:?}",
         differing.len()
     );
-    let scene = RayScene::from_world(&mut walked.stage.world);
-    for &(frame, pixel) in &differing {
-        assert!(
-            plain_is_wrong(&mut walked, &scene, frame, pixel),
-            "{file}: frame {frame}, pixel {pixel} is right without occlusion and another with it"
-        );
-    }
-    assert!(
-        differing.len() * 100_000 <= pixels,
-        "{} pixels differ",
-        differing.len()
-    );
+    assert!(differing.is_empty(), "{file}: frames and pixels {differing:?}");
 }
 
 #[test]

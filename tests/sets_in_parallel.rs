@@ -2,8 +2,11 @@
 
 mod sets_harness;
 
+use std::sync::Arc;
+
 use antumbra::geometry::Aabb;
-use antumbra::scene::{Light, LocalBounds, bounds};
+use antumbra::prelude::{MeshData, SceneMaterials, SceneMesh};
+use antumbra::scene::{Light, LocalBounds, Material, ShadowedLight, bounds};
 use antumbra::sets::{FrameLights, FrustumSet, Objects, SetWork, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
@@ -46,6 +49,17 @@ fn frames() -> Vec<String> {
         let place = GlobalTransform::from(place);
         world.entity_mut(*entity).insert((LocalBounds(local), place));
     }
+    // Some hide others from the lights.
+    for (entity, thing) in entities.iter().zip(&scene.things).step_by(40) {
+        let wall = Arc::new(MeshData::cuboid(thing.aabb.half_size()));
+        let material = SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into());
+        world.entity_mut(*entity).insert((SceneMesh(wall), material));
+    }
+    let mut lights = world.query_filtered::<Entity, With<Light>>();
+    let lights: Vec<Entity> = lights.iter(&world).collect();
+    for light in lights {
+        world.entity_mut(light).insert(ShadowedLight);
+    }
     let mut schedule = Schedule::default();
     schedule.set_executor(SingleThreadedExecutor::new());
     schedule.add_systems((bounds::update_world_bounds, collect_sets()).chain());
@@ -71,6 +85,8 @@ fn frames() -> Vec<String> {
                 light.scissor, light.depth_bounds, light.receiver_hull
             );
         }
+        let work = world.resource::<SetWork>();
+        assert!(work.depth_buffers > 40 && work.occlusion_tests > 1000, "{work:?}");
         frames.push(text);
     }
     frames

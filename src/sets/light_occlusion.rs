@@ -1,6 +1,7 @@
 //! Set L of each light: what it reaches and may see.
 
 use bevy_ecs::prelude::*;
+use bevy_tasks::ComputeTaskPool;
 
 use super::lights::{FrameLight, FrameLights};
 use super::objects::Objects;
@@ -9,7 +10,7 @@ use super::occlusion::viewpoint::Blocks;
 use super::occlusion::{Cells, Occluders, OcclusionSettings, Rasterizer, Sightings, Standpoint, Viewpoint};
 use super::work::SetWork;
 use crate::geometry::Aabb;
-use crate::scene::ShadowedLight;
+use crate::scene::{ShadowedLight, tasks};
 
 /// What stands before each light. Written by [`collect_light_occlusion`].
 #[derive(Resource, Clone, Debug, Default)]
@@ -18,7 +19,16 @@ pub struct LightOcclusion {
     lights: Vec<Entry>,
     previous: Vec<Entry>,
     frame_lights: u64,
+    /// One a piece of the lights.
+    pieces: Vec<Piece>,
+}
+
+/// What one thread needs for its lights, and has done.
+#[derive(Clone, Debug, Default)]
+struct Piece {
     rasterizer: Rasterizer,
+    depth_buffers: u64,
+    occlusion_tests: u64,
 }
 
 #[derive(Clone, Debug)]
@@ -27,6 +37,14 @@ struct Entry {
     viewpoint: Viewpoint,
     sightings: Sightings,
     seen: Option<Seen>,
+}
+
+/// What all lights are tested against.
+struct Scene<'a> {
+    objects: &'a Objects,
+    occluders: &'a Occluders,
+    cells: &'a Cells,
+    settings: &'a OcclusionSettings,
 }
 
 /// All that occlusion from a light depends on beside the light and what moved.
@@ -80,7 +98,7 @@ impl LightOcclusion {
 /// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
 /// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
 /// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
-/// then computed anew.
+/// then computed anew. Lights are spread over the threads of the [`ComputeTaskPool`](bevy_tasks::ComputeTaskPool).
 ///
 /// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
@@ -96,66 +114,108 @@ pub fn collect_light_occlusion(
 ) {
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
-    let LightOcclusion {
-        lights, rasterizer, ..
-    } = occlusion;
-    for (light, entry) in frame.lights.iter_mut().zip(lights) {
-        let now = Seen {
-            occluders: occluders.generation,
-            cells: cells.generation,
-            settings: *settings,
-            is_shadowed: shadowed.contains(light.entity),
-        };
-        let anew = light.moved || entry.seen != Some(now);
-        if !anew && !light.reach_written {
-            continue;
-        }
-        entry.seen = Some(now);
-        if !(settings.from_lights && now.is_shadowed) {
-            entry.viewpoint.clear();
-            entry.sightings.forget();
-            light.stale |= anew;
-            see_all(light);
-            continue;
-        }
-        if anew {
-            look_around(&mut entry.sightings, light, &cells);
-        }
-        let unseen = |entry: &Entry, object: usize| {
-            !entry.sightings.sees(&cells, &objects, object) || entry.viewpoint.hides(&objects, object)
-        };
-        if anew || occluder_moved(light, &entry.viewpoint, &objects, &occluders) {
-            draw(
-                light,
-                &mut entry.viewpoint,
-                rasterizer,
-                &objects,
-                &occluders,
-                &settings,
-            );
-            work.depth_buffers += entry.viewpoint.buffers().len() as u64;
-            see_all(light);
-            for object in light.reach.intersection(&occluders.shadeable) {
-                work.occlusion_tests += 1;
-                if unseen(entry, object) {
-                    light.l.remove(object);
-                }
+    let LightOcclusion { lights, pieces, .. } = occlusion;
+    let now = |light: &FrameLight| Seen {
+        occluders: occluders.generation,
+        cells: cells.generation,
+        settings: *settings,
+        is_shadowed: shadowed.contains(light.entity),
+    };
+    let pairs = || frame.lights.iter().zip(&*lights);
+    let awake = pairs().filter(|(light, entry)| light.reach_written || is_new(light, entry, &now(light)));
+    let parallel = awake.take(2).count() > 1;
+    let threads = ComputeTaskPool::try_get().map_or(1, |pool| pool.thread_num());
+    // Smaller than a thread's share, since neighbouring lights may be the costly ones.
+    let piece_count = if parallel { 4 * threads.max(1) } else { 1 };
+    let size = frame.lights.len().div_ceil(piece_count).max(1);
+    if pieces.len() < piece_count {
+        pieces.resize_with(piece_count, Piece::default);
+    }
+    let scene = Scene {
+        objects: &objects,
+        occluders: &occluders,
+        cells: &cells,
+        settings: &settings,
+    };
+    let chunks = frame.lights.chunks_mut(size).zip(lights.chunks_mut(size));
+    tasks::for_each(
+        chunks.zip(&mut *pieces),
+        parallel,
+        |((lights, entries), piece)| {
+            for (light, entry) in lights.iter_mut().zip(entries) {
+                let now = now(light);
+                find_seen(light, entry, now, piece, &scene);
             }
-            // Even where L is as before, what is seen of its objects may have become lit or dark.
-            light.stale = true;
-            continue;
+        },
+    );
+    for piece in pieces {
+        work.depth_buffers += std::mem::take(&mut piece.depth_buffers);
+        work.occlusion_tests += std::mem::take(&mut piece.occlusion_tests);
+    }
+}
+
+/// Whether all of the light's reach must be tested.
+fn is_new(light: &FrameLight, entry: &Entry, now: &Seen) -> bool {
+    light.moved || entry.seen.as_ref() != Some(now)
+}
+
+/// Set L of one light.
+fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut Piece, scene: &Scene) {
+    let Scene {
+        objects,
+        occluders,
+        cells,
+        settings,
+    } = *scene;
+    let anew = is_new(light, entry, &now);
+    if !anew && !light.reach_written {
+        return;
+    }
+    entry.seen = Some(now);
+    if !(settings.from_lights && now.is_shadowed) {
+        entry.viewpoint.clear();
+        entry.sightings.forget();
+        light.stale |= anew;
+        see_all(light);
+        return;
+    }
+    if anew {
+        look_around(&mut entry.sightings, light, cells);
+    }
+    let unseen = |entry: &Entry, object: usize| {
+        !entry.sightings.sees(cells, objects, object) || entry.viewpoint.hides(objects, object)
+    };
+    if anew || occluder_moved(light, &entry.viewpoint, objects, occluders) {
+        draw(
+            light,
+            &mut entry.viewpoint,
+            &mut piece.rasterizer,
+            objects,
+            occluders,
+            settings,
+        );
+        piece.depth_buffers += entry.viewpoint.buffers().len() as u64;
+        see_all(light);
+        for object in light.reach.intersection(&occluders.shadeable) {
+            piece.occlusion_tests += 1;
+            if unseen(entry, object) {
+                light.l.remove(object);
+            }
         }
-        for word in objects.moved_words.ones() {
-            let moved = objects.moved.as_slice()[word];
-            let bits = &mut light.l.as_mut_slice()[word];
-            *bits = *bits & !moved | light.reach.as_slice()[word] & moved;
-        }
-        for object in objects.moved.intersection(&occluders.shadeable) {
-            if light.l.contains(object) {
-                work.occlusion_tests += 1;
-                if unseen(entry, object) {
-                    light.l.remove(object);
-                }
+        // Even where L is as before, what is seen of its objects may have become lit or dark.
+        light.stale = true;
+        return;
+    }
+    for word in objects.moved_words.ones() {
+        let moved = objects.moved.as_slice()[word];
+        let bits = &mut light.l.as_mut_slice()[word];
+        *bits = *bits & !moved | light.reach.as_slice()[word] & moved;
+    }
+    for object in objects.moved.intersection(&occluders.shadeable) {
+        if light.l.contains(object) {
+            piece.occlusion_tests += 1;
+            if unseen(entry, object) {
+                light.l.remove(object);
             }
         }
     }
