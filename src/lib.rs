@@ -32,6 +32,7 @@
 //! | [`render`] | all of wgpu that no technique owns (feature `render`) |
 //! | [`techniques`] | one folder each: component, CPU geometry, recorder |
 //! | [`plugin`] | system sets, schedules, registration |
+//! | [`bevy_adapter`] | the plugin in a game of Bevy's (feature `bevy`) |
 //!
 //! `shaders/` mirrors the Rust files: `passes/<node>.wgsl` for `render/nodes/<node>.rs`,
 //! `techniques/<technique>/<pass>.wgsl` for `techniques/<technique>/`, and `common/` for what both import.
@@ -44,10 +45,13 @@
 //! | `gltf` | yes | import of glTF 2.0 scenes |
 //! | `reference` | no | ray-cast truth on the CPU |
 //! | `profile` | no | GPU timers |
-//! | `bevy-bench` | no | nothing but a baseline: Bevy's light visibility in `benches/sets` |
+//! | `bevy` | no | the plugin for Bevy, and Bevy's light visibility as a baseline in `benches/sets` |
+//! | `bevy-window` | no | a window for the examples with Bevy |
 //!
 //! Without any, the ECS core remains: sets, silhouettes and shadow volumes as flat arrays.
 
+#[cfg(feature = "bevy")]
+pub mod bevy_adapter;
 pub mod conventions;
 pub mod geometry;
 pub mod plugin;

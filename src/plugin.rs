@@ -98,6 +98,10 @@ pub struct AntumbraPlugin;
 
 impl Plugin for AntumbraPlugin {
     fn build(&self, app: &mut App) {
+        #[cfg(feature = "bevy")]
+        if crate::bevy_adapter::install::install(app) {
+            return;
+        }
         if !app.is_plugin_added::<TransformPlugin>() {
             app.add_plugins(TransformPlugin);
         }

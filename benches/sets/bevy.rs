@@ -21,17 +21,17 @@ use std::collections::HashSet;
 use std::time::Instant;
 
 use antumbra::sets::{FrameLight, FrameLights, LightVolume, Objects, init_set_resources};
-use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin};
-use bevy_camera::primitives::Aabb;
-use bevy_camera::visibility::{CubemapVisibleEntities, NoAutoAabb, VisibleEntities};
-use bevy_camera::{
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{CubemapVisibleEntities, NoAutoAabb, VisibleEntities};
+use bevy::camera::{
     Camera, Camera3d, CameraPlugin, CameraProjection, PerspectiveProjection, Projection, RenderTargetInfo,
 };
+use bevy::light::cluster::{ClusterVisibilityClass, GlobalClusterSettings};
+use bevy::light::{LightPlugin, PointLight, check_point_light_mesh_visibility};
+use bevy::math::Vec3A;
+use bevy::mesh::Mesh3d;
+use bevy_app::{App, TaskPoolOptions, TaskPoolPlugin};
 use bevy_ecs::prelude::*;
-use bevy_light::cluster::{ClusterVisibilityClass, GlobalClusterSettings};
-use bevy_light::{LightPlugin, PointLight, check_point_light_mesh_visibility};
-use bevy_math::Vec3A;
-use bevy_mesh::Mesh3d;
 use bevy_transform::TransformPlugin;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec3, UVec2, Vec3};
@@ -123,12 +123,12 @@ fn app(objects: usize, lights: usize, range: f32) -> App {
     });
     app.add_plugins((
         TransformPlugin,
-        bevy_asset::AssetPlugin::default(),
-        bevy_mesh::MeshPlugin,
+        bevy::asset::AssetPlugin::default(),
+        bevy::mesh::MeshPlugin,
         CameraPlugin,
         LightPlugin,
     ));
-    bevy_asset::AssetApp::init_asset::<bevy_image::Image>(&mut app);
+    bevy::asset::AssetApp::init_asset::<bevy::image::Image>(&mut app);
     // What Bevy's renderer would insert.
     app.insert_resource(GlobalClusterSettings {
         supports_storage_buffers: true,

@@ -1,10 +1,10 @@
-//! Time of the sets F, V, L, I, S: `cargo bench --bench sets --features bevy-bench [-- [--short] [--only PART]]`.
+//! Time of the sets F, V, L, I, S: `cargo bench --bench sets --features bevy [-- [--short] [--only PART]]`.
 //!
-//! [`bevy`](mod@bevy) (feature `bevy-bench`) is the comparison that counts: beside Bevy's own light visibility, in one
+//! [`bevy`](mod@bevy) (feature `bevy`) is the comparison that counts: beside Bevy's own light visibility, in one
 //! world and one run. [`naive`] compares with the obvious loop, [`touched`] shows what the cost follows. Answers are
 //! asserted before anything is timed.
 
-#[cfg(feature = "bevy-bench")]
+#[cfg(feature = "bevy")]
 mod bevy;
 mod field;
 mod naive;
@@ -23,9 +23,9 @@ fn main() {
         touched::run(short);
     }
     if wanted("bevy") {
-        #[cfg(feature = "bevy-bench")]
+        #[cfg(feature = "bevy")]
         bevy::run(short);
-        #[cfg(not(feature = "bevy-bench"))]
-        println!("\nwithout Bevy: its comparison needs `--features bevy-bench`");
+        #[cfg(not(feature = "bevy"))]
+        println!("\nwithout Bevy: its comparison needs `--features bevy`");
     }
 }

@@ -1,6 +1,10 @@
 //! Lights: what they emit and from where. The shadow technique is a component of its own beside it.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec4, Vec3};
 
@@ -52,6 +56,11 @@ pub enum LightKind {
 
 /// What a light acts on. A bit shared with an object's [`SelectionLayers`](super::SelectionLayers) selects it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 pub struct LightSelection {
     /// Layers that the light lights.
     pub affects: u32,

@@ -36,19 +36,13 @@ pub struct CasterMeshes {
     pub failures: Vec<(String, EdgeMeshError)>,
 }
 
-impl CasterMeshes {
-    /// The edge mesh of a mesh, built the first time.
+impl CasterMesh {
+    /// The edge mesh of a mesh: work for a loading thread, in the triangles of the mesh. [`CasterMeshes::insert`] takes
+    /// what it made.
     ///
     /// # Errors
     /// [`EdgeMeshError`] names the triangle.
-    pub fn get_or_build(&mut self, mesh: &Arc<MeshData>) -> Result<Arc<CasterMesh>, EdgeMeshError> {
-        let address = Arc::as_ptr(mesh) as usize;
-        if let Some((source, built)) = self.by_address.get(&address)
-            && source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh))
-        {
-            return Ok(built.clone());
-        }
-        self.by_address.retain(|_, (source, _)| source.strong_count() > 0);
+    pub fn build(mesh: &MeshData) -> Result<Self, EdgeMeshError> {
         let keys = pose_keys(mesh);
         let edges = EdgeMesh::build(EdgeMeshInput {
             positions: &mesh.positions,
@@ -58,11 +52,42 @@ impl CasterMeshes {
         })?;
         let mut planes = FacingPlanes::default();
         compute_planes(&edges, &mesh.positions, &mut planes);
-        let built = Arc::new(CasterMesh { edges, planes });
-        self.by_address
-            .insert(address, (Arc::downgrade(mesh), built.clone()));
+        Ok(Self { edges, planes })
+    }
+}
+
+impl CasterMeshes {
+    /// The edge mesh of a mesh, built the first time.
+    ///
+    /// # Errors
+    /// [`EdgeMeshError`] names the triangle.
+    pub fn get_or_build(&mut self, mesh: &Arc<MeshData>) -> Result<Arc<CasterMesh>, EdgeMeshError> {
+        if let Some((source, built)) = self.by_address.get(&address(mesh))
+            && source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh))
+        {
+            return Ok(built.clone());
+        }
+        let built = Arc::new(CasterMesh::build(mesh)?);
+        self.insert(mesh, built.clone());
         Ok(built)
     }
+
+    /// Keeps an edge mesh that was built elsewhere, of just this mesh.
+    pub fn insert(&mut self, mesh: &Arc<MeshData>, built: Arc<CasterMesh>) {
+        self.by_address.retain(|_, (source, _)| source.strong_count() > 0);
+        self.by_address
+            .insert(address(mesh), (Arc::downgrade(mesh), built));
+    }
+
+    /// Whether it is there already.
+    pub fn contains(&self, mesh: &Arc<MeshData>) -> bool {
+        let known = self.by_address.get(&address(mesh));
+        known.is_some_and(|(source, _)| source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh)))
+    }
+}
+
+fn address(mesh: &Arc<MeshData>) -> usize {
+    Arc::as_ptr(mesh) as usize
 }
 
 /// A number for each vertex, equal where all that moves the vertex in any pose is equal: only such vertices may be

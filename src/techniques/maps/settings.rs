@@ -1,9 +1,16 @@
 //! What a user sets on a light with a map, and for all maps together.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
 
 /// How the comparisons of a pixel with the map are put together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum MapFilter {
     /// The four nearest texels, weighted by the position between them: one tap, in hardware where the format allows.
     #[default]
@@ -49,6 +56,11 @@ impl MapFilter {
 
 /// What a texel of an omnidirectional map holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq, Hash)
+)]
 pub enum MapFormat {
     /// Depth, compared in hardware.
     #[default]
@@ -64,6 +76,11 @@ pub enum MapFormat {
 
 /// Which surface of the casters the map holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq, Hash)
+)]
 pub enum MapSurface {
     /// The one nearest to the light.
     #[default]
@@ -76,6 +93,11 @@ pub enum MapSurface {
 
 /// What keeps a surface from shadowing itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum MapBias {
     /// What the map's texel and the surface ask for.
     #[default]
@@ -94,6 +116,11 @@ pub enum MapBias {
 
 /// Texels along a side of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum MapResolution {
     /// So many; > 0.
     Fixed(u32),

@@ -1,12 +1,21 @@
 //! What a user sets on a light.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
 
 use crate::techniques::maps::{MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
 
 /// Gives a light at a place shadows by a map of all directions. Area lights cast from their centre. Alpha-tested casters
 /// cast the holes of their texture; casters block from both sides.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 pub struct OmniMap {
     /// Texels along a side of each of the six faces.
     pub resolution: MapResolution,

@@ -1,6 +1,10 @@
 //! What a user sets on a light.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
 
 use crate::silhouettes::NeedsSilhouettes;
 
@@ -13,6 +17,11 @@ use crate::silhouettes::NeedsSilhouettes;
 /// Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
 /// Real-Time Performance".
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 #[require(NeedsSilhouettes)]
 pub struct PenumbraWedge {
     /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
@@ -55,6 +64,11 @@ impl PenumbraWedge {
 
 /// How the coverage of several casters combines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum Overlap {
     /// What is hidden is counted at ten places of the light, and told more finely by the sum of coverages, as far as the
     /// sum agrees with the places: exact where nothing overlaps, and right within what ten rays and the sum together
@@ -73,6 +87,11 @@ pub enum Overlap {
 
 /// Where visibility is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum VisibilityBuffer {
     /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`]. Half floats err by no more
     /// than 0.001 beside them on four models and were no faster (llvmpipe), but cannot hold the counts of
@@ -86,6 +105,11 @@ pub enum VisibilityBuffer {
 
 /// What encloses the penumbra of an edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum WedgeBounds {
     /// The convex hull of the penumbra of the light's own shape.
     #[default]
@@ -96,6 +120,11 @@ pub enum WedgeBounds {
 
 /// Which pixels the coverage of an edge is computed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum WedgeCulling {
     /// Where a back face of the wedge lies behind the surface; all wedges in one draw.
     #[default]
@@ -108,6 +137,11 @@ pub enum WedgeCulling {
 
 /// How areas are computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum CoverageMaths {
     /// In the shader.
     #[default]

@@ -1,12 +1,21 @@
 //! What a user sets on a light.
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
 
 use crate::techniques::maps::{MapBias, MapFilter, MapResolution, MapSurface};
 
 /// Gives a spot light or a directional light shadows by a map. Alpha-tested casters cast the holes of their texture;
 /// casters block from both sides.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 pub struct ShadowMap {
     /// Texels along a side, of each cascade.
     pub resolution: MapResolution,
@@ -40,6 +49,11 @@ impl Default for ShadowMap {
 
 /// How a directional light's maps share the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub struct Cascades {
     /// 1 to 4.
     pub count: u32,

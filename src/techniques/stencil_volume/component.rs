@@ -2,7 +2,11 @@
 
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
 use bevy_ecs::world::DeferredWorld;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
 
 use crate::scene::ShadowedLight;
 use crate::silhouettes::NeedsSilhouettes;
@@ -12,6 +16,11 @@ use crate::silhouettes::NeedsSilhouettes;
 /// Exact for any triangle mesh, open or closed; alpha-tested surfaces cast whole. At most 127 volumes may stand one
 /// behind the other at a pixel: the stencil counts modulo 128.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
 #[require(NeedsSilhouettes, ShadowedLight)]
 #[component(on_remove = light_up)]
 pub struct StencilVolume {
@@ -31,6 +40,11 @@ fn light_up(mut world: DeferredWorld, context: HookContext) {
 
 /// Which way intersections with a shadow volume are counted. The pictures are the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum Counting {
     /// Towards the viewer (depth-pass, no caps) where the caster provably does not shadow the viewport, else away from
     /// it (depth-fail); decided for each caster.
@@ -42,6 +56,11 @@ pub enum Counting {
 
 /// How far shadow volumes reach.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
 pub enum Extent {
     /// To just beyond the light's range, if it has one and the light is outside of the caster's bounds; else to
     /// infinity.

@@ -1,0 +1,147 @@
+//! Examples of Bevy in a window, or with `--headless --out DIR` without one.
+
+use std::path::PathBuf;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::RenderTarget;
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::gpu_readback::{Readback, ReadbackComplete};
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
+use bevy::window::ExitCondition;
+use clap::Parser;
+
+#[derive(Parser)]
+struct Arguments {
+    /// Draw into a picture instead of a window, and end.
+    #[arg(long)]
+    headless: bool,
+    /// Folder of the picture.
+    #[arg(long, default_value = "out")]
+    out: PathBuf,
+}
+
+/// Where the picture goes.
+#[derive(Resource)]
+struct Picture {
+    image: Handle<Image>,
+    file: PathBuf,
+    frames: usize,
+}
+
+const SIZE: UVec2 = UVec2::new(320, 180);
+
+/// An app with Bevy's plugins, as the command line wants it.
+pub fn app_of_arguments(name: &str) -> App {
+    let arguments = Arguments::parse();
+    if !arguments.headless {
+        return windowed();
+    }
+    headless(arguments.out.join(format!("{name}.png")))
+}
+
+#[cfg(feature = "bevy-window")]
+fn windowed() -> App {
+    let mut app = App::new();
+    app.add_plugins(DefaultPlugins);
+    app
+}
+
+#[cfg(not(feature = "bevy-window"))]
+fn windowed() -> App {
+    eprintln!("without the feature bevy-window there is no window; --headless --out DIR draws a picture");
+    std::process::exit(2);
+}
+
+/// An app without a window, whose cameras draw a picture that ends as a file.
+pub fn headless(file: PathBuf) -> App {
+    let mut app = App::new();
+    let plugins = DefaultPlugins
+        .set(WindowPlugin {
+            primary_window: None,
+            exit_condition: ExitCondition::DontExit,
+            ..default()
+        })
+        .set(RenderPlugin {
+            synchronous_pipeline_compilation: true,
+            ..default()
+        });
+    #[cfg(feature = "bevy-window")]
+    let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
+    app.add_plugins(plugins);
+    let mut image = Image::new_uninit(
+        Extent3d {
+            width: SIZE.x,
+            height: SIZE.y,
+            depth_or_array_layers: 1,
+        },
+        TextureDimension::D2,
+        TextureFormat::Rgba8UnormSrgb,
+        RenderAssetUsages::RENDER_WORLD,
+    );
+    image.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
+    let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+    app.insert_resource(Picture {
+        image,
+        file,
+        frames: 0,
+    });
+    app.add_systems(PreUpdate, (aim_cameras, take_picture));
+    app
+}
+
+/// Cameras of the example draw into the picture.
+fn aim_cameras(mut commands: Commands, picture: Res<Picture>, cameras: Query<Entity, Added<Camera3d>>) {
+    for camera in &cameras {
+        let target = RenderTarget::Image(picture.image.clone().into());
+        // Bevy's default looks colours up in a table that comes with a feature.
+        commands.entity(camera).insert((target, Tonemapping::AcesFitted));
+    }
+}
+
+/// Frames until pipelines are compiled and clusters have grown.
+const FRAMES: usize = 12;
+
+fn take_picture(mut commands: Commands, mut picture: ResMut<Picture>) {
+    picture.frames += 1;
+    if picture.frames == FRAMES {
+        commands
+            .spawn(Readback::texture(picture.image.clone()))
+            .observe(save);
+    }
+}
+
+fn save(read: On<ReadbackComplete>, picture: Res<Picture>, mut exit: MessageWriter<AppExit>) {
+    let row = read.data.len() / SIZE.y as usize;
+    let rows = read.data.chunks_exact(row);
+    let pixels = rows.flat_map(|row| row[..SIZE.x as usize * 4].to_vec()).collect();
+    let written = image::RgbaImage::from_raw(SIZE.x, SIZE.y, pixels)
+        .ok_or_else(|| "the picture is cut short".to_owned())
+        .and_then(|image| {
+            if let Some(folder) = picture.file.parent() {
+                std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
+            }
+            image.save(&picture.file).map_err(|error| error.to_string())
+        });
+    match written {
+        Ok(()) => {
+            println!("{}", picture.file.display());
+            exit.write(AppExit::Success);
+        }
+        Err(error) => {
+            eprintln!("{}: {error}", picture.file.display());
+            exit.write(AppExit::error());
+        }
+    }
+}
+
+/// Runs an app until it ends.
+pub fn run(mut app: App) {
+    if app.world().get_resource::<Picture>().is_some() {
+        app.add_plugins(bevy::app::ScheduleRunnerPlugin::default());
+    }
+    if app.run().is_error() {
+        std::process::exit(1);
+    }
+}

@@ -1,0 +1,133 @@
+// One managed light: Bevy's own light function times our visibility, added to the radiance.
+// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions and bind groups 0 and 1
+// Reads   Bevy's G-buffer and view, the stencil or the mask of the light.  Writes  radiance, blended ONE ONE
+//
+// Variants, by definition: the light's kind (LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_RECT); where visibility
+// comes from: VISIBILITY_MASK reads the mask, else the stencil test has decided; and UNSHADOWED_ONLY, which lights what
+// the stencil test calls shadowed and Bevy says shows no shadows.
+#import bevy_pbr::{
+    prepass_utils,
+    mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
+    pbr_types::{PbrInput, STANDARD_MATERIAL_FLAGS_UNLIT_BIT},
+    pbr_functions,
+    pbr_deferred_functions::pbr_input_from_deferred_gbuffer,
+    lighting,
+    lighting::{LightingInput, LAYER_BASE, LAYER_CLEARCOAT},
+    mesh_view_bindings::{view, lights, deferred_prepass_texture},
+}
+
+struct LightDraw {
+    color: vec4<f32>,        // as Bevy uploads it; of directional and rectangular lights
+    place: vec4<f32>,        // direction to a directional light, or position of a rectangle
+    index: vec4<u32>,        // x: Bevy's index of a point or spot light
+}
+
+@group(2) @binding(0) var<uniform> draw: LightDraw;
+@group(2) @binding(1) var pass_id: texture_2d<u32>;
+#ifdef VISIBILITY_MASK
+@group(3) @binding(0) var visibility_mask: texture_2d<f32>;
+#endif
+
+// The surface as Bevy's light functions take it: what `apply_pbr_lighting` computes of it before the first light.
+fn lighting_input(surface: PbrInput) -> LightingInput {
+    let material = surface.material;
+    let n_dot_v = max(dot(surface.N, surface.V), 0.0001);
+    var input: LightingInput;
+    input.P = surface.world_position.xyz;
+    input.V = surface.V;
+    input.layers[LAYER_BASE].N = surface.N;
+    input.layers[LAYER_BASE].R = reflect(-surface.V, surface.N);
+    input.layers[LAYER_BASE].NdotV = n_dot_v;
+    input.layers[LAYER_BASE].perceptual_roughness = material.perceptual_roughness;
+    input.layers[LAYER_BASE].roughness = lighting::perceptualRoughnessToRoughness(material.perceptual_roughness);
+    input.metallic = material.metallic;
+    input.diffuse_color = pbr_functions::calculate_diffuse_color(
+        material.base_color.rgb, material.metallic, material.specular_transmission, material.diffuse_transmission);
+    input.F0_dielectric = pbr_functions::calculate_F0_dielectric(material.reflectance);
+    input.F0_metallic = material.base_color.rgb;
+    input.F_ab = lighting::F_AB(material.perceptual_roughness, n_dot_v);
+#ifdef STANDARD_MATERIAL_CLEARCOAT
+    let coat = surface.clearcoat_N;
+    input.layers[LAYER_CLEARCOAT].N = coat;
+    input.layers[LAYER_CLEARCOAT].R = reflect(-surface.V, coat);
+    input.layers[LAYER_CLEARCOAT].NdotV = max(dot(coat, surface.V), 0.0001);
+    input.layers[LAYER_CLEARCOAT].perceptual_roughness = material.clearcoat_perceptual_roughness;
+    input.layers[LAYER_CLEARCOAT].roughness =
+        lighting::perceptualRoughnessToRoughness(material.clearcoat_perceptual_roughness);
+    input.clearcoat_strength = material.clearcoat;
+#endif
+    return input;
+}
+
+// Bevy's index of a light that it gives no index that the CPU can see. Its first of equal lights.
+#ifdef LIGHT_DIRECTIONAL
+fn find_light() -> u32 {
+    let count = lights.n_directional_lights;
+    var found = count;
+    for (var i = 0u; i < count; i = i + 1u) {
+        let same = all(lights.directional_lights[i].direction_to_light == draw.place.xyz)
+            && all(lights.directional_lights[i].color == draw.color);
+        found = select(found, i, same && found == count);
+    }
+    return found;
+}
+#endif
+#ifdef LIGHT_RECT
+fn find_light() -> u32 {
+    let count = lights.n_rect_lights;
+    var found = count;
+    for (var i = 0u; i < count; i = i + 1u) {
+        let same = all(lights.rect_lights[i].position == draw.place.xyz) && all(lights.rect_lights[i].color == draw.color);
+        found = select(found, i, same && found == count);
+    }
+    return found;
+}
+#endif
+
+fn radiance(input: ptr<function, LightingInput>) -> vec3<f32> {
+#ifdef LIGHT_POINT
+    return lighting::point_light(draw.index.x, input, true, true);
+#endif
+#ifdef LIGHT_SPOT
+    return lighting::spot_light(draw.index.x, input, true);
+#endif
+#ifdef LIGHT_DIRECTIONAL
+    let index = find_light();
+    if index >= lights.n_directional_lights { return vec3<f32>(0.0); }
+    return lighting::directional_light(index, input, true);
+#endif
+#ifdef LIGHT_RECT
+    let index = find_light();
+    if index >= lights.n_rect_lights { return vec3<f32>(0.0); }
+#ifdef AREA_LIGHT_LUTS
+    return lighting::rect_light(index, input, true);
+#else
+    return vec3<f32>(0.0);
+#endif
+#endif
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let texel = vec2<i32>(position.xy);
+    if textureLoad(pass_id, texel, 0).x != #{DEFERRED_PASS_ID}u { discard; }
+    let gbuffer = textureLoad(deferred_prepass_texture, texel, 0);
+    let frag_coord = vec4<f32>(position.xy, prepass_utils::prepass_depth(position, 0u), 0.0);
+    let surface = pbr_input_from_deferred_gbuffer(frag_coord, gbuffer);
+    if (surface.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u { discard; }
+    let shows_shadows = (surface.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
+#ifdef UNSHADOWED_ONLY
+    if shows_shadows { discard; }
+#endif
+    var visibility = vec3<f32>(1.0);
+#ifdef VISIBILITY_MASK
+    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, shows_shadows);
+    if all(visibility == vec3<f32>(0.0)) { discard; }
+#endif
+    var input = lighting_input(surface);
+    let color = radiance(&input) * (visibility * view.exposure);
+    // Fog is affine in the colour, and the base pass has laid its own colour down once.
+    let foggy = pbr_functions::main_pass_post_lighting_processing(surface, vec4<f32>(color, 1.0));
+    let fog = pbr_functions::main_pass_post_lighting_processing(surface, vec4<f32>(0.0, 0.0, 0.0, 1.0));
+    return vec4<f32>(foggy.rgb - fog.rgb, 0.0);
+}

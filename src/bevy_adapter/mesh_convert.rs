@@ -1,0 +1,168 @@
+//! From a Bevy mesh to ours.
+
+use bevy::mesh::{Indices, Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
+use glam::{Vec3, Vec4};
+
+use crate::scene::{MeshData, MorphTarget, Submesh};
+
+/// Why a mesh of Bevy's cannot cast shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshRefusal {
+    /// Its data were given to the GPU alone before they could be read.
+    #[error(
+        "its vertices are in the render world only; its asset usage must hold MAIN_WORLD, or it must be changed together with its data"
+    )]
+    RenderWorldOnly,
+    /// No attribute of that name and form.
+    #[error("it has no Mesh::ATTRIBUTE_POSITION of Float32x3")]
+    NoPositions,
+    /// Points and lines block no light.
+    #[error("it is a mesh of {0:?}, not of triangles")]
+    NotTriangles(PrimitiveTopology),
+    /// Points outside of the mesh.
+    #[error("triangle {triangle} names vertex {vertex}, of {count}")]
+    Index {
+        /// The triangle.
+        triangle: usize,
+        /// What it names.
+        vertex: u32,
+        /// Vertices that there are.
+        count: usize,
+    },
+}
+
+impl From<MeshAccessError> for MeshRefusal {
+    fn from(error: MeshAccessError) -> Self {
+        match error {
+            MeshAccessError::ExtractedToRenderWorld => Self::RenderWorldOnly,
+            MeshAccessError::NotFound => Self::NoPositions,
+        }
+    }
+}
+
+/// Copies what shadows need of a mesh: positions, triangles, normals, joints and morph targets. Triangle strips become
+/// triangles, meshes without indices get them. Cost: the vertices of the mesh.
+///
+/// # Errors
+/// [`MeshRefusal`] says what the mesh lacks.
+pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
+    let topology = mesh.primitive_topology();
+    if !matches!(
+        topology,
+        PrimitiveTopology::TriangleList | PrimitiveTopology::TriangleStrip
+    ) {
+        return Err(MeshRefusal::NotTriangles(topology));
+    }
+    let Some(VertexAttributeValues::Float32x3(positions)) =
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_POSITION)?
+    else {
+        return Err(MeshRefusal::NoPositions);
+    };
+    let count = positions.len();
+    let list: Vec<u32> = match mesh.try_indices_option()? {
+        Some(Indices::U16(indices)) => indices.iter().map(|&index| u32::from(index)).collect(),
+        Some(Indices::U32(indices)) => indices.clone(),
+        None => (0..count as u32).collect(),
+    };
+    let indices = triangles(list, topology);
+    if let Some(at) = indices.iter().position(|&index| index as usize >= count) {
+        return Err(MeshRefusal::Index {
+            triangle: at / 3,
+            vertex: indices[at],
+            count,
+        });
+    }
+    let positions = positions.iter().copied().map(Vec3::from_array).collect();
+    let mut data = MeshData::from_triangles(name, positions, indices);
+    if let Some(VertexAttributeValues::Float32x3(normals)) =
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_NORMAL)?
+        && normals.len() == count
+    {
+        data.normals = normals.iter().copied().map(Vec3::from_array).collect();
+    }
+    if let (Some(VertexAttributeValues::Uint16x4(joints)), Some(VertexAttributeValues::Float32x4(weights))) = (
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_JOINT_INDEX)?,
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_JOINT_WEIGHT)?,
+    ) && joints.len() == count
+        && weights.len() == count
+    {
+        data.joints.clone_from(joints);
+        data.joint_weights = weights.iter().copied().map(Vec4::from_array).collect();
+    }
+    data.morph_targets = morph_targets(mesh, count)?;
+    data.submeshes = vec![Submesh {
+        first_index: 0,
+        index_count: data.indices.len() as u32,
+    }];
+    Ok(data)
+}
+
+/// Whole triangles, all wound as the first; a strip turns every other one.
+fn triangles(mut list: Vec<u32>, topology: PrimitiveTopology) -> Vec<u32> {
+    if topology == PrimitiveTopology::TriangleList {
+        list.truncate(list.len() - list.len() % 3);
+        return list;
+    }
+    let corners = list.windows(3).enumerate();
+    corners
+        .flat_map(|(at, corner)| {
+            let odd = at % 2;
+            [corner[odd], corner[1 - odd], corner[2]]
+        })
+        .collect()
+}
+
+/// Bevy keeps them one target after the other, an entry a vertex.
+fn morph_targets(mesh: &Mesh, vertices: usize) -> Result<Vec<MorphTarget>, MeshRefusal> {
+    let targets = match mesh.try_morph_targets() {
+        Ok(targets) => targets,
+        Err(MeshAccessError::NotFound) => return Ok(Vec::new()),
+        Err(error) => return Err(error.into()),
+    };
+    if vertices == 0 {
+        return Ok(Vec::new());
+    }
+    let target = |target: &[bevy::mesh::morph::MorphAttributes]| MorphTarget {
+        positions: target.iter().map(|vertex| vertex.position).collect(),
+        normals: target.iter().map(|vertex| vertex.normal).collect(),
+        tangents: Vec::new(),
+    };
+    Ok(targets.chunks_exact(vertices).map(target).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy::asset::RenderAssetUsages;
+
+    fn mesh(topology: PrimitiveTopology, points: usize) -> Mesh {
+        let at = |i: usize| [i as f32, (i % 2) as f32, 0.0];
+        Mesh::new(topology, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, (0..points).map(at).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn strips_and_lists_give_triangles_wound_alike() {
+        let strip = convert_mesh(&mesh(PrimitiveTopology::TriangleStrip, 5), "strip").unwrap();
+        assert_eq!(strip.indices, [0, 1, 2, 2, 1, 3, 2, 3, 4]);
+        let list = convert_mesh(&mesh(PrimitiveTopology::TriangleList, 7), "list").unwrap();
+        assert_eq!(list.indices, [0, 1, 2, 3, 4, 5]);
+        let indexed =
+            mesh(PrimitiveTopology::TriangleList, 4).with_inserted_indices(Indices::U16(vec![0, 2, 3, 1]));
+        assert_eq!(convert_mesh(&indexed, "indexed").unwrap().indices, [0, 2, 3]);
+    }
+
+    #[test]
+    fn refusals_say_why() {
+        let lines = mesh(PrimitiveTopology::LineList, 4);
+        let refusal = convert_mesh(&lines, "lines").unwrap_err();
+        assert_eq!(refusal, MeshRefusal::NotTriangles(PrimitiveTopology::LineList));
+        let bare = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default());
+        assert_eq!(convert_mesh(&bare, "bare").unwrap_err(), MeshRefusal::NoPositions);
+        let wild =
+            mesh(PrimitiveTopology::TriangleList, 3).with_inserted_indices(Indices::U32(vec![0, 1, 9]));
+        let refusal = convert_mesh(&wild, "wild").unwrap_err();
+        assert_eq!(refusal.to_string(), "triangle 0 names vertex 9, of 3");
+    }
+}

@@ -1,0 +1,71 @@
+//! The plugin in a game of Bevy's (feature `bevy`).
+//!
+//! ```text
+//!  main world                     render world
+//!  meshes ─► MeshLibrary ──┐
+//!  (assets)                ├─ extract ─► Mirror of each camera ─► sets, silhouettes, buffers ─► Core3d: base, lights
+//!  transforms, lights, … ──┘             (a World of our core components)
+//! ```
+//!
+//! [`AntumbraPlugin`](crate::plugin::AntumbraPlugin), added after `DefaultPlugins`, installs it. A camera with
+//! [`AntumbraCamera`] shows the shadows of every *managed* light: a `PointLight`, `SpotLight`, `DirectionalLight` or
+//! `RectLight` with a component of [`techniques`](crate::techniques) beside it. Its brightness, colour, cookie and falloff
+//! stay Bevy's, computed by Bevy's own shader functions; only its visibility is ours.
+//!
+//! # What is Bevy's, and what is ours
+//!
+//! | | |
+//! | --- | --- |
+//! | opaque and alpha-masked meshes of deferred materials | lit by Bevy's functions, shadowed by us |
+//! | forward, transparent and transmissive meshes, volumetric fog | lit by Bevy, shadowed by Bevy's maps if `shadow_maps_enabled` is left on; they cast our shadows |
+//! | lights without a technique | Bevy's |
+//! | `NotShadowCaster`, `NotShadowReceiver` | as Bevy has them |
+//! | `RenderLayers` | a light is blocked by meshes that share a layer with it; layers from 31 on count as one |
+//! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
+//! | [`LightSelection`](crate::scene::LightSelection) on a light | its `casts_for` cuts the casters further |
+//! | `Camera`s | any number; render targets, viewports, jitter of TAA, fog; without MSAA, which deferred shading has not |
+//!
+//! Leave `shadow_maps_enabled` of managed lights off: Bevy would render its maps all the same, and nothing opaque reads
+//! them. We create no views of Bevy's.
+//!
+//! Alpha-masked casters block whole in volumes and wedges, and so do they in maps here, whose textures are Bevy's. Meshes
+//! of several levels of detail (`VisibilityRange`) cast with all of them.
+//!
+//! | file | subject |
+//! | --- | --- |
+//! | `install`, `systems`, `settings` | registration and order |
+//! | `camera` | the marker, and warnings |
+//! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
+//! | `mirror`, `entity_map`, `techniques` | the scene of one camera |
+//! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | what the game changed |
+//! | `prepare`, `view_state`, `pipelines`, `pass` | the frame on the GPU |
+
+pub mod camera;
+pub mod entity_map;
+pub mod install;
+pub mod light_convert;
+pub mod mesh_convert;
+pub mod mesh_library;
+pub mod mirror;
+pub mod pass;
+pub mod pipelines;
+pub mod prelude;
+pub mod prepare;
+pub mod projection;
+pub mod refused;
+pub mod settings;
+pub mod sync;
+pub mod sync_lights;
+pub mod sync_objects;
+pub mod systems;
+pub mod techniques;
+pub mod view_state;
+
+pub use camera::AntumbraCamera;
+pub use mesh_convert::MeshRefusal;
+pub use mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
+pub use mirror::{Mirror, Mirrors};
+pub use refused::RefusedMeshes;
+pub use settings::AntumbraSettings;
+pub use systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
+pub use techniques::AddShadowTechnique;

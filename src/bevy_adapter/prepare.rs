@@ -1,0 +1,326 @@
+//! Each view's frame on the CPU, and what the GPU needs of it.
+
+use bevy::color::ColorToComponents;
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::ecs::prelude::*;
+use bevy::ecs::system::SystemParam;
+use bevy::pbr::deferred::{DeferredLightingLayout, SkipDeferredLighting};
+use bevy::pbr::{
+    ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta, MeshPipelineKey, ViewKeyCache,
+};
+use bevy::render::camera::{ExtractedCamera, TemporalJitter};
+use bevy::render::render_resource::{BufferUsages, CachedRenderPipelineId, PipelineCache};
+use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
+use bevy::render::sync_world::MainEntity;
+use bevy::render::view::ExtractedView;
+use bytemuck::Zeroable;
+use glam::{UVec2, Vec3, Vec4};
+
+use super::light_convert::BevyLight;
+use super::mirror::{HostLight, Mirror, Mirrors};
+use super::pipelines::{AntumbraPipelines, LightPipelines, Visibility, is_ready};
+use super::projection::projection_of;
+use super::view_state::{DRAW_STRIDE, DrawSlot, LightDraw, Managed, Unindexed};
+use crate::render::hosted::HostView;
+use crate::render::{RenderContext, Renderer};
+use crate::scene::Camera;
+use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};
+
+/// A view that is lit by us in this frame; on the view's entity in the render world.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct AntumbraView {
+    /// Pipeline of the base draw.
+    pub base: CachedRenderPipelineId,
+}
+
+/// What views are drawn with.
+#[derive(SystemParam)]
+pub struct Gpu<'w> {
+    device: Res<'w, RenderDevice>,
+    queue: Res<'w, RenderQueue>,
+    adapter: Res<'w, RenderAdapterInfo>,
+    cache: Res<'w, PipelineCache>,
+    pipelines: ResMut<'w, AntumbraPipelines>,
+    bevy: Res<'w, DeferredLightingLayout>,
+    keys: Res<'w, ViewKeyCache>,
+}
+
+/// How Bevy names lights to its shaders.
+#[derive(SystemParam)]
+pub struct BevyLights<'w, 's> {
+    clustered: Res<'w, GlobalClusterableObjectMeta>,
+    directional: Query<'w, 's, &'static ExtractedDirectionalLight>,
+    rect: Query<'w, 's, &'static ExtractedRectLight>,
+}
+
+type ViewItem<'a> = (
+    Entity,
+    &'a MainEntity,
+    &'a ExtractedView,
+    &'a ExtractedCamera,
+    Option<&'a TemporalJitter>,
+    Has<DepthPrepass>,
+    Has<DeferredPrepass>,
+    Has<SkipDeferredLighting>,
+    Has<AntumbraView>,
+);
+
+/// Runs the frame of every marked view, and takes its deferred lighting over from Bevy as soon as all that it takes is
+/// there.
+///
+/// `Render`, in `PrepareResources`, [`Prepare`](super::AntumbraRenderSystems::Prepare).
+pub(super) fn prepare_views(
+    mut commands: Commands,
+    mut mirrors: ResMut<Mirrors>,
+    views: Query<ViewItem<'static>>,
+    mut gpu: Gpu,
+    lights: BevyLights,
+) {
+    for (view, main, extracted, camera, jitter, depth, deferred, skips, lit) in &views {
+        let Some(mirror) = mirrors.get_mut(main.id()) else {
+            if lit {
+                commands
+                    .entity(view)
+                    .remove::<(AntumbraView, SkipDeferredLighting)>();
+            }
+            continue;
+        };
+        let key = gpu.keys.get(&extracted.retained_view_entity).copied();
+        let ready = (camera.hdr && depth && deferred)
+            .then(|| {
+                key.and_then(|key| prepare_view(mirror, extracted, camera, jitter, key, &mut gpu, &lights))
+            })
+            .flatten();
+        match ready {
+            Some(ready) => {
+                commands.entity(view).insert(ready);
+                if !skips {
+                    commands.entity(view).insert(SkipDeferredLighting);
+                }
+            }
+            None if lit => {
+                commands
+                    .entity(view)
+                    .remove::<(AntumbraView, SkipDeferredLighting)>();
+            }
+            None => {}
+        }
+    }
+}
+
+fn prepare_view(
+    mirror: &mut Mirror,
+    view: &ExtractedView,
+    camera: &ExtractedCamera,
+    jitter: Option<&TemporalJitter>,
+    key: MeshPipelineKey,
+    gpu: &mut Gpu,
+    lights: &BevyLights,
+) -> Option<AntumbraView> {
+    if mirror.view.failed {
+        return None; // it would fail again
+    }
+    let size = camera.physical_viewport_size?;
+    let target = camera.physical_target_size?;
+    let origin = camera
+        .viewport
+        .as_ref()
+        .map_or(UVec2::ZERO, |viewport| viewport.physical_position);
+    let Some(projection) = projection_of(&view.clip_from_view, jitter, size) else {
+        mirror.view.warn_of_projection();
+        return None;
+    };
+    let base = gpu.pipelines.base(&gpu.cache, &gpu.bevy, key);
+
+    if !mirror.world.contains_resource::<Renderer>() {
+        let context = RenderContext::hosted(
+            gpu.device.wgpu_device().clone(),
+            (**gpu.queue.0).clone(),
+            format!("{} ({:?})", gpu.adapter.name, gpu.adapter.backend),
+        );
+        match Renderer::new(context) {
+            Ok(renderer) => mirror.world.insert_resource(renderer),
+            Err(error) => return mirror.view.fail(&error),
+        }
+    }
+    let mut place = mirror.world.entity_mut(mirror.camera);
+    if place.get::<Camera>() != Some(&projection.camera) {
+        place.insert(projection.camera);
+    }
+    if place.get() != Some(&view.world_from_view) {
+        place.insert(view.world_from_view);
+    }
+    mirror
+        .world
+        .resource_mut::<ViewportSize>()
+        .set_if_neq(ViewportSize(size));
+    let mut renderer = mirror.world.resource_mut::<Renderer>();
+    let host = HostView {
+        target_size: target,
+        viewport_origin: origin,
+        clip_from_view: projection.clip_from_view,
+    };
+    if let Err(error) = renderer.set_host(Some(host)) {
+        return mirror.view.fail(&error);
+    }
+    let depth_stencil = renderer.context().depth_stencil_format();
+    mirror.run();
+    if let Some(error) = mirror.world.resource_mut::<Renderer>().take_failure() {
+        // Of this frame, perhaps: the next may be smaller.
+        mirror.view.warn_of_failure(&error);
+        return None;
+    }
+    prepare_lights(mirror, key, depth_stencil, gpu, lights);
+    is_ready(&gpu.cache, base).then_some(AntumbraView { base })
+}
+
+/// Lists the lights of the frame as Bevy's shaders know them. A light whose pipelines or index are not there yet is left
+/// to Bevy.
+fn prepare_lights(
+    mirror: &mut Mirror,
+    key: MeshPipelineKey,
+    depth_stencil: wgpu::TextureFormat,
+    gpu: &mut Gpu,
+    lights: &BevyLights,
+) {
+    let Mirror { world, view, .. } = mirror;
+    let frame = world.resource::<FrameLights>();
+    let (objects, visible) = (world.resource::<Objects>(), world.resource::<VisibleSet>());
+    view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
+    let mut managed = Managed::zeroed();
+    view.draws.clear();
+    view.draw_bytes.clear();
+    view.bit_words.clear();
+    for light in &frame.lights {
+        let host = world.get::<HostLight>(light.entity).copied();
+        let slot = host.and_then(|host| {
+            let draw = describe(&host, lights)?;
+            let pipelines = pipelines_of(host.kind, key, depth_stencil, view.unshadowed_in_view, gpu)?;
+            if !manage(&mut managed, &mut view.bit_words, host.kind, &draw) {
+                return None;
+            }
+            let offset = view.draw_bytes.len();
+            view.draw_bytes.resize(offset + DRAW_STRIDE, 0);
+            view.draw_bytes[offset..offset + size_of::<LightDraw>()]
+                .copy_from_slice(bytemuck::bytes_of(&draw));
+            Some(DrawSlot {
+                offset: offset as u32,
+                pipelines,
+            })
+        });
+        view.draws.push(slot);
+    }
+    managed.counts[2] = view.bit_words.len() as u32;
+    if view.bit_words.is_empty() {
+        view.bit_words.push(0); // bindings are never empty
+    }
+    if view.draw_bytes.is_empty() {
+        view.draw_bytes.resize(DRAW_STRIDE, 0);
+    }
+    let (device, queue) = (&gpu.device, &gpu.queue);
+    let (storage, uniform) = (BufferUsages::STORAGE, BufferUsages::UNIFORM);
+    let bits = bytemuck::cast_slice(&view.bit_words);
+    view.managed.write(
+        device,
+        queue,
+        "antumbra managed",
+        storage,
+        bytemuck::bytes_of(&managed),
+    );
+    view.bits
+        .write(device, queue, "antumbra managed bits", storage, bits);
+    view.lights
+        .write(device, queue, "antumbra lights", uniform, &view.draw_bytes);
+}
+
+/// A light as Bevy's shaders know it; `None` if they do not.
+fn describe(host: &HostLight, lights: &BevyLights) -> Option<LightDraw> {
+    let mut draw = LightDraw::default();
+    match host.kind {
+        BevyLight::Point | BevyLight::Spot => {
+            let index = *lights.clustered.entity_to_index.get(&host.render_entity)?;
+            draw.index[0] = u32::try_from(index).ok()?;
+        }
+        // The expressions by which Bevy fills its uniforms, so that the shader finds the same bits.
+        BevyLight::Directional => {
+            let light = lights.directional.get(host.render_entity).ok()?;
+            let color = Vec4::from_slice(&light.color.to_f32_array()) * light.illuminance;
+            let towards: Vec3 = light.transform.back().into();
+            draw.unindexed = unindexed(color, towards);
+        }
+        BevyLight::Rect => {
+            let light = lights.rect.get(host.render_entity).ok()?;
+            let color = Vec4::from_slice(&light.color.to_f32_array()) * light.intensity;
+            draw.unindexed = unindexed(color, light.transform.translation());
+        }
+    }
+    Some(draw)
+}
+
+fn unindexed(color: Vec4, place: Vec3) -> Unindexed {
+    Unindexed {
+        color: color.to_array(),
+        place: place.extend(0.0).to_array(),
+    }
+}
+
+/// Takes a light from the base draw; `false` if there is no room for it.
+fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &LightDraw) -> bool {
+    let Managed {
+        counts,
+        directional,
+        rect,
+    } = managed;
+    let (list, count): (&mut [Unindexed], _) = match kind {
+        BevyLight::Directional => (directional, &mut counts[0]),
+        BevyLight::Rect => (rect, &mut counts[1]),
+        BevyLight::Point | BevyLight::Spot => {
+            let word = (draw.index[0] / 32) as usize;
+            if bits.len() <= word {
+                bits.resize(word + 1, 0);
+            }
+            bits[word] |= 1 << (draw.index[0] % 32);
+            return true;
+        }
+    };
+    let Some(slot) = list.get_mut(*count as usize) else {
+        return false;
+    };
+    *slot = draw.unindexed;
+    *count += 1;
+    true
+}
+
+/// The pipelines of a kind of light, once all are compiled.
+fn pipelines_of(
+    kind: BevyLight,
+    key: MeshPipelineKey,
+    depth_stencil: wgpu::TextureFormat,
+    unshadowed_in_view: bool,
+    gpu: &mut Gpu,
+) -> Option<LightPipelines> {
+    let wanted = [
+        Some(Visibility::Lit),
+        Some(Visibility::Stencil),
+        unshadowed_in_view.then_some(Visibility::Unshadowed),
+        Some(Visibility::Mask),
+    ];
+    let mut ready = true;
+    let ids = [
+        Visibility::Lit,
+        Visibility::Stencil,
+        Visibility::Unshadowed,
+        Visibility::Mask,
+    ]
+    .map(|visibility| {
+        if !wanted.contains(&Some(visibility)) {
+            return None;
+        }
+        let id = gpu
+            .pipelines
+            .light(&gpu.cache, &gpu.bevy, key, kind, visibility, depth_stencil);
+        ready &= is_ready(&gpu.cache, id);
+        Some(id)
+    });
+    ready.then_some(LightPipelines(ids))
+}

@@ -1,0 +1,127 @@
+//! From Bevy's lights with a technique to the lights of the mirrors.
+
+use bevy::camera::visibility::{InheritedVisibility, RenderLayers};
+use bevy::ecs::prelude::*;
+use bevy::light::{DirectionalLight, PointLight, RectLight, SpotLight};
+use bevy::render::sync_world::RenderEntity;
+use bevy::render::{Extract, MainWorld};
+use bevy::transform::components::GlobalTransform;
+
+use super::light_convert::{convert_light, selection};
+use super::mirror::{HostLight, Mirror, Mirrors};
+use super::techniques::{Techniques, TouchedLights};
+use crate::scene::{Light, LightSelection};
+
+/// A light changed in a way that is to be taken over.
+type LightChanged = (
+    Or<(
+        With<PointLight>,
+        With<SpotLight>,
+        With<DirectionalLight>,
+        With<RectLight>,
+    )>,
+    Or<(
+        Changed<PointLight>,
+        Changed<SpotLight>,
+        Changed<DirectionalLight>,
+        Changed<RectLight>,
+        Changed<RenderLayers>,
+        Changed<InheritedVisibility>,
+        Changed<LightSelection>,
+        Changed<RenderEntity>,
+    )>,
+);
+
+/// Of what a light lost, that which matters.
+#[derive(bevy::ecs::system::SystemParam)]
+pub struct RemovedFromLights<'w, 's> {
+    point: Extract<'w, 's, RemovedComponents<'static, 'static, PointLight>>,
+    spot: Extract<'w, 's, RemovedComponents<'static, 'static, SpotLight>>,
+    directional: Extract<'w, 's, RemovedComponents<'static, 'static, DirectionalLight>>,
+    rect: Extract<'w, 's, RemovedComponents<'static, 'static, RectLight>>,
+    layers: Extract<'w, 's, RemovedComponents<'static, 'static, RenderLayers>>,
+    selection: Extract<'w, 's, RemovedComponents<'static, 'static, LightSelection>>,
+}
+
+/// Takes over lights that appeared, changed, were hidden or lost their technique.
+///
+/// `ExtractSchedule`, [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only reads change ticks.
+pub(super) fn sync_lights(
+    main: Res<MainWorld>,
+    mut mirrors: ResMut<Mirrors>,
+    techniques: Res<Techniques>,
+    mut touched: ResMut<TouchedLights>,
+    changed: Extract<Query<Entity, LightChanged>>,
+    all: Extract<
+        Query<
+            Entity,
+            Or<(
+                With<PointLight>,
+                With<SpotLight>,
+                With<DirectionalLight>,
+                With<RectLight>,
+            )>,
+        >,
+    >,
+    mut removed: RemovedFromLights,
+) {
+    let dirty = &mut touched.0;
+    dirty.extend(changed.iter());
+    dirty.extend(removed.point.read());
+    dirty.extend(removed.spot.read());
+    dirty.extend(removed.directional.read());
+    dirty.extend(removed.rect.read());
+    dirty.extend(removed.layers.read());
+    dirty.extend(removed.selection.read());
+    dirty.sort_unstable();
+    dirty.dedup();
+    for mirror in mirrors.iter_mut() {
+        if mirror.fresh {
+            for light in &all {
+                sync_light(mirror, &main, &techniques, light);
+            }
+        } else {
+            for &light in &*dirty {
+                sync_light(mirror, &main, &techniques, light);
+            }
+        }
+    }
+    dirty.clear();
+}
+
+fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity: Entity) {
+    let Ok(light) = main.get_entity(entity) else {
+        mirror.despawn(entity);
+        return;
+    };
+    let layers = light.get::<RenderLayers>();
+    let shines = techniques.manage(&light)
+        && light
+            .get::<InheritedVisibility>()
+            .is_none_or(|visibility| visibility.get())
+        && mirror.layers.intersects(layers.unwrap_or_default());
+    let (true, Some((kind, converted)), Some(render_entity)) =
+        (shines, convert_light(&light), light.get::<RenderEntity>())
+    else {
+        mirror.remove_light(entity, techniques);
+        return;
+    };
+    let transform = light.get::<GlobalTransform>().copied().unwrap_or_default();
+    let mirrored = mirror.get_or_spawn(entity, &transform);
+    let mut target = mirror.world.entity_mut(mirrored);
+    let selection = selection(layers, light.get::<LightSelection>());
+    let host = HostLight {
+        render_entity: render_entity.id(),
+        kind,
+    };
+    if target.get::<Light>() != Some(&converted) {
+        target.insert(converted);
+    }
+    if target.get::<LightSelection>() != Some(&selection) {
+        target.insert(selection);
+    }
+    if target.get::<HostLight>() != Some(&host) {
+        target.insert(host);
+    }
+    techniques.copy(&light, &mut target);
+}

@@ -1,0 +1,111 @@
+//! Devices that are lost, render worlds on another thread, cameras that come late and go.
+
+use antumbra::bevy_adapter::Mirrors;
+use antumbra::bevy_adapter::prelude::*;
+use bevy::prelude::*;
+use bevy::render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
+use bevy::render::renderer::RenderDevice;
+use bevy::render::settings::RenderCreation;
+
+use crate::harness::{self, Game};
+
+fn scene(app: &mut App) -> Entity {
+    let world = app.world_mut();
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+    );
+    world.entity_mut(camera).insert(AntumbraCamera);
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let floor = meshes.add(Plane3d::default().mesh().size(8.0, 8.0));
+    let cube = meshes.add(Cuboid::new(1.0, 1.0, 1.0));
+    let matte = harness::matte(world);
+    world.spawn((Mesh3d(floor), matte.clone()));
+    world.spawn((Mesh3d(cube), matte, Transform::from_xyz(0.0, 0.5, 0.0)));
+    world.spawn((
+        PointLight {
+            intensity: 500_000.0,
+            ..default()
+        },
+        StencilVolume::default(),
+        Transform::from_xyz(1.0, 4.0, 1.0),
+    ));
+    camera
+}
+
+#[test]
+fn a_lost_device_is_survived() {
+    let mut app = harness::antumbra();
+    let camera = scene(&mut app);
+    app.insert_resource(RenderErrorHandler(|_, _, _| {
+        RenderErrorPolicy::Recover(RenderCreation::default())
+    }));
+    let mut game = Game::start(app);
+    let before = game.run(5).settled(camera);
+    let device = game.render_world().resource::<RenderDevice>().clone();
+    device.wgpu_device().destroy();
+    // Before Bevy makes a buffer on it, which panics.
+    let _ = device.wgpu_device().poll(wgpu::PollType::Poll);
+    game.run(8);
+    let after = game.settled(camera);
+    assert!(before.mean() > 0.01);
+    assert_eq!(after.difference(&before).channels, 0);
+}
+
+#[test]
+fn cameras_come_late_and_go() {
+    let mut app = harness::antumbra();
+    let camera = scene(&mut app);
+    let mut game = Game::start(app);
+    let first = game.run(5).settled(camera);
+    let place = *game.world().get::<Transform>(camera).unwrap();
+    let late = harness::camera(game.world(), place);
+    game.world().entity_mut(late).insert(AntumbraCamera);
+    let second = game.run(5).settled(late);
+    assert_eq!(
+        second.difference(&first).channels,
+        0,
+        "a late camera sees the same"
+    );
+    game.world().entity_mut(late).remove::<AntumbraCamera>();
+    game.run(3);
+    assert!(game.render_world().resource::<Mirrors>().get(late).is_none());
+    let unshadowed = game.settled(late);
+    assert!(
+        unshadowed.mean() > first.mean(),
+        "Bevy lights it, without our shadows"
+    );
+    game.world().despawn(late);
+    game.run(2);
+    assert_eq!(game.radiance(camera).difference(&first).channels, 0);
+}
+
+#[test]
+fn meshes_are_made_ready_on_other_threads() {
+    let mut app = harness::antumbra();
+    app.insert_resource(AntumbraSettings {
+        immediate_triangles: 0,
+        ..default()
+    });
+    let camera = scene(&mut app);
+    let mut game = Game::start(app);
+    let mut frames = 0;
+    while game
+        .world()
+        .resource::<antumbra::bevy_adapter::MeshLibrary>()
+        .building()
+        > 0
+        || frames < 3
+    {
+        game.run(1);
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        frames += 1;
+        assert!(frames < 2000, "they are never ready");
+    }
+    let background = game.run(3).settled(camera);
+    let mut app = harness::antumbra();
+    let camera = scene(&mut app);
+    let mut game = Game::start(app);
+    let immediate = game.run(5).settled(camera);
+    assert_eq!(background.difference(&immediate).channels, 0);
+}

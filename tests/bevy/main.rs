@@ -1,0 +1,15 @@
+//! The plugin in headless games of Bevy's.
+
+#[path = "../harness/mod.rs"]
+mod core_harness;
+
+mod bad_input;
+mod harness;
+mod lifetimes;
+mod minimal;
+mod models;
+mod runs;
+mod setup;
+mod shading;
+mod shadows;
+mod sync;

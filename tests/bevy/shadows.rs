@@ -1,0 +1,228 @@
+//! Shadows in Bevy are those of our own renderer, and the truth.
+
+use antumbra::bevy_adapter::prelude::*;
+use antumbra::prelude::RequestedFeatures;
+use antumbra::reference::{VisibilityImage, compare_hard};
+use antumbra::scene::LightKind;
+use bevy::light::NotShadowReceiver;
+use bevy::prelude::*;
+
+use crate::core_harness::{ModelStage, models_folder, strict_context, truth};
+use crate::harness::Picture;
+use crate::models::ModelGame;
+
+const SIZE: UVec2 = UVec2::new(128, 72);
+
+/// Visibility that Bevy's picture shows: what is left of the light where there is any; NaN elsewhere.
+fn visibility(shadowed: &Picture, lit: &Picture) -> Vec<f32> {
+    let pairs = shadowed.texels.iter().zip(&lit.texels);
+    pairs
+        .map(|(a, b)| {
+            let (a, b) = (f32::from(a[1]), f32::from(b[1]));
+            if b > 0.0 { a / b } else { f32::NAN }
+        })
+        .collect()
+}
+
+/// What a scene says.
+#[derive(Debug, Default)]
+struct Outcome {
+    counted: usize,
+    shadowed: usize,
+    unlike_standalone: usize,
+    wrong_inner: usize,
+    wrong_all: usize,
+}
+
+fn compare(path: &std::path::Path, case: usize) -> Outcome {
+    let context = strict_context(RequestedFeatures::default());
+    let mut model = ModelStage::new(path, &context, SIZE).expect("triangles");
+    let (label, case) = model.cases().swap_remove(case);
+    model.set(&case, StencilVolume::default());
+    let standalone = model
+        .stage
+        .render()
+        .expect("the frame renders")
+        .visibility
+        .swap_remove(0);
+    let mut game = ModelGame::new(&mut model.stage, StencilVolume::default());
+    let shadowed = game.picture();
+    let lit = game.set_casting(false).picture();
+    let name = path.file_stem().unwrap().to_string_lossy();
+    lit.save(&format!("shadows_{name}_{label}_lit"));
+    shadowed.save(&format!("shadows_{name}_{label}"));
+    let got = visibility(&shadowed, &lit);
+    let truth = truth(&model.stage, &model.scene, 0);
+    let mut outcome = Outcome::default();
+    // What Bevy's light does not reach cannot be told.
+    let told: Vec<f32> = truth
+        .values()
+        .iter()
+        .zip(&got)
+        .map(|(truth, got)| if got.is_nan() { f32::NAN } else { *truth })
+        .collect();
+    for ((truth, got), ours) in told.iter().zip(&got).zip(&standalone) {
+        if !truth.is_nan() {
+            outcome.counted += 1;
+            outcome.shadowed += usize::from(*truth == 0.0);
+            outcome.unlike_standalone += usize::from((*got > 0.5) != (*ours > 0.5));
+        }
+    }
+    let got = got.iter().map(|got| if *got > 0.5 { 1.0 } else { 0.0 }).collect();
+    let (told, got) = (
+        VisibilityImage::new(SIZE, told).unwrap(),
+        VisibilityImage::new(SIZE, got).unwrap(),
+    );
+    let error = compare_hard(&told, &got).unwrap();
+    (outcome.wrong_inner, outcome.wrong_all) = (error.wrong_inner, error.wrong_all);
+    println!("{name} {label}: {outcome:?}");
+    outcome
+}
+
+#[test]
+fn stencil_shadows_equal_the_standalone_mask_and_the_truth() {
+    let Some(folder) = models_folder("stencil_shadows_equal_the_standalone_mask_and_the_truth") else {
+        return;
+    };
+    for (model, case) in SCENES {
+        let outcome = compare(&folder.join(model), case);
+        assert!(
+            outcome.counted > 500 && outcome.shadowed > 50,
+            "too little is seen"
+        );
+        assert_eq!(outcome.unlike_standalone, 0);
+        assert_eq!(outcome.wrong_inner, 0);
+    }
+}
+
+const SCENES: [(&str, usize); 3] = [
+    ("look/d-scenes/many_cubes.glb", 0),
+    ("copy/d-scenes/interior.glb", 9),
+    ("look/c-animated/fox.glb", 0),
+];
+
+/// Share of pixels whose visibility in Bevy is not the standalone one, and the pixels. `technique` may change the light.
+fn soft(
+    path: &std::path::Path,
+    case: usize,
+    kind: Option<LightKind>,
+    technique: impl Bundle + Clone,
+) -> (f64, usize) {
+    let context = strict_context(RequestedFeatures::default());
+    let mut model = ModelStage::new(path, &context, SIZE).expect("triangles");
+    let (label, mut case) = model.cases().swap_remove(case);
+    if let Some(kind) = kind {
+        case.light.kind = kind;
+        case.place = case.place.looking_at(model.bounds.center(), Vec3::Y);
+    }
+    model.set(&case, technique.clone());
+    let standalone = model
+        .stage
+        .render()
+        .expect("the frame renders")
+        .visibility
+        .swap_remove(0);
+    let mut game = ModelGame::new(&mut model.stage, technique.clone());
+    let shadowed = game.picture();
+    let lit = game.set_casting(false).picture();
+    let got = visibility(&shadowed, &lit);
+    let name = std::any::type_name_of_val(&technique)
+        .rsplit("::")
+        .next()
+        .unwrap_or_default();
+    shadowed.save(&format!("soft_{name}_{label}"));
+    let told: Vec<(f32, f32)> = got
+        .iter()
+        .copied()
+        .zip(standalone)
+        .filter(|(got, _)| !got.is_nan())
+        .collect();
+    // Of two roundings to 16 bits, and of a mask of 8.
+    let wrong = told
+        .iter()
+        .filter(|(got, ours)| (got - ours).abs() > 0.006)
+        .count();
+    let half = told.iter().filter(|(got, _)| *got > 0.05 && *got < 0.95).count();
+    println!(
+        "{name} {label}: {wrong} of {} pixels unlike, {half} in penumbrae",
+        told.len()
+    );
+    assert!(told.iter().any(|(got, _)| *got < 0.05), "nothing is shadowed");
+    (wrong as f64 / told.len() as f64, told.len())
+}
+
+#[test]
+fn every_technique_shadows_bevys_lights_as_our_own() {
+    let Some(folder) = models_folder("every_technique_shadows_bevys_lights_as_our_own") else {
+        return;
+    };
+    let path = folder.join("look/d-scenes/many_cubes.glb");
+    let rect = LightKind::Rect {
+        width: 2.0,
+        height: 1.0,
+    };
+    let outcomes = [
+        soft(&path, 0, Some(rect), PenumbraWedge::default()),
+        soft(&path, 0, None, OmniMap::default()),
+        soft(&path, 1, None, ShadowMap::default()),
+        soft(&path, 2, None, StencilVolume::default()),
+    ];
+    for (wrong, pixels) in outcomes {
+        assert!(wrong < 0.002 && pixels > 500);
+    }
+}
+
+#[test]
+fn what_receives_no_shadow_is_lit() {
+    let mut app = crate::harness::antumbra();
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = crate::harness::camera(
+        world,
+        Transform::from_xyz(0.0, 6.0, 0.1).looking_at(Vec3::ZERO, Vec3::Y),
+    );
+    world.entity_mut(camera).insert(AntumbraCamera);
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let floor = meshes.add(Plane3d::default().mesh().size(3.0, 3.0));
+    let lid = meshes.add(Plane3d::default().mesh().size(0.1, 0.1));
+    let matte = crate::harness::matte(world);
+    // Under a small lid near the light lie two floors, of which the right one shows no shadow.
+    let left = world
+        .spawn((
+            Mesh3d(floor.clone()),
+            matte.clone(),
+            Transform::from_xyz(-1.5, 0.0, 0.0),
+        ))
+        .id();
+    let right = world
+        .spawn((
+            Mesh3d(floor),
+            matte.clone(),
+            Transform::from_xyz(1.5, 0.0, 0.0),
+            NotShadowReceiver,
+        ))
+        .id();
+    world.spawn((Mesh3d(lid), matte, Transform::from_xyz(0.0, 3.9, 0.0)));
+    world.spawn((
+        PointLight {
+            intensity: 500_000.0,
+            ..default()
+        },
+        StencilVolume::default(),
+        Transform::from_xyz(0.0, 4.0, 0.0),
+    ));
+    let mut game = crate::harness::Game::start(app);
+    let picture = game.run(5).settled(camera);
+    picture.save("not_receiver");
+    let size = picture.size;
+    let at = |x: u32| f32::from(picture.texels[(size.y / 2 * size.x + x) as usize][1]);
+    let (shaded, lit) = (at(size.x / 2 - 8), at(size.x / 2 + 8));
+    println!("left of the middle {shaded}, right of it {lit}");
+    assert!(shaded == 0.0 && lit > 0.0);
+    // And the other way round, once they are exchanged.
+    game.world().entity_mut(right).remove::<NotShadowReceiver>();
+    game.world().entity_mut(left).insert(NotShadowReceiver);
+    let picture = game.run(3).settled(camera);
+    let at = |x: u32| f32::from(picture.texels[(size.y / 2 * size.x + x) as usize][1]);
+    assert!(at(size.x / 2 - 8) > 0.0 && at(size.x / 2 + 8) == 0.0);
+}
