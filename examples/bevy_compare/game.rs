@@ -1,0 +1,290 @@
+//! The rooms as a game of Bevy's.
+
+use antumbra::bevy_adapter::prelude::*;
+use antumbra::scene::{Material, MeshData, SceneMaterials, SceneMesh, Submesh};
+use bevy::app::{AppLabel, SubApps};
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::{Hdr, RenderTarget};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::pbr::DefaultOpaqueRendererMethod;
+use bevy::prelude::*;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::render_resource::{
+    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
+};
+use bevy::render::renderer::{RenderDevice, RenderGraph, RenderGraphSystems, RenderQueue};
+use bevy::render::sync_world::RenderEntity;
+use bevy::render::view::ViewTarget;
+use bevy::render::{RenderApp, RenderPlugin};
+use bevy::window::ExitCondition;
+
+use std::time::Instant;
+
+use crate::rooms::{LUMENS, Mover, RANGE, Rooms};
+
+/// Who throws shadows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shadows {
+    /// Nobody.
+    None,
+    /// Bevy's shadow maps, as its defaults have them.
+    Bevy,
+    /// Stencil shadow volumes.
+    Antumbra,
+}
+
+/// When the frame's commands were ready for the device.
+#[derive(Resource, Clone, Copy)]
+struct Recorded(Instant);
+
+/// A mover of the game.
+#[derive(Component, Clone, Copy)]
+pub struct Moves(Mover);
+
+/// One of our submeshes as a mesh of Bevy's.
+pub fn mesh_of(data: &MeshData, submesh: &Submesh) -> Mesh {
+    let positions: Vec<[f32; 3]> = data.positions.iter().map(|p| p.to_array()).collect();
+    let normals: Vec<[f32; 3]> = data.normals.iter().map(|n| n.to_array()).collect();
+    let indices = data.indices[data.submesh_range(submesh)].to_vec();
+    Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_NORMAL, normals)
+        .with_inserted_indices(Indices::U32(indices))
+}
+
+/// Our material as one of Bevy's, without its textures. Seen from both sides, as the ray caster sees it.
+pub fn material_of(material: &Material) -> StandardMaterial {
+    let [r, g, b, _] = material.base_color.to_array();
+    StandardMaterial {
+        base_color: Color::linear_rgb(r, g, b),
+        metallic: material.metallic,
+        perceptual_roughness: material.roughness,
+        double_sided: true,
+        cull_mode: None,
+        ..default()
+    }
+}
+
+/// Spawns what the rooms hold, and the first `lights` of their lamps.
+pub fn furnish(world: &mut World, rooms: &Rooms, shadows: Shadows, lights: usize) -> Vec<Entity> {
+    for entity in rooms.world.iter_entities() {
+        let (Some(mesh), Some(materials), Some(transform)) = (
+            entity.get::<SceneMesh>(),
+            entity.get::<SceneMaterials>(),
+            entity.get::<GlobalTransform>(),
+        ) else {
+            continue;
+        };
+        for (submesh, material) in mesh.0.submeshes.iter().zip(materials.0.iter()) {
+            let mesh = world
+                .resource_mut::<Assets<Mesh>>()
+                .add(mesh_of(&mesh.0, submesh));
+            let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+            let material = materials.add(material_of(material));
+            let parts = (
+                Mesh3d(mesh),
+                MeshMaterial3d(material),
+                Transform::from(*transform),
+            );
+            let mut spawned = world.spawn(parts);
+            if let Some(mover) = entity.get::<Mover>() {
+                spawned.insert(Moves(*mover));
+            }
+        }
+    }
+    let lamps = rooms.lamps.iter().take(lights);
+    lamps
+        .map(|lamp| {
+            let light = PointLight {
+                intensity: LUMENS / (lights as f32).sqrt(),
+                range: RANGE,
+                shadow_maps_enabled: shadows == Shadows::Bevy,
+                ..default()
+            };
+            let mut light = world.spawn((light, Transform::from_translation(*lamp)));
+            if shadows == Shadows::Antumbra {
+                light.insert(StencilVolume::default());
+            }
+            light.id()
+        })
+        .collect()
+}
+
+/// What every camera has.
+pub fn lens(rooms: &Rooms) -> impl Bundle {
+    let projection = Projection::Perspective(PerspectiveProjection {
+        fov: rooms.camera.vertical_fov,
+        near: rooms.camera.near,
+        ..default()
+    });
+    let deferred = (Hdr, Msaa::Off, DepthPrepass, DeferredPrepass);
+    (Camera3d::default(), deferred, projection, rooms.view)
+}
+
+/// A game without a window, frame by frame.
+pub struct Game {
+    apps: SubApps,
+    camera: Entity,
+    /// In the order of the lamps.
+    pub lights: Vec<Entity>,
+}
+
+impl Game {
+    /// Begins a game.
+    pub fn new(rooms: &Rooms, shadows: Shadows, lights: usize, size: UVec2) -> Self {
+        let mut app = App::new();
+        let plugins = DefaultPlugins
+            .set(WindowPlugin {
+                primary_window: None,
+                exit_condition: ExitCondition::DontExit,
+                ..default()
+            })
+            .set(RenderPlugin {
+                synchronous_pipeline_compilation: true,
+                ..default()
+            })
+            .disable::<PipelinedRenderingPlugin>();
+        #[cfg(feature = "bevy-window")]
+        let plugins = plugins
+            .disable::<bevy::winit::WinitPlugin>()
+            .disable::<bevy::log::LogPlugin>();
+        app.add_plugins(plugins);
+        app.insert_resource(ClearColor(Color::BLACK));
+        app.insert_resource(DefaultOpaqueRendererMethod::deferred());
+        app.insert_resource(GlobalAmbientLight {
+            brightness: 20.0,
+            ..default()
+        });
+        if shadows == Shadows::Antumbra {
+            app.add_plugins(AntumbraPlugin);
+            app.insert_resource(AntumbraSettings {
+                immediate_triangles: usize::MAX,
+                ..default()
+            });
+        }
+        let world = app.world_mut();
+        let lights = furnish(world, rooms, shadows, lights);
+        let extent = Extent3d {
+            width: size.x,
+            height: size.y,
+            depth_or_array_layers: 1,
+        };
+        let format = TextureFormat::Rgba8UnormSrgb;
+        let usages = RenderAssetUsages::RENDER_WORLD;
+        let mut picture = Image::new_uninit(extent, TextureDimension::D2, format, usages);
+        picture.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT;
+        let picture = world.resource_mut::<Assets<Image>>().add(picture);
+        let target = RenderTarget::Image(picture.into());
+        let mut camera = world.spawn((lens(rooms), target, Tonemapping::None));
+        if shadows == Shadows::Antumbra {
+            camera.insert(AntumbraCamera);
+        }
+        let camera = camera.id();
+        app.finish();
+        app.cleanup();
+        let recorded = |mut commands: Commands| commands.insert_resource(Recorded(Instant::now()));
+        let render = app.sub_app_mut(RenderApp);
+        render.add_systems(
+            RenderGraph,
+            recorded
+                .after(RenderGraphSystems::Render)
+                .before(RenderGraphSystems::Submit),
+        );
+        let apps = std::mem::take(app.sub_apps_mut());
+        Self { apps, camera, lights }
+    }
+
+    /// The game's world.
+    pub fn world(&mut self) -> &mut World {
+        self.apps.main.world_mut()
+    }
+
+    /// Turns the camera and moves the movers.
+    pub fn advance(&mut self, rooms: &Rooms, time: f32) {
+        let camera = self.camera;
+        let world = self.world();
+        let turned = rooms.view.rotation * Quat::from_rotation_y(0.25 * (0.7 * time).sin());
+        world.entity_mut(camera).insert(rooms.view.with_rotation(turned));
+        let mut movers = world.query::<(&Moves, &mut Transform)>();
+        for (mover, mut transform) in movers.iter_mut(world) {
+            *transform = mover.0.at(time);
+        }
+    }
+
+    /// Runs a frame.
+    pub fn frame(&mut self) {
+        self.apps.update();
+    }
+
+    /// When the commands of the last frame were ready: software devices do their work while it is submitted.
+    pub fn recorded(&mut self) -> Instant {
+        self.render_world().resource::<Recorded>().0
+    }
+
+    /// Waits until the device is idle.
+    pub fn wait(&mut self) {
+        let device = self.render_world().resource::<RenderDevice>().clone();
+        device
+            .poll(PollType::wait_indefinitely())
+            .expect("the device is there");
+    }
+
+    fn render_world(&mut self) -> &mut World {
+        let render = self
+            .apps
+            .sub_apps
+            .get_mut(&RenderApp.intern())
+            .expect("a renderer");
+        render.world_mut()
+    }
+
+    /// Linear radiance, RGB by row from the top.
+    pub fn radiance(&mut self) -> Vec<Vec3> {
+        let camera = self.camera;
+        let view = self.world().get::<RenderEntity>(camera).expect("a camera").id();
+        let world = self.render_world();
+        let device = world.resource::<RenderDevice>().clone();
+        let queue = world.resource::<RenderQueue>().clone();
+        let texture = world.get::<ViewTarget>(view).expect("a view").main_texture();
+        let width = texture.width() as usize;
+        let row = RenderDevice::align_copy_bytes_per_row(width * 8);
+        let buffer = device.create_buffer(&BufferDescriptor {
+            label: None,
+            size: u64::from(texture.height()) * row as u64,
+            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(row as u32),
+                    rows_per_image: None,
+                },
+            },
+            texture.size(),
+        );
+        queue.submit([encoder.finish()]);
+        buffer
+            .slice(..)
+            .map_async(MapMode::Read, |result| result.expect("it is read"));
+        device
+            .poll(PollType::wait_indefinitely())
+            .expect("the device is there");
+        let bytes = buffer.slice(..).get_mapped_range();
+        let rows = bytes
+            .chunks(row)
+            .flat_map(|line| line[..width * 8].chunks_exact(8));
+        rows.map(|texel| {
+            let channel = |c: usize| half::f16::from_le_bytes([texel[2 * c], texel[2 * c + 1]]).to_f32();
+            Vec3::new(channel(0), channel(1), channel(2))
+        })
+        .collect()
+    }
+}
