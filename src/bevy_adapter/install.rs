@@ -18,6 +18,7 @@ use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
 use super::refused::RefusedMeshes;
 use super::settings::AntumbraSettings;
+use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
@@ -61,6 +62,7 @@ pub fn install(app: &mut App) -> bool {
         .insert_resource(shaders)
         .init_resource::<Mirrors>()
         .init_resource::<RefusedMeshes>()
+        .init_resource::<Surfaces>()
         .init_resource::<Techniques>()
         .init_resource::<TouchedLights>()
         .configure_sets(
@@ -74,7 +76,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             ExtractSchedule,
             (
-                sync_cameras.in_set(AntumbraExtractSystems::Collect),
+                (sync_cameras, collect_surfaces).in_set(AntumbraExtractSystems::Collect),
                 (sync_transforms, sync_objects, sync_lights, end_sync)
                     .chain()
                     .in_set(AntumbraExtractSystems::Sync),

@@ -12,8 +12,8 @@ use super::view_state::ViewState;
 use crate::geometry::Aabb;
 use crate::plugin;
 use crate::scene::{
-    FaceCulling, Light, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh,
-    SelectionLayers, ShadowCaster, ShadowReceiver, Skin, WorldBounds,
+    Light, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers,
+    ShadowCaster, ShadowReceiver, Skin, WorldBounds,
 };
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
 
@@ -79,8 +79,6 @@ impl Mirror {
     pub fn new(layers: RenderLayers, techniques: &Techniques) -> Self {
         let mut world = World::new();
         plugin::init_resources(&mut world);
-        // Depth is the host's: which faces it drew is its affair.
-        world.insert_resource(FaceCulling::None);
         let mut schedule = Schedule::new(MirrorSchedule);
         // Systems spread their own work over all threads; one after the other they wait for nobody.
         schedule.set_executor(SingleThreadedExecutor::new());

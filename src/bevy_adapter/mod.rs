@@ -36,6 +36,7 @@
 //! | `install`, `systems`, `settings` | registration and order |
 //! | `camera` | the marker, and warnings |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
+//! | `surfaces` | which objects one looks through |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera |
 //! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | what the game changed |
 //! | `prepare`, `view_state`, `pipelines`, `pass` | the frame on the GPU |
@@ -54,6 +55,7 @@ pub mod prepare;
 pub mod projection;
 pub mod refused;
 pub mod settings;
+pub mod surfaces;
 pub mod sync;
 pub mod sync_lights;
 pub mod sync_objects;

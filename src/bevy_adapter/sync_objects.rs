@@ -11,6 +11,7 @@ use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::mesh::Mesh3d;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights as BevyMorphWeights};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::render::{Extract, MainWorld};
 use bevy::transform::components::GlobalTransform;
 use glam::Vec3;
@@ -19,9 +20,10 @@ use super::light_convert::layer_bits;
 use super::mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
 use super::mirror::{HostBounds, Mirror, Mirrors};
 use super::refused::RefusedMeshes;
+use super::surfaces::Surfaces;
 use crate::geometry::Aabb;
 use crate::scene::{
-    LocalBounds, Material, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
+    LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
     ShadowReceiver, Skin, WorldBounds,
 };
 use crate::silhouettes::CasterMeshes;
@@ -37,6 +39,7 @@ type ObjectChanged = (
         Changed<BevyAabb>,
         Changed<SkinnedMesh>,
         Changed<MeshMorphWeights>,
+        Changed<MeshMaterial3d<StandardMaterial>>,
         Added<NotShadowCaster>,
         Added<NotShadowReceiver>,
     )>,
@@ -51,6 +54,7 @@ pub struct RemovedFromObjects<'w, 's> {
     not_receiver: Extract<'w, 's, RemovedComponents<'static, 'static, NotShadowReceiver>>,
     skin: Extract<'w, 's, RemovedComponents<'static, 'static, SkinnedMesh>>,
     weights: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMorphWeights>>,
+    material: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMaterial3d<StandardMaterial>>>,
 }
 
 /// Weights that meshes share by naming the entity that has them.
@@ -70,6 +74,8 @@ pub(super) fn sync_objects(
     weights: Extract<SharedWeights>,
     mut removed: RemovedFromObjects,
     library: Extract<Res<MeshLibrary>>,
+    surfaces: Res<Surfaces>,
+    materials: Extract<Query<(Entity, &MeshMaterial3d<StandardMaterial>), With<Mesh3d>>>,
     mut dirty: Local<Vec<Entity>>,
     mut waiting: Local<Vec<Entity>>,
 ) {
@@ -82,6 +88,13 @@ pub(super) fn sync_objects(
     dirty.extend(removed.not_receiver.read());
     dirty.extend(removed.skin.read());
     dirty.extend(removed.weights.read());
+    dirty.extend(removed.material.read());
+    if surfaces.any_changed() {
+        let uses = materials
+            .iter()
+            .filter(|(_, material)| surfaces.changed(material.0.id()));
+        dirty.extend(uses.map(|(entity, _)| entity));
+    }
     if !library.changed().is_empty() {
         let uses = |&(_, mesh): &(Entity, &Mesh3d)| library.changed().contains(&mesh.0.id());
         dirty.extend(all.iter().filter(uses).map(|(entity, _)| entity));
@@ -100,11 +113,27 @@ pub(super) fn sync_objects(
     for mirror in mirrors.iter_mut() {
         if mirror.fresh {
             for (entity, _) in &all {
-                sync_object(mirror, &main, &library, &mut refused, &mut waiting, entity);
+                sync_object(
+                    mirror,
+                    &main,
+                    &library,
+                    &surfaces,
+                    &mut refused,
+                    &mut waiting,
+                    entity,
+                );
             }
         } else {
             for &entity in &*dirty {
-                sync_object(mirror, &main, &library, &mut refused, &mut waiting, entity);
+                sync_object(
+                    mirror,
+                    &main,
+                    &library,
+                    &surfaces,
+                    &mut refused,
+                    &mut waiting,
+                    entity,
+                );
             }
         }
     }
@@ -114,6 +143,7 @@ fn sync_object(
     mirror: &mut Mirror,
     main: &World,
     library: &MeshLibrary,
+    surfaces: &Surfaces,
     refused: &mut RefusedMeshes,
     waiting: &mut Vec<Entity>,
     entity: Entity,
@@ -168,13 +198,12 @@ fn sync_object(
         ShadowReceiver,
         !object.contains::<NotShadowReceiver>(),
     );
-    if seen != target.contains::<SceneMaterials>() {
-        if seen {
-            // Only that it is seen matters: Bevy draws it.
-            target.insert(SceneMaterials([Arc::new(Material::default())].into()));
-        } else {
-            target.remove::<SceneMaterials>();
-        }
+    let materials = surfaces.materials(surfaces.of_object(&object));
+    let same = |known: &SceneMaterials| Arc::ptr_eq(&known.0[0], &materials.0[0]);
+    if !seen {
+        target.remove::<SceneMaterials>();
+    } else if !target.get::<SceneMaterials>().is_some_and(same) {
+        target.insert(materials.clone());
     }
 }
 

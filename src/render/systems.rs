@@ -181,7 +181,8 @@ pub fn prepare_draws(
         table: &renderer.table,
         receivers: &objects.receivers,
         mirrored_view: current.mirrored,
-        cull_back_faces: *face_culling == FaceCulling::SingleSided,
+        // A host has chosen already, perhaps by other rules.
+        cull_back_faces: *face_culling == FaceCulling::SingleSided && renderer.host.is_none(),
     };
     renderer.draw_lists.build(
         &input,
