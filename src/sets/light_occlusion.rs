@@ -98,7 +98,7 @@ impl LightOcclusion {
 /// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
 /// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
 /// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
-/// then computed anew. Lights are spread over the threads of the [`ComputeTaskPool`](bevy_tasks::ComputeTaskPool).
+/// then computed anew. Lights are spread over the threads of the [`ComputeTaskPool`].
 ///
 /// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
