@@ -13,7 +13,7 @@
     pbr_deferred_functions::pbr_input_from_deferred_gbuffer,
     lighting,
     lighting::{LightingInput, LAYER_BASE, LAYER_CLEARCOAT},
-    mesh_view_bindings::{view, lights, deferred_prepass_texture},
+    mesh_view_bindings::{view, lights, clustered_lights, deferred_prepass_texture},
 }
 
 struct LightDraw {
@@ -107,6 +107,25 @@ fn radiance(input: ptr<function, LightingInput>) -> vec3<f32> {
 #endif
 }
 
+// Whether all of a point or spot light is beyond its range or below the surface's horizon: Bevy's functions give 0 there,
+// after all of their work.
+fn is_out_of_reach(surface: PbrInput) -> bool {
+    var out_of_reach = false;
+#ifdef LIGHT_POINT
+    out_of_reach = true;
+#endif
+#ifdef LIGHT_SPOT
+    out_of_reach = true;
+#endif
+    if out_of_reach {
+        let light = &clustered_lights.data[draw.index.x];
+        let to_light = (*light).position_radius.xyz - surface.world_position.xyz;
+        out_of_reach = dot(surface.N, to_light) + (*light).position_radius.w <= 0.0
+            || dot(to_light, to_light) * (*light).color_inverse_square_range.w >= 1.0;
+    }
+    return out_of_reach;
+}
+
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let texel = vec2<i32>(position.xy);
@@ -124,6 +143,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, shows_shadows);
     if all(visibility == vec3<f32>(0.0)) { discard; }
 #endif
+    if is_out_of_reach(surface) { discard; }
     var input = lighting_input(surface);
     let color = radiance(&input) * (visibility * view.exposure);
     // Fog is affine in the colour, and the base pass has laid its own colour down once.
