@@ -57,6 +57,8 @@ test-examples: ## the examples, every shot file, the gallery in small
 	cargo run --quiet --all-features --example with_app -- --out $(SMALL)
 	cargo run --quiet --all-features --example own_engine -- --out $(SMALL)
 	cargo run --quiet --all-features --example bevy_minimal -- --headless --out $(SMALL)
+	cargo run --quiet --all-features --example bevy_dungeon -- --headless --out $(SMALL)
+	cargo run --quiet --all-features --example bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1
 	cargo run --quiet --all-features --example gallery -- --out $(SMALL)/gallery --size 160x90
 
 # With the profile of the tests: their answers are asked for here, not their times.
