@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::frame::{Canvas, FrameOutputs};
+use super::canvas::Canvas;
+use super::frame::FrameOutputs;
 use super::frame_data::ActiveLight;
 use super::nodes;
 use super::nodes::visibility::Shadow;

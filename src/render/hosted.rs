@@ -13,7 +13,7 @@ use bevy_ecs::prelude::Entity;
 use glam::{DMat4, UVec2};
 
 use super::RenderError;
-use super::frame::Canvas;
+use super::canvas::Canvas;
 use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use super::nodes::host_depth::HostDepth;

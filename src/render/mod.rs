@@ -6,6 +6,7 @@
 
 pub mod bind_groups;
 pub mod buffers;
+pub mod canvas;
 pub mod context;
 pub mod draw_list;
 pub mod frame;

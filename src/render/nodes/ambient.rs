@@ -7,8 +7,8 @@
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
+use crate::render::canvas::Canvas;
 use crate::render::draw_list::Batch;
-use crate::render::frame::Canvas;
 use crate::render::pipelines::SurfacePass;
 use crate::render::timings::Timings;
 
