@@ -157,7 +157,7 @@ fn on_gpu(context: &RenderContext, cases: &[Case], spoil: impl Fn(&str) -> Strin
             light_local: case.light_local.to_array(),
             object: index as u32,
             extrusion: case.extrusion,
-            corners_per_edge: 6,
+            corners_per_edge: 4,
             ..Default::default()
         })
         .collect();

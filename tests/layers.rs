@@ -23,8 +23,9 @@ const LAYERS: [&str; 9] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 11] = [
+const TECHNIQUE_GPU_FILES: [&str; 12] = [
     "node.rs",
+    "quads.rs",
     "contour_pool.rs",
     "volume_pipelines.rs",
     "wedge_pipelines.rs",

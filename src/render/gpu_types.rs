@@ -124,7 +124,7 @@ pub struct Caster {
     pub object: u32,
     /// Factor on the distance from the light; 0: to infinity.
     pub extrusion: f32,
-    /// 6 for quads, 3 for triangles.
+    /// 4 for quads, 3 for triangles.
     pub corners_per_edge: u32,
     /// In the pool.
     pub first_edge: u32,

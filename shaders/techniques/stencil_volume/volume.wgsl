@@ -11,7 +11,7 @@ struct Caster {                     // mirror: render::gpu_types::Caster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
     object: u32,
     extrusion: f32,                 // factor on the distance from the light; 0: to infinity
-    corners_per_edge: u32,          // 6: a quad; 3: all far corners coincide (directional light)
+    corners_per_edge: u32,          // 4: a quad; 3: all far corners coincide (directional light)
     first_edge: u32,
     single_count: u32,              // the edges after these count twice
     padding_a: u32,
@@ -56,14 +56,14 @@ fn edge_of(caster: Caster, side: u32) -> vec2u {
     return edges[caster.first_edge + select(side, of_double, side >= caster.single_count)];
 }
 
-// Vertices of side s stand at 6 s … (quads) or 3 s … (triangles). Quad: b a a∞, b a∞ b∞; all wind outward.
+// Vertices of side s stand at 4 s … (quads, indexed: b a a∞, b a∞ b∞) or 3 s … (triangles); all wind outward.
 @vertex
 fn side(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     let caster = casters[instance];
     let edge = edge_of(caster, vertex / caster.corners_per_edge);
     let corner = vertex % caster.corners_per_edge;
-    let is_far = corner == 2u || corner >= 4u;
-    let is_end = corner == 0u || corner == 3u || corner == 5u;
+    let is_far = corner >= 2u;
+    let is_end = corner == 0u || corner == 3u;
     let position_local = position_of(select(edge.x, edge.y, is_end));
     if is_far {
         return Corner(far_position(caster, position_local));

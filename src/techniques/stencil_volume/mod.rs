@@ -8,6 +8,7 @@
 //! | [`volumes`] | the frame's volumes: which parts of which caster are drawn, and how |
 //! | `contour_pool` | silhouettes on the GPU (feature `render`) |
 //! | `volume_pipelines` | what tells two draws of volumes apart (feature `render`) |
+//! | `quads` | indices of side quads (feature `render`) |
 //! | `node` | the recorder (feature `render`) |
 //!
 //! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9.
@@ -19,6 +20,8 @@ pub mod extrude;
 pub mod inside_test;
 #[cfg(feature = "render")]
 pub mod node;
+#[cfg(feature = "render")]
+mod quads;
 #[cfg(feature = "render")]
 pub mod volume_pipelines;
 pub mod volumes;

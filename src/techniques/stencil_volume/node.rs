@@ -15,6 +15,7 @@
 use bevy_ecs::prelude::*;
 
 use super::contour_pool::{ContourPool, PooledContour};
+use super::quads::{CORNERS, QuadIndices};
 use super::volume_pipelines::{Key, Part, Purpose, VolumePipelines};
 use super::volumes::{CasterVolume, StencilVolumes};
 use crate::conventions::STENCIL_IN_BOUNDS;
@@ -35,8 +36,11 @@ pub const NAME: &str = "stencil_volume";
 struct Draw {
     key: Key,
     mesh: u32,
+    /// The light is at infinity, and so the far ends of a side are one point.
+    is_directional: bool,
     /// First index of a cap in the pool; 0 for sides.
     first: u32,
+    /// Indices of a cap, or sides.
     count: u32,
     /// First of the casters.
     caster: u32,
@@ -56,6 +60,7 @@ pub struct StencilVolumeNode {
     group_layout: wgpu::BindGroupLayout,
     pool: ContourPool,
     casters: GrowingBuffer,
+    quads: QuadIndices,
     group: wgpu::BindGroup,
     caster_constants: Vec<gpu_types::Caster>,
     draws: Vec<Draw>,
@@ -99,6 +104,7 @@ impl StencilVolumeNode {
             group_layout,
             pool,
             casters,
+            quads: QuadIndices::new(context),
             caster_constants: Vec::new(),
             draws: Vec::new(),
             lights: Vec::new(),
@@ -119,6 +125,7 @@ impl StencilVolumeNode {
         pass.set_bind_group(2, &self.group, &[]);
         pass.set_index_buffer(self.pool.caps().slice(..), wgpu::IndexFormat::Uint32);
         let mut last_key = None;
+        let mut has_quads = false;
         for draw in draws {
             if last_key != Some(draw.key) {
                 let Some(pipeline) = self.pipelines.get(draw.key, purpose) else {
@@ -127,7 +134,6 @@ impl StencilVolumeNode {
                 pass.set_pipeline(pipeline);
                 last_key = Some(draw.key);
             }
-            let range = draw.first..draw.first + draw.count;
             let caster = draw.caster..draw.caster + draw.caster_count;
             let matters = |caster: &gpu_types::Caster| match input.casters {
                 Some(casters) => casters.contains(caster.object as usize),
@@ -144,11 +150,22 @@ impl StencilVolumeNode {
             };
             // For caps too, which do not read it: all parts share a layout.
             pass.set_bind_group(3, &mesh.positions_group, &[]);
-            if draw.key.part == Part::Side {
-                pass.draw(range, caster);
+            let is_quads = draw.key.part == Part::Side && !draw.is_directional;
+            if has_quads != is_quads {
+                has_quads = is_quads;
+                if is_quads {
+                    self.quads.set(pass);
+                } else {
+                    pass.set_index_buffer(self.pool.caps().slice(..), wgpu::IndexFormat::Uint32);
+                }
+            }
+            if is_quads {
+                QuadIndices::draw(pass, draw.count, caster);
+            } else if draw.key.part == Part::Side {
+                pass.draw(0..3 * draw.count, caster);
             } else {
                 pass.set_vertex_buffer(0, mesh.positions.slice(..));
-                pass.draw_indexed(range, 0, caster);
+                pass.draw_indexed(draw.first..draw.first + draw.count, 0, caster);
             }
         }
     }
@@ -209,13 +226,13 @@ impl StencilVolumeNode {
     fn push_draws(&mut self, volume: &CasterVolume, pooled: PooledContour, input: &PrepareInput) {
         let object = volume.object as usize;
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
-        let corners_per_edge = if volume.light_local.w == 0.0 { 3 } else { 6 };
+        let is_directional = volume.light_local.w == 0.0;
         let caster = self.caster_constants.len() as u32;
         self.caster_constants.push(gpu_types::Caster {
             light_local: volume.light_local.to_array(),
             object: volume.object,
             extrusion: volume.extrusion,
-            corners_per_edge,
+            corners_per_edge: if is_directional { 3 } else { CORNERS },
             first_edge: pooled.first_edge,
             single_count: pooled.single_count,
             ..Default::default()
@@ -230,6 +247,7 @@ impl StencilVolumeNode {
                         clockwise,
                     },
                     mesh,
+                    is_directional,
                     first,
                     count,
                     caster,
@@ -242,7 +260,7 @@ impl StencilVolumeNode {
                 Part::Side,
                 mirrored,
                 0,
-                (pooled.single_count + 2 * pooled.double_count) * corners_per_edge,
+                pooled.single_count + 2 * pooled.double_count,
             );
         }
         let away = pooled.first_cap + pooled.caps_away_start;
