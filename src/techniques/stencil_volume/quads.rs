@@ -1,5 +1,4 @@
-//! Indices of side quads: four vertices each, of which two triangles share two. The vertex stage is what volumes cost on
-//! devices with few pixels to fill; unindexed, each quad took six.
+//! Indices of side quads: four vertices each, of which two triangles share two.
 
 use std::ops::Range;
 
