@@ -1,6 +1,7 @@
 //! Pure mathematics on `glam`: no ECS, no GPU.
 
 pub mod aabb;
+pub mod box_shadow;
 pub mod cone;
 pub mod edge_mesh;
 pub mod frustum;
@@ -9,6 +10,7 @@ pub mod plane_set;
 pub mod sphere;
 
 pub use aabb::Aabb;
+pub use box_shadow::BoxShadow;
 pub use cone::Cone;
 pub use frustum::{Frustum, FrustumShape};
 pub use light_hull::{Emitter, LightHull, SolidEdge};

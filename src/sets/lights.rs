@@ -77,6 +77,8 @@ pub struct FrameLight {
     pub scissor: Option<ScissorRect>,
     /// View depths that it can reach; `None` if it is skipped.
     pub depth_bounds: Option<DepthBounds>,
+    /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the volume.
+    pub lit_receivers: Vec<Aabb>,
     /// Bounds of the receivers of I, each cut by the box of the volume.
     pub(super) receiver_bounds: Aabb,
     /// Words in which `reach` may not be 0, and so L, I and S neither.
@@ -158,6 +160,7 @@ impl FrameLight {
             inside_frustum: false,
             scissor: None,
             depth_bounds: None,
+            lit_receivers: Vec::new(),
             receiver_bounds: Aabb::EMPTY,
             touched: FixedBitSet::new(),
             stale: true,

@@ -38,6 +38,7 @@ pub mod light_occlusion;
 pub mod light_volume;
 pub mod lights;
 mod lit_bounds;
+mod lit_receivers;
 pub mod objects;
 pub mod occlusion;
 pub mod reach;

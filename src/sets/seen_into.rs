@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
+use super::objects::resize;
 use super::{Objects, Touch, View};
 use crate::geometry::Aabb;
 use crate::scene::{SceneMaterials, SceneMesh};
@@ -12,11 +13,14 @@ use crate::scene::{SceneMaterials, SceneMesh};
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct SeenInto(pub FixedBitSet);
 
-/// See-through objects, which depend on materials alone.
+/// What depends on materials alone: see-through objects, and two-sided ones.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct SeeThrough {
     /// By dense index.
     pub objects: FixedBitSet,
+    /// Objects of which every surface is drawn from both sides, whatever
+    /// [`FaceCulling`](crate::scene::FaceCulling) says; by dense index.
+    pub two_sided: FixedBitSet,
     generation: Option<(u64, u64)>,
 }
 
@@ -40,13 +44,17 @@ pub fn collect_seen_into(
     *last_view = Some(view.generation);
     if rebuilt {
         see_through.generation = generation;
-        see_through.objects.clear();
-        see_through.objects.grow(objects.len());
+        resize(&mut see_through.objects, objects.len());
+        resize(&mut see_through.two_sided, objects.len());
         for (object, &entity) in objects.entities.iter().enumerate() {
-            let opaque = appearance
+            let (opaque, two_sided) = appearance
                 .get(entity)
-                .is_ok_and(|(mesh, materials)| materials.are_opaque(&mesh.0));
+                .map_or((false, false), |(mesh, materials)| {
+                    let two_sided = materials.0.iter().all(|material| material.double_sided);
+                    (materials.are_opaque(&mesh.0), two_sided)
+                });
             see_through.objects.set(object, !opaque);
+            see_through.two_sided.set(object, two_sided);
         }
     }
     seen_into.0.clone_from(&see_through.objects);

@@ -10,11 +10,12 @@ use super::frustum::FrustumSet;
 use super::illumination::selected;
 use super::light_volume::LightVolume;
 use super::lights::{FrameLight, FrameLights};
+use super::lit_receivers::{cut_casters, list_lit_receivers};
 use super::objects::Objects;
 use super::occlusion::OcclusionSettings;
 use super::reach::each_light;
 use super::view::{View, ViewData};
-use super::visible_parts::{VisibleParts, cut_casters};
+use super::visible_parts::VisibleParts;
 use super::work::SetWork;
 use crate::geometry::{LightHull, Plane, Sphere};
 use crate::scene::LocalBounds;
@@ -54,6 +55,7 @@ pub fn collect_shadow_sets(
             Some(view) if light.scissor.is_some() => {
                 light.work.shadows += 1;
                 collect(light, &objects, view, &frustum_set, &placed);
+                list_lit_receivers(light, &parts, &objects);
                 if settings.of_shadows {
                     cut_casters(light, &parts, &objects);
                 } else if !light.receiver_bounds.is_empty() {
@@ -77,6 +79,7 @@ fn all_casters(light: &mut FrameLight, objects: &Objects) {
 fn clear(light: &mut FrameLight) {
     let s = light.s.as_mut_slice();
     light.touched.ones().for_each(|word| s[word] = 0);
+    light.lit_receivers.clear();
 }
 
 /// Where the local bounds of a caster are.

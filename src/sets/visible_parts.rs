@@ -5,15 +5,14 @@
 
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
-use glam::Vec3;
 
 use super::boxes::WORD;
 use super::clusters::for_bits;
 use super::lights::FrameLight;
 use super::lit_bounds::lit_bounds;
-use super::objects::{Objects, resize};
+use super::objects::Objects;
 use super::occlusion::{Occluders, Viewpoint};
-use crate::geometry::{Aabb, LightHull};
+use crate::geometry::Aabb;
 
 /// Bounds of the part of each object of V that may be seen. Written by
 /// [`collect_visible_set`](super::collect_visible_set).
@@ -32,6 +31,11 @@ impl VisibleParts {
         } else {
             objects.boxes.get(object)
         }
+    }
+
+    /// Whether something occludes, so that parts are less than the whole.
+    pub(super) fn in_use(&self) -> bool {
+        self.in_use
     }
 
     /// All is seen whole.
@@ -109,60 +113,4 @@ impl VisibleParts {
             }
         }
     }
-}
-
-/// Tests of a word of casters against a receiver that one light may cost.
-const MAX_TESTS: usize = 1024;
-
-/// Receivers beyond these tests are joined by the cells of a grid over them, this many along each axis.
-const GRID: usize = 4;
-
-/// Takes casters out of S that stand between the light and none of its receivers, each by itself, or, if these are many,
-/// between the light and those of a part of space.
-///
-/// Only where something occludes: in open scenes receivers see the light from all around, and the hulls cost more than
-/// they spare.
-pub(super) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
-    if !parts.in_use {
-        return;
-    }
-    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    let count = light.i.intersection(&objects.receivers).count();
-    let reach = light.volume.aabb();
-    let lit = |receiver: usize| parts.get(objects, receiver).intersection(reach);
-    resize(&mut light.kept, light.s.len());
-    let (s, i, kept) = (light.s.as_slice(), &light.i, &mut light.kept);
-    let mut keep = |part: &Aabb| {
-        let hull = LightHull::of_aabb(part, &light.emitter);
-        for (word, (s, kept)) in s.iter().zip(kept.as_mut_slice()).enumerate() {
-            let open = s & !*kept;
-            if open != 0 {
-                *kept |= objects.boxes.touching_planes(word, open, &hull.planes);
-            }
-        }
-    };
-    let receivers = i
-        .intersection(&objects.receivers)
-        .map(lit)
-        .filter(|part| !part.is_empty());
-    if count * words <= MAX_TESTS {
-        receivers.for_each(|part| keep(&part));
-    } else if GRID.pow(3) * words <= 4 * MAX_TESTS {
-        let mut cells = [Aabb::EMPTY; GRID.pow(3)];
-        let (min, size) = (
-            light.receiver_bounds.min,
-            (light.receiver_bounds.max - light.receiver_bounds.min).max(Vec3::splat(1e-6)),
-        );
-        for part in receivers {
-            let cell = ((part.center() - min) / size * GRID as f32)
-                .clamp(Vec3::ZERO, Vec3::splat(GRID as f32 - 1.0));
-            let [x, y, z] = cell.to_array().map(|at| at as usize);
-            let cell = &mut cells[(x * GRID + y) * GRID + z];
-            *cell = cell.union(part);
-        }
-        cells.iter().filter(|part| !part.is_empty()).for_each(keep);
-    } else {
-        return;
-    }
-    light.s.intersect_with(&light.kept);
 }

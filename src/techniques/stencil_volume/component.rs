@@ -62,8 +62,8 @@ pub enum Counting {
     reflect(Default, Debug, Clone, PartialEq)
 )]
 pub enum Extent {
-    /// To just beyond the light's range, if it has one and the light is outside of the caster's bounds; else to
-    /// infinity.
+    /// To just beyond what is seen of the receivers within the light's range, unless the light is within the caster's bounds
+    /// or directional; then to infinity.
     #[default]
     Finite,
     /// To infinity.

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, DVec4, Vec3, Vec4};
 
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, BoxShadow};
 
 /// Extrusion of a volume that reaches infinity.
 pub const TO_INFINITY: f32 = 0.0;
@@ -19,28 +19,38 @@ pub fn far_position(light_local: Vec4, extrusion: f32, position_local: Vec3) -> 
     }
 }
 
-/// The factor that takes every point of a caster beyond the light's range: `range` over the light's distance from the
-/// caster's bounds. Scaling about the light keeps each side in its plane, so a finite volume is a part of the infinite
-/// one; and as the whole far cap is the caster scaled, no part of it dips back into the range, however wide it is.
+/// The factor that takes every point of a caster beyond all that it may shadow: beyond the light's range, `range` over the
+/// light's distance from the caster's bounds, or beyond the receivers, whichever is less. `None`: it shadows none of them.
 ///
-/// [`TO_INFINITY`] for directional lights, lights without range, and lights inside or so near the bounds that the
-/// factor would be no gain.
-pub fn finite_extrusion(light_world: DVec4, range: f32, bounds_world: &Aabb) -> f32 {
+/// Scaling about the light keeps each side in its plane, so a finite volume is a part of the infinite one; and as the whole
+/// far cap is the caster scaled, no part of it dips back into what is lit, however wide it is.
+///
+/// [`TO_INFINITY`] for directional lights, and where the light is inside or so near the bounds that a factor would be no
+/// gain. `receivers`: boxes that are not empty.
+/// Source: Lloyd et al. 2004, "CC Shadow Volumes", for clamping volumes to receivers; how is ours.
+pub fn finite_extrusion(
+    light_world: DVec4,
+    range: f32,
+    bounds_world: &Aabb,
+    receivers: &[Aabb],
+) -> Option<f32> {
     /// Beyond, far corners lie so far out that nothing is saved; by eye.
     const LARGEST: f64 = 1000.0;
-    /// Keeps rounding on the far side of the range.
+    /// Keeps rounding on the far side of what is lit.
     const SLACK: f64 = 1.001;
-    if light_world.w == 0.0 || !range.is_finite() || bounds_world.is_empty() {
-        return TO_INFINITY;
+    if light_world.w == 0.0 || bounds_world.is_empty() {
+        return Some(TO_INFINITY);
     }
     let light = light_world.truncate();
     let nearest = light.clamp(bounds_world.min.as_dvec3(), bounds_world.max.as_dvec3());
-    let factor = f64::from(range) * SLACK / light.distance(nearest);
-    if factor.is_finite() && factor <= LARGEST {
+    let to_range = f64::from(range) / light.distance(nearest);
+    let to_receivers = f64::from(BoxShadow::new(light, bounds_world).farthest(receivers)?);
+    let factor = to_receivers.min(to_range) * SLACK;
+    Some(if factor <= LARGEST {
         factor.max(1.0) as f32
     } else {
         TO_INFINITY
-    }
+    })
 }
 
 /// The corners of a box and the same pushed away from the light: near ones, then far ones. Their convex hull holds the

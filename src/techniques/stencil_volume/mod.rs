@@ -5,7 +5,8 @@
 //! | [`component`] | what a user sets on a light |
 //! | [`extrude`] | far corners and the bounds of a volume; the twin of the vertex shader |
 //! | [`inside_test`] | whether the viewport may lie in a caster's shadow: depth-fail or depth-pass |
-//! | [`volumes`] | the frame's volumes: which parts of which caster are drawn, and how |
+//! | [`parts`] | how far a volume reaches, and which parts of it are drawn |
+//! | [`volumes`] | the frame's volumes |
 //! | `contour_pool` | silhouettes on the GPU (feature `render`) |
 //! | `volume_pipelines` | what tells two draws of volumes apart (feature `render`) |
 //! | `quads` | indices of side quads (feature `render`) |
@@ -20,6 +21,7 @@ pub mod extrude;
 pub mod inside_test;
 #[cfg(feature = "render")]
 pub mod node;
+pub mod parts;
 #[cfg(feature = "render")]
 mod quads;
 #[cfg(feature = "render")]

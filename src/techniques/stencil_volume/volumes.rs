@@ -1,25 +1,17 @@
 //! The frame's shadow volumes: which parts of which caster are drawn, and how they are counted.
 //!
-//! A caster of a light's set S has up to three parts, each left out where it cannot matter:
-//!
-//! | part | left out |
-//! | --- | --- |
-//! | sides | their bounds miss the view frustum |
-//! | near cap | depth-pass (it lies on the caster's own, drawn surface), or the caster's bounds miss the frustum |
-//! | far cap | directional light (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum |
-//!
-//! A finite volume keeps its far cap under depth-pass: a pixel inside the light's range may be seen through it.
+//! What a caster of a light's set S has of them is decided here and in [`parts`](super::parts).
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
-use glam::{DVec4, Vec4};
+use glam::Vec4;
 
-use super::component::{Counting, Extent, StencilVolume};
-use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
+use super::component::{Counting, StencilVolume};
+use super::extrude::TO_INFINITY;
 use super::inside_test::OcclusionPyramid;
+use super::parts::PartCulling;
 use crate::scene::FaceCulling;
-use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{FrameLight, FrameLights, Objects, SeenInto, View, ViewData};
+use crate::sets::{CameraOcclusion, FrameLights, Objects, SeeThrough, SeenInto, View};
 use crate::silhouettes::{CasterEdges, Silhouettes};
 
 /// The volume of one caster in one light.
@@ -52,7 +44,8 @@ pub struct LightVolumes {
     pub entity: Entity,
     /// Ascending by object.
     pub casters: Vec<CasterVolume>,
-    /// Casters of S whose volume was left out as a whole: it misses the view, or the depths that the light reaches.
+    /// Casters of S whose volume was left out as a whole: it misses the view, the receivers, or the depths that the light
+    /// reaches.
     pub culled: usize,
 }
 
@@ -78,7 +71,7 @@ impl StencilVolumes {
 
 /// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`]; writes [`StencilVolumes`].
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], what stands before the camera; writes [`StencilVolumes`].
 /// Cost: one pyramid and one hull test a caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
@@ -87,6 +80,8 @@ pub fn build_stencil_volumes(
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
     seen_into: Res<SeenInto>,
+    see_through: Res<SeeThrough>,
+    occlusion: Res<CameraOcclusion>,
     face_culling: Res<FaceCulling>,
     components: Query<&StencilVolume>,
     casters: Query<&CasterEdges>,
@@ -113,6 +108,7 @@ pub fn build_stencil_volumes(
         let near = &view.near_corners;
         let around = [near[0], near[1], near[3], near[2]];
         let pyramid = OcclusionPyramid::new(&around, light.point_world);
+        let parts = PartCulling::new(light, view, &occlusion.viewpoint);
         if let Some(known) = silhouettes.of_light(light.entity) {
             for object in light.s.ones() {
                 let Some((slot, silhouette)) = known.of_object(object) else {
@@ -125,6 +121,7 @@ pub fn build_stencil_volumes(
                 let hides_cap = objects.drawn.contains(object)
                     && !seen_into.0.contains(object)
                     && (*face_culling == FaceCulling::None
+                        || see_through.two_sided.contains(object)
                         || casters
                             .get(objects.entities[object])
                             .is_ok_and(|edges| edges.0.edges.is_closed()));
@@ -141,7 +138,7 @@ pub fn build_stencil_volumes(
                     near_cap: !depth_pass,
                     far_cap: true,
                 };
-                match cull_parts(volume, settings, light, &objects, view) {
+                match parts.cull(volume, settings.extent, &objects.boxes.get(object)) {
                     Some(volume) => entry.casters.push(volume),
                     None => entry.culled += 1,
                 }
@@ -149,34 +146,4 @@ pub fn build_stencil_volumes(
         }
         out.push(entry);
     }
-}
-
-/// Chooses the extrusion and drops parts that cannot matter; `None` if none is left.
-fn cull_parts(
-    mut volume: CasterVolume,
-    settings: &StencilVolume,
-    light: &FrameLight,
-    objects: &Objects,
-    view: &ViewData,
-) -> Option<CasterVolume> {
-    let bounds = objects.boxes.get(volume.object as usize);
-    let point: DVec4 = light.point_world;
-    if settings.extent == Extent::Finite {
-        volume.extrusion = finite_extrusion(point, light.light.range, &bounds);
-    }
-    let to_infinity = volume.extrusion == TO_INFINITY;
-    let corners = volume_corners(point, volume.extrusion, &bounds);
-    let planes = &view.frustum.planes;
-    volume.sides = !planes.excludes_points(&corners);
-    volume.near_cap &= !planes.excludes_points(&corners[..8]);
-    volume.far_cap =
-        point.w != 0.0 && !(volume.depth_pass && to_infinity) && !planes.excludes_points(&corners[8..]);
-    if !(volume.sides || volume.near_cap || volume.far_cap) {
-        return None;
-    }
-    // A volume that ends before the nearest, or begins beyond the farthest surface that the light reaches, counts to 0
-    // at all of them.
-    let reached = light.depth_bounds?;
-    let spanned = shadow_depth_range(view, &bounds, &light.emitter)?;
-    spanned.intersects(&reached).then_some(volume)
 }

@@ -1,0 +1,86 @@
+//! Which parts of a caster's volume can matter, and how far it reaches.
+//!
+//! | part | left out |
+//! | --- | --- |
+//! | sides | their bounds miss the view frustum |
+//! | near cap | depth-pass (it lies on the caster's own, drawn surface), or the caster's bounds miss the frustum |
+//! | far cap | directional light (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum; depth-pass too where nothing lit lies behind it, or nothing of it is seen |
+//!
+//! A finite volume keeps its far cap under depth-pass else: a pixel inside the light's range may be seen through it.
+//! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
+
+use glam::{DVec3, DVec4, Vec4};
+
+use super::component::Extent;
+use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
+use super::volumes::CasterVolume;
+use crate::geometry::Aabb;
+use crate::sets::depth_bounds::shadow_depth_range;
+use crate::sets::occlusion::Viewpoint;
+use crate::sets::{FrameLight, Projector, ViewData};
+
+/// What parts of the volumes in one light are asked against.
+#[derive(Debug)]
+pub struct PartCulling<'a> {
+    light: &'a FrameLight,
+    view: &'a ViewData,
+    projector: Projector,
+    before_camera: &'a Viewpoint,
+}
+
+impl<'a> PartCulling<'a> {
+    /// Of a light in a view; `before_camera` is what stands before the camera, or nothing.
+    pub fn new(light: &'a FrameLight, view: &'a ViewData, before_camera: &'a Viewpoint) -> Self {
+        Self {
+            light,
+            view,
+            projector: Projector::new(view),
+            before_camera,
+        }
+    }
+
+    /// Chooses the extrusion and drops parts that cannot matter; `None` if none is left. `bounds` are those of the caster,
+    /// world space.
+    pub fn cull(&self, mut volume: CasterVolume, extent: Extent, bounds: &Aabb) -> Option<CasterVolume> {
+        let light = self.light;
+        let point: DVec4 = light.point_world;
+        if extent == Extent::Finite {
+            volume.extrusion = finite_extrusion(point, light.light.range, bounds, &light.lit_receivers)?;
+        }
+        let to_infinity = volume.extrusion == TO_INFINITY;
+        let corners = volume_corners(point, volume.extrusion, bounds);
+        let far_corners = &corners[8..];
+        let planes = &self.view.frustum.planes;
+        volume.sides = !planes.excludes_points(&corners);
+        volume.near_cap &= !planes.excludes_points(&corners[..8]);
+        volume.far_cap = point.w != 0.0
+            && !(volume.depth_pass && (to_infinity || self.hides(far_corners)))
+            && !planes.excludes_points(far_corners);
+        if !(volume.sides || volume.near_cap || volume.far_cap) {
+            return None;
+        }
+        // A volume that ends before the nearest, or begins beyond the farthest surface that the light reaches, counts to 0
+        // at all of them.
+        let reached = light.depth_bounds?;
+        let spanned = shadow_depth_range(self.view, bounds, &light.emitter)?;
+        spanned.intersects(&reached).then_some(volume)
+    }
+
+    /// Whether all that the light reaches in view lies before the hull of these positions, or something else does.
+    fn hides(&self, corners: &[Vec4]) -> bool {
+        let corners = || corners.iter().map(|corner| corner.truncate().as_dvec3());
+        let nearest = corners()
+            .map(|corner| self.projector.depth(corner))
+            .fold(f64::INFINITY, f64::min);
+        if self
+            .light
+            .depth_bounds
+            .is_some_and(|reached| nearest > f64::from(reached.far))
+        {
+            return true;
+        }
+        let min = corners().fold(DVec3::INFINITY, DVec3::min);
+        let max = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
+        self.before_camera.hides_box((min + max) * 0.5, (max - min) * 0.5)
+    }
+}
