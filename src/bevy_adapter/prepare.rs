@@ -147,8 +147,9 @@ fn prepare_view(
     if place.get::<Camera>() != Some(&projection.camera) {
         place.insert(projection.camera);
     }
-    if place.get() != Some(&view.world_from_view) {
-        place.insert(view.world_from_view);
+    let world_from_camera = projection.place(&view.world_from_view);
+    if place.get() != Some(&world_from_camera) {
+        place.insert(world_from_camera);
     }
     mirror
         .world

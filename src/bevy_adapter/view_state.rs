@@ -140,7 +140,7 @@ impl ViewState {
     /// Says once that a view is left to Bevy.
     pub(super) fn warn_of_projection(&mut self) {
         if !std::mem::replace(&mut self.warned_of_projection, true) {
-            tracing::warn!("a view that is no perspective has no shadows of ours");
+            tracing::warn!("a view that is neither perspective nor orthographic has no shadows of ours");
         }
     }
 }

@@ -78,7 +78,7 @@ pub struct FrameLight {
     /// View depths that it can reach; `None` if it is skipped.
     pub depth_bounds: Option<DepthBounds>,
     /// Bounds of the receivers of I, each cut by the box of the volume.
-    pub(super) receiver_bounds: Aabb,
+    pub receiver_bounds: Aabb,
     /// Words in which `reach` may not be 0, and so L, I and S neither.
     pub(super) touched: FixedBitSet,
     /// Whether I and what follows from it are to be computed in this frame.

@@ -6,21 +6,24 @@
 //! | --- | --- |
 //! | sides | their bounds miss the view frustum |
 //! | near cap | depth-pass (it lies on the caster's own, drawn surface), or the caster's bounds miss the frustum |
-//! | far cap | directional light (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum |
+//! | far cap | directional light to infinity (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum |
 //!
-//! A finite volume keeps its far cap under depth-pass: a pixel inside the light's range may be seen through it.
+//! A finite volume keeps its far cap under depth-pass: a pixel inside the light's range may be seen through it. In an
+//! orthographic view all volumes are finite ([`finite_reach`](crate::techniques::finite_reach)).
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
-use glam::{DVec4, Vec4};
+use glam::Vec4;
 
 use super::component::{Counting, Extent, StencilVolume};
 use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
 use super::inside_test::OcclusionPyramid;
+use crate::geometry::excludes_points;
 use crate::scene::FaceCulling;
 use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{FrameLight, FrameLights, Objects, SeenInto, View, ViewData};
-use crate::silhouettes::{CasterEdges, Silhouettes};
+use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, SeenInto, View, ViewData};
+use crate::silhouettes::Silhouettes;
+use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
 
 /// The volume of one caster in one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,6 +66,7 @@ pub struct StencilVolumes {
     /// Ascending by light.
     pub lights: Vec<LightVolumes>,
     spare: Vec<Vec<CasterVolume>>,
+    surfaces: NearestSurfaces,
 }
 
 impl StencilVolumes {
@@ -79,9 +83,10 @@ impl StencilVolumes {
 /// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
 ///
 /// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`]; writes [`StencilVolumes`].
-/// Cost: one pyramid and one hull test a caster of S.
+/// In an orthographic view it tells [`DepthReach`] how deep they reach. Cost: one pyramid and one hull test a caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
+    mut depth_reach: ResMut<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -89,9 +94,14 @@ pub fn build_stencil_volumes(
     seen_into: Res<SeenInto>,
     face_culling: Res<FaceCulling>,
     components: Query<&StencilVolume>,
-    casters: Query<&CasterEdges>,
+    casters: Query<PlacedCaster<'static>>,
 ) {
-    let StencilVolumes { lights: out, spare } = &mut *volumes;
+    let StencilVolumes {
+        lights: out,
+        spare,
+        surfaces,
+    } = &mut *volumes;
+    surfaces.begin_frame();
     spare.extend(out.drain(..).map(|light| light.casters));
     let Some(view) = &view.data else {
         return;
@@ -113,6 +123,7 @@ pub fn build_stencil_volumes(
         let near = &view.near_corners;
         let around = [near[0], near[1], near[3], near[2]];
         let pyramid = OcclusionPyramid::new(&around, light.point_world);
+        let finite = FiniteReach::new(view, light, light.point_world);
         if let Some(known) = silhouettes.of_light(light.entity) {
             for object in light.s.ones() {
                 let Some((slot, silhouette)) = known.of_object(object) else {
@@ -127,22 +138,44 @@ pub fn build_stencil_volumes(
                     && (*face_culling == FaceCulling::None
                         || casters
                             .get(objects.entities[object])
-                            .is_ok_and(|edges| edges.0.edges.is_closed()));
+                            .is_ok_and(|caster| caster.0.0.edges.is_closed()));
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
                     && pyramid.excludes(&objects.boxes.get(object));
+                let entity = objects.entities[object];
+                let bounds = objects.boxes.get(object);
+                let extrusion = match &finite {
+                    Some(finite) => finite.extrusion(&bounds, || {
+                        let key = (light.entity, 0, entity);
+                        surfaces.get(key, silhouette.revision, light.point_world, casters.get(entity).ok()?)
+                    }),
+                    None if settings.extent == Extent::Finite => {
+                        Some(finite_extrusion(light.point_world, light.light.range, &bounds))
+                    }
+                    None => Some(TO_INFINITY),
+                };
+                let Some(extrusion) = extrusion else {
+                    entry.culled += 1; // beyond all that receives the light
+                    continue;
+                };
                 let volume = CasterVolume {
                     object: object as u32,
                     slot: slot as u32,
                     light_local: silhouette.light_local,
-                    extrusion: TO_INFINITY,
+                    extrusion,
                     depth_pass,
                     sides: true,
                     near_cap: !depth_pass,
                     far_cap: true,
                 };
-                match cull_parts(volume, settings, light, &objects, view) {
-                    Some(volume) => entry.casters.push(volume),
+                let corners = volume_corners(light.point_world, extrusion, &bounds);
+                match cull_parts(volume, &corners, light, &objects, view) {
+                    Some(volume) => {
+                        if finite.is_some() {
+                            include_points(&mut depth_reach, view, corners);
+                        }
+                        entry.casters.push(volume);
+                    }
                     None => entry.culled += 1,
                 }
             }
@@ -151,26 +184,21 @@ pub fn build_stencil_volumes(
     }
 }
 
-/// Chooses the extrusion and drops parts that cannot matter; `None` if none is left.
+/// Drops parts that cannot matter; `None` if none is left. `corners` are those of the volume.
 fn cull_parts(
     mut volume: CasterVolume,
-    settings: &StencilVolume,
+    corners: &[Vec4; 16],
     light: &FrameLight,
     objects: &Objects,
     view: &ViewData,
 ) -> Option<CasterVolume> {
     let bounds = objects.boxes.get(volume.object as usize);
-    let point: DVec4 = light.point_world;
-    if settings.extent == Extent::Finite {
-        volume.extrusion = finite_extrusion(point, light.light.range, &bounds);
-    }
     let to_infinity = volume.extrusion == TO_INFINITY;
-    let corners = volume_corners(point, volume.extrusion, &bounds);
-    let planes = &view.frustum.planes;
-    volume.sides = !planes.excludes_points(&corners);
-    volume.near_cap &= !planes.excludes_points(&corners[..8]);
-    volume.far_cap =
-        point.w != 0.0 && !(volume.depth_pass && to_infinity) && !planes.excludes_points(&corners[8..]);
+    let is_seen = |points: &[Vec4]| !excludes_points(view.frustum.open_planes(), points);
+    volume.sides = is_seen(corners);
+    volume.near_cap &= is_seen(&corners[..8]);
+    let is_point = to_infinity && light.point_world.w == 0.0;
+    volume.far_cap = !is_point && !(volume.depth_pass && to_infinity) && is_seen(&corners[8..]);
     if !(volume.sides || volume.near_cap || volume.far_cap) {
         return None;
     }
