@@ -4,6 +4,8 @@
 mod core_harness;
 
 mod bad_input;
+mod depth;
+mod foreign;
 mod harness;
 mod lifetimes;
 mod minimal;

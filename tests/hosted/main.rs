@@ -30,7 +30,7 @@ fn camera() -> Camera {
 
 /// An orthographic camera, its near plane behind it.
 fn parallel() -> Camera {
-    Camera::orthographic(5.0, -1.0, 60.0, SIZE.x as f32 / SIZE.y as f32)
+    Camera::orthographic(4.9, -1.0, 60.0, SIZE.x as f32 / SIZE.y as f32)
 }
 
 /// Boxes and spheres on a ground, at a place of the world where f32 has steps of 8 µm.
