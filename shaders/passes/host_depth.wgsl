@@ -1,5 +1,5 @@
 // The depth of a host's picture, copied and then replaced by our own wherever the host shows a surface that we know.
-// Host    src/render/nodes/host_depth.rs
+// Host    src/render/nodes/host_depth.rs; host_select.rs, which draws the same surfaces into the stencil
 // Groups  0 view, 2 material (not read), 3 the host's depth
 #import antumbra::view::ndc_from_pixel
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
@@ -37,6 +37,12 @@ fn copy(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
 @vertex
 fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
+}
+
+// Writes nothing: the colour target's write mask is empty.
+@fragment
+fn no_color() -> @location(0) vec4f {
+    return vec4f(0.0);
 }
 
 // A surface as the host shows it, or nothing.

@@ -187,7 +187,10 @@ mod tests {
         let place = GlobalTransform::from(bevy::transform::components::Transform::from_xyz(1.0, 2.0, 3.0));
         let from = |place: &GlobalTransform| place.affine().inverse();
         for point in [glam::vec3(0.3, 0.7, -4.0), glam::vec3(-2.0, 1.0, -30.0)] {
-            let bevys = jittered.clip_from_view.as_mat4().project_point3(from(&place).transform_point3(point));
+            let bevys = jittered
+                .clip_from_view
+                .as_mat4()
+                .project_point3(from(&place).transform_point3(point));
             let in_ours = from(&jittered.place(&place)).transform_point3(point);
             let ours = jittered.camera.clip_from_view().as_mat4().project_point3(in_ours);
             assert!(ours.abs_diff_eq(bevys, 1e-5), "{ours} {bevys}");

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
 use super::RenderError;
@@ -222,6 +223,19 @@ pub fn prepare_draws(
             &mut frame.batches,
             &mut frame.instances,
         );
+        let first_unaffected = frame.batches.len();
+        if renderer.host.is_some() && objects.common_layers() & light.selection.affects == 0 {
+            collect_unaffected(&mut frame.unaffected, &objects, &visible, light.selection.affects);
+            renderer.draw_lists.build(
+                &input,
+                &frame.unaffected,
+                ItemFilter::Opaque,
+                true,
+                &mut frame.batches,
+                &mut frame.instances,
+            );
+        }
+        let unaffected = first_unaffected..frame.batches.len();
         let slot = frame.lights.len();
         let at = frame.light_constants.len();
         frame.light_constants.resize(at + LIGHT_STRIDE as usize, 0);
@@ -240,7 +254,8 @@ pub fn prepare_draws(
                 [0, 0, width, height]
             }),
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
-            batches: first..frame.batches.len(),
+            batches: first..first_unaffected,
+            unaffected,
             front: 0..0,
             front_scissor: [0; 4],
         });
@@ -275,6 +290,14 @@ pub fn prepare_draws(
         renderer.frame.lights.clear();
     }
     renderer.require_pipelines();
+}
+
+/// Objects of V on no layer that a light affects.
+fn collect_unaffected(unaffected: &mut FixedBitSet, objects: &Objects, visible: &VisibleSet, affects: u32) {
+    unaffected.clone_from(&visible.set);
+    for object in visible.set.ones() {
+        unaffected.set(object, objects.layers[object] & affects == 0);
+    }
 }
 
 /// Sorts floats that are not NaN in descending order.

@@ -57,9 +57,7 @@ impl Camera {
     /// Whether the numbers make a projection.
     pub fn is_valid(&self) -> bool {
         let spans = match self.orthographic {
-            None => {
-                self.vertical_fov > 0.0 && self.vertical_fov < std::f32::consts::PI && self.near > 0.0
-            }
+            None => self.vertical_fov > 0.0 && self.vertical_fov < std::f32::consts::PI && self.near > 0.0,
             Some(Orthographic { height, far }) => {
                 height > 0.0 && height.is_finite() && far > self.near && far.is_finite()
             }

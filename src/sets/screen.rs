@@ -171,7 +171,12 @@ impl Projector {
     fn clip(&self, point: DVec4) -> Clip {
         let point_eye = point.truncate() - self.eye * point.w;
         let [x, y, depth] = self.rows.map(|row| row.dot(point_eye));
-        self.with_w(x + self.shift.x * point.w, y + self.shift.y * point.w, depth, point.w)
+        self.with_w(
+            x + self.shift.x * point.w,
+            y + self.shift.y * point.w,
+            depth,
+            point.w,
+        )
     }
 
     fn with_w(&self, x: f64, y: f64, depth: f64, weight: f64) -> Clip {

@@ -92,7 +92,11 @@ pub fn fit_view_depth(
     objects: Res<Objects>,
     visible: Res<VisibleSet>,
 ) {
-    let is_orthographic = |view: &View| view.data.as_ref().is_some_and(|data| data.frustum.far().is_some());
+    let is_orthographic = |view: &View| {
+        view.data
+            .as_ref()
+            .is_some_and(|data| data.frustum.far().is_some())
+    };
     if !is_orthographic(&view) {
         return;
     }
@@ -112,7 +116,11 @@ pub fn fit_view_depth(
         .fold(near, f64::max);
     let needed = deepest.min(plane).max(reach.farthest);
     // A little more, so that the end itself is told from what is behind it.
-    let length = ((needed - near) * 1.001).max(1e-3 * (plane - near)).log2().ceil().exp2();
+    let length = ((needed - near) * 1.001)
+        .max(1e-3 * (plane - near))
+        .log2()
+        .ceil()
+        .exp2();
     let depth = ViewDepth::Finite {
         near,
         far: near + length,

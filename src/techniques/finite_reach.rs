@@ -50,7 +50,10 @@ impl FiniteReach {
             0.0 => -light.dot(corner),
             _ => light.distance(corner),
         };
-        corners.into_iter().map(distance).fold(f64::NEG_INFINITY, f64::max)
+        corners
+            .into_iter()
+            .map(distance)
+            .fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// The [extrusion](super::stencil_volume::extrude::far_position) of a caster, in steps of ∜2 so that it mostly stays
@@ -222,7 +225,10 @@ mod tests {
             receivers,
         };
         let factor = lamp.extrusion(&cube(Vec3::Y * 4.0, 1.0), || None).unwrap();
-        assert!(f64::from(factor) * 3.0 > lamp.distance() && factor < 12.0, "{factor}");
+        assert!(
+            f64::from(factor) * 3.0 > lamp.distance() && factor < 12.0,
+            "{factor}"
+        );
         // Within the bounds of what is a metre away.
         let around = lamp.extrusion(&cube(Vec3::ZERO, 10.0), || Some(1.0)).unwrap();
         assert!(f64::from(around) > lamp.distance(), "{around}");

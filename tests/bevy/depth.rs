@@ -29,9 +29,7 @@ fn game(orthographic: bool) -> (Game, Entity) {
         world
             .entity_mut(camera)
             .insert(Projection::Orthographic(OrthographicProjection {
-                scaling_mode: ScalingMode::FixedVertical {
-                    viewport_height: 5.0,
-                },
+                scaling_mode: ScalingMode::FixedVertical { viewport_height: 5.0 },
                 far: FAR,
                 ..OrthographicProjection::default_3d()
             }));
@@ -112,7 +110,10 @@ fn the_copy_is_exact_to_the_bit() {
     assert!(largest < 1e-3, "{largest}");
     draw_nothing(&mut game, camera);
     let (bevys, ours, _) = depths(&mut game, camera);
-    let differing = bevys.iter().zip(&ours).filter(|(a, b)| a.to_bits() != b.to_bits());
+    let differing = bevys
+        .iter()
+        .zip(&ours)
+        .filter(|(a, b)| a.to_bits() != b.to_bits());
     let differing = differing.count();
     println!("{differing} of {} depths of the copy differ", bevys.len());
     assert_eq!(differing, 0);

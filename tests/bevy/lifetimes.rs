@@ -118,7 +118,11 @@ fn a_target_may_shrink_to_nothing_and_grow_again() {
     let mut game = Game::start(app);
     let before = game.run(5).settled(camera);
     // As of a window that is minimized.
-    for size in [UVec2::ZERO, UVec2::new(harness::SIZE.x, 0), UVec2::new(0, harness::SIZE.y)] {
+    for size in [
+        UVec2::ZERO,
+        UVec2::new(harness::SIZE.x, 0),
+        UVec2::new(0, harness::SIZE.y),
+    ] {
         game.world()
             .entity_mut(camera)
             .insert(RenderTarget::None { size });

@@ -11,6 +11,7 @@ mod lifetimes;
 mod minimal;
 mod models;
 mod runs;
+mod selection;
 mod setup;
 mod shading;
 mod shadows;

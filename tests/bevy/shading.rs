@@ -88,9 +88,7 @@ fn game(scene: Scene) -> (Game, Entity) {
         }
         Look::Orthographic | Look::OrthographicJitter => {
             view.insert(Projection::Orthographic(OrthographicProjection {
-                scaling_mode: ScalingMode::FixedVertical {
-                    viewport_height: 7.0,
-                },
+                scaling_mode: ScalingMode::FixedVertical { viewport_height: 7.0 },
                 ..OrthographicProjection::default_3d()
             }));
             if scene.look == Look::OrthographicJitter {

@@ -276,6 +276,7 @@ fn a_steady_frame_changes_nothing() {
     );
     assert_eq!((i, s), (1, 1));
     let work = *mirror.world.resource::<antumbra::sets::SetWork>();
+    let groups = mirror.view.groups.lock().unwrap().made();
     game.run(3);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
     let mirror = mirrors.get_mut(camera).unwrap();
@@ -285,6 +286,8 @@ fn a_steady_frame_changes_nothing() {
         format!("{after:?}"),
         "sets were computed again"
     );
+    let after = mirror.view.groups.lock().unwrap().made();
+    assert!(groups > 0 && after == groups, "bind groups were made again");
 }
 
 #[test]

@@ -81,7 +81,10 @@ fn lights_in_a_room_shine_on_its_walls_alone() {
         let rendered = stage.render().expect("the frame renders");
         let error = judge(&stage, &scene, 0, &rendered.visibility[0]);
         let dark = rendered.visibility[0].iter().filter(|v| **v == 0.0).count();
-        println!("light at {at}: drawn to {:.1}, {error:?}, {dark} dark", far(&stage));
+        println!(
+            "light at {at}: drawn to {:.1}, {error:?}, {dark} dark",
+            far(&stage)
+        );
         assert_eq!(error.wrong_inner, 0, "{error:?}");
         assert!(dark > 1000, "{dark}");
     }
@@ -98,9 +101,5 @@ fn corner() -> MeshData {
         [-1.0, 1.0, 1.0],
     ];
     let positions = positions.map(Vec3::from_array).to_vec();
-    MeshData::from_triangles(
-        "corner",
-        positions,
-        vec![0, 1, 2, 0, 2, 3, 4, 0, 3, 4, 3, 5],
-    )
+    MeshData::from_triangles("corner", positions, vec![0, 1, 2, 0, 2, 3, 4, 0, 3, 4, 3, 5])
 }

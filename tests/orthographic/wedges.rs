@@ -29,7 +29,9 @@ fn truth(stage: &mut Stage) -> VisibilityImage {
 fn error(stage: &mut Stage, truth: &VisibilityImage) -> SoftError {
     let rendered = stage.render().expect("the frame renders");
     let got = VisibilityImage::new(rendered.size, rendered.visibility[0].clone()).expect("whole");
-    compare_soft(truth, &got).expect("one size").expect("pixels count")
+    compare_soft(truth, &got)
+        .expect("one size")
+        .expect("pixels count")
 }
 
 #[test]
@@ -80,7 +82,13 @@ fn a_light_that_moved_is_found_wrong() {
     let above = Vec3::new(0.6, 4.5, 0.8);
     light(&mut stage, ball, above, 20.0, PenumbraWedge::default());
     let truth = truth(&mut stage);
-    light(&mut stage, ball, above + Vec3::X * 0.5, 20.0, PenumbraWedge::default());
+    light(
+        &mut stage,
+        ball,
+        above + Vec3::X * 0.5,
+        20.0,
+        PenumbraWedge::default(),
+    );
     let error = error(&mut stage, &truth);
     assert!(error.rmse_penumbra > ALLOWED.0, "{error:?}");
 }
@@ -105,7 +113,10 @@ fn a_sun_with_wedges_has_hard_shadows() {
         .remove::<PenumbraWedge>()
         .insert(StencilVolume::default());
     let volumes = stage.render().expect("the frame renders").visibility.remove(0);
-    let differing = wedges.iter().zip(&volumes).filter(|(a, b)| (**a - **b).abs() > 0.01);
+    let differing = wedges
+        .iter()
+        .zip(&volumes)
+        .filter(|(a, b)| (**a - **b).abs() > 0.01);
     let (differing, dark) = (differing.count(), volumes.iter().filter(|v| **v == 0.0).count());
     println!("{differing} pixels differ, {dark} are dark");
     assert!(differing <= 8 && dark > 300);

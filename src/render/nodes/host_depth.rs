@@ -11,6 +11,8 @@
 //! becomes ours, and caps are equal to it by construction, with no bias. Where the host shows something else (a hole in a
 //! texture, a surface that we do not know), its depth stays.
 
+use std::sync::{Mutex, PoisonError};
+
 use glam::DVec4;
 
 use super::surfaces::{SurfaceResources, draw_batches};
@@ -20,6 +22,7 @@ use crate::render::draw_list::Batch;
 use crate::render::frame_data::Viewport;
 use crate::render::gpu_types;
 use crate::render::hosted::HostView;
+use crate::render::kept::Kept;
 use crate::render::pipelines::SurfacePass;
 use crate::render::targets::FrameTargets;
 use crate::render::timings::Timings;
@@ -31,6 +34,8 @@ use crate::sets::{ViewData, ViewDepth};
 pub struct HostDepth {
     copy: wgpu::RenderPipeline,
     constants: wgpu::Buffer,
+    /// Group 3, of the host's depth.
+    group: Mutex<Kept<wgpu::TextureView, wgpu::BindGroup>>,
 }
 
 impl HostDepth {
@@ -84,6 +89,7 @@ impl HostDepth {
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
+            group: Mutex::default(),
         })
     }
 
@@ -101,27 +107,31 @@ impl HostDepth {
             .write_buffer(&self.constants, 0, bytemuck::bytes_of(&constants));
     }
 
-    /// Group 3, of the depth aspect of the host's depth.
+    /// Group 3, of the depth aspect of the host's depth; the last one if that is the same.
     pub fn bind(
         &self,
         context: &RenderContext,
         layouts: &BindGroupLayouts,
         depth: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("host depth"),
-            layout: &layouts.host,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(depth),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: self.constants.as_entire_binding(),
-                },
-            ],
-        })
+        let mut kept = self.group.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || {
+            context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("host depth"),
+                layout: &layouts.host,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(depth),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: self.constants.as_entire_binding(),
+                    },
+                ],
+            })
+        };
+        kept.get(depth.clone(), make).clone()
     }
 
     /// Records the copy, and the draws of the visible set over it.

@@ -194,12 +194,14 @@ pub fn build_penumbra_wedges(
         let first = out.parts.len();
         out.scratch.parts.clear();
         push_parts(light, settings, &mut out.scratch.parts);
-        out.parts.extend(out.scratch.parts.iter().map(|part| PartWedges {
-            part: *part,
-            reach: FiniteReach::new(view, light, part.point_world)
-                .filter(|_| part.point_world.w != 0.0)
-                .map_or(0.0, |finite| (finite.distance().max(0.0) * RAY_SHARE) as f32),
-            groups: 0..0,
+        out.parts.extend(out.scratch.parts.iter().map(|part| {
+            PartWedges {
+                part: *part,
+                reach: FiniteReach::new(view, light, part.point_world)
+                    .filter(|_| part.point_world.w != 0.0)
+                    .map_or(0.0, |finite| (finite.distance().max(0.0) * RAY_SHARE) as f32),
+                groups: 0..0,
+            }
         }));
         out.lights.push(LightWedges {
             light: index,
@@ -245,7 +247,8 @@ pub fn build_penumbra_wedges(
                     finite.extrusion(&bounds, || {
                         let key = (light.entity, number as u32, entity);
                         let placed = (item.0, item.1, item.2, item.3.map(|(posed, _)| posed));
-                        out.surfaces.get(key, silhouette.revision, part.point_world, placed)
+                        out.surfaces
+                            .get(key, silhouette.revision, part.point_world, placed)
                     })
                 });
                 let extrusion = match extrusion {

@@ -56,9 +56,7 @@ pub fn volume_corners(light_world: DVec4, extrusion: f32, bounds_world: &Aabb) -
         let from_light = corner * light_world.w - light_world.truncate();
         if extrusion > TO_INFINITY {
             let base = light_world.truncate() * light_world.w + corner * (1.0 - light_world.w);
-            (base + from_light * f64::from(extrusion))
-                .extend(1.0)
-                .as_vec4()
+            (base + from_light * f64::from(extrusion)).extend(1.0).as_vec4()
         } else {
             from_light.normalize_or_zero().extend(0.0).as_vec4()
         }

@@ -147,7 +147,12 @@ pub fn build_stencil_volumes(
                 let extrusion = match &finite {
                     Some(finite) => finite.extrusion(&bounds, || {
                         let key = (light.entity, 0, entity);
-                        surfaces.get(key, silhouette.revision, light.point_world, casters.get(entity).ok()?)
+                        surfaces.get(
+                            key,
+                            silhouette.revision,
+                            light.point_world,
+                            casters.get(entity).ok()?,
+                        )
                     }),
                     None if settings.extent == Extent::Finite => {
                         Some(finite_extrusion(light.point_world, light.light.range, &bounds))
