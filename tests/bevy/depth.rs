@@ -2,7 +2,6 @@
 
 use antumbra::bevy_adapter::Mirrors;
 use antumbra::bevy_adapter::mirror::HostEntity;
-use antumbra::bevy_adapter::prelude::*;
 use antumbra::prelude::{RenderContext, Renderer};
 use antumbra::render::readback::read_texture;
 use antumbra::scene::SceneMaterials;
@@ -20,11 +19,7 @@ const FAR: f32 = 100.0;
 fn game(orthographic: bool) -> (Game, Entity) {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(1.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
+    let camera = harness::marked_camera(world, Vec3::new(1.0, 3.0, 6.0));
     if orthographic {
         world
             .entity_mut(camera)
@@ -34,23 +29,17 @@ fn game(orthographic: bool) -> (Game, Entity) {
                 ..OrthographicProjection::default_3d()
             }));
     }
-    let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let meshes = [
-        meshes.add(Plane3d::default().mesh().size(8.0, 8.0)),
-        meshes.add(Cuboid::new(1.0, 1.0, 1.0)),
-        meshes.add(Sphere::new(0.7)),
+    let meshes: [Mesh; 3] = [
+        Plane3d::default().mesh().size(8.0, 8.0).into(),
+        Cuboid::new(1.0, 1.0, 1.0).into(),
+        Sphere::new(0.7).into(),
     ];
-    let matte = harness::matte(world);
     for (i, mesh) in meshes.into_iter().enumerate() {
         let place = Transform::from_xyz(i as f32 - 1.0, 0.3 * i as f32, 0.2)
             .with_rotation(Quat::from_rotation_y(0.4 * i as f32));
-        world.spawn((Mesh3d(mesh), matte.clone(), place));
+        harness::add_mesh(world, mesh, place);
     }
-    world.spawn((
-        PointLight::default(),
-        StencilVolume::default(),
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
+    harness::add_light(world);
     let mut game = Game::start(app);
     game.run(4).settled(camera);
     (game, camera)

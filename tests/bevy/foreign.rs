@@ -90,24 +90,11 @@ fn a_technique_of_somebody_else_joins_the_frame() {
     app.insert_resource(GlobalAmbientLight::NONE);
     app.add_shadow_technique::<Veiled>(set_up);
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world
-        .resource_mut::<Assets<Mesh>>()
-        .add(Plane3d::default().mesh().size(8.0, 8.0));
-    let matte = harness::matte(world);
-    world.spawn((Mesh3d(mesh), matte));
-    let light = world.spawn((
-        PointLight {
-            intensity: 500_000.0,
-            ..default()
-        },
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
-    let light = light.id();
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let floor = Plane3d::default().mesh().size(8.0, 8.0);
+    harness::add_mesh(world, floor, Transform::default());
+    let light = harness::add_light(world);
+    world.entity_mut(light).remove::<StencilVolume>();
     let mut game = Game::start(app);
     let lit = game.run(5).settled(camera);
     for (seen, technique) in [(0.25, 0), (0.75, 0), (1.0, 1)] {

@@ -12,25 +12,12 @@ use crate::harness::{self, Game};
 
 fn scene(app: &mut App) -> Entity {
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let floor = meshes.add(Plane3d::default().mesh().size(8.0, 8.0));
-    let cube = meshes.add(Cuboid::new(1.0, 1.0, 1.0));
-    let matte = harness::matte(world);
-    world.spawn((Mesh3d(floor), matte.clone()));
-    world.spawn((Mesh3d(cube), matte, Transform::from_xyz(0.0, 0.5, 0.0)));
-    world.spawn((
-        PointLight {
-            intensity: 500_000.0,
-            ..default()
-        },
-        StencilVolume::default(),
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let floor = Plane3d::default().mesh().size(8.0, 8.0);
+    harness::add_mesh(world, floor, Transform::default());
+    let cube = Cuboid::new(1.0, 1.0, 1.0);
+    harness::add_mesh(world, cube, Transform::from_xyz(0.0, 0.5, 0.0));
+    harness::add_light(world);
     camera
 }
 

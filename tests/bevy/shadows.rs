@@ -264,11 +264,7 @@ fn what_receives_no_shadow_is_lit() {
     let mut app = crate::harness::antumbra();
     app.insert_resource(GlobalAmbientLight::NONE);
     let world = app.world_mut();
-    let camera = crate::harness::camera(
-        world,
-        Transform::from_xyz(0.0, 6.0, 0.1).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
+    let camera = crate::harness::marked_camera(world, Vec3::new(0.0, 6.0, 0.1));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let floor = meshes.add(Plane3d::default().mesh().size(3.0, 3.0));
     let lid = meshes.add(Plane3d::default().mesh().size(0.1, 0.1));
