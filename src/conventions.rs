@@ -5,7 +5,8 @@
 //! - **Matrices** are named `b_from_a` and multiply column vectors; points carry their space in their name
 //!   (`eye_world`, `light_local`).
 //! - **Depth** is reversed and infinite: `z_clip = near`, `w_clip = −z_view`, so depth is `near / distance`:
-//!   1 on the near plane, 0 at infinity, and a vertex with `w = 0` lands exactly on 0.
+//!   1 on the near plane, 0 at infinity, and a vertex with `w = 0` lands exactly on 0. Orthographic views have a linear
+//!   depth from 1 to 0, with an end beyond all that is drawn ([`ViewDepth`](crate::sets::ViewDepth)).
 //! - **Winding**: a triangle's front is where its corners appear counter-clockwise.
 //! - **Light points are homogeneous**: `w = 1` a position, `w = 0` the direction *towards* the light.
 //! - **Visibility** is 1 where a surface point sees the whole light and 0 where it sees none.
@@ -14,7 +15,7 @@
 /// Depth of the near plane in normalised device coordinates.
 pub const DEPTH_NEAR: f32 = 1.0;
 
-/// Depth at infinity, and the clear value of the depth buffer.
+/// Depth at infinity or at the end of an orthographic view, and the clear value of the depth buffer.
 pub const DEPTH_INFINITY: f32 = 0.0;
 
 /// Largest finite radiance that the half floats of the radiance target hold.

@@ -50,7 +50,8 @@ impl Case {
         }
         let light = self.light_local.truncate().abs();
         let from_light = self.position_local.abs() * self.light_local.w + light;
-        let local = (light + from_light * self.extrusion.max(1.0)).extend(1.0);
+        let base = light + self.position_local.abs() * (1.0 - self.light_local.w);
+        let local = (base + from_light * self.extrusion.max(1.0)).extend(1.0);
         let columns = self
             .clip_from_local
             .to_cols_array_2d()
@@ -90,7 +91,7 @@ fn cases() -> Vec<Case> {
                 } else {
                     light.extend(1.0)
                 },
-                extrusion: if index % 3 != 0 && index % 2 == 0 {
+                extrusion: if index % 2 == 0 {
                     1.0 + 999.0 * random.unit()
                 } else {
                     TO_INFINITY

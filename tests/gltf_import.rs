@@ -287,7 +287,12 @@ fn scenes_lights_and_cameras_are_spawned_in_node_order() {
     builder.push(
         "cameras",
         json!({"type": "orthographic", "orthographic": {
-        "xmag": 1.0, "ymag": 1.0, "zfar": 10.0, "znear": 0.1}}),
+        "xmag": 2.0, "ymag": 1.0, "zfar": 10.0, "znear": 0.0}}),
+    );
+    builder.push(
+        "cameras",
+        json!({"type": "orthographic", "orthographic": {
+        "xmag": 1.0, "ymag": 1.0, "zfar": 0.1, "znear": 10.0}}),
     );
     let lights = builder.json["extensions"]["KHR_lights_punctual"]["lights"]
         .as_array_mut()
@@ -297,6 +302,8 @@ fn scenes_lights_and_cameras_are_spawned_in_node_order() {
     lights.push(json!({"type": "directional", "color": [1.0, 0.5, 0.25]}));
     let gltf = builder.load();
     assert_eq!(gltf.report.count(SkipKind::Camera), 1);
+    assert_eq!(gltf.cameras[1], Some(Camera::orthographic(2.0, 0.0, 10.0, 2.0)));
+    assert_eq!(gltf.cameras[2], None);
     assert_eq!(gltf.lights[0], Light::point(Vec3::ONE, 12.5, f32::INFINITY));
     let spot = LightKind::Spot {
         inner_angle: 0.1,

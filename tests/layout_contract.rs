@@ -40,7 +40,7 @@ macro_rules! mirror {
 
 fn mirrors() -> Vec<Mirror> {
     vec![
-        mirror!(View { ambient, relative_from_ndc, size, origin } in "passes/ambient.wgsl", array: false),
+        mirror!(View { ambient, relative_from_ndc, size, origin, eye } in "passes/ambient.wgsl", array: false),
         mirror!(Object {
             clip_from_local,
             relative_from_local_x,
@@ -48,7 +48,7 @@ fn mirrors() -> Vec<Mirror> {
             relative_from_local_z,
             handedness,
         } in "passes/ambient.wgsl", array: true),
-        mirror!(HostDepth { numerator, denominator, scale } in "passes/host_depth.wgsl", array: false),
+        mirror!(HostDepth { numerator, denominator, rounding } in "passes/host_depth.wgsl", array: false),
         mirror!(Light { point_relative, emission, axis, cone, half_right, half_up } in "passes/light_accumulate.wgsl", array: false),
         mirror!(Slot { uv_matrix, uv_offset, uv_set, present } in "passes/ambient.wgsl", array: false),
         mirror!(Material {
@@ -83,7 +83,7 @@ fn mirrors() -> Vec<Mirror> {
             padding_b,
             padding_c,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
-        mirror!(records, WedgeCaster { light_local, object, padding }
+        mirror!(records, WedgeCaster { light_local, object, extrusion, padding }
             in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, Wedge {
             start_local,
@@ -103,7 +103,7 @@ fn mirrors() -> Vec<Mirror> {
             light_from_relative_z,
             half_size,
             table,
-            padding,
+            reach,
             place,
             whole,
         } in "techniques/penumbra_wedge/wedge.wgsl", array: false),

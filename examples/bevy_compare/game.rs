@@ -2,27 +2,21 @@
 
 use antumbra::bevy_adapter::prelude::*;
 use antumbra::scene::{Material, MeshData, SceneMaterials, SceneMesh, Submesh};
-use bevy::app::{AppLabel, SubApps};
+use bevy::app::SubApps;
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::{Hdr, RenderTarget};
+use bevy::camera::Hdr;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::{Indices, PrimitiveTopology};
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::prelude::*;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
-use bevy::render::render_resource::{
-    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
-};
-use bevy::render::renderer::{RenderDevice, RenderGraph, RenderGraphSystems, RenderQueue};
-use bevy::render::sync_world::RenderEntity;
-use bevy::render::view::ViewTarget;
-use bevy::render::{RenderApp, RenderPlugin};
-use bevy::window::ExitCondition;
+use bevy::render::RenderApp;
+use bevy::render::render_resource::PollType;
+use bevy::render::renderer::{RenderDevice, RenderGraph, RenderGraphSystems};
 
 use std::time::Instant;
 
+use crate::frames;
 use crate::rooms::{LUMENS, Mover, RANGE, Rooms};
 
 /// Who throws shadows.
@@ -135,24 +129,7 @@ pub struct Game {
 impl Game {
     /// Begins a game.
     pub fn new(rooms: &Rooms, shadows: Shadows, lights: usize, size: UVec2) -> Self {
-        let mut app = App::new();
-        let plugins = DefaultPlugins
-            .set(WindowPlugin {
-                primary_window: None,
-                exit_condition: ExitCondition::DontExit,
-                ..default()
-            })
-            .set(RenderPlugin {
-                synchronous_pipeline_compilation: true,
-                ..default()
-            })
-            .disable::<PipelinedRenderingPlugin>();
-        #[cfg(feature = "bevy-window")]
-        let plugins = plugins
-            .disable::<bevy::winit::WinitPlugin>()
-            .disable::<bevy::log::LogPlugin>();
-        app.add_plugins(plugins);
-        app.insert_resource(ClearColor(Color::BLACK));
+        let mut app = frames::app();
         app.insert_resource(DefaultOpaqueRendererMethod::deferred());
         app.insert_resource(GlobalAmbientLight {
             brightness: 20.0,
@@ -167,17 +144,7 @@ impl Game {
         }
         let world = app.world_mut();
         let lights = furnish(world, rooms, shadows, lights);
-        let extent = Extent3d {
-            width: size.x,
-            height: size.y,
-            depth_or_array_layers: 1,
-        };
-        let format = TextureFormat::Rgba8UnormSrgb;
-        let usages = RenderAssetUsages::RENDER_WORLD;
-        let mut picture = Image::new_uninit(extent, TextureDimension::D2, format, usages);
-        picture.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT;
-        let picture = world.resource_mut::<Assets<Image>>().add(picture);
-        let target = RenderTarget::Image(picture.into());
+        let target = frames::target(world, size);
         let mut camera = world.spawn((lens(rooms), target, Tonemapping::None));
         if shadows == Shadows::Antumbra {
             camera.insert(AntumbraCamera);
@@ -233,58 +200,15 @@ impl Game {
     }
 
     fn render_world(&mut self) -> &mut World {
-        let render = self
-            .apps
-            .sub_apps
-            .get_mut(&RenderApp.intern())
-            .expect("a renderer");
-        render.world_mut()
+        frames::render_world(&mut self.apps)
     }
 
     /// Linear radiance, RGB by row from the top.
     pub fn radiance(&mut self) -> Vec<Vec3> {
-        let camera = self.camera;
-        let view = self.world().get::<RenderEntity>(camera).expect("a camera").id();
-        let world = self.render_world();
-        let device = world.resource::<RenderDevice>().clone();
-        let queue = world.resource::<RenderQueue>().clone();
-        let texture = world.get::<ViewTarget>(view).expect("a view").main_texture();
-        let width = texture.width() as usize;
-        let row = RenderDevice::align_copy_bytes_per_row(width * 8);
-        let buffer = device.create_buffer(&BufferDescriptor {
-            label: None,
-            size: u64::from(texture.height()) * row as u64,
-            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row as u32),
-                    rows_per_image: None,
-                },
-            },
-            texture.size(),
-        );
-        queue.submit([encoder.finish()]);
-        buffer
-            .slice(..)
-            .map_async(MapMode::Read, |result| result.expect("it is read"));
-        device
-            .poll(PollType::wait_indefinitely())
-            .expect("the device is there");
-        let bytes = buffer.slice(..).get_mapped_range();
-        let rows = bytes
-            .chunks(row)
-            .flat_map(|line| line[..width * 8].chunks_exact(8));
-        rows.map(|texel| {
-            let channel = |c: usize| half::f16::from_le_bytes([texel[2 * c], texel[2 * c + 1]]).to_f32();
-            Vec3::new(channel(0), channel(1), channel(2))
-        })
-        .collect()
+        let (_, texels) = frames::radiance(&mut self.apps, self.camera);
+        texels
+            .into_iter()
+            .map(|texel| Vec3::from_array(texel.map(f32::from)))
+            .collect()
     }
 }

@@ -12,8 +12,12 @@
 
 mod costs;
 mod errors;
+#[path = "../support/bevy_frames.rs"]
+mod frames;
 mod game;
 mod rooms;
+#[path = "../support/spread.rs"]
+mod spread;
 #[cfg(feature = "bevy-window")]
 mod window;
 

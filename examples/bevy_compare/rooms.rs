@@ -13,6 +13,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec3, UVec2, Vec3};
 
+use crate::spread::spread;
+
 /// How far lights shine, metres; as the scene's own do.
 pub const RANGE: f32 = 9.0;
 
@@ -122,13 +124,6 @@ impl Rooms {
             lamps,
         })
     }
-}
-
-/// A low-discrepancy sequence in the unit cube.
-/// Source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R3).
-fn spread(index: usize) -> DVec3 {
-    const G: f64 = 1.220_744_084_605_759_5;
-    DVec3::new(1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G)).map(|step| (0.5 + step * index as f64).fract())
 }
 
 /// A quarter of a metre below a ceiling, with a floor far enough below, above or below a point; `None` if that is no room.

@@ -8,6 +8,7 @@ pub mod shadow;
 pub mod shadow_map;
 pub mod shot;
 pub mod solid;
+pub mod spread;
 pub mod stage;
 pub mod stats;
 #[cfg(feature = "reference")]

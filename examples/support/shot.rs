@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use antumbra::prelude::*;
+use antumbra::scene::Orthographic;
 use bevy_transform::prelude::Transform;
 use glam::{Mat3, Quat, UVec2, Vec3};
 use serde::Deserialize;
@@ -47,6 +48,18 @@ pub struct ShotCamera {
     /// Near plane, metres.
     #[serde(default = "default_near")]
     pub near: f32,
+    /// In place of the field of view.
+    pub orthographic: Option<ShotOrthographic>,
+}
+
+/// An orthographic view.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShotOrthographic {
+    /// Of what the picture shows, metres.
+    pub height: f32,
+    /// Far plane, metres.
+    pub far: f32,
 }
 
 /// A pose in time.
@@ -195,10 +208,16 @@ impl Shot {
         if let Some(camera) = &self.camera {
             camera.transform().map_err(|error| format!("camera: {error}"))?;
             if !camera.camera(UVec2::ONE).is_valid() {
-                return Err(format!(
-                    "camera: vfov_deg {} must be in 0..180 and near {} greater than 0",
-                    camera.vfov_deg, camera.near
-                ));
+                return Err(match camera.orthographic {
+                    None => format!(
+                        "camera: vfov_deg {} must be in 0..180 and near {} greater than 0",
+                        camera.vfov_deg, camera.near
+                    ),
+                    Some(view) => format!(
+                        "camera: orthographic height {} must be greater than 0, and far {} greater than near {}",
+                        view.height, view.far, camera.near
+                    ),
+                });
             }
         }
         for (index, light) in self.lights.iter().flatten().enumerate() {
@@ -222,6 +241,10 @@ impl ShotCamera {
             vertical_fov: self.vfov_deg.to_radians(),
             near: self.near,
             aspect: size.x as f32 / size.y.max(1) as f32,
+            orthographic: self.orthographic.map(|view| Orthographic {
+                height: view.height,
+                far: view.far,
+            }),
             ..Camera::default()
         }
     }

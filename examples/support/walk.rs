@@ -5,15 +5,10 @@ use antumbra::reference::{Ray, RayScene};
 use bevy_transform::prelude::Transform;
 use glam::{DVec3, Vec3};
 
+use super::spread::spread;
+
 /// Eyes above the floor, metres.
 pub const EYE_HEIGHT: f64 = 1.6;
-
-/// A low-discrepancy sequence in the unit cube.
-/// Source: Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R3).
-fn spread(index: usize) -> DVec3 {
-    const G: f64 = 1.220_744_084_605_759_5;
-    DVec3::new(1.0 / G, 1.0 / (G * G), 1.0 / (G * G * G)).map(|step| (0.5 + step * index as f64).fract())
-}
 
 /// Points over the floors of a scene where somebody can stand, at most `count`, in a fixed order. Fewer, or none, in a
 /// scene that has no floors.

@@ -1,7 +1,7 @@
 // View and objects: bind group 0 of every scene pass.
 // Host    src/render/bind_groups.rs, src/render/gpu_types.rs
 // Spaces  local; relative: world axes, origin at the eye, so that positions stay exact far from the world's
-//         origin; clip: reversed infinite depth
+//         origin; clip: reversed depth
 #define_import_path antumbra::view
 
 struct View {                       // mirror: render::gpu_types::View
@@ -9,6 +9,7 @@ struct View {                       // mirror: render::gpu_types::View
     relative_from_ndc: mat4x4f,     // of a pixel's NDC position and depth; divide by w
     size: vec4f,                    // width and height of the picture, pixels; their reciprocals
     origin: vec4f,                  // upper left corner of the picture in its targets, pixels; zw unused
+    eye: vec4f,                     // w = 1: it is at the origin; w = 0: xyz points towards an orthographic view
 }
 
 struct Object {                     // mirror: render::gpu_types::Object
@@ -31,6 +32,11 @@ fn ndc_from_pixel(pixel: vec2f) -> vec2f {
 fn relative_from_pixel(pixel: vec2f, depth: f32) -> vec3f {
     let p = view.relative_from_ndc * vec4f(ndc_from_pixel(pixel), depth, 1.0);
     return p.xyz / p.w;
+}
+
+// Unit vector from a point to the eye.
+fn to_eye(position_relative: vec3f) -> vec3f {
+    return normalize(view.eye.xyz - position_relative * view.eye.w);
 }
 
 // The one way from local to clip space: passes must agree on depth to the last bit.

@@ -16,7 +16,7 @@ struct WedgeLight {                 // mirror: techniques::penumbra_wedge::recor
     light_from_relative_z: vec4f,
     half_size: vec2f,               // of a sphere: its radius twice
     table: u32,                     // first entry of the texture's tables
-    padding: u32,
+    reach: f32,                     // metres at which rays of shells end; 0: at infinity
     place: vec4f,                   // centre and half size within the whole light, a rectangle from −1 to 1
     whole: vec4f,                   // the whole light's centre; w: of a sphere, its radius
 }

@@ -1,5 +1,5 @@
 // The depth of a host's picture, copied and then replaced by our own wherever the host shows a surface that we know.
-// Host    src/render/nodes/host_depth.rs
+// Host    src/render/nodes/host_depth.rs; host_select.rs, which draws the same surfaces into the stencil
 // Groups  0 view, 2 material (not read), 3 the host's depth
 #import antumbra::view::ndc_from_pixel
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
@@ -7,16 +7,12 @@
 struct HostDepth {                  // mirror: render::gpu_types::HostDepth
     numerator: vec4f,               // our depth is the quotient of these, dotted with (NDC, host's depth, 1)
     denominator: vec4f,
-    scale: vec4f,                   // x: distance of the near plane; y: of the eye from the world's origin, metres; zw unused
+    rounding: vec4f,                // what depths of one surface may differ by: factors of 1, of ours, of its square
 }
 
 @group(3) @binding(0) var host_texture: texture_depth_2d;
 @group(3) @binding(1) var<uniform> host: HostDepth;
 
-// Relative difference of depths that is rounding: of matrices and positions in f32, by two renderers.
-const ROUNDING: f32 = 1e-5;
-// What f32 loses of positions in the world, as part of their distance from its origin.
-const WORLD_ROUNDING: f32 = 2.4e-7;
 // Pixels by which two rasterizers may place a vertex apart.
 const SUBPIXEL: f32 = 1.0/64.0;
 
@@ -43,14 +39,19 @@ fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
 }
 
+// Writes nothing: the colour target's write mask is empty.
+@fragment
+fn no_color() -> @location(0) vec4f {
+    return vec4f(0.0);
+}
+
 // A surface as the host shows it, or nothing.
 @fragment
 fn surface(in: Fragment) {
     let ours = in.position_clip.z;
     let slope = abs(dpdx(ours)) + abs(dpdy(ours));
     let away = abs(ours - host_depth(in.position_clip.xy));
-    // A shift by s of a surface at distance d changes its depth by the part s / d, and ours is near / d.
-    let rounding = ROUNDING * ours + WORLD_ROUNDING * host.scale.y / host.scale.x * ours * ours;
+    let rounding = dot(host.rounding.xyz, vec3f(1.0, ours, ours * ours));
     if away > rounding + SUBPIXEL * slope {
         discard;
     }

@@ -2,6 +2,7 @@
 // Host    src/render/nodes/light_accumulate.rs
 // Groups  0 view, 1 light, 2 material; `masked` also 3 mask, `behind_front` 3 front depth
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
+#import antumbra::view::to_eye
 #import antumbra::light::incidence
 #import antumbra::brdf::reflected
 #import antumbra::conventions::RADIANCE_MAX
@@ -20,14 +21,14 @@ fn lit(in: Fragment, front_facing: bool) -> vec4f {
     let color = base_color(in);
     let mr = metallic_roughness(in);
     let normal = shading_normal(in, front_facing);
-    let to_eye = normalize(-in.position_relative);
-    let arriving = incidence(in.position_relative, normal, to_eye);
+    let towards_eye = to_eye(in.position_relative);
+    let arriving = incidence(in.position_relative, normal, towards_eye);
     let radiance = reflected(
         color.rgb,
         mr.x,
         mr.y,
         normal,
-        to_eye,
+        towards_eye,
         arriving.towards,
         arriving.irradiance,
         arriving.highlight,

@@ -22,8 +22,9 @@
 //! | `NotShadowCaster`, `NotShadowReceiver` | as Bevy has them |
 //! | `RenderLayers` | a light is blocked by meshes that share a layer with it; layers from 31 on count as one |
 //! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
-//! | [`LightSelection`](crate::scene::LightSelection) on a light | its `casts_for` cuts the casters further |
-//! | `Camera`s | any number; render targets, viewports, jitter of TAA, fog; without MSAA, which deferred shading has not |
+//! | `RenderLayers` of a light | as Bevy has them, it lights all that a camera sees with which it shares a layer |
+//! | [`LightSelection`](crate::scene::LightSelection) on a light | of the meshes' layers, those that it lights and those that block it |
+//! | `Camera`s | any number, perspective or orthographic; render targets, viewports, jitter of TAA, fog; without MSAA, which deferred shading has not |
 //!
 //! Leave `shadow_maps_enabled` of managed lights off: Bevy would render its maps all the same, and nothing opaque reads
 //! them. We create no views of Bevy's.
@@ -39,7 +40,7 @@
 //! | `surfaces` | which objects one looks through |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera |
 //! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | what the game changed |
-//! | `prepare`, `view_state`, `pipelines`, `pass` | the frame on the GPU |
+//! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub mod camera;
 pub mod entity_map;
@@ -61,6 +62,7 @@ pub mod sync_lights;
 pub mod sync_objects;
 pub mod systems;
 pub mod techniques;
+pub mod view_groups;
 pub mod view_state;
 
 pub use camera::AntumbraCamera;

@@ -39,11 +39,13 @@ pub enum Visibility {
     Unshadowed,
     /// A mask.
     Mask,
+    /// A mask, where the stencil test keeps what the light affects.
+    MaskSelected,
 }
 
 /// The pipelines of one kind of light in one view, by [`Visibility`].
 #[derive(Clone, Copy, Debug)]
-pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 4]);
+pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 5]);
 
 impl LightPipelines {
     /// That for a kind of visibility, if it was asked for.
@@ -160,7 +162,8 @@ impl AntumbraPipelines {
             &self.shaders.light,
             &self.light_layout,
         );
-        if visibility == Visibility::Mask {
+        let is_masked = matches!(visibility, Visibility::Mask | Visibility::MaskSelected);
+        if is_masked {
             descriptor.layout.push(self.mask_layout.clone());
         }
         descriptor.depth_stencil = Some(DepthStencilState {
@@ -169,7 +172,7 @@ impl AntumbraPipelines {
             depth_compare: Some(CompareFunction::Always),
             stencil: match visibility {
                 Visibility::Lit | Visibility::Mask => StencilState::default(),
-                Visibility::Stencil => hosted::stencil_lit(),
+                Visibility::Stencil | Visibility::MaskSelected => hosted::stencil_lit(),
                 Visibility::Unshadowed => hosted::stencil_shadowed(),
             },
             bias: DepthBiasState::default(),
@@ -183,7 +186,9 @@ impl AntumbraPipelines {
             };
             fragment.shader_defs.push(kind.into());
             match visibility {
-                Visibility::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
+                Visibility::Mask | Visibility::MaskSelected => {
+                    fragment.shader_defs.push("VISIBILITY_MASK".into());
+                }
                 Visibility::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),
                 Visibility::Lit | Visibility::Stencil => {}
             }

@@ -147,8 +147,9 @@ fn prepare_view(
     if place.get::<Camera>() != Some(&projection.camera) {
         place.insert(projection.camera);
     }
-    if place.get() != Some(&view.world_from_view) {
-        place.insert(view.world_from_view);
+    let world_from_camera = projection.place(&view.world_from_view);
+    if place.get() != Some(&world_from_camera) {
+        place.insert(world_from_camera);
     }
     mirror
         .world
@@ -195,7 +196,14 @@ fn prepare_lights(
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
             let draw = describe(&host, lights)?;
-            let pipelines = pipelines_of(host.kind, key, depth_stencil, view.unshadowed_in_view, gpu)?;
+            let wanted = [
+                (Visibility::Lit, true),
+                (Visibility::Stencil, true),
+                (Visibility::Unshadowed, view.unshadowed_in_view),
+                (Visibility::Mask, true),
+                (Visibility::MaskSelected, light.selection.affects != u32::MAX),
+            ];
+            let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
             if !manage(&mut managed, &mut view.bit_words, host.kind, &draw) {
                 return None;
             }
@@ -291,29 +299,17 @@ fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &Li
     true
 }
 
-/// The pipelines of a kind of light, once all are compiled.
+/// The wanted pipelines of a kind of light, by [`Visibility`], once all are compiled.
 fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    unshadowed_in_view: bool,
+    wanted: [(Visibility, bool); 5],
     gpu: &mut Gpu,
 ) -> Option<LightPipelines> {
-    let wanted = [
-        Some(Visibility::Lit),
-        Some(Visibility::Stencil),
-        unshadowed_in_view.then_some(Visibility::Unshadowed),
-        Some(Visibility::Mask),
-    ];
     let mut ready = true;
-    let ids = [
-        Visibility::Lit,
-        Visibility::Stencil,
-        Visibility::Unshadowed,
-        Visibility::Mask,
-    ]
-    .map(|visibility| {
-        if !wanted.contains(&Some(visibility)) {
+    let ids = wanted.map(|(visibility, is_wanted)| {
+        if !is_wanted {
             return None;
         }
         let id = gpu

@@ -2,7 +2,8 @@
 
 use bevy::math::{Mat4, UVec2};
 use bevy::render::camera::TemporalJitter;
-use glam::{DMat4, Vec2};
+use bevy::transform::components::GlobalTransform;
+use glam::{Affine3A, DMat4, Vec2};
 
 use crate::scene::Camera;
 
@@ -11,15 +12,30 @@ use crate::scene::Camera;
 pub struct ViewProjection {
     /// What it shows.
     pub camera: Camera,
+    /// By how much lines of sight lean to the right and up, metres a metre: Bevy's jitter of orthographic views.
+    pub lean: Vec2,
     /// The matrix that Bevy's depth is of, jitter of temporal antialiasing included.
     pub clip_from_view: DMat4,
 }
 
-/// The projection of a view of a size in pixels. `None` for one that is no perspective: the lights of such a view are
-/// Bevy's.
+impl ViewProjection {
+    /// Where our camera stands for a view that stands there.
+    pub fn place(&self, world_from_view: &GlobalTransform) -> GlobalTransform {
+        if self.lean == Vec2::ZERO {
+            return *world_from_view;
+        }
+        // A point at depth 1 straight ahead of ours is aside of Bevy's.
+        let mut lean = Affine3A::IDENTITY;
+        lean.matrix3.z_axis -= self.lean.extend(0.0).to_vec3a();
+        GlobalTransform::from(world_from_view.affine() * lean)
+    }
+}
+
+/// The projection of a view of a size in pixels; `None` for one that is neither perspective nor orthographic: the lights
+/// of such a view are Bevy's.
 ///
 /// Perspectives may be off-centre, have a far plane, or a near plane that is not parallel to the picture: the depth of
-/// ours is then that of its nearest visible point.
+/// ours is then that of its nearest visible point. Orthographic views may be off-centre.
 pub fn projection_of(
     clip_from_view: &Mat4,
     jitter: Option<&TemporalJitter>,
@@ -32,9 +48,23 @@ pub fn projection_of(
     if let Some(jitter) = jitter {
         jitter.jitter_projection(&mut m, viewport.as_vec2());
     }
-    let weights = m.row(3);
-    let skews = [m.x_axis.y, m.y_axis.x, m.w_axis.x, m.w_axis.y];
-    if weights != glam::vec4(0.0, 0.0, -1.0, 0.0) || skews != [0.0; 4] {
+    if [m.x_axis.y, m.y_axis.x] != [0.0; 2] {
+        return None;
+    }
+    let (camera, lean) = match m.row(3).to_array() {
+        [0.0, 0.0, -1.0, 0.0] => (perspective(&m)?, Vec2::ZERO),
+        [0.0, 0.0, 0.0, 1.0] => orthographic(&m)?,
+        _ => return None,
+    };
+    camera.is_valid().then_some(ViewProjection {
+        camera,
+        lean,
+        clip_from_view: m.as_dmat4(),
+    })
+}
+
+fn perspective(m: &Mat4) -> Option<Camera> {
+    if [m.w_axis.x, m.w_axis.y] != [0.0; 2] {
         return None;
     }
     let half = Vec2::new(m.x_axis.x, m.y_axis.y).recip();
@@ -49,16 +79,29 @@ pub fn projection_of(
         .into_iter()
         .filter(|depth| *depth > 0.0)
         .fold(f32::INFINITY, f32::min);
-    let camera = Camera {
+    Some(Camera {
         vertical_fov: 2.0 * half.y.atan(),
         near,
         aspect: half.x / half.y,
         shift,
-    };
-    camera.is_valid().then_some(ViewProjection {
-        camera,
-        clip_from_view: m.as_dmat4(),
+        orthographic: None,
     })
+}
+
+/// The camera, and how it leans. Depth is `a · z + b`: 1 on the near plane, 0 on the far one.
+fn orthographic(m: &Mat4) -> Option<(Camera, Vec2)> {
+    if [m.x_axis.z, m.y_axis.z] != [0.0; 2] {
+        return None;
+    }
+    let half = Vec2::new(m.x_axis.x, m.y_axis.y).recip();
+    let (a, b) = (f64::from(m.z_axis.z), f64::from(m.w_axis.z));
+    let (near, far) = (((b - 1.0) / a) as f32, (b / a) as f32);
+    let camera = Camera {
+        shift: m.w_axis.truncate().truncate(),
+        ..Camera::orthographic(2.0 * half.y, near, far, half.x / half.y)
+    };
+    // x_clip = (x + (z_axis.x · half.x) z) / half.x
+    Some((camera, m.z_axis.truncate().truncate() * half))
 }
 
 #[cfg(test)]
@@ -124,8 +167,41 @@ mod tests {
     }
 
     #[test]
-    fn parallel_projections_are_refused() {
-        let parallel = OrthographicProjection::default_3d().get_clip_from_view();
-        assert_eq!(projection_of(&parallel, None, SIZE), None);
+    fn an_orthographic_view_is_ours_to_rounding() {
+        let mut projection = OrthographicProjection::default_3d();
+        projection.area = bevy::math::Rect::new(-3.0, -1.0, 5.0, 2.0); // off-centre
+        (projection.near, projection.far) = (-2.0, 40.0);
+        let view = projection_of(&projection.get_clip_from_view(), None, SIZE).unwrap();
+        assert_eq!(view.lean, Vec2::ZERO);
+        let ours = view.camera.clip_from_view();
+        assert!(
+            ours.abs_diff_eq(view.clip_from_view, 1e-6),
+            "{ours} {}",
+            view.clip_from_view
+        );
+        let jitter = TemporalJitter {
+            offset: Vec2::new(0.25, -0.375),
+        };
+        let jittered = projection_of(&projection.get_clip_from_view(), Some(&jitter), SIZE).unwrap();
+        // The same picture of any point, by way of a camera that leans.
+        let place = GlobalTransform::from(bevy::transform::components::Transform::from_xyz(1.0, 2.0, 3.0));
+        let from = |place: &GlobalTransform| place.affine().inverse();
+        for point in [glam::vec3(0.3, 0.7, -4.0), glam::vec3(-2.0, 1.0, -30.0)] {
+            let bevys = jittered
+                .clip_from_view
+                .as_mat4()
+                .project_point3(from(&place).transform_point3(point));
+            let in_ours = from(&jittered.place(&place)).transform_point3(point);
+            let ours = jittered.camera.clip_from_view().as_mat4().project_point3(in_ours);
+            assert!(ours.abs_diff_eq(bevys, 1e-5), "{ours} {bevys}");
+        }
+    }
+
+    #[test]
+    fn other_projections_are_refused() {
+        let mut skewed = bevy(None);
+        skewed.x_axis.y = 0.1;
+        assert_eq!(projection_of(&skewed, None, SIZE), None);
+        assert_eq!(projection_of(&Mat4::IDENTITY.mul_scalar(-1.0), None, SIZE), None);
     }
 }

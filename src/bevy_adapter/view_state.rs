@@ -1,11 +1,14 @@
 //! What of a mirror the GPU draws with: which lights are managed, and each light as the shader takes it.
 
+use std::sync::Mutex;
+
 use bevy::pbr::{MAX_DIRECTIONAL_LIGHTS, MAX_RECT_LIGHTS};
 use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::{Pod, Zeroable};
 
 use super::pipelines::LightPipelines;
+use super::view_groups::ViewGroups;
 use crate::render::RenderError;
 
 /// A light that Bevy gives no index that we can see, told by what Bevy uploads of it. Mirror: `Unindexed` of
@@ -111,6 +114,8 @@ pub struct ViewState {
     pub bits: Uploaded,
     /// [`LightDraw`]s, [`DRAW_STRIDE`] apart.
     pub lights: Uploaded,
+    /// Written where the view is drawn, which only reads the mirror.
+    pub groups: Mutex<ViewGroups>,
     /// It cannot be drawn, and never will be on this device.
     pub failed: bool,
     warned_of_projection: bool,
@@ -140,7 +145,7 @@ impl ViewState {
     /// Says once that a view is left to Bevy.
     pub(super) fn warn_of_projection(&mut self) {
         if !std::mem::replace(&mut self.warned_of_projection, true) {
-            tracing::warn!("a view that is no perspective has no shadows of ours");
+            tracing::warn!("a view that is neither perspective nor orthographic has no shadows of ours");
         }
     }
 }

@@ -1,16 +1,16 @@
-//! View frustum with its far plane at infinity.
+//! View frustum: in perspective with its far plane at infinity, in an orthographic view a box.
 
 use glam::{DVec2, DVec3, DVec4, Vec4};
+use smallvec::SmallVec;
 
 use super::light_hull::{HalfSpace, SolidEdge};
 use super::{Plane, PlaneSet};
 
-/// What a perspective view sees, as a camera says it: world space, `f64` so that a camera far from the origin
-/// keeps its shape. The three axes need neither unit length nor right angles; a left-handed triple is a
+/// What a view sees, as a camera says it: world space, `f64` so that a camera far from the origin keeps its shape. The three axes need neither unit length nor right angles; a left-handed triple is a
 /// mirrored view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrustumShape {
-    /// Apex, metres.
+    /// Apex, or where an orthographic view measures depth from, metres.
     pub eye: DVec3,
     /// Towards the right of the picture.
     pub right: DVec3,
@@ -18,30 +18,33 @@ pub struct FrustumShape {
     pub up: DVec3,
     /// Into the picture.
     pub forward: DVec3,
-    /// Half the picture's width at `forward`, in lengths of `right`.
+    /// Half the picture's width at `forward`, of an orthographic view at any depth, in lengths of `right`.
     pub half_right: f64,
-    /// Half the picture's height at `forward`, in lengths of `up`.
+    /// Half the picture's height, likewise, in lengths of `up`.
     pub half_up: f64,
-    /// Where the picture's centre is at `forward`, in halves of its size to the right and up; zero but off-centre.
+    /// Where the picture's centre is, likewise, in halves of its size to the right and up; zero but off-centre.
     pub center: DVec2,
     /// Near plane, in lengths of `forward`.
     pub near: f64,
 }
 
 /// The view frustum of a reversed infinite projection: five planes, and "the plane at infinity" as a sixth face
-/// that bounds nothing but makes the edge count of [`LightHull`](super::LightHull) work.
+/// that bounds nothing but makes the edge count of [`LightHull`](super::LightHull) work. Of an orthographic view all six
+/// are planes.
 ///
 /// Corner `i` has bit 0 set on the right and bit 1 on top; 0–3 are on the near plane (`w = 1`), 4–7 are the
-/// directions in which the far corners lie (`w = 0`).
+/// directions in which the far corners lie (`w = 0`), or the corners on the far plane (`w = 1`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frustum {
-    /// World space, in the order [`Frustum::NEAR`], `LEFT`, `RIGHT`, `BOTTOM`, `TOP`.
+    /// World space, in the order [`Frustum::NEAR`], `LEFT`, `RIGHT`, `BOTTOM`, `TOP`, and of an orthographic view `FAR`.
     pub planes: PlaneSet,
     /// World space, homogeneous.
     pub corners: [Vec4; 8],
     shape: FrustumShape,
+    /// Of an orthographic view, in lengths of `forward`.
+    far: Option<f64>,
     /// The planes relative to the eye.
-    half_spaces: [HalfSpace; 5],
+    half_spaces: SmallVec<[HalfSpace; 6]>,
     /// The corners relative to the eye; directions have unit length.
     corners_eye: [DVec4; 8],
 }
@@ -57,8 +60,9 @@ impl Frustum {
     pub const BOTTOM: usize = 3;
     /// Index of the top plane.
     pub const TOP: usize = 4;
-    /// Index that stands for the plane at infinity, which has no entry in [`Frustum::planes`].
-    pub const INFINITY: usize = 5;
+    /// Index of the far plane; in perspective it stands for the plane at infinity, which has no entry in
+    /// [`Frustum::planes`].
+    pub const FAR: usize = 5;
 
     /// Each edge with its two planes; it runs counter-clockwise around the first plane seen from outside, so
     /// clockwise around the second. In a mirrored view the two change places.
@@ -73,14 +77,24 @@ impl Frustum {
         SolidEdge::new(1, 5, Self::RIGHT, Self::BOTTOM),
         SolidEdge::new(3, 7, Self::TOP, Self::RIGHT),
         SolidEdge::new(2, 6, Self::LEFT, Self::TOP),
-        SolidEdge::new(4, 5, Self::BOTTOM, Self::INFINITY),
-        SolidEdge::new(5, 7, Self::RIGHT, Self::INFINITY),
-        SolidEdge::new(7, 6, Self::TOP, Self::INFINITY),
-        SolidEdge::new(6, 4, Self::LEFT, Self::INFINITY),
+        SolidEdge::new(4, 5, Self::BOTTOM, Self::FAR),
+        SolidEdge::new(5, 7, Self::RIGHT, Self::FAR),
+        SolidEdge::new(7, 6, Self::TOP, Self::FAR),
+        SolidEdge::new(6, 4, Self::LEFT, Self::FAR),
     ];
 
-    /// The frustum of a view; `None` if the numbers do not span one (not finite, flat, no field of view).
+    /// The frustum of a perspective view; `None` if the numbers do not span one (not finite, flat, no field of view).
     pub fn new(shape: &FrustumShape) -> Option<Self> {
+        (shape.near > 0.0).then(|| Self::build(shape, None)).flatten()
+    }
+
+    /// The box of an orthographic view with its far plane at `far` lengths of `forward`, beyond the near plane.
+    pub fn orthographic(shape: &FrustumShape, far: f64) -> Option<Self> {
+        let spans = shape.near.is_finite() && far.is_finite() && far > shape.near;
+        spans.then(|| Self::build(shape, Some(far))).flatten()
+    }
+
+    fn build(shape: &FrustumShape, far: Option<f64>) -> Option<Self> {
         let FrustumShape {
             eye,
             right,
@@ -91,22 +105,28 @@ impl Frustum {
             center,
             near,
         } = *shape;
-        if !(eye.is_finite() && center.is_finite() && half_right > 0.0 && half_up > 0.0 && near > 0.0) {
+        if !(eye.is_finite() && center.is_finite() && half_right > 0.0 && half_up > 0.0) {
             return None;
         }
-        let ray_at = |x: f64, y: f64| {
-            forward + right * (half_right * (x + center.x)) + up * (half_up * (y + center.y))
+        let across = |x: f64, y: f64| right * (half_right * (x + center.x)) + up * (half_up * (y + center.y));
+        // Where a line of sight passes, at depth 0, and how it runs on from there.
+        let line_at = |x: f64, y: f64| match far {
+            None => (DVec3::ZERO, forward + across(x, y)),
+            Some(_) => (across(x, y), forward),
         };
         let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
-        let rays: [DVec3; 4] = std::array::from_fn(|i| ray_at(sign(i & 1), sign(i & 2)));
-        // The central ray is the mean of the four, so it lies strictly inside every plane but the near one.
-        let middle = ray_at(0.0, 0.0);
+        let lines: [(DVec3, DVec3); 4] = std::array::from_fn(|i| line_at(sign(i & 1), sign(i & 2)));
+        // The central line is the mean of the four, so it lies strictly inside every plane but near and far.
+        let middle = line_at(0.0, 0.0);
         let side = |a: usize, b: usize| {
-            let normal = rays[a].cross(rays[b]).try_normalize()?;
-            let towards = normal.dot(middle);
+            let (from, along) = lines[a];
+            let across = lines[b].0 + lines[b].1 - from;
+            let normal = along.cross(across).try_normalize()?;
+            let towards = normal.dot(middle.0 + middle.1 - from);
+            let normal = normal * towards.signum();
             (towards != 0.0).then(|| HalfSpace {
-                normal: normal * towards.signum(),
-                offset: 0.0,
+                normal,
+                offset: -normal.dot(from),
             })
         };
         let front = right.cross(up).try_normalize()?;
@@ -114,7 +134,7 @@ impl Frustum {
         if !(depth.is_finite() && depth != 0.0) {
             return None;
         }
-        let half_spaces = [
+        let mut half_spaces: SmallVec<[HalfSpace; 6]> = SmallVec::from_slice(&[
             HalfSpace {
                 normal: front * depth.signum(),
                 offset: -depth.abs() * near,
@@ -123,11 +143,18 @@ impl Frustum {
             side(1, 3)?,
             side(0, 1)?,
             side(2, 3)?,
-        ];
+        ]);
+        half_spaces.extend(far.map(|far| HalfSpace {
+            normal: -front * depth.signum(),
+            offset: depth.abs() * far,
+        }));
         let mut corners_eye = [DVec4::ZERO; 8];
-        for (i, ray) in rays.iter().enumerate() {
-            corners_eye[i] = (*ray * near).extend(1.0);
-            corners_eye[i + 4] = ray.try_normalize()?.extend(0.0);
+        for (i, &(from, along)) in lines.iter().enumerate() {
+            corners_eye[i] = (from + along * near).extend(1.0);
+            corners_eye[i + 4] = match far {
+                None => along.try_normalize()?.extend(0.0),
+                Some(far) => (from + along * far).extend(1.0),
+            };
         }
         let usable = half_spaces
             .iter()
@@ -139,6 +166,7 @@ impl Frustum {
             },
             corners: corners_eye.map(|corner| (corner + eye.extend(0.0) * corner.w).as_vec4()),
             shape: *shape,
+            far,
             half_spaces,
             corners_eye,
         })
@@ -149,7 +177,17 @@ impl Frustum {
         &self.shape
     }
 
-    /// Apex, metres, world space.
+    /// Depth of the far plane of an orthographic view, in lengths of `forward`; `None` in perspective.
+    pub fn far(&self) -> Option<f64> {
+        self.far
+    }
+
+    /// The planes but for the far one: what lies outside of one of them is in no pixel, nor behind what a pixel shows.
+    pub fn open_planes(&self) -> &[Plane] {
+        &self.planes.planes[..Self::FAR]
+    }
+
+    /// Apex, or where an orthographic view measures depth from, metres, world space.
     pub fn eye(&self) -> DVec3 {
         self.shape.eye
     }
@@ -172,7 +210,7 @@ impl Frustum {
     }
 
     /// The planes relative to the eye, as [`Frustum::planes`] but exact.
-    pub(super) fn half_spaces(&self) -> &[HalfSpace; 5] {
+    pub(super) fn half_spaces(&self) -> &[HalfSpace] {
         &self.half_spaces
     }
 

@@ -63,8 +63,13 @@ impl PlaneSet {
 
     /// Whether all homogeneous points (a convex hull's corners) lie outside of one plane.
     pub fn excludes_points(&self, points: &[Vec4]) -> bool {
-        self.planes
-            .iter()
-            .any(|plane| points.iter().all(|&point| plane.side(point) < 0.0))
+        excludes_points(&self.planes, points)
     }
+}
+
+/// Whether the convex hull of homogeneous points lies wholly outside of one of the planes; conservative.
+pub fn excludes_points(planes: &[Plane], points: &[Vec4]) -> bool {
+    planes
+        .iter()
+        .any(|plane| points.iter().all(|&point| plane.side(point) < 0.0))
 }

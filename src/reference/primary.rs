@@ -18,7 +18,7 @@ pub struct SurfaceHit {
     pub normal: DVec3,
     /// Index into [`RayScene::triangles`].
     pub triangle: u32,
-    /// From the eye, metres.
+    /// From the eye, of an orthographic view from where the line of sight passes it, metres.
     pub distance: f64,
     /// Along the camera's −Z, in its units (metres unless it is scaled).
     pub view_depth: f64,
@@ -75,16 +75,23 @@ pub fn camera_rays(
         .map(|(x, y)| {
             let ndc_x = (f64::from(x) + 0.5) / f64::from(size.x) * 2.0 - 1.0;
             let ndc_y = 1.0 - (f64::from(y) + 0.5) / f64::from(size.y) * 2.0;
+            let across = DVec3::new((ndc_x - shift.x) * right, (ndc_y - shift.y) * up, 0.0);
+            if camera.orthographic.is_some() {
+                return Ray {
+                    origin: origin + world_from_view * across,
+                    direction: world_from_view * DVec3::NEG_Z,
+                };
+            }
             Ray {
                 origin,
-                direction: world_from_view
-                    * DVec3::new((ndc_x - shift.x) * right, (ndc_y - shift.y) * up, -1.0),
+                direction: world_from_view * (across + DVec3::NEG_Z),
             }
         })
         .collect())
 }
 
-/// The surface of every pixel, from both sides of every triangle. Nothing nearer than the near plane is seen.
+/// The surface of every pixel, from both sides of every triangle. Nothing nearer than the near plane is seen, nor beyond
+/// the far plane of an orthographic view.
 ///
 /// # Errors
 /// Those of [`camera_rays`].
@@ -109,17 +116,27 @@ pub fn primary_hits_culled(
     culling: PrimaryCulling,
 ) -> Result<HitImage, ReferenceError> {
     let rays = camera_rays(camera, world_from_camera, size)?;
-    let near = f64::from(camera.near);
+    let planes = (
+        f64::from(camera.near),
+        camera
+            .orthographic
+            .map_or(f64::INFINITY, |view| f64::from(view.far)),
+    );
     let hits = rays
         .par_iter()
-        .map(|ray| surface_hit(scene, ray, near, culling))
+        .map(|ray| surface_hit(scene, ray, planes, culling))
         .collect();
     Ok(HitImage { size, hits })
 }
 
 /// What a ray whose parameter is the view depth shows.
-fn surface_hit(scene: &RayScene, ray: &Ray, near: f64, culling: PrimaryCulling) -> Option<SurfaceHit> {
-    let hit = scene.closest_hit(ray, near, f64::INFINITY, |triangle| {
+fn surface_hit(
+    scene: &RayScene,
+    ray: &Ray,
+    (near, far): (f64, f64),
+    culling: PrimaryCulling,
+) -> Option<SurfaceHit> {
+    let hit = scene.closest_hit(ray, near, far, |triangle| {
         let [a, b, c] = triangle.corners;
         triangle.is_primary
             && (culling == PrimaryCulling::None

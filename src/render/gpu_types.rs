@@ -14,6 +14,8 @@ pub struct View {
     pub size: [f32; 4],
     /// Upper left corner of the picture in its targets, pixels; z, w unused.
     pub origin: [f32; 4],
+    /// w = 1: the eye is at the origin; w = 0: unit direction towards an orthographic view.
+    pub eye: [f32; 4],
 }
 
 /// Mirror of `Object` in `shaders/common/view.wgsl`.
@@ -40,8 +42,8 @@ pub struct HostDepth {
     pub numerator: [f32; 4],
     /// See `numerator`.
     pub denominator: [f32; 4],
-    /// x: distance of the near plane; y: of the eye from the world's origin, metres; z, w unused.
-    pub scale: [f32; 4],
+    /// What depths of one surface may differ by: factors of 1, of our depth and of its square; w unused.
+    pub rounding: [f32; 4],
 }
 
 /// Mirror of `Light` in `shaders/common/light.wgsl`.

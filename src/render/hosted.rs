@@ -17,6 +17,7 @@ use super::canvas::Canvas;
 use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use super::nodes::host_depth::HostDepth;
+use super::nodes::host_select::HostSelect;
 use super::pipelines::stencil_test;
 use super::renderer::Renderer;
 use super::technique::Visibility;
@@ -54,12 +55,15 @@ pub struct HostedLight<'a> {
     pub scissor: [u32; 4],
     /// What the light sees.
     pub visibility: HostedVisibility<'a>,
+    /// There are surfaces in view that the light does not affect: a light with a mask too is added only where
+    /// [`stencil_lit`] passes.
+    pub is_selective: bool,
 }
 
 /// What a light sees.
 #[derive(Clone, Copy, Debug)]
 pub enum HostedVisibility<'a> {
-    /// Everything: no technique has the light.
+    /// Everything: no technique has the light, and it affects all that is in view.
     Lit,
     /// Pixels that pass [`stencil_lit`].
     Stencil,
@@ -102,6 +106,7 @@ impl Renderer {
     pub fn set_host(&mut self, host: Option<HostView>) -> Result<(), RenderError> {
         if host.is_some() && self.host_depth.is_none() {
             self.host_depth = Some(HostDepth::new(&self.context, &self.shaders, &self.layouts)?);
+            self.host_select = Some(HostSelect::new(&self.context, &self.shaders, &self.layouts)?);
         }
         self.host = host;
         Ok(())
@@ -157,12 +162,26 @@ impl Renderer {
             for light in group {
                 pass.push_debug_group(&self.labels[light.light]);
                 self.mark_light(&mut pass, light, LightSurfaces::Opaque);
+                self.leave_out_unaffected(&mut pass, light);
                 pass.set_stencil_reference(STENCIL_IN_BOUNDS);
                 add(&mut pass, &self.hosted_light(light));
                 pass.pop_debug_group();
             }
         }
         self.timings.end_frame(encoder);
+    }
+
+    /// Leaves in the stencil of a light nothing lit of surfaces that it does not affect.
+    fn leave_out_unaffected(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
+        let Some(select) = self.host_select.as_ref().filter(|_| !light.unaffected.is_empty()) else {
+            return;
+        };
+        if !matches!(light.shadow, Some((_, Visibility::Stencil))) {
+            let (near, far) = light.depth_range;
+            self.light_begin.record(pass, near, far); // no technique has begun the stencil
+        }
+        let batches = &self.frame.batches[light.unaffected.clone()];
+        select.record(pass, &self.view_group, batches, &self.surface_resources());
     }
 
     fn hosted_light(&self, light: &ActiveLight) -> HostedLight<'_> {
@@ -173,8 +192,10 @@ impl Renderer {
             visibility: match (light.shadow, &self.masks) {
                 (Some((_, Visibility::Stencil)), _) => HostedVisibility::Stencil,
                 (Some((_, Visibility::Mask)), Some(masks)) => HostedVisibility::Mask(&masks.mask_view),
+                _ if !light.unaffected.is_empty() => HostedVisibility::Stencil,
                 _ => HostedVisibility::Lit,
             },
+            is_selective: !light.unaffected.is_empty(),
         }
     }
 }

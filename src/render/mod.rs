@@ -15,6 +15,7 @@ mod front_lights;
 mod front_surfaces;
 pub mod gpu_types;
 pub mod hosted;
+pub mod kept;
 pub mod lights;
 pub mod materials;
 pub mod meshes;

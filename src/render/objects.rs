@@ -11,7 +11,7 @@ use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use super::{RenderContext, gpu_types};
 use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
-use crate::sets::Objects;
+use crate::sets::{Objects, ViewData};
 
 /// One submesh of one object: what a draw draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,15 +51,19 @@ impl ObjectTable {
         &self.constants
     }
 
-    /// Distance of an object's origin from the eye, metres.
-    pub fn distance_of(&self, object: usize) -> f32 {
+    /// Distance of an object's origin from the eye, along the lines of sight of an orthographic view, metres.
+    pub fn distance_of(&self, object: usize, view: &ViewData) -> f32 {
         let constants = &self.constants[object];
-        glam::Vec3::new(
+        let relative = glam::Vec3::new(
             constants.relative_from_local_x[3],
             constants.relative_from_local_y[3],
             constants.relative_from_local_z[3],
-        )
-        .length()
+        );
+        if view.is_orthographic() {
+            relative.dot(view.frustum.shape().forward.normalize().as_vec3())
+        } else {
+            relative.length()
+        }
     }
 
     /// Looks up meshes and materials of all objects, uploading new ones and freeing unused ones. Needed when

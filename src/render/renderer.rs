@@ -12,6 +12,7 @@ use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
+use super::nodes::host_select::HostSelect;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
@@ -51,6 +52,7 @@ pub struct Renderer {
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
     pub(super) host_depth: Option<HostDepth>,
+    pub(super) host_select: Option<HostSelect>,
     pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
     pub(super) depth_copy: DepthCopy,
@@ -107,6 +109,7 @@ impl Renderer {
             radiance: None,
             host: None,
             host_depth: None,
+            host_select: None,
             front: None,
             masks: None,
             depth_copy: DepthCopy::new(&context, &shaders, &layouts)?,

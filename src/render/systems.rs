@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
 use super::RenderError;
@@ -17,7 +18,7 @@ use super::renderer::Renderer;
 use super::technique::PrepareInput;
 use crate::scene::FaceCulling;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
-use crate::sets::{FrameLights, Objects, View, ViewportSize, VisibleSet};
+use crate::sets::{FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
 
 /// Uploads meshes, materials and matrices that changed, sizes the targets, and forgets the last frame's draws.
 ///
@@ -93,7 +94,7 @@ pub fn prepare_objects(
         renderer.last_clip_from_world = Some(current.clip_from_world);
     }
     if let (Some(host), Some(host_depth)) = (&renderer.host, &renderer.host_depth) {
-        host_depth.write(&renderer.context, host, current.near, current.eye);
+        host_depth.write(&renderer.context, host, current);
     }
     let ambient = renderer.settings.sanitized().ambient;
     let relative_from_ndc = (current.clip_from_world * DMat4::from_translation(current.eye)).inverse();
@@ -110,6 +111,12 @@ pub fn prepare_objects(
             .extend(0.0)
             .extend(0.0)
             .to_array(),
+        eye: if current.is_orthographic() {
+            let towards = -current.frustum.shape().forward.normalize();
+            towards.as_vec3().extend(0.0).to_array()
+        } else {
+            [0.0, 0.0, 0.0, 1.0]
+        },
     };
     renderer
         .context
@@ -216,6 +223,19 @@ pub fn prepare_draws(
             &mut frame.batches,
             &mut frame.instances,
         );
+        let first_unaffected = frame.batches.len();
+        if renderer.host.is_some() && objects.common_layers() & light.selection.affects == 0 {
+            collect_unaffected(&mut frame.unaffected, &objects, &visible, light.selection.affects);
+            renderer.draw_lists.build(
+                &input,
+                &frame.unaffected,
+                ItemFilter::Opaque,
+                true,
+                &mut frame.batches,
+                &mut frame.instances,
+            );
+        }
+        let unaffected = first_unaffected..frame.batches.len();
         let slot = frame.lights.len();
         let at = frame.light_constants.len();
         frame.light_constants.resize(at + LIGHT_STRIDE as usize, 0);
@@ -234,7 +254,8 @@ pub fn prepare_draws(
                 [0, 0, width, height]
             }),
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
-            batches: first..frame.batches.len(),
+            batches: first..first_unaffected,
+            unaffected,
             front: 0..0,
             front_scissor: [0; 4],
         });
@@ -257,7 +278,7 @@ pub fn prepare_draws(
         frame.dark.push((index, first..frame.batches.len()));
     }
     if renderer.host.is_none() {
-        collect_blended(frame, &input, &visible, &lights, current.mirrored);
+        collect_blended(frame, &input, &visible, &lights, current);
         collect_front(frame, &input, &objects, &lights, current);
     }
     renderer
@@ -271,13 +292,28 @@ pub fn prepare_draws(
     renderer.require_pipelines();
 }
 
+/// Objects of V on no layer that a light affects.
+fn collect_unaffected(unaffected: &mut FixedBitSet, objects: &Objects, visible: &VisibleSet, affects: u32) {
+    unaffected.clone_from(&visible.set);
+    for object in visible.set.ones() {
+        unaffected.set(object, objects.layers[object] & affects == 0);
+    }
+}
+
+/// Sorts floats that are not NaN in descending order.
+fn descending(value: f32) -> u32 {
+    let bits = value.to_bits();
+    // The bits of floats that are not negative sort as the floats do, those of others the other way.
+    if bits >> 31 == 0 { !bits ^ (1 << 31) } else { bits }
+}
+
 /// Lists blended surfaces of V, farthest first, each with the lights that reach its object.
 fn collect_blended(
     frame: &mut FrameData,
     input: &DrawListInput,
     visible: &VisibleSet,
     lights: &FrameLights,
-    mirrored_view: bool,
+    current: &ViewData,
 ) {
     frame.blended_order.clear();
     for object in visible.set.ones() {
@@ -291,11 +327,10 @@ fn collect_blended(
             .enumerate()
             .filter(|(_, item)| item.blended)
         {
-            let distance = input.table.distance_of(object);
-            // The bits of floats that are not negative sort as the floats do.
+            let distance = input.table.distance_of(object, current);
             frame
                 .blended_order
-                .push((!distance.max(0.0).to_bits(), object as u32, item as u32));
+                .push((descending(distance), object as u32, item as u32));
         }
     }
     frame.blended_order.sort_unstable();
@@ -319,7 +354,7 @@ fn collect_blended(
         });
         frame.batches.push(Batch {
             variant: Variant {
-                mirrored: (input.table.handedness[object as usize] < 0.0) != mirrored_view,
+                mirrored: (input.table.handedness[object as usize] < 0.0) != current.mirrored,
                 culled: input.cull_back_faces && !part.double_sided,
                 unshadowed: true,
             },

@@ -2,21 +2,33 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{DMat4, Mat4, Vec2};
+use glam::{DMat4, DVec4, Mat4, Vec2};
 
-/// A perspective camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed and infinite
+/// A camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed, and infinite in perspective
 /// ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(Transform)]
 pub struct Camera {
-    /// Vertical field of view, radians; 0 < fov < π.
+    /// Vertical field of view, radians; 0 < fov < π. Of no account in an orthographic view.
     pub vertical_fov: f32,
-    /// Distance of the near plane, metres; > 0.
+    /// Distance of the near plane, metres; > 0, in an orthographic view any.
     pub near: f32,
     /// Width over height of the picture; > 0.
     pub aspect: f32,
     /// NDC by which the picture is moved, right and up: an off-centre lens, or the jitter of temporal anti-aliasing.
     pub shift: Vec2,
+    /// `None`: a perspective view.
+    pub orthographic: Option<Orthographic>,
+}
+
+/// What an orthographic view has in place of a field of view: all lines of sight run along local −Z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orthographic {
+    /// Height of what the picture shows, metres; > 0.
+    pub height: f32,
+    /// Distance of the far plane, metres; greater than `near`. Objects beyond it are not seen; of an object that it cuts,
+    /// what lies beyond may be seen or not, and lit or not.
+    pub far: f32,
 }
 
 impl Default for Camera {
@@ -26,38 +38,68 @@ impl Default for Camera {
             near: 0.1,
             aspect: 16.0 / 9.0,
             shift: Vec2::ZERO,
+            orthographic: None,
         }
     }
 }
 
 impl Camera {
+    /// An orthographic view of so much height between the two planes, metres.
+    pub fn orthographic(height: f32, near: f32, far: f32, aspect: f32) -> Self {
+        Self {
+            near,
+            aspect,
+            orthographic: Some(Orthographic { height, far }),
+            ..Self::default()
+        }
+    }
+
     /// Whether the numbers make a projection.
     pub fn is_valid(&self) -> bool {
-        self.vertical_fov > 0.0
-            && self.vertical_fov < std::f32::consts::PI
-            && self.near > 0.0
+        let spans = match self.orthographic {
+            None => self.vertical_fov > 0.0 && self.vertical_fov < std::f32::consts::PI && self.near > 0.0,
+            Some(Orthographic { height, far }) => {
+                height > 0.0 && height.is_finite() && far > self.near && far.is_finite()
+            }
+        };
+        spans
             && self.near.is_finite()
             && self.aspect > 0.0
             && self.aspect.is_finite()
             && self.shift.is_finite()
     }
 
-    /// Half the size of the picture at distance 1, as (right, up); its centre is at minus `shift` times that.
+    /// Half the size of the picture at distance 1, of an orthographic view at any, as (right, up); its centre is at minus
+    /// `shift` times that.
     pub fn half_extent_at_unit_distance(&self) -> (f64, f64) {
-        let up = (f64::from(self.vertical_fov) * 0.5).tan();
+        let up = match self.orthographic {
+            None => (f64::from(self.vertical_fov) * 0.5).tan(),
+            Some(Orthographic { height, .. }) => f64::from(height) * 0.5,
+        };
         (up * f64::from(self.aspect), up)
     }
 
-    /// Reversed infinite projection: `z_clip = near`, `w_clip = −z_view`.
+    /// Reversed projection. In perspective infinite, `z_clip = near`, `w_clip = −z_view`; an orthographic one is 1 on the
+    /// near plane and 0 on the far one.
     pub fn clip_from_view(&self) -> DMat4 {
         let (right, up) = self.half_extent_at_unit_distance();
+        let (near, shift) = (f64::from(self.near), self.shift.as_dvec2());
         let mut m = DMat4::ZERO;
         m.x_axis.x = 1.0 / right;
         m.y_axis.y = 1.0 / up;
-        m.z_axis.x = -f64::from(self.shift.x);
-        m.z_axis.y = -f64::from(self.shift.y);
-        m.z_axis.w = -1.0;
-        m.w_axis.z = f64::from(self.near);
+        match self.orthographic {
+            None => {
+                m.z_axis.x = -shift.x;
+                m.z_axis.y = -shift.y;
+                m.z_axis.w = -1.0;
+                m.w_axis.z = near;
+            }
+            Some(Orthographic { far, .. }) => {
+                let far = f64::from(far);
+                m.z_axis.z = 1.0 / (far - near);
+                m.w_axis = DVec4::new(shift.x, shift.y, far / (far - near), 1.0);
+            }
+        }
         m
     }
 

@@ -32,7 +32,7 @@ pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds};
-pub use camera::Camera;
+pub use camera::{Camera, Orthographic};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;

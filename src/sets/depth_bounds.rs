@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::screen::{Projector, ScreenBounds};
 use super::view::ViewData;
+use super::view_depth::ViewDepth;
 use crate::geometry::{Aabb, Emitter};
 
 /// A range of view depth. A pixel whose surface lies outside is neither lit nor shadowed.
@@ -24,23 +25,33 @@ const SLACK: f64 = 4e-6;
 
 impl DepthBounds {
     /// The range, cut at the near plane and grown by what rounding can lose; `None` if it is empty.
-    pub fn around(near: f64, far: f64, near_plane: f64) -> Option<Self> {
-        let near = near.max(near_plane);
+    pub fn around(near: f64, far: f64, depth: ViewDepth) -> Option<Self> {
+        let near = near.max(depth.near());
         if near > far || far.is_nan() {
             return None;
         }
-        let (near, far) = (near * (1.0 - SLACK), far * (1.0 + SLACK));
-        Some(Self {
+        let (near, far) = (near - depth.slack(near, SLACK), far + depth.slack(far, SLACK));
+        Some(Self::stored(near, far, depth))
+    }
+
+    fn stored(near: f64, far: f64, depth: ViewDepth) -> Self {
+        let (at_near, at_far) = (depth.stored(near), depth.stored(far));
+        Self {
             near: near as f32,
             far: far as f32,
-            depth_min: (near_plane / far * (1.0 - SLACK)) as f32,
-            depth_max: (near_plane / near * (1.0 + SLACK)).min(1.0) as f32,
-        })
+            depth_min: (at_far - depth.stored_slack(far, SLACK)).max(0.0) as f32,
+            depth_max: (at_near + depth.stored_slack(near, SLACK)).min(1.0) as f32,
+        }
+    }
+
+    /// The same range in a depth that is stored in another way.
+    pub(super) fn stored_in(self, depth: ViewDepth) -> Self {
+        Self::stored(f64::from(self.near), f64::from(self.far), depth)
     }
 
     /// The range of screen bounds.
-    pub(super) fn of_screen(bounds: &ScreenBounds, near_plane: f64) -> Option<Self> {
-        Self::around(bounds.near, bounds.far, near_plane)
+    pub(super) fn of_screen(bounds: &ScreenBounds, depth: ViewDepth) -> Option<Self> {
+        Self::around(bounds.near, bounds.far, depth)
     }
 
     /// Whether the ranges share a depth.
@@ -90,5 +101,5 @@ pub fn shadow_depth_range(view: &ViewData, caster: &Aabb, light: &Emitter) -> Op
             near = f64::NEG_INFINITY;
         }
     }
-    DepthBounds::around(near, far, projector.near())
+    DepthBounds::around(near, far, view.depth)
 }

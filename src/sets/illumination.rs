@@ -125,6 +125,6 @@ fn bound(
     light.work.projected += projected;
     let bounds = union.intersection(target);
     let scissor = ScissorRect::around(&bounds, view.viewport)?;
-    let depth_bounds = DepthBounds::of_screen(&bounds, view.near)?;
+    let depth_bounds = DepthBounds::of_screen(&bounds, view.depth)?;
     Some((scissor, depth_bounds))
 }

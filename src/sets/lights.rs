@@ -80,7 +80,7 @@ pub struct FrameLight {
     /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the volume.
     pub lit_receivers: Vec<Aabb>,
     /// Bounds of the receivers of I, each cut by the box of the volume.
-    pub(super) receiver_bounds: Aabb,
+    pub receiver_bounds: Aabb,
     /// Words in which `reach` may not be 0, and so L, I and S neither.
     pub(super) touched: FixedBitSet,
     /// Whether I and what follows from it are to be computed in this frame.

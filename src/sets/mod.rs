@@ -49,6 +49,7 @@ pub mod seen_into;
 pub mod shadow;
 mod spatial_order;
 pub mod view;
+pub mod view_depth;
 pub mod visible;
 pub mod visible_parts;
 pub mod work;
@@ -77,6 +78,7 @@ pub use screen::{Projector, ScreenBounds};
 pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use shadow::collect_shadow_sets;
 pub use view::{View, ViewData, ViewportSize, collect_view};
+pub use view_depth::{DepthReach, ViewDepth, begin_depth_reach, fit_view_depth};
 pub use visible::{CameraOcclusion, VisibleSet, collect_visible_set};
 pub use visible_parts::VisibleParts;
 pub use work::SetWork;
@@ -90,6 +92,7 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<Objects>();
     world.init_resource::<ViewportSize>();
     world.init_resource::<View>();
+    world.init_resource::<DepthReach>();
     world.init_resource::<FrustumSet>();
     world.init_resource::<OcclusionSettings>();
     world.init_resource::<Occluders>();
@@ -104,6 +107,7 @@ pub fn init_set_resources(world: &mut World) {
 /// The systems of the sets, chained; they belong into `AntumbraSystems::CollectSets`.
 pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
     (
+        begin_depth_reach,
         collect_objects,
         collect_view,
         collect_frustum_set,

@@ -180,6 +180,11 @@ impl Objects {
         held.then_some(slot.index as usize)
     }
 
+    /// Layers that all objects are on; all if there are no objects.
+    pub fn common_layers(&self) -> u32 {
+        self.common_layers
+    }
+
     /// Whether anything moved in this frame.
     pub fn any_moved(&self) -> bool {
         !self.moved_words.is_clear()

@@ -65,7 +65,7 @@ impl ScreenBounds {
         let half = 0.5 / point.w;
         let pixel = DVec2::new(0.5 + point.x * half, 0.5 - point.y * half) * size;
         let depth = if point.weight > 0.0 {
-            point.w / point.weight
+            point.depth / point.weight
         } else {
             f64::INFINITY
         };
@@ -76,20 +76,25 @@ impl ScreenBounds {
     }
 }
 
-/// A point in clip space, without its depth; `w` is the view depth times `weight`, 1 for positions, 0 for directions.
+/// A point in clip space, with its view depth times `weight`, which is 1 for positions, 0 for directions; `w` is the one
+/// in perspective, the other in an orthographic view.
 #[derive(Clone, Copy, Debug)]
 struct Clip {
     x: f64,
     y: f64,
     w: f64,
+    depth: f64,
     weight: f64,
 }
 
 /// Projects from world space to pixels, in `f64` relative to the eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Projector {
-    /// Rows x, y and w of clip from world, on vectors.
+    /// Rows x and y of clip from world, and that of the view depth, on vectors.
     rows: [DVec3; 3],
+    /// What rows x and y have for positions.
+    shift: DVec2,
+    orthographic: bool,
     eye: DVec3,
     near: f64,
     size: DVec2,
@@ -115,8 +120,12 @@ impl Projector {
     /// The projection of a view.
     pub fn new(view: &ViewData) -> Self {
         let row = |i: usize| view.clip_from_world.row(i).truncate();
+        let orthographic = view.is_orthographic();
+        let shift = view.clip_from_view.w_axis.truncate().truncate();
         Self {
-            rows: [row(0), row(1), row(3)],
+            rows: [row(0), row(1), -view.view_from_world.row(2).truncate()],
+            shift: if orthographic { shift } else { DVec2::ZERO },
+            orthographic,
             eye: view.eye,
             near: view.near,
             size: view.viewport.as_dvec2(),
@@ -133,9 +142,15 @@ impl Projector {
         self.rows[2].dot(point - self.eye)
     }
 
-    /// Rows x, y and w of clip from world, on vectors from the eye.
-    pub(super) fn rows(&self) -> [DVec3; 3] {
-        self.rows
+    /// Rows x, y and w of clip from world, on vectors from the eye and their fourth coordinate.
+    pub(super) fn rows(&self) -> [DVec4; 3] {
+        let [x, y, depth] = self.rows;
+        let w = if self.orthographic {
+            DVec4::W
+        } else {
+            depth.extend(0.0)
+        };
+        [x.extend(self.shift.x), y.extend(self.shift.y), w]
     }
 
     /// Position of the eye, world space.
@@ -155,18 +170,31 @@ impl Projector {
 
     fn clip(&self, point: DVec4) -> Clip {
         let point_eye = point.truncate() - self.eye * point.w;
-        let [x, y, w] = self.rows.map(|row| row.dot(point_eye));
+        let [x, y, depth] = self.rows.map(|row| row.dot(point_eye));
+        self.with_w(
+            x + self.shift.x * point.w,
+            y + self.shift.y * point.w,
+            depth,
+            point.w,
+        )
+    }
+
+    fn with_w(&self, x: f64, y: f64, depth: f64, weight: f64) -> Clip {
+        let w = if self.orthographic { weight } else { depth };
         Clip {
             x,
             y,
             w,
-            weight: point.w,
+            depth,
+            weight,
         }
     }
 
     /// Bounds of the part of a box that lies behind the near plane.
     pub fn bounds_of_box(&self, center: DVec3, half: DVec3) -> ScreenBounds {
-        let middle = self.rows.map(|row| row.dot(center - self.eye));
+        let mut middle = self.rows.map(|row| row.dot(center - self.eye));
+        middle[0] += self.shift.x;
+        middle[1] += self.shift.y;
         let axes = self.rows.map(|row| row * half);
         let corners: [Clip; 8] = std::array::from_fn(|i| {
             let signs = DVec3::select(
@@ -174,12 +202,12 @@ impl Projector {
                 DVec3::ONE,
                 DVec3::NEG_ONE,
             );
-            Clip {
-                x: middle[0] + axes[0].dot(signs),
-                y: middle[1] + axes[1].dot(signs),
-                w: middle[2] + axes[2].dot(signs),
-                weight: 1.0,
-            }
+            self.with_w(
+                middle[0] + axes[0].dot(signs),
+                middle[1] + axes[1].dot(signs),
+                middle[2] + axes[2].dot(signs),
+                1.0,
+            )
         });
         self.bounds(&corners, BOX_EDGES)
     }
@@ -191,8 +219,8 @@ impl Projector {
         self.bounds(&clip, (0..N).flat_map(|b| (0..b).map(move |a| (a, b))))
     }
 
-    /// Bounds of a ball: those of its tangent planes through the eye, where it lies wholly before the camera; those of its
-    /// box otherwise. The depth is exact in both.
+    /// Bounds of a ball: those of its tangent planes through the eye, where it lies wholly before the camera, or along an
+    /// orthographic view; those of its box otherwise. The depth is exact in all.
     ///
     /// Source: Lengyel 2002, "The Mechanics of Robust Stencil Shadows": scissor rectangle of a sphere from the two
     /// tangents in each of the planes x–z and y–z.
@@ -204,6 +232,17 @@ impl Projector {
         let depth = self.depth(center);
         bounds.near = bounds.near.max(depth - reach);
         bounds.far = bounds.far.min(depth + reach);
+        if self.orthographic {
+            let at = DVec2::new(x.dot(center - self.eye), y.dot(center - self.eye)) + self.shift;
+            let half = DVec2::new(x.length(), y.length()) * radius;
+            let (low, high) = ((at - half) * 0.5, (at + half) * 0.5);
+            let exact = ScreenBounds {
+                min: DVec2::new(0.5 + low.x, 0.5 - high.y) * self.size,
+                max: DVec2::new(0.5 + high.x, 0.5 - low.y) * self.size,
+                ..ScreenBounds::ALL
+            };
+            return bounds.intersection(exact);
+        }
         if depth <= reach * (1.0 + 1e-6) {
             return bounds;
         }
@@ -236,7 +275,7 @@ impl Projector {
     }
 
     fn bounds(&self, points: &[Clip], edges: impl IntoIterator<Item = (usize, usize)>) -> ScreenBounds {
-        let inside = |point: &Clip| point.w - self.near * point.weight;
+        let inside = |point: &Clip| point.depth - self.near * point.weight;
         let mut bounds = ScreenBounds::EMPTY;
         let mut outside = 0;
         for point in points {
@@ -264,6 +303,7 @@ impl Projector {
                 x: mix(a.x, b.x),
                 y: mix(a.y, b.y),
                 w: mix(a.w, b.w),
+                depth: mix(a.depth, b.depth),
                 weight: mix(a.weight, b.weight),
             };
             if !(crossing.w > 0.0 && crossing.weight > 0.0) {

@@ -133,6 +133,7 @@ impl<'a> Union<'a> {
     /// A pixel coordinate x is s·(½ + ½·X/W), and W > 0 in view: x ≥ a where X − (2a/s − 1)·W ≥ 0.
     fn ask(&mut self) {
         let [x, y, w] = self.projector.rows();
+        let depth = self.projector.depth_gradient();
         let (bounds, target, size) = (&self.bounds, &self.target, self.projector.size());
         let at = |pixel: f64, size: f64| 2.0 * pixel / size - 1.0;
         let left = x - w * at(bounds.min.x, size.x);
@@ -140,19 +141,19 @@ impl<'a> Union<'a> {
         let top = -y - w * at(bounds.min.y, size.y);
         let bottom = w * at(bounds.max.y, size.y) + y;
         let sides = [
-            (left, 0.0, bounds.min.x > target.min.x),
-            (right, 0.0, bounds.max.x < target.max.x),
-            (top, 0.0, bounds.min.y > target.min.y),
-            (bottom, 0.0, bounds.max.y < target.max.y),
-            (w, -bounds.near, bounds.near > target.near),
-            (-w, bounds.far, bounds.far < target.far),
+            (left, bounds.min.x > target.min.x),
+            (right, bounds.max.x < target.max.x),
+            (top, bounds.min.y > target.min.y),
+            (bottom, bounds.max.y < target.max.y),
+            (depth.extend(-bounds.near), bounds.near > target.near),
+            ((-depth).extend(bounds.far), bounds.far < target.far),
         ];
         self.asked = 0;
-        for (normal, offset, within) in sides {
+        for (side, within) in sides {
             if within {
                 self.sides[self.asked] = Side {
-                    normal: splat(normal.as_vec3()),
-                    offset: f32x8::splat(offset as f32),
+                    normal: splat(side.truncate().as_vec3()),
+                    offset: f32x8::splat(side.w as f32),
                 };
                 self.asked += 1;
             }

@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, UVec2};
 
+use super::view_depth::ViewDepth;
 use super::work::SetWork;
 use crate::geometry::{Frustum, FrustumShape};
 use crate::scene::Camera;
@@ -40,7 +41,7 @@ pub struct ViewData {
     pub frustum: Frustum,
     /// World to view.
     pub view_from_world: DMat4,
-    /// Reversed infinite projection.
+    /// Reversed projection. That of an orthographic view has its final depth from the set `PrepareGpu` on.
     pub clip_from_view: DMat4,
     /// World to clip.
     pub clip_from_world: DMat4,
@@ -50,6 +51,8 @@ pub struct ViewData {
     pub near_corners: [DVec3; 4],
     /// Distance of the near plane, in units of view space.
     pub near: f64,
+    /// How depth is stored.
+    pub depth: ViewDepth,
     /// Whether the view mirrors, so that front faces appear clockwise.
     pub mirrored: bool,
     /// Size of the picture, pixels; neither is 0.
@@ -71,7 +74,7 @@ impl ViewData {
         let affine = world_from_camera.affine();
         let axis = |v: glam::Vec3A| glam::Vec3::from(v).as_dvec3();
         let (half_right, half_up) = camera.half_extent_at_unit_distance();
-        let frustum = Frustum::new(&FrustumShape {
+        let shape = FrustumShape {
             eye: axis(affine.translation),
             right: axis(affine.matrix3.x_axis),
             up: axis(affine.matrix3.y_axis),
@@ -80,7 +83,18 @@ impl ViewData {
             half_up,
             center: -camera.shift.as_dvec2(),
             near: f64::from(camera.near),
-        })?;
+        };
+        let near = shape.near;
+        let (frustum, depth) = match camera.orthographic {
+            None => (Frustum::new(&shape)?, ViewDepth::Infinite { near }),
+            Some(orthographic) => {
+                let far = f64::from(orthographic.far);
+                (
+                    Frustum::orthographic(&shape, far)?,
+                    ViewDepth::Finite { near, far },
+                )
+            }
+        };
         let clip_from_view = camera.clip_from_view();
         let clip_from_world = clip_from_view * view_from_world;
         clip_from_world.is_finite().then(|| Self {
@@ -92,9 +106,25 @@ impl ViewData {
             view_from_world,
             clip_from_view,
             clip_from_world,
-            near: f64::from(camera.near),
+            near,
+            depth,
             viewport,
         })
+    }
+
+    /// Whether all lines of sight are parallel.
+    pub fn is_orthographic(&self) -> bool {
+        self.frustum.far().is_some()
+    }
+
+    /// Stores the depth of an orthographic view in another way.
+    pub(super) fn set_depth(&mut self, depth: ViewDepth) {
+        self.depth = depth;
+        if let ViewDepth::Finite { near, far } = depth {
+            self.clip_from_view.z_axis.z = 1.0 / (far - near);
+            self.clip_from_view.w_axis.z = far / (far - near);
+            self.clip_from_world = self.clip_from_view * self.view_from_world;
+        }
     }
 }
 

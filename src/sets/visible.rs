@@ -10,7 +10,8 @@ use super::occlusion::viewpoint::Blocks;
 use super::occlusion::{
     Cells, Occluders, OcclusionSettings, Projection, Rasterizer, Sightings, Standpoint, Viewpoint,
 };
-use super::view::View;
+use super::screen::Projector;
+use super::view::{View, ViewData};
 use super::visible_parts::VisibleParts;
 use super::work::SetWork;
 
@@ -135,15 +136,12 @@ pub fn collect_visible_set(
     }
 }
 
-/// Looks through the portals from the camera's cells. The near rectangle must be in cells too: what stands before it is
+/// Looks through the portals from the camera's cells; not in an orthographic view, which stands nowhere. The near rectangle must be in cells too: what stands before it is
 /// not drawn, and does not hide.
 fn look_around(sightings: &mut Sightings, cells: &Cells, settings: &OcclusionSettings, view: &View) {
     sightings.forget();
-    let Some(view) = view
-        .data
-        .as_ref()
-        .filter(|_| settings.from_camera && !cells.is_empty())
-    else {
+    let looks = |view: &&ViewData| settings.from_camera && !cells.is_empty() && !view.is_orthographic();
+    let Some(view) = view.data.as_ref().filter(looks) else {
         return;
     };
     let corners = view.near_corners.map(|corner| corner - view.eye);
@@ -175,10 +173,17 @@ fn draw(
         return;
     }
     let projection = Projection::of_view(view, settings.camera_texels.clamp(16, 2048));
+    // What stands before the near plane hides nothing; pictures of parallel lines of sight are not cut there.
+    let projector = Projector::new(view);
+    let gradient = projector.depth_gradient().abs();
+    let is_behind_near = |&object: &usize| {
+        let (center, half) = objects.boxes.center_half(object);
+        !view.is_orthographic() || projector.depth(center) - gradient.dot(half) >= view.near
+    };
     occlusion.viewpoint.draw(
         &mut occlusion.rasterizer,
         &[projection],
-        candidates(),
+        candidates().filter(is_behind_near),
         objects,
         occluders,
         settings,

@@ -4,6 +4,7 @@
 //! technique leaves is visibility (1 where a surface point sees the whole light, 0 where it sees none), and the light
 //! pass multiplies by it and knows nothing else about techniques.
 
+pub mod finite_reach;
 pub mod maps;
 pub mod omni_map;
 pub mod penumbra_wedge;

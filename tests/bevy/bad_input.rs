@@ -13,33 +13,18 @@ use crate::setup::{listen, warnings};
 fn game() -> (App, Entity) {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    harness::add_mesh(
         world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
+        Plane3d::default().mesh().size(8.0, 8.0),
+        Transform::default(),
     );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let floor = world
-        .resource_mut::<Assets<Mesh>>()
-        .add(Plane3d::default().mesh().size(8.0, 8.0));
-    let matte = harness::matte(world);
-    world.spawn((Mesh3d(floor), matte));
-    world.spawn((
-        PointLight {
-            intensity: 500_000.0,
-            ..default()
-        },
-        StencilVolume::default(),
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
+    harness::add_light(world);
     (app, camera)
 }
 
 fn add(world: &mut World, mesh: Mesh) -> Entity {
-    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh);
-    let material = harness::matte(world);
-    world
-        .spawn((Mesh3d(mesh), material, Transform::from_xyz(0.0, 1.0, 0.0)))
-        .id()
+    harness::add_mesh(world, mesh, Transform::from_xyz(0.0, 1.0, 0.0))
 }
 
 fn casters(game: &mut Game, camera: Entity) -> usize {

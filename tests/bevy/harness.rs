@@ -1,22 +1,14 @@
 //! A headless game, and what its cameras see.
 
-use bevy::app::{AppLabel, SubApps};
-use bevy::asset::RenderAssetUsages;
-use bevy::camera::RenderTarget;
+use bevy::app::SubApps;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
-use bevy::render::render_resource::{
-    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
-};
-use bevy::render::renderer::{RenderDevice, RenderQueue};
-use bevy::render::sync_world::RenderEntity;
-use bevy::render::view::ViewTarget;
-use bevy::render::{RenderApp, RenderPlugin};
-use bevy::window::ExitCondition;
 
 use antumbra::bevy_adapter::prelude::*;
+
+#[path = "../../examples/support/bevy_frames.rs"]
+pub mod frames;
+pub use frames::target;
 
 /// Size of test pictures.
 pub const SIZE: UVec2 = UVec2::new(128, 72);
@@ -24,24 +16,7 @@ pub const SIZE: UVec2 = UVec2::new(128, 72);
 /// The plugins of a game without a window, with results in the same frame.
 pub fn headless() -> App {
     crate::setup::listen();
-    let mut app = App::new();
-    let plugins = DefaultPlugins
-        .set(WindowPlugin {
-            primary_window: None,
-            exit_condition: ExitCondition::DontExit,
-            ..default()
-        })
-        .set(RenderPlugin {
-            synchronous_pipeline_compilation: true,
-            ..default()
-        })
-        .disable::<PipelinedRenderingPlugin>();
-    #[cfg(feature = "bevy-window")]
-    let plugins = plugins
-        .disable::<bevy::winit::WinitPlugin>()
-        .disable::<bevy::log::LogPlugin>();
-    app.add_plugins(plugins);
-    app.insert_resource(ClearColor(Color::BLACK));
+    let mut app = frames::app();
     app.insert_resource(GlobalAmbientLight {
         brightness: 50.0,
         ..default()
@@ -60,23 +35,6 @@ pub fn antumbra() -> App {
     app
 }
 
-/// A picture to render into.
-pub fn target(world: &mut World, size: UVec2) -> RenderTarget {
-    let mut image = Image::new_uninit(
-        Extent3d {
-            width: size.x,
-            height: size.y,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT;
-    let image = world.resource_mut::<Assets<Image>>().add(image);
-    RenderTarget::Image(image.into())
-}
-
 /// What every camera of the tests has.
 pub fn camera(world: &mut World, transform: Transform) -> Entity {
     let target = target(world, SIZE);
@@ -90,6 +48,33 @@ pub fn camera(world: &mut World, transform: Transform) -> Entity {
             transform,
         ))
         .id()
+}
+
+/// A camera of ours that looks at the origin.
+pub fn marked_camera(world: &mut World, eye: Vec3) -> Entity {
+    let camera = camera(
+        world,
+        Transform::from_translation(eye).looking_at(Vec3::ZERO, Vec3::Y),
+    );
+    world.entity_mut(camera).insert(AntumbraCamera);
+    camera
+}
+
+/// An object of some material.
+pub fn add_mesh(world: &mut World, mesh: impl Into<Mesh>, transform: Transform) -> Entity {
+    let mesh = world.resource_mut::<Assets<Mesh>>().add(mesh.into());
+    let matte = matte(world);
+    world.spawn((Mesh3d(mesh), matte, transform)).id()
+}
+
+/// A managed point light above.
+pub fn add_light(world: &mut World) -> Entity {
+    let light = PointLight {
+        intensity: 500_000.0,
+        ..default()
+    };
+    let place = Transform::from_xyz(1.0, 4.0, 1.0);
+    world.spawn((light, StencilVolume::default(), place)).id()
 }
 
 /// Some material.
@@ -131,12 +116,7 @@ impl Game {
 
     /// The renderer's world.
     pub fn render_world(&mut self) -> &mut World {
-        let render = self
-            .apps
-            .sub_apps
-            .get_mut(&RenderApp.intern())
-            .expect("a renderer");
-        render.world_mut()
+        frames::render_world(&mut self.apps)
     }
 
     /// What a camera sees once two frames in a row are the same: Bevy's clusters grow over frames.
@@ -154,46 +134,7 @@ impl Game {
 
     /// Linear radiance that a camera sees.
     pub fn radiance(&mut self, camera: Entity) -> Picture {
-        let view = self.world().get::<RenderEntity>(camera).expect("a camera").id();
-        let world = self.render_world();
-        let device = world.resource::<RenderDevice>().clone();
-        let queue = world.resource::<RenderQueue>().clone();
-        let texture = world.get::<ViewTarget>(view).expect("a view").main_texture();
-        let size = UVec2::new(texture.width(), texture.height());
-        assert_eq!(texture.format(), TextureFormat::Rgba16Float);
-        let row = RenderDevice::align_copy_bytes_per_row(size.x as usize * 8);
-        let buffer = device.create_buffer(&BufferDescriptor {
-            label: None,
-            size: (row * size.y as usize) as u64,
-            usage: BufferUsages::COPY_DST | BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(row as u32),
-                    rows_per_image: None,
-                },
-            },
-            texture.size(),
-        );
-        queue.submit([encoder.finish()]);
-        buffer
-            .slice(..)
-            .map_async(MapMode::Read, |result| result.unwrap());
-        device.poll(PollType::wait_indefinitely()).unwrap();
-        let bytes = buffer.slice(..).get_mapped_range();
-        let texels = (0..size.y as usize)
-            .flat_map(|y| bytes[y * row..y * row + size.x as usize * 8].chunks_exact(8))
-            .map(|texel| {
-                let channel = |c: usize| half::f16::from_le_bytes([texel[c * 2], texel[c * 2 + 1]]);
-                [channel(0), channel(1), channel(2)]
-            })
-            .collect();
+        let (size, texels) = frames::radiance(&mut self.apps, camera);
         Picture { size, texels }
     }
 }

@@ -2,6 +2,7 @@
 
 use antumbra::bevy_adapter::Mirrors;
 use antumbra::bevy_adapter::prelude::*;
+use bevy::camera::RenderTarget;
 use bevy::prelude::*;
 use bevy::render::error_handler::{RenderErrorHandler, RenderErrorPolicy};
 use bevy::render::renderer::RenderDevice;
@@ -11,25 +12,12 @@ use crate::harness::{self, Game};
 
 fn scene(app: &mut App) -> Entity {
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let mut meshes = world.resource_mut::<Assets<Mesh>>();
-    let floor = meshes.add(Plane3d::default().mesh().size(8.0, 8.0));
-    let cube = meshes.add(Cuboid::new(1.0, 1.0, 1.0));
-    let matte = harness::matte(world);
-    world.spawn((Mesh3d(floor), matte.clone()));
-    world.spawn((Mesh3d(cube), matte, Transform::from_xyz(0.0, 0.5, 0.0)));
-    world.spawn((
-        PointLight {
-            intensity: 500_000.0,
-            ..default()
-        },
-        StencilVolume::default(),
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let floor = Plane3d::default().mesh().size(8.0, 8.0);
+    harness::add_mesh(world, floor, Transform::default());
+    let cube = Cuboid::new(1.0, 1.0, 1.0);
+    harness::add_mesh(world, cube, Transform::from_xyz(0.0, 0.5, 0.0));
+    harness::add_light(world);
     camera
 }
 
@@ -108,4 +96,42 @@ fn meshes_are_made_ready_on_other_threads() {
     let mut game = Game::start(app);
     let immediate = game.run(5).settled(camera);
     assert_eq!(background.difference(&immediate).channels, 0);
+}
+
+#[test]
+fn a_target_may_shrink_to_nothing_and_grow_again() {
+    let mut app = harness::antumbra();
+    let camera = scene(&mut app);
+    let mut game = Game::start(app);
+    let before = game.run(5).settled(camera);
+    // As of a window that is minimized.
+    for size in [
+        UVec2::ZERO,
+        UVec2::new(harness::SIZE.x, 0),
+        UVec2::new(0, harness::SIZE.y),
+    ] {
+        game.world()
+            .entity_mut(camera)
+            .insert(RenderTarget::None { size });
+        game.run(3);
+    }
+    for size in [UVec2::ONE, UVec2::new(300, 20), harness::SIZE] {
+        let target = harness::target(game.world(), size);
+        game.world().entity_mut(camera).insert(target);
+        let picture = game.run(4).settled(camera);
+        assert_eq!(picture.size, size);
+        if size == harness::SIZE {
+            assert_eq!(picture.difference(&before).channels, 0);
+        }
+    }
+    // As of a window of which the camera shows nothing.
+    let viewport = bevy::camera::Viewport {
+        physical_size: UVec2::ZERO,
+        ..default()
+    };
+    game.world().get_mut::<Camera>(camera).unwrap().viewport = Some(viewport);
+    game.run(3);
+    game.world().get_mut::<Camera>(camera).unwrap().viewport = None;
+    let after = game.run(4).settled(camera);
+    assert_eq!(after.difference(&before).channels, 0);
 }

@@ -4,11 +4,14 @@
 mod core_harness;
 
 mod bad_input;
+mod depth;
+mod foreign;
 mod harness;
 mod lifetimes;
 mod minimal;
 mod models;
 mod runs;
+mod selection;
 mod setup;
 mod shading;
 mod shadows;

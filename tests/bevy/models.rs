@@ -1,12 +1,13 @@
 //! A scene of our own components as a game of Bevy's.
 
 use antumbra::bevy_adapter::prelude::*;
-use antumbra::scene::{self, LightKind, MeshData, SceneMesh, Skin};
+use antumbra::scene::{self, LightKind, MeshData, MorphTarget, MorphWeights, SceneMesh, Skin};
 use bevy::asset::RenderAssetUsages;
-use bevy::camera::Hdr;
+use bevy::camera::{Hdr, ScalingMode};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::light::NotShadowCaster;
+use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
@@ -30,6 +31,19 @@ pub fn mesh(data: &MeshData) -> Mesh {
         );
         let weights: Vec<[f32; 4]> = data.joint_weights.iter().map(|w| w.to_array()).collect();
         mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights);
+    }
+    if !data.morph_targets.is_empty() {
+        let of_target = |target: &MorphTarget| -> Vec<MorphAttributes> {
+            let pairs = target.positions.iter().zip(&target.normals);
+            pairs
+                .map(|(&position, &normal)| MorphAttributes {
+                    position,
+                    normal,
+                    ..default()
+                })
+                .collect()
+        };
+        mesh.set_morph_targets(data.morph_targets.iter().flat_map(of_target).collect());
     }
     mesh
 }
@@ -59,11 +73,15 @@ impl ModelGame {
         let mut joints = EntityHashMap::<Entity>::default();
         let mut objects = stage
             .world
-            .query::<(&SceneMesh, &GlobalTransform, Option<&Skin>)>();
-        for (scene_mesh, transform, skin) in objects.iter(&stage.world) {
+            .query::<(&SceneMesh, &GlobalTransform, Option<&Skin>, Option<&MorphWeights>)>();
+        for (scene_mesh, transform, skin, weights) in objects.iter(&stage.world) {
             let handle = world.resource_mut::<Assets<Mesh>>().add(mesh(&scene_mesh.0));
             let mut object = world.spawn((Mesh3d(handle), MeshMaterial3d(material.clone())));
             object.insert(Transform::from(*transform));
+            if let Some(MorphWeights(weights)) = weights {
+                let weights = weights.clone();
+                object.insert(MeshMorphWeights::Value { weights });
+            }
             let object = object.id();
             let Some(skin) = skin else { continue };
             let skin_joints = skin.joints.iter().map(|&joint| {
@@ -97,12 +115,22 @@ impl ModelGame {
             AntumbraCamera,
             (Hdr, Msaa::Off, Tonemapping::None),
             target,
-            Projection::Perspective(PerspectiveProjection {
-                fov: view.vertical_fov,
-                near: view.near,
-                near_clip_plane: Vec4::new(0.0, 0.0, -1.0, -view.near),
-                ..default()
-            }),
+            match view.orthographic {
+                None => Projection::Perspective(PerspectiveProjection {
+                    fov: view.vertical_fov,
+                    near: view.near,
+                    near_clip_plane: Vec4::new(0.0, 0.0, -1.0, -view.near),
+                    ..default()
+                }),
+                Some(orthographic) => Projection::Orthographic(OrthographicProjection {
+                    near: view.near,
+                    far: orthographic.far,
+                    scaling_mode: ScalingMode::FixedVertical {
+                        viewport_height: orthographic.height,
+                    },
+                    ..OrthographicProjection::default_3d()
+                }),
+            },
             Transform::from(at),
         ));
         let camera = camera.id();

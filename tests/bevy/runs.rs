@@ -22,15 +22,8 @@ fn runs(lights: usize, shadow_maps: bool) -> usize {
     });
     app.insert_resource(bevy::light::PointLightShadowMap { size: 16 });
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world
-        .resource_mut::<Assets<Mesh>>()
-        .add(Cuboid::new(1.0, 1.0, 1.0));
-    world.spawn((Mesh3d(mesh), MeshMaterial3d::<StandardMaterial>::default()));
+    harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    harness::add_mesh(world, Cuboid::new(1.0, 1.0, 1.0), Transform::default());
     for i in 0..lights {
         let angle = i as f32;
         world.spawn((

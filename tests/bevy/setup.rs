@@ -65,21 +65,9 @@ pub fn listen() {
 }
 
 fn scene(world: &mut World) -> Entity {
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world
-        .resource_mut::<Assets<Mesh>>()
-        .add(Cuboid::new(1.0, 1.0, 1.0));
-    let matte = harness::matte(world);
-    world.spawn((Mesh3d(mesh), matte));
-    world.spawn((
-        PointLight::default(),
-        StencilVolume::default(),
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    harness::add_mesh(world, Cuboid::new(1.0, 1.0, 1.0), Transform::default());
+    harness::add_light(world);
     camera
 }
 

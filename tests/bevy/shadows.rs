@@ -1,12 +1,13 @@
 //! Shadows in Bevy are those of our own renderer, and the truth.
 
 use antumbra::bevy_adapter::prelude::*;
-use antumbra::prelude::RequestedFeatures;
-use antumbra::reference::{VisibilityImage, compare_hard};
-use antumbra::scene::LightKind;
+use antumbra::prelude::{RenderSettings, RequestedFeatures};
+use antumbra::reference::{RayScene, VisibilityImage, compare_hard};
+use antumbra::scene::{self, LightKind, MeshData, MorphTarget};
 use bevy::light::NotShadowReceiver;
 use bevy::prelude::*;
 
+use crate::core_harness::support::stage::Stage;
 use crate::core_harness::{ModelStage, models_folder, strict_context, truth};
 use crate::harness::Picture;
 use crate::models::ModelGame;
@@ -34,25 +35,43 @@ struct Outcome {
     wrong_all: usize,
 }
 
-fn compare(path: &std::path::Path, case: usize) -> Outcome {
+impl Outcome {
+    fn check(&self) {
+        assert!(self.counted > 500 && self.shadowed > 50, "too little is seen");
+        assert_eq!(self.unlike_standalone, 0);
+        assert_eq!(self.wrong_inner, 0);
+    }
+}
+
+fn compare(path: &std::path::Path, case: usize, orthographic: bool) -> Outcome {
     let context = strict_context(RequestedFeatures::default());
     let mut model = ModelStage::new(path, &context, SIZE).expect("triangles");
-    let (label, case) = model.cases().swap_remove(case);
+    let (mut label, mut case) = model.cases().swap_remove(case);
+    if orthographic {
+        let radius = model.bounds.half_size().length();
+        case.camera = scene::Camera::orthographic(2.0 * radius, 0.0, 1000.0, case.camera.aspect);
+        label += " orthographic";
+    }
     model.set(&case, StencilVolume::default());
-    let standalone = model
-        .stage
+    let name = path.file_stem().unwrap().to_string_lossy();
+    compare_stage(&mut model.stage, &format!("{name} {label}"))
+}
+
+/// The first light of a stage that stands ready, with shadow volumes: alone, in a game, and in truth.
+fn compare_stage(stage: &mut Stage, name: &str) -> Outcome {
+    let standalone = stage
         .render()
         .expect("the frame renders")
         .visibility
         .swap_remove(0);
-    let mut game = ModelGame::new(&mut model.stage, StencilVolume::default());
+    let mut game = ModelGame::new(stage, StencilVolume::default());
     let shadowed = game.picture();
     let lit = game.set_casting(false).picture();
-    let name = path.file_stem().unwrap().to_string_lossy();
-    lit.save(&format!("shadows_{name}_{label}_lit"));
-    shadowed.save(&format!("shadows_{name}_{label}"));
+    lit.save(&format!("shadows_{name}_lit"));
+    shadowed.save(&format!("shadows_{name}"));
     let got = visibility(&shadowed, &lit);
-    let truth = truth(&model.stage, &model.scene, 0);
+    let scene = RayScene::from_world(&mut stage.world);
+    let truth = truth(stage, &scene, 0);
     let mut outcome = Outcome::default();
     // What Bevy's light does not reach cannot be told.
     let told: Vec<f32> = truth
@@ -75,7 +94,7 @@ fn compare(path: &std::path::Path, case: usize) -> Outcome {
     );
     let error = compare_hard(&told, &got).unwrap();
     (outcome.wrong_inner, outcome.wrong_all) = (error.wrong_inner, error.wrong_all);
-    println!("{name} {label}: {outcome:?}");
+    println!("{name}: {outcome:?}");
     outcome
 }
 
@@ -85,14 +104,80 @@ fn stencil_shadows_equal_the_standalone_mask_and_the_truth() {
         return;
     };
     for (model, case) in SCENES {
-        let outcome = compare(&folder.join(model), case);
-        assert!(
-            outcome.counted > 500 && outcome.shadowed > 50,
-            "too little is seen"
-        );
-        assert_eq!(outcome.unlike_standalone, 0);
-        assert_eq!(outcome.wrong_inner, 0);
+        compare(&folder.join(model), case, false).check();
     }
+}
+
+#[test]
+fn orthographic_cameras_show_the_shadows_of_truth() {
+    let Some(folder) = models_folder("orthographic_cameras_show_the_shadows_of_truth") else {
+        return;
+    };
+    // A point, a spot and a directional light, outside of the picture and inside.
+    for (model, case) in [(0, 0), (0, 2), (0, 9), (1, 9), (2, 1)] {
+        compare(&folder.join(SCENES[model].0), case, true).check();
+    }
+}
+
+/// A box that a morph target draws out to a pillar, on a ground.
+fn morphing(weight: f32) -> Stage {
+    let context = strict_context(RequestedFeatures::default());
+    let camera = scene::Camera {
+        aspect: SIZE.x as f32 / SIZE.y as f32,
+        ..Default::default()
+    };
+    let view = Transform::from_xyz(2.0, 4.0, 6.0).looking_at(Vec3::new(0.0, 0.5, 0.0), Vec3::Y);
+    let mut stage = Stage::empty(SIZE, camera, view);
+    stage
+        .add_renderer(context, RenderSettings::default())
+        .expect("shaders compose");
+    let mut pillar = MeshData::cuboid(Vec3::splat(0.4));
+    let raise = |p: &Vec3| if p.y > 0.0 { Vec3::Y * 1.5 } else { Vec3::ZERO };
+    pillar.morph_targets = vec![MorphTarget {
+        positions: pillar.positions.iter().map(raise).collect(),
+        normals: vec![Vec3::ZERO; pillar.positions.len()],
+        tangents: Vec::new(),
+    }];
+    for (mesh, place, weights) in [
+        (MeshData::plane(8.0), Transform::IDENTITY, None),
+        (pillar, Transform::from_xyz(0.0, 0.6, 0.0), Some(weight)),
+    ] {
+        let object = stage.world.spawn((
+            scene::SceneMesh(std::sync::Arc::new(mesh)),
+            scene::SceneMaterials([std::sync::Arc::new(scene::Material::matte(Vec3::ONE))].into()),
+            (scene::ShadowCaster, scene::ShadowReceiver),
+            place,
+        ));
+        let object = object.id();
+        if let Some(weight) = weights {
+            stage
+                .world
+                .entity_mut(object)
+                .insert(scene::MorphWeights(vec![weight]));
+        }
+    }
+    stage.world.insert_resource(scene::FaceCulling::None);
+    let place = Transform::from_xyz(2.5, 4.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
+    stage.spawn_light(
+        scene::Light::point(Vec3::ONE, 40.0, 30.0),
+        place,
+        Some(StencilVolume::default()),
+    );
+    stage
+}
+
+#[test]
+fn morphed_meshes_cast_the_shadow_of_their_shape() {
+    let mut shadowed = Vec::new();
+    for weight in [0.0, 0.4, 1.0] {
+        let outcome = compare_stage(&mut morphing(weight), &format!("morphed by {weight}"));
+        outcome.check();
+        shadowed.push(outcome.shadowed);
+    }
+    assert!(
+        shadowed[0] + 50 < shadowed[1] && shadowed[1] + 50 < shadowed[2],
+        "{shadowed:?}: the shadow grows"
+    );
 }
 
 const SCENES: [(&str, usize); 3] = [
@@ -179,11 +264,7 @@ fn what_receives_no_shadow_is_lit() {
     let mut app = crate::harness::antumbra();
     app.insert_resource(GlobalAmbientLight::NONE);
     let world = app.world_mut();
-    let camera = crate::harness::camera(
-        world,
-        Transform::from_xyz(0.0, 6.0, 0.1).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
+    let camera = crate::harness::marked_camera(world, Vec3::new(0.0, 6.0, 0.1));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let floor = meshes.add(Plane3d::default().mesh().size(3.0, 3.0));
     let lid = meshes.add(Plane3d::default().mesh().size(0.1, 0.1));

@@ -186,11 +186,7 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
 fn what_changed_makes_the_same_mirror_as_everything() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 6.0, 9.0));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
         meshes.add(Cuboid::new(1.0, 1.0, 1.0)),
@@ -249,21 +245,9 @@ fn what_changed_makes_the_same_mirror_as_everything() {
 fn a_steady_frame_changes_nothing() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 6.0, 9.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
-    let mesh = world
-        .resource_mut::<Assets<Mesh>>()
-        .add(Cuboid::new(1.0, 1.0, 1.0));
-    let matte = harness::matte(world);
-    world.spawn((Mesh3d(mesh), matte));
-    world.spawn((
-        PointLight::default(),
-        StencilVolume::default(),
-        Transform::from_xyz(1.0, 4.0, 1.0),
-    ));
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 6.0, 9.0));
+    harness::add_mesh(world, Cuboid::new(1.0, 1.0, 1.0), Transform::default());
+    harness::add_light(world);
     let mut game = Game::start(app);
     game.run(4);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
@@ -276,6 +260,7 @@ fn a_steady_frame_changes_nothing() {
     );
     assert_eq!((i, s), (1, 1));
     let work = *mirror.world.resource::<antumbra::sets::SetWork>();
+    let groups = mirror.view.groups.lock().unwrap().made();
     game.run(3);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
     let mirror = mirrors.get_mut(camera).unwrap();
@@ -285,17 +270,15 @@ fn a_steady_frame_changes_nothing() {
         format!("{after:?}"),
         "sets were computed again"
     );
+    let after = mirror.view.groups.lock().unwrap().made();
+    assert!(groups > 0 && after == groups, "bind groups were made again");
 }
 
 #[test]
 fn casters_are_among_bevys() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::camera(
-        world,
-        Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
-    );
-    world.entity_mut(camera).insert(AntumbraCamera);
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
         meshes.add(Cuboid::new(1.0, 1.0, 1.0)),

@@ -277,3 +277,10 @@ pub fn oblique_projection(camera: &Camera) -> DMat4 {
     m.w_axis.z = 0.4 * k;
     m
 }
+
+/// The picture of an orthographic camera in the depth of one that sees farther.
+pub fn far_parallel_projection(camera: &Camera, _: f64) -> DMat4 {
+    let mut farther = *camera;
+    farther.orthographic.as_mut().expect("an orthographic camera").far = 1000.0;
+    farther.clip_from_view()
+}

@@ -15,7 +15,7 @@ use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
 use harness::support::stage::Stage;
 use harness::{judge, strict_context};
-use host::{Host, finite_projection, oblique_projection};
+use host::{Host, far_parallel_projection, finite_projection, oblique_projection};
 
 const SIZE: UVec2 = UVec2::new(160, 90);
 
@@ -26,6 +26,11 @@ fn camera() -> Camera {
         aspect: SIZE.x as f32 / SIZE.y as f32,
         ..Camera::default()
     }
+}
+
+/// An orthographic camera, its near plane behind it.
+fn parallel() -> Camera {
+    Camera::orthographic(4.9, -1.0, 60.0, SIZE.x as f32 / SIZE.y as f32)
 }
 
 /// Boxes and spheres on a ground, at a place of the world where f32 has steps of 8 µm.
@@ -139,16 +144,19 @@ fn differing(stage: &mut Stage, own: &[f32], hosted: &[f32], tolerance: f32) -> 
     (wrong.count(), judged.len())
 }
 
-fn compare(name: &str, kind: LightKind, shadow: impl Bundle, tolerance: f32) {
+/// In perspective, and in an orthographic view.
+fn compare(name: &str, kind: LightKind, shadow: impl Bundle + Clone, tolerance: f32) {
     let context = strict_context(RequestedFeatures::default());
-    let mut stage = stage(&context, camera());
-    light_at(&mut stage, kind, shadow);
-    let [own, hosted] = both(&context, &mut stage, alone(&camera()));
-    let (wrong, judged) = differing(&mut stage, &own, &hosted, tolerance);
-    println!("{name}: {wrong} of {judged} pixels differ off the edges");
-    assert_eq!(wrong, 0, "{name}");
-    let dark = hosted.iter().filter(|value| **value < 0.5).count();
-    assert!((500..judged).contains(&dark), "{name}: {dark} pixels are dark");
+    for camera in [camera(), parallel()] {
+        let mut stage = stage(&context, camera);
+        light_at(&mut stage, kind, shadow.clone());
+        let [own, hosted] = both(&context, &mut stage, alone(&camera));
+        let (wrong, judged) = differing(&mut stage, &own, &hosted, tolerance);
+        println!("{name}, {camera:?}: {wrong} of {judged} pixels differ off the edges");
+        assert_eq!(wrong, 0, "{name}");
+        let dark = hosted.iter().filter(|value| **value < 0.5).count();
+        assert!((500..judged).contains(&dark), "{name}: {dark} pixels are dark");
+    }
 }
 
 #[test]
@@ -215,6 +223,15 @@ fn hosted_shadows_are_the_ray_casters() {
                 ..camera()
             },
             None,
+        ),
+        ("orthographic", parallel(), None),
+        (
+            "orthographic and off-centre, with a far plane at a kilometre",
+            Camera {
+                shift: Vec2::new(0.4, -0.3),
+                ..parallel()
+            },
+            Some(far_parallel_projection),
         ),
     ] {
         let mut stage = stage(&context, camera);

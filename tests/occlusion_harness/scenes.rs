@@ -88,6 +88,7 @@ pub fn random_scene(seed: u64) -> World {
         aspect: 16.0 / 9.0,
         shift: Vec2::new(random.range(-0.5, 0.5), random.range(-0.5, 0.5))
             * f32::from(u8::from(seed.is_multiple_of(3))),
+        ..Camera::default()
     };
     let view = Transform::from_translation(origin + random.vec(3.0))
         .with_rotation(random.rotation())

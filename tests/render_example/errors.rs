@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 31] = [
+const SPOILT: [Spoilt; 32] = [
     (
         "no scene",
         |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),
@@ -115,6 +115,11 @@ const SPOILT: [Spoilt; 31] = [
         "field of view 180",
         |s| s["camera"]["vfov_deg"] = json!(180),
         &["camera", "vfov_deg"],
+    ),
+    (
+        "far before near",
+        |s| s["camera"]["orthographic"] = json!({"height": 4, "far": 0.05}),
+        &["camera", "far 0.05"],
     ),
     ("near 0", |s| s["camera"]["near"] = json!(0), &["camera", "near"]),
     (

@@ -158,6 +158,7 @@ pub fn random_scene(seed: u64) -> Scene {
         near: random.range(0.05, 0.6) as f32,
         aspect: random.range(0.5, 2.5) as f32,
         shift,
+        ..Camera::default()
     };
     let scale = Vec3::new(if mirror { -1.0 } else { 1.0 }, 1.0, 1.0);
     let mut scene = Scene {

@@ -1,7 +1,8 @@
 // Wedges, separators and caps of one part of a light, blended into the visibility buffer.
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges
-// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
+// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0; orthographic views
+//         end before.
 #import antumbra::view::{objects, clip_position, relative_from_pixel}
 #import antumbra::receiver::{receiver_at, receiver_depth}
 #import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind}
@@ -9,7 +10,8 @@
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
     object: u32,
-    padding: array<u32, 3>,
+    extrusion: f32,                 // factor on the distance from the light, or metres; 0: to infinity
+    padding: array<u32, 2>,
 }
 
 struct Wedge {                      // mirror: techniques::penumbra_wedge::records::Wedge
@@ -59,7 +61,10 @@ struct Corner {
 
 fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
     let from_light = position_local * caster.light_local.w - caster.light_local.xyz;
-    return objects[caster.object].clip_from_local * vec4f(from_light, 0.0);
+    let base = caster.light_local.xyz * caster.light_local.w + position_local * (1.0 - caster.light_local.w);
+    let pushed = vec4f(base + from_light * caster.extrusion, 1.0);
+    let far = select(vec4f(from_light, 0.0), pushed, caster.extrusion > 0.0);
+    return objects[caster.object].clip_from_local * far;
 }
 
 // Vertices as topology.rs names them.
@@ -79,8 +84,12 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let is_piece = (flags & PIECE) != 0u;
     let is_soft = (flags & SOFT) != 0u;
     let near = select(clip_position(caster.object, position_local), clip_from_light * vec4f(position_light, 1.0), is_piece);
-    let far = select(far_position(caster, position_local), clip_from_light * vec4f(position_light, 0.0), is_piece);
-    let ray = clip_from_light * vec4f(rim.xyz, 0.0);
+    let is_finite = light.reach > 0.0;
+    let away = normalize(position_light) * light.reach;
+    let far_piece = select(vec4f(position_light, 0.0), vec4f(away, 1.0), is_finite);
+    let far = select(far_position(caster, position_local), clip_from_light * far_piece, is_piece);
+    let ray_end = vec4f(position_light + rim.xyz * light.reach, 1.0);
+    let ray = clip_from_light * select(vec4f(rim.xyz, 0.0), ray_end, is_finite);
     var out: Corner;
     let is_far = vertex == 2u || vertex == 3u;
     let is_ray = vertex >= 4u && vertex < 16u && is_soft;

@@ -10,8 +10,8 @@
 struct Caster {                     // mirror: render::gpu_types::Caster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
     object: u32,
-    extrusion: f32,                 // factor on the distance from the light; 0: to infinity
-    corners_per_edge: u32,          // 4: a quad; 3: all far corners coincide (directional light)
+    extrusion: f32,                 // factor on the distance from the light, of a directional one metres; 0: to infinity
+    corners_per_edge: u32,          // 4: a quad; 3: all far corners coincide (directional light, to infinity)
     first_edge: u32,
     single_count: u32,              // the edges after these count twice
     padding_a: u32,
@@ -33,13 +33,14 @@ struct Corner {
     @builtin(position) @invariant position_clip: vec4f,
 }
 
-// A vertex pushed away from the light: to infinity (w = 0), or by a factor on its distance, which keeps the
-// plane of every side.
+// A vertex pushed away from the light: to infinity (w = 0), or by a factor on its distance (by metres, where the
+// light is at infinity), which keeps the plane of every side.
 // Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems, listing 9-3 and section 9.6.1.
 fn far_position(caster: Caster, position_local: vec3f) -> vec4f {
     let from_light = position_local * caster.light_local.w - caster.light_local.xyz;
     if caster.extrusion > 0.0 {
-        let pushed = caster.light_local.xyz + from_light * caster.extrusion;
+        let base = caster.light_local.xyz * caster.light_local.w + position_local * (1.0 - caster.light_local.w);
+        let pushed = base + from_light * caster.extrusion;
         return clip_position(caster.object, pushed);
     }
     return objects[caster.object].clip_from_local * vec4f(from_light, 0.0);

@@ -11,7 +11,9 @@
 //! becomes ours, and caps are equal to it by construction, with no bias. Where the host shows something else (a hole in a
 //! texture, a surface that we do not know), its depth stays.
 
-use glam::{DVec3, DVec4};
+use std::sync::{Mutex, PoisonError};
+
+use glam::DVec4;
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
@@ -20,16 +22,20 @@ use crate::render::draw_list::Batch;
 use crate::render::frame_data::Viewport;
 use crate::render::gpu_types;
 use crate::render::hosted::HostView;
+use crate::render::kept::Kept;
 use crate::render::pipelines::SurfacePass;
 use crate::render::targets::FrameTargets;
 use crate::render::timings::Timings;
 use crate::render::{RenderContext, RenderError, Shaders};
+use crate::sets::{ViewData, ViewDepth};
 
 /// The pipeline of the copy, and what it reads.
 #[derive(Debug)]
 pub struct HostDepth {
     copy: wgpu::RenderPipeline,
     constants: wgpu::Buffer,
+    /// Group 3, of the host's depth.
+    group: Mutex<Kept<wgpu::TextureView, wgpu::BindGroup>>,
 }
 
 impl HostDepth {
@@ -83,45 +89,49 @@ impl HostDepth {
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             }),
+            group: Mutex::default(),
         })
     }
 
-    /// Uploads how the host's depth becomes that of a view whose near plane is at `near`.
-    pub fn write(&self, context: &RenderContext, host: &HostView, near: f64, eye: DVec3) {
-        // Ours is near / distance, where view = view_from_clip · (ndc, 1) and distance = −view.z / view.w.
-        let view_from_clip = host.clip_from_view.inverse();
+    /// Uploads how the host's depth becomes that of a view.
+    pub fn write(&self, context: &RenderContext, host: &HostView, view: &ViewData) {
+        let clip_from_host = view.clip_from_view * host.clip_from_view.inverse();
         let row = |v: DVec4| v.as_vec4().to_array();
         let constants = gpu_types::HostDepth {
-            numerator: row(view_from_clip.row(3) * near),
-            denominator: row(-view_from_clip.row(2)),
-            scale: [near as f32, eye.length() as f32, 0.0, 0.0],
+            numerator: row(clip_from_host.row(2)),
+            denominator: row(clip_from_host.row(3)),
+            rounding: rounding(host, view),
         };
         context
             .queue
             .write_buffer(&self.constants, 0, bytemuck::bytes_of(&constants));
     }
 
-    /// Group 3, of the depth aspect of the host's depth.
+    /// Group 3, of the depth aspect of the host's depth; the last one if that is the same.
     pub fn bind(
         &self,
         context: &RenderContext,
         layouts: &BindGroupLayouts,
         depth: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("host depth"),
-            layout: &layouts.host,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(depth),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: self.constants.as_entire_binding(),
-                },
-            ],
-        })
+        let mut kept = self.group.lock().unwrap_or_else(PoisonError::into_inner);
+        let make = || {
+            context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("host depth"),
+                layout: &layouts.host,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(depth),
+                    },
+                    wgpu::BindGroupEntry {
+                        binding: 1,
+                        resource: self.constants.as_entire_binding(),
+                    },
+                ],
+            })
+        };
+        kept.get(depth.clone(), make).clone()
     }
 
     /// Records the copy, and the draws of the visible set over it.
@@ -159,4 +169,30 @@ impl HostDepth {
         pass.draw(0..3, 0..1);
         draw_batches(&mut pass, SurfacePass::HostSurface, batches, resources);
     }
+}
+
+/// What f32 loses of positions in the world, as part of their distance from its origin.
+const WORLD_ROUNDING: f64 = 2.4e-7;
+
+/// Relative difference of depths that is rounding: of matrices and positions in f32, by two renderers.
+const ROUNDING: f64 = 1e-5;
+
+/// What the depths of one surface may differ by: factors of 1, of our depth and of its square.
+///
+/// A shift by s of a surface at distance d changes a depth near / d by the part s / d, and a linear one by s over its
+/// length.
+fn rounding(host: &HostView, view: &ViewData) -> [f32; 4] {
+    let far_away = WORLD_ROUNDING * view.eye.length();
+    let factors = match view.depth {
+        ViewDepth::Infinite { near } => [0.0, ROUNDING, far_away / near],
+        ViewDepth::Finite { near, far } => {
+            // Both depths are stored in f32 near 1, where a step of either is a part of its length.
+            let host_length = host.clip_from_view.z_axis.z.abs().recip();
+            let length = far - near;
+            let step = f64::from(f32::EPSILON) * (length + host_length + near.abs());
+            [(4.0 * step + far_away) / length, 0.0, 0.0]
+        }
+    };
+    let [constant, share, square] = factors.map(|factor| factor as f32);
+    [constant, share, square, 0.0]
 }

@@ -5,6 +5,7 @@ pub mod blended;
 pub mod depth_copy;
 pub mod front_layer;
 pub mod host_depth;
+pub mod host_select;
 pub mod light_accumulate;
 pub mod light_begin;
 pub mod receiver_plane;

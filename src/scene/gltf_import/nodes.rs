@@ -300,21 +300,22 @@ pub(super) fn load_lights(accessors: &Accessors<'_>, report: &mut Report) -> Vec
     lights.collect()
 }
 
-/// All cameras; `None` for those that are no perspective cameras.
+/// All cameras; `None` for those whose numbers make no projection.
 pub(super) fn load_cameras(accessors: &Accessors<'_>, report: &mut Report) -> Vec<Option<Camera>> {
     let cameras = accessors.root.cameras.iter().enumerate().map(|(index, json)| {
-        let camera = json.perspective.as_ref().map(|perspective| Camera {
+        let perspective = json.perspective.as_ref().map(|perspective| Camera {
             vertical_fov: perspective.yfov,
             near: perspective.znear,
             aspect: perspective.aspect_ratio.unwrap_or(Camera::default().aspect),
             ..Camera::default()
         });
-        let usable = camera.filter(Camera::is_valid);
+        let orthographic = json.orthographic.as_ref().map(|view| {
+            let (right, up) = (view.xmag.abs(), view.ymag.abs()); // half the picture each
+            Camera::orthographic(2.0 * up, view.znear, view.zfar, right / up)
+        });
+        let usable = perspective.or(orthographic).filter(Camera::is_valid);
         if usable.is_none() {
-            let reason = match camera {
-                Some(_) => "its numbers make no projection",
-                None => "it is orthographic, only perspective cameras are supported",
-            };
+            let reason = "its numbers make no projection";
             report.add(SkipKind::Camera, Element::Camera(index), 1, reason);
         }
         usable

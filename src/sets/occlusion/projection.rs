@@ -103,9 +103,23 @@ impl Projection {
     /// The camera's picture, in fewer texels.
     pub fn of_view(view: &ViewData, width: u32) -> Self {
         let row = |i: usize| view.clip_from_world.row(i).truncate();
-        let (x, y, w) = (row(0), row(1), row(3));
+        let (x, y, w) = (row(0), row(1), -view.view_from_world.row(2).truncate());
         let aspect = f64::from(view.viewport.y) / f64::from(view.viewport.x);
         let height = (f64::from(width) * aspect).round().clamp(8.0, 2048.0) as u32;
+        if let Some(far) = view.frustum.far() {
+            let shift = view.clip_from_view.w_axis.truncate().with_z(0.0);
+            let middle = glam::DMat3::from_cols(x, y, w).transpose().inverse() * -shift;
+            return Self {
+                rows: [x.extend(0.0), y.extend(0.0), DVec4::W, (-w).extend(0.0)],
+                origin: view.eye + middle,
+                near: 0.5,
+                size: UVec2::new(width, height),
+                // Linear depth in steps of all that is drawn, which may be deeper by some.
+                key_quantum: 16.0 * DEPTH_STEPS / f64::from(1 << 24) * (far - view.near),
+                mirrored: x.cross(y).dot(w) > 0.0,
+                slant: None,
+            };
+        }
         // Depth is near / w, stored in at least 24 bits.
         let quantum = DEPTH_STEPS / f64::from(1 << 24) / view.near;
         let forward = w.normalize();

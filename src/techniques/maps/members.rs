@@ -11,7 +11,7 @@ use super::request::MapShape;
 use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects, ViewData};
 use crate::techniques::omni_map::cube::{GUARD_TEXELS, cube_faces, faces_of_cone};
-use crate::techniques::shadow_map::cascades::{fit, split_depths};
+use crate::techniques::shadow_map::cascades::{even_splits, fit, split_depths};
 
 /// What faces are made from, beside the light.
 #[derive(Clone, Copy, Debug)]
@@ -109,10 +109,13 @@ fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     // Beyond, no surface is told from the sky.
-    let far = seen_far
-        .min(f64::from(cascades.distance))
-        .min(1e7 * scene.view.near);
-    let splits = split_depths(cascades, scene.view.near, far);
+    let near = scene.view.near;
+    let far = seen_far.min(f64::from(cascades.distance));
+    let splits = if scene.view.is_orthographic() {
+        even_splits(cascades, near, far)
+    } else {
+        split_depths(cascades, near, far.min(1e7 * near))
+    };
     let boxes = &scene.objects.boxes;
     let towards = light.point_world.truncate();
     let nearest_caster = |face: &MapFace| {

@@ -102,7 +102,8 @@ impl PenumbraWedges {
                         caster_records.push(WedgeCaster {
                             light_local: chunk.light_local,
                             object,
-                            padding: [0; 3],
+                            extrusion: f32::from_bits(layout[at].extrusion),
+                            padding: [0; 2],
                         });
                         for &number in &numbers {
                             let own = &chunk.wedges[chunk.patches[number].wedges.clone()];

@@ -299,7 +299,7 @@ impl ShadowTechnique for PenumbraWedgeNode {
                 .map(|(caster, record)| CapDraw {
                     mesh: input.table.mesh[caster.object as usize],
                     caps: caster.caps.clone(),
-                    has_far: record.light_local[3] != 0.0,
+                    has_far: record.light_local[3] != 0.0 || record.extrusion > 0.0,
                     towards: caster.towards,
                 }),
         );

@@ -67,8 +67,8 @@ pub(super) fn passes(culling: WedgeCulling, has_extent: bool) -> &'static [Part]
 }
 
 /// The shader's view of one part.
-pub(super) fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
-    let part = &part.part;
+pub(super) fn light_record(wedges: &PartWedges, view: &ViewData) -> WedgeLight {
+    let part = &wedges.part;
     let clip_from_light = view.clip_from_world * part.world_from_light;
     let light_from_relative = part.world_from_light.inverse() * DMat4::from_translation(view.eye);
     let rows = light_from_relative.transpose().as_mat4();
@@ -84,7 +84,7 @@ pub(super) fn light_record(part: &PartWedges, view: &ViewData) -> WedgeLight {
         light_from_relative_z: rows.z_axis.to_array(),
         half_size,
         table: 0,
-        padding: 0,
+        reach: wedges.reach,
         place: part.place,
         whole: part
             .whole_center

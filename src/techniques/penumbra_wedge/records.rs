@@ -54,8 +54,10 @@ pub struct WedgeCaster {
     pub light_local: [f32; 4],
     /// Index into the objects of the frame.
     pub object: u32,
+    /// Factor on the distance from the light, of a directional one metres, by which far ends are pushed; 0: to infinity.
+    pub extrusion: f32,
     /// Unused.
-    pub padding: [u32; 3],
+    pub padding: [u32; 2],
 }
 
 /// One part of a light.
@@ -75,8 +77,8 @@ pub struct WedgeLight {
     pub half_size: [f32; 2],
     /// First entry of the texture's tables; 0 without a texture.
     pub table: u32,
-    /// Unused.
-    pub padding: u32,
+    /// Metres at which rays of shells end; 0: at infinity.
+    pub reach: f32,
     /// Centre and half size within the whole light, −1 to 1.
     pub place: [f32; 4],
     /// Centre of the whole light, light space; w: of a sphere, its radius.

@@ -14,8 +14,10 @@ use super::texture::EmitterTexture;
 use crate::geometry::Aabb;
 use crate::scene::FaceCulling;
 use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{FrameLights, Objects, SeenInto, View};
+use crate::sets::{DepthReach, FrameLights, Objects, SeenInto, View};
 use crate::silhouettes::{FacingBits, Silhouettes};
+use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
+use crate::techniques::stencil_volume::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::stencil_volume::inside_test::OcclusionPyramid;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
@@ -40,6 +42,7 @@ pub struct PenumbraWedges {
     pub generation: u64,
     pub(super) kept: Vec<LightChunks>,
     pub(super) scratch: Scratch,
+    surfaces: NearestSurfaces,
     frame: u64,
 }
 
@@ -65,6 +68,8 @@ pub struct LightWedges {
 pub struct PartWedges {
     /// Where and what it is.
     pub part: LightPart,
+    /// Metres at which rays of shells end; 0: at infinity.
+    pub reach: f32,
     /// Range of [`PenumbraWedges::groups`].
     pub groups: Range<usize>,
 }
@@ -125,7 +130,13 @@ pub(super) struct Placed {
     pub(super) caster: Entity,
     pub(super) object: u32,
     pub(super) towards: bool,
+    /// Bits of [`WedgeCaster::extrusion`].
+    pub(super) extrusion: u32,
 }
+
+/// Rays of shells end so many times farther from the edge than receivers are from the light: the triangles between rays
+/// that are less than 172° apart pass beyond all receivers.
+const RAY_SHARE: f64 = 16.0;
 
 /// Frames that a chunk outlives its last use; as of silhouettes.
 const KEPT_FRAMES: u64 = 120;
@@ -145,10 +156,11 @@ impl PenumbraWedges {
 /// or stale, and lists what the frame draws.
 ///
 /// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`SeenInto`]; writes
-/// [`PenumbraWedges`].
+/// [`PenumbraWedges`]. In an orthographic view it tells [`DepthReach`] how deep they reach.
 /// Cost: an inverse a caster of S; the edges of what moved.
 pub fn build_penumbra_wedges(
     mut wedges: ResMut<PenumbraWedges>,
+    mut depth_reach: ResMut<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -163,6 +175,7 @@ pub fn build_penumbra_wedges(
     let frame = out.frame;
     out.lights.clear();
     out.parts.clear();
+    out.surfaces.begin_frame();
     std::mem::swap(&mut out.scratch.layout, &mut out.scratch.last_layout);
     out.scratch.layout.clear();
     let Some(view) = &view.data else {
@@ -181,9 +194,14 @@ pub fn build_penumbra_wedges(
         let first = out.parts.len();
         out.scratch.parts.clear();
         push_parts(light, settings, &mut out.scratch.parts);
-        out.parts.extend(out.scratch.parts.iter().map(|part| PartWedges {
-            part: *part,
-            groups: 0..0,
+        out.parts.extend(out.scratch.parts.iter().map(|part| {
+            PartWedges {
+                part: *part,
+                reach: FiniteReach::new(view, light, part.point_world)
+                    .filter(|_| part.point_world.w != 0.0)
+                    .map_or(0.0, |finite| (finite.distance().max(0.0) * RAY_SHARE) as f32),
+                groups: 0..0,
+            }
         }));
         out.lights.push(LightWedges {
             light: index,
@@ -203,6 +221,8 @@ pub fn build_penumbra_wedges(
         for number in 0..out.scratch.parts.len() {
             let part = out.scratch.parts[number];
             let pyramid = OcclusionPyramid::new(&around, part.point_world);
+            let finite = FiniteReach::new(view, light, part.point_world);
+            let reach = out.parts[first + number].reach;
             for object in light.s.ones() {
                 let Some((_, silhouette)) = known.of_object(object) else {
                     continue;
@@ -221,6 +241,25 @@ pub fn build_penumbra_wedges(
                 }
                 let Some(light_from_local) = light_from_local(&part, item.2) else {
                     continue;
+                };
+                let bounds = objects.boxes.get(object);
+                let extrusion = finite.map(|finite| {
+                    finite.extrusion(&bounds, || {
+                        let key = (light.entity, number as u32, entity);
+                        let placed = (item.0, item.1, item.2, item.3.map(|(posed, _)| posed));
+                        out.surfaces
+                            .get(key, silhouette.revision, part.point_world, placed)
+                    })
+                });
+                let extrusion = match extrusion {
+                    None => TO_INFINITY,
+                    Some(Some(extrusion)) => {
+                        let corners = volume_corners(part.point_world, extrusion, &bounds);
+                        include_points(&mut depth_reach, view, corners);
+                        include_rays(&mut depth_reach, view, &bounds, reach);
+                        extrusion
+                    }
+                    Some(None) => continue, // beyond all that receives the light
                 };
                 let key = ChunkKey {
                     revision: silhouette.revision,
@@ -261,7 +300,6 @@ pub fn build_penumbra_wedges(
                     let hides_cap = objects.drawn.contains(object)
                         && !seen_into.0.contains(object)
                         && (*face_culling == FaceCulling::None || item.0.0.edges.is_closed());
-                    let bounds = objects.boxes.get(object);
                     let radius = part.shape.radius() as f32;
                     let towards = settings.culling == WedgeCulling::Depth
                         && hides_cap
@@ -277,6 +315,7 @@ pub fn build_penumbra_wedges(
                         caster: entity,
                         object: object as u32,
                         towards,
+                        extrusion: extrusion.to_bits(),
                     });
                 }
             }

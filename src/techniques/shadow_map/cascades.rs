@@ -42,6 +42,12 @@ pub fn split_depths(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASC
     })
 }
 
+/// The same in an orthographic view, whose pixels are as large everywhere: alike, and the length rounded up.
+pub fn even_splits(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
+    let length = (((far - near).max(1e-3).log2() * 4.0).ceil() / 4.0).exp2();
+    std::array::from_fn(|i| near + length * (i as f64 / f64::from(cascades.count)).min(1.0))
+}
+
 /// Centre and radius of the smallest ball around the part of the view between two depths.
 pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
     let shape = view.frustum.shape();
@@ -55,6 +61,11 @@ pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
         shape.half_right * off_center(shape.center.x) * length(shape.right) / scale,
         shape.half_up * off_center(shape.center.y) * length(shape.up) / scale,
     );
+    if view.is_orthographic() {
+        let (right, up, half) = (right * scale, up * scale, 0.5 * (far - near) * scale);
+        let center = shape.eye + shape.forward * (0.5 * (near + far));
+        return (center, (right * right + up * up + half * half).sqrt());
+    }
     let (near, far) = (near * scale, far * scale);
     let spread = right * right + up * up;
     let middle = (0.5 * (near + far) * (1.0 + spread)).min(far);

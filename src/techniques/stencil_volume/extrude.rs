@@ -9,11 +9,12 @@ use crate::geometry::{Aabb, BoxShadow};
 pub const TO_INFINITY: f32 = 0.0;
 
 /// A vertex pushed away from the light, homogeneous: to infinity (`w = 0`) if `extrusion` is [`TO_INFINITY`], else to
-/// `extrusion` times its distance from the light.
+/// `extrusion` times its distance from the light, or by `extrusion` metres if that is at infinity.
 pub fn far_position(light_local: Vec4, extrusion: f32, position_local: Vec3) -> Vec4 {
     let from_light = position_local * light_local.w - light_local.truncate();
     if extrusion > TO_INFINITY {
-        (light_local.truncate() + from_light * extrusion).extend(1.0)
+        let base = light_local.truncate() * light_local.w + position_local * (1.0 - light_local.w);
+        (base + from_light * extrusion).extend(1.0)
     } else {
         from_light.extend(0.0)
     }
@@ -64,9 +65,8 @@ pub fn volume_corners(light_world: DVec4, extrusion: f32, bounds_world: &Aabb) -
         }
         let from_light = corner * light_world.w - light_world.truncate();
         if extrusion > TO_INFINITY {
-            (light_world.truncate() + from_light * f64::from(extrusion))
-                .extend(1.0)
-                .as_vec4()
+            let base = light_world.truncate() * light_world.w + corner * (1.0 - light_world.w);
+            (base + from_light * f64::from(extrusion)).extend(1.0).as_vec4()
         } else {
             from_light.normalize_or_zero().extend(0.0).as_vec4()
         }

@@ -5,7 +5,7 @@
 //! | [`component`] | what a user sets on a light |
 //! | [`extrude`] | far corners and the bounds of a volume; the twin of the vertex shader |
 //! | [`inside_test`] | whether the viewport may lie in a caster's shadow: depth-fail or depth-pass |
-//! | [`parts`] | how far a volume reaches, and which parts of it are drawn |
+//! | [`parts`] | which parts of a volume are drawn |
 //! | [`volumes`] | the frame's volumes |
 //! | `contour_pool` | silhouettes on the GPU (feature `render`) |
 //! | `volume_pipelines` | what tells two draws of volumes apart (feature `render`) |

@@ -15,6 +15,7 @@
 use bevy_ecs::prelude::*;
 
 use super::contour_pool::{ContourPool, PooledContour};
+use super::extrude::TO_INFINITY;
 use super::quads::{CORNERS, QuadIndices};
 use super::volume_pipelines::{Key, Part, Purpose, VolumePipelines};
 use super::volumes::{CasterVolume, StencilVolumes};
@@ -36,7 +37,7 @@ pub const NAME: &str = "stencil_volume";
 struct Draw {
     key: Key,
     mesh: u32,
-    /// The light is at infinity, and so the far ends of a side are one point.
+    /// Light and far ends are at infinity, and so the far ends of a side are one point.
     is_directional: bool,
     /// First index of a cap in the pool; 0 for sides.
     first: u32,
@@ -226,7 +227,7 @@ impl StencilVolumeNode {
     fn push_draws(&mut self, volume: &CasterVolume, pooled: PooledContour, input: &PrepareInput) {
         let object = volume.object as usize;
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
-        let is_directional = volume.light_local.w == 0.0;
+        let is_directional = volume.light_local.w == 0.0 && volume.extrusion == TO_INFINITY;
         let caster = self.caster_constants.len() as u32;
         self.caster_constants.push(gpu_types::Caster {
             light_local: volume.light_local.to_array(),

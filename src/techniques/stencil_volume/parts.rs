@@ -1,20 +1,20 @@
-//! Which parts of a caster's volume can matter, and how far it reaches.
+//! Which parts of a caster's volume can matter.
 //!
 //! | part | left out |
 //! | --- | --- |
 //! | sides | their bounds miss the view frustum |
 //! | near cap | depth-pass (it lies on the caster's own, drawn surface), or the caster's bounds miss the frustum |
-//! | far cap | directional light (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum; depth-pass too where nothing lit lies behind it, or nothing of it is seen |
+//! | far cap | directional light to infinity (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum; depth-pass too where nothing lit lies behind it, or nothing of it is seen |
 //!
-//! A finite volume keeps its far cap under depth-pass else: a pixel inside the light's range may be seen through it.
+//! A finite volume keeps its far cap under depth-pass else: a pixel inside the light's range may be seen through it. In an
+//! orthographic view all volumes are finite ([`finite_reach`](crate::techniques::finite_reach)).
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
-use glam::{DVec3, DVec4, Vec4};
+use glam::{DVec3, Vec4};
 
-use super::component::Extent;
-use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
+use super::extrude::TO_INFINITY;
 use super::volumes::CasterVolume;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, excludes_points};
 use crate::sets::depth_bounds::shadow_depth_range;
 use crate::sets::occlusion::Viewpoint;
 use crate::sets::{FrameLight, Projector, ViewData};
@@ -39,23 +39,24 @@ impl<'a> PartCulling<'a> {
         }
     }
 
-    /// Chooses the extrusion and drops parts that cannot matter; `None` if none is left. `bounds` are those of the caster,
-    /// world space.
-    pub fn cull(&self, mut volume: CasterVolume, extent: Extent, bounds: &Aabb) -> Option<CasterVolume> {
+    /// Drops parts that cannot matter; `None` if none is left. `corners` are those of the volume, `bounds` those of the
+    /// caster, world space.
+    pub fn cull(
+        &self,
+        mut volume: CasterVolume,
+        corners: &[Vec4; 16],
+        bounds: &Aabb,
+    ) -> Option<CasterVolume> {
         let light = self.light;
-        let point: DVec4 = light.point_world;
-        if extent == Extent::Finite {
-            volume.extrusion = finite_extrusion(point, light.light.range, bounds, &light.lit_receivers)?;
-        }
         let to_infinity = volume.extrusion == TO_INFINITY;
-        let corners = volume_corners(point, volume.extrusion, bounds);
-        let far_corners = &corners[8..];
-        let planes = &self.view.frustum.planes;
-        volume.sides = !planes.excludes_points(&corners);
-        volume.near_cap &= !planes.excludes_points(&corners[..8]);
-        volume.far_cap = point.w != 0.0
+        let (near_corners, far_corners) = corners.split_at(8);
+        let is_seen = |points: &[Vec4]| !excludes_points(self.view.frustum.open_planes(), points);
+        volume.sides = is_seen(corners);
+        volume.near_cap &= is_seen(near_corners);
+        let is_point = to_infinity && light.point_world.w == 0.0;
+        volume.far_cap = !is_point
             && !(volume.depth_pass && (to_infinity || self.hides(far_corners)))
-            && !planes.excludes_points(far_corners);
+            && is_seen(far_corners);
         if !(volume.sides || volume.near_cap || volume.far_cap) {
             return None;
         }

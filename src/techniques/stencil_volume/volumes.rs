@@ -6,13 +6,14 @@
 use bevy_ecs::prelude::*;
 use glam::Vec4;
 
-use super::component::{Counting, StencilVolume};
-use super::extrude::TO_INFINITY;
+use super::component::{Counting, Extent, StencilVolume};
+use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
 use super::inside_test::OcclusionPyramid;
 use super::parts::PartCulling;
 use crate::scene::FaceCulling;
-use crate::sets::{CameraOcclusion, FrameLights, Objects, SeeThrough, SeenInto, View};
-use crate::silhouettes::{CasterEdges, Silhouettes};
+use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, SeeThrough, SeenInto, View};
+use crate::silhouettes::Silhouettes;
+use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
 
 /// The volume of one caster in one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,8 +45,7 @@ pub struct LightVolumes {
     pub entity: Entity,
     /// Ascending by object.
     pub casters: Vec<CasterVolume>,
-    /// Casters of S whose volume was left out as a whole: it misses the view, the receivers, or the depths that the light
-    /// reaches.
+    /// Casters of S whose volume was left out as a whole: it misses the view, or the depths that the light reaches.
     pub culled: usize,
 }
 
@@ -56,6 +56,7 @@ pub struct StencilVolumes {
     /// Ascending by light.
     pub lights: Vec<LightVolumes>,
     spare: Vec<Vec<CasterVolume>>,
+    surfaces: NearestSurfaces,
 }
 
 impl StencilVolumes {
@@ -71,10 +72,12 @@ impl StencilVolumes {
 
 /// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], what stands before the camera; writes [`StencilVolumes`].
-/// Cost: one pyramid and one hull test a caster of S.
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], what stands before the camera; writes
+/// [`StencilVolumes`].
+/// In an orthographic view it tells [`DepthReach`] how deep they reach. Cost: one pyramid and one hull test a caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
+    mut depth_reach: ResMut<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -84,9 +87,14 @@ pub fn build_stencil_volumes(
     occlusion: Res<CameraOcclusion>,
     face_culling: Res<FaceCulling>,
     components: Query<&StencilVolume>,
-    casters: Query<&CasterEdges>,
+    casters: Query<PlacedCaster<'static>>,
 ) {
-    let StencilVolumes { lights: out, spare } = &mut *volumes;
+    let StencilVolumes {
+        lights: out,
+        spare,
+        surfaces,
+    } = &mut *volumes;
+    surfaces.begin_frame();
     spare.extend(out.drain(..).map(|light| light.casters));
     let Some(view) = &view.data else {
         return;
@@ -109,6 +117,7 @@ pub fn build_stencil_volumes(
         let around = [near[0], near[1], near[3], near[2]];
         let pyramid = OcclusionPyramid::new(&around, light.point_world);
         let parts = PartCulling::new(light, view, &occlusion.viewpoint);
+        let finite = FiniteReach::new(view, light, light.point_world);
         if let Some(known) = silhouettes.of_light(light.entity) {
             for object in light.s.ones() {
                 let Some((slot, silhouette)) = known.of_object(object) else {
@@ -124,22 +133,52 @@ pub fn build_stencil_volumes(
                         || see_through.two_sided.contains(object)
                         || casters
                             .get(objects.entities[object])
-                            .is_ok_and(|edges| edges.0.edges.is_closed()));
+                            .is_ok_and(|caster| caster.0.0.edges.is_closed()));
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
                     && pyramid.excludes(&objects.boxes.get(object));
+                let entity = objects.entities[object];
+                let bounds = objects.boxes.get(object);
+                let extrusion = match &finite {
+                    Some(finite) => finite.extrusion(&bounds, || {
+                        let key = (light.entity, 0, entity);
+                        surfaces.get(
+                            key,
+                            silhouette.revision,
+                            light.point_world,
+                            casters.get(entity).ok()?,
+                        )
+                    }),
+                    None if settings.extent == Extent::Finite => finite_extrusion(
+                        light.point_world,
+                        light.light.range,
+                        &bounds,
+                        &light.lit_receivers,
+                    ),
+                    None => Some(TO_INFINITY),
+                };
+                let Some(extrusion) = extrusion else {
+                    entry.culled += 1; // it shadows nothing that receives the light
+                    continue;
+                };
                 let volume = CasterVolume {
                     object: object as u32,
                     slot: slot as u32,
                     light_local: silhouette.light_local,
-                    extrusion: TO_INFINITY,
+                    extrusion,
                     depth_pass,
                     sides: true,
                     near_cap: !depth_pass,
                     far_cap: true,
                 };
-                match parts.cull(volume, settings.extent, &objects.boxes.get(object)) {
-                    Some(volume) => entry.casters.push(volume),
+                let corners = volume_corners(light.point_world, extrusion, &bounds);
+                match parts.cull(volume, &corners, &bounds) {
+                    Some(volume) => {
+                        if finite.is_some() {
+                            include_points(&mut depth_reach, view, corners);
+                        }
+                        entry.casters.push(volume);
+                    }
                     None => entry.culled += 1,
                 }
             }

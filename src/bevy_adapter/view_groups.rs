@@ -1,0 +1,86 @@
+//! Bind groups of one view, kept while what they bind is the same.
+
+use bevy::render::render_resource::{
+    BindGroup, BindGroupEntries, BufferBinding, BufferId, IntoBinding, PipelineCache, TextureView,
+    TextureViewId,
+};
+use bevy::render::renderer::RenderDevice;
+
+use super::pipelines::AntumbraPipelines;
+use super::view_state::{LightDraw, ViewState};
+use crate::render::kept::Kept;
+
+/// Groups 2 and 3 of a view's draws. They go with the device, as the view's buffers do.
+#[derive(Debug, Default)]
+pub struct ViewGroups {
+    base: Kept<(BufferId, BufferId, TextureViewId), BindGroup>,
+    light: Kept<(BufferId, TextureViewId), BindGroup>,
+    mask: Kept<wgpu::TextureView, wgpu::BindGroup>,
+}
+
+impl ViewGroups {
+    /// Groups made so far; does not grow in a steady frame.
+    pub fn made(&self) -> usize {
+        self.base.made + self.light.made + self.mask.made
+    }
+
+    /// Group 2 of the base draw and of the lights; `None` before the view's buffers are written. `pass_id`: Bevy's id of
+    /// the deferred pass that lights a pixel.
+    pub(super) fn own(
+        &mut self,
+        device: &RenderDevice,
+        cache: &PipelineCache,
+        pipelines: &AntumbraPipelines,
+        view: &ViewState,
+        pass_id: &TextureView,
+    ) -> Option<(BindGroup, BindGroup)> {
+        let (managed, bits, lights) = (view.managed.buffer()?, view.bits.buffer()?, view.lights.buffer()?);
+        let base = self.base.get((managed.id(), bits.id(), pass_id.id()), || {
+            device.create_bind_group(
+                "antumbra base",
+                &cache.get_bind_group_layout(&pipelines.base_layout),
+                &BindGroupEntries::sequential((
+                    managed.as_entire_binding(),
+                    bits.as_entire_binding(),
+                    pass_id,
+                )),
+            )
+        });
+        let light = self.light.get((lights.id(), pass_id.id()), || {
+            let draw = BufferBinding {
+                buffer: lights,
+                offset: 0,
+                size: std::num::NonZero::new(size_of::<LightDraw>() as u64),
+            };
+            device.create_bind_group(
+                "antumbra light",
+                &cache.get_bind_group_layout(&pipelines.light_layout),
+                &BindGroupEntries::sequential((draw.into_binding(), pass_id)),
+            )
+        });
+        Some((base.clone(), light.clone()))
+    }
+
+    /// Group 3 of lights with a mask. The lights of a frame share one mask.
+    pub(super) fn mask(
+        &mut self,
+        device: &RenderDevice,
+        cache: &PipelineCache,
+        pipelines: &AntumbraPipelines,
+        mask: &wgpu::TextureView,
+    ) -> &wgpu::BindGroup {
+        self.mask.get(mask.clone(), || {
+            let layout = cache.get_bind_group_layout(&pipelines.mask_layout);
+            device
+                .wgpu_device()
+                .create_bind_group(&wgpu::BindGroupDescriptor {
+                    label: Some("antumbra mask"),
+                    layout: &layout,
+                    entries: &[wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(mask),
+                    }],
+                })
+        })
+    }
+}

@@ -1,0 +1,152 @@
+//! What a light affects, and what it does not.
+
+use antumbra::bevy_adapter::prelude::*;
+use bevy::camera::visibility::RenderLayers;
+use bevy::prelude::*;
+
+use crate::harness::{self, Game, Picture};
+
+/// Two floors beside each other, of which the right one is on layer 1, under a light.
+struct Floors {
+    game: Game,
+    camera: Entity,
+    light: Entity,
+}
+
+fn floors(ours: bool) -> Floors {
+    let mut app = if ours {
+        harness::antumbra()
+    } else {
+        harness::headless()
+    };
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = harness::camera(
+        world,
+        Transform::from_xyz(0.0, 6.0, 0.1).looking_at(Vec3::ZERO, Vec3::Y),
+    );
+    let mut view = world.entity_mut(camera);
+    view.insert(RenderLayers::from_layers(&[0, 1]));
+    if ours {
+        view.insert(AntumbraCamera);
+    }
+    let mut meshes = world.resource_mut::<Assets<Mesh>>();
+    let floor = meshes.add(Plane3d::default().mesh().size(3.0, 3.0));
+    let box_mesh = meshes.add(Cuboid::new(0.3, 0.3, 0.3));
+    let matte = harness::matte(world);
+    for (x, layer) in [(-1.5, 0), (1.5, 1)] {
+        let layer = RenderLayers::layer(layer);
+        let place = Transform::from_xyz(x, 0.0, 0.0);
+        world.spawn((Mesh3d(floor.clone()), matte.clone(), place, layer.clone()));
+        world.spawn((
+            Mesh3d(box_mesh.clone()),
+            matte.clone(),
+            Transform::from_xyz(x, 1.0, 0.0),
+            layer,
+        ));
+    }
+    let light = world.spawn((
+        PointLight {
+            intensity: 500_000.0,
+            radius: 0.05,
+            ..default()
+        },
+        Transform::from_xyz(0.0, 4.0, 0.0),
+    ));
+    let light = light.id();
+    Floors {
+        game: Game::start(app),
+        camera,
+        light,
+    }
+}
+
+/// Mean of the left and of the right half.
+fn halves(picture: &Picture) -> [f32; 2] {
+    let width = picture.size.x as usize;
+    let mut sums = [0.0; 2];
+    for (at, texel) in picture.texels.iter().enumerate() {
+        sums[usize::from(at % width >= width / 2)] += f32::from(texel[1]);
+    }
+    sums.map(|sum| sum / (picture.texels.len() / 2) as f32)
+}
+
+#[test]
+fn what_a_light_does_not_affect_it_does_not_light() {
+    let mut floors = floors(true);
+    let (camera, light) = (floors.camera, floors.light);
+    let techniques: [(&str, fn(&mut EntityWorldMut)); 3] = [
+        ("stencil", |light| {
+            light.insert(StencilVolume::default());
+        }),
+        ("wedges", |light| {
+            light.remove::<StencilVolume>().insert(PenumbraWedge::default());
+        }),
+        ("cube", |light| {
+            light.remove::<PenumbraWedge>().insert(OmniMap::default());
+        }),
+    ];
+    for (name, technique) in techniques {
+        let mut entity = floors.game.world().entity_mut(light);
+        technique(&mut entity);
+        entity.remove::<LightSelection>();
+        let all = floors.game.run(4).settled(camera);
+        let select = |floors: &mut Floors, affects: u32| {
+            let selection = LightSelection { affects, ..default() };
+            floors.game.world().entity_mut(light).insert(selection);
+            floors.game.run(4).settled(camera)
+        };
+        let left = select(&mut floors, 0b01);
+        let right = select(&mut floors, 0b10);
+        let both = select(&mut floors, 0b11);
+        left.save(&format!("selection_{name}_left"));
+        println!(
+            "{name}: all {:?}, left {:?}, right {:?}",
+            halves(&all),
+            halves(&left),
+            halves(&right)
+        );
+        let [all_left, all_right] = halves(&all);
+        assert!(all_left > 0.1 && all_right > 0.1);
+        assert_eq!(halves(&left), [all_left, 0.0], "{name}");
+        assert_eq!(halves(&right), [0.0, all_right], "{name}");
+        assert_eq!(both.difference(&all).channels, 0);
+    }
+}
+
+/// Bevy's lights light what shares a layer with the camera, whatever their own layers are, as long as the camera shares one
+/// with them; and so do ours.
+#[test]
+fn render_layers_of_lights_are_as_bevy_has_them() {
+    for (layers, lights) in [(&[0][..], true), (&[1], true), (&[0, 1], true), (&[2], false)] {
+        let pictures = [false, true].map(|ours| {
+            let mut floors = floors(ours);
+            let mut light = floors.game.world().entity_mut(floors.light);
+            light.insert(RenderLayers::from_layers(layers));
+            if ours {
+                light.insert(StencilVolume::default());
+            }
+            // Bevy shows no shadow, and neither do we.
+            let world = floors.game.world();
+            let meshes: Vec<Entity> = world
+                .query_filtered::<Entity, With<Mesh3d>>()
+                .iter(world)
+                .collect();
+            for mesh in meshes {
+                world.entity_mut(mesh).insert(bevy::light::NotShadowCaster);
+            }
+            let camera = floors.camera;
+            halves(&floors.game.run(5).settled(camera))
+        });
+        println!(
+            "a light on {layers:?}: Bevy's {:?}, ours {:?}",
+            pictures[0], pictures[1]
+        );
+        for half in 0..2 {
+            let [bevys, ours] = pictures.map(|halves| halves[half]);
+            // Bevy's is forward shading here, which differs by some percent.
+            assert_eq!(bevys > 0.0, lights);
+            assert!((ours - bevys).abs() <= 0.05 * bevys);
+        }
+    }
+}
