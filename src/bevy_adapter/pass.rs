@@ -19,7 +19,7 @@ use super::mirror::Mirrors;
 use super::pipelines::{AntumbraPipelines, Visibility};
 use super::prepare::AntumbraView;
 use crate::render::Renderer;
-use crate::render::hosted::{HostFrame, HostedLight, HostedVisibility};
+use crate::render::hosted::{HostFrame, HostedLight};
 
 /// Lights one view. `Core3d` runs this once for each marked camera, and not for Bevy's shadow views.
 ///
@@ -85,16 +85,14 @@ pub(super) fn light_view(
         let Some(slot) = mirror.view.draws.get(light.light).copied().flatten() else {
             return; // left to Bevy
         };
-        let visibility = match light.visibility {
-            HostedVisibility::Lit => Visibility::Lit,
-            HostedVisibility::Stencil => Visibility::Stencil,
-            HostedVisibility::Mask(_) if light.is_selective => Visibility::MaskSelected,
-            HostedVisibility::Mask(_) => Visibility::Mask,
+        let visibility = match light.mask {
+            Some(_) => Visibility::Mask,
+            None => Visibility::Stencil,
         };
         pass.set_bind_group(0, &*bevy.main, &bevy.main_offsets);
         pass.set_bind_group(1, &*bevy.binding_array, &[]);
         pass.set_bind_group(2, &*light_group, &[slot.offset]);
-        if let HostedVisibility::Mask(mask) = light.visibility {
+        if let Some(mask) = light.mask {
             pass.set_bind_group(3, groups.mask(&device, &cache, &pipelines, mask), &[]);
         }
         let mut draw = |visibility| {

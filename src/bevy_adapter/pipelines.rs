@@ -20,7 +20,7 @@ use bevy::render::render_resource::{
     BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor, BlendOperation,
     BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
     DepthStencilState, PipelineCache, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
-    StencilState, TextureFormat, TextureSampleType, VertexState,
+    TextureFormat, TextureSampleType, VertexState,
 };
 use bevy::shader::{Shader, ShaderDefVal};
 
@@ -31,21 +31,17 @@ use crate::render::hosted;
 /// Where a light's visibility comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Visibility {
-    /// It is lit all over.
-    Lit,
     /// The stencil test keeps what is lit.
     Stencil,
     /// The stencil test keeps what is shadowed; of that, what shows no shadows is lit.
     Unshadowed,
-    /// A mask.
+    /// A mask, where the stencil test keeps what the light reaches and affects.
     Mask,
-    /// A mask, where the stencil test keeps what the light affects.
-    MaskSelected,
 }
 
 /// The pipelines of one kind of light in one view, by [`Visibility`].
 #[derive(Clone, Copy, Debug)]
-pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 5]);
+pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 3]);
 
 impl LightPipelines {
     /// That for a kind of visibility, if it was asked for.
@@ -162,7 +158,7 @@ impl AntumbraPipelines {
             &self.shaders.light,
             &self.light_layout,
         );
-        let is_masked = matches!(visibility, Visibility::Mask | Visibility::MaskSelected);
+        let is_masked = visibility == Visibility::Mask;
         if is_masked {
             descriptor.layout.push(self.mask_layout.clone());
         }
@@ -171,8 +167,7 @@ impl AntumbraPipelines {
             depth_write_enabled: Some(false),
             depth_compare: Some(CompareFunction::Always),
             stencil: match visibility {
-                Visibility::Lit | Visibility::Mask => StencilState::default(),
-                Visibility::Stencil | Visibility::MaskSelected => hosted::stencil_lit(),
+                Visibility::Stencil | Visibility::Mask => hosted::stencil_lit(),
                 Visibility::Unshadowed => hosted::stencil_shadowed(),
             },
             bias: DepthBiasState::default(),
@@ -186,11 +181,9 @@ impl AntumbraPipelines {
             };
             fragment.shader_defs.push(kind.into());
             match visibility {
-                Visibility::Mask | Visibility::MaskSelected => {
-                    fragment.shader_defs.push("VISIBILITY_MASK".into());
-                }
+                Visibility::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
                 Visibility::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),
-                Visibility::Lit | Visibility::Stencil => {}
+                Visibility::Stencil => {}
             }
             for target in fragment.targets.iter_mut().flatten() {
                 target.blend = Some(ADD);

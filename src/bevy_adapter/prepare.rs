@@ -197,11 +197,9 @@ fn prepare_lights(
         let slot = host.and_then(|host| {
             let draw = describe(&host, lights)?;
             let wanted = [
-                (Visibility::Lit, true),
                 (Visibility::Stencil, true),
                 (Visibility::Unshadowed, view.unshadowed_in_view),
                 (Visibility::Mask, true),
-                (Visibility::MaskSelected, light.selection.affects != u32::MAX),
             ];
             let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
             if !manage(&mut managed, &mut view.bit_words, host.kind, &draw) {
@@ -304,7 +302,7 @@ fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    wanted: [(Visibility, bool); 5],
+    wanted: [(Visibility, bool); 3],
     gpu: &mut Gpu,
 ) -> Option<LightPipelines> {
     let mut ready = true;

@@ -50,8 +50,8 @@ pub struct ActiveLight {
     pub depth_range: (f32, f32),
     /// Range of [`FrameData::batches`].
     pub batches: Range<usize>,
-    /// Range of [`FrameData::batches`]: in a host's frame, surfaces in view that it does not affect.
-    pub unaffected: Range<usize>,
+    /// Range of [`FrameData::batches`]: in a host's frame, surfaces in view that it does not affect or does not see.
+    pub unlit: Range<usize>,
     /// Range of [`FrameData::batches`]: blended surfaces, whose front layer it lights with its shadows. Empty without a
     /// technique.
     pub front: Range<usize>,
@@ -96,8 +96,8 @@ pub struct FrameData {
     pub has_view: bool,
     /// For sorting blended surfaces: distance, object, item.
     pub blended_order: Vec<(u32, u32, u32)>,
-    /// For collecting what a light does not affect.
-    pub unaffected: FixedBitSet,
+    /// For collecting what a light leaves out.
+    pub unlit: FixedBitSet,
 }
 
 impl FrameData {

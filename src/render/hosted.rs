@@ -53,26 +53,13 @@ pub struct HostedLight<'a> {
     pub light: usize,
     /// x, y, width, height, pixels of the targets; set in the pass. Nothing outside receives the light.
     pub scissor: [u32; 4],
-    /// What the light sees.
-    pub visibility: HostedVisibility<'a>,
-    /// There are surfaces in view that the light does not affect: a light with a mask too is added only where
-    /// [`stencil_lit`] passes.
-    pub is_selective: bool,
+    /// For soft shadows and maps: how much of the light reaches each pixel that passes [`stencil_lit`], by colour in rgb, of
+    /// the emitter's area in a; [`MASK_FORMAT`](super::targets::MASK_FORMAT). Without it, all of the light does.
+    pub mask: Option<&'a wgpu::TextureView>,
 }
 
-/// What a light sees.
-#[derive(Clone, Copy, Debug)]
-pub enum HostedVisibility<'a> {
-    /// Everything: no technique has the light, and it affects all that is in view.
-    Lit,
-    /// Pixels that pass [`stencil_lit`].
-    Stencil,
-    /// The mask says by how much, by colour in rgb, of the emitter's area in a;
-    /// [`MASK_FORMAT`](super::targets::MASK_FORMAT).
-    Mask(&'a wgpu::TextureView),
-}
-
-/// The stencil test of pixels that a light with [`HostedVisibility::Stencil`] sees. The reference is set in the pass.
+/// The stencil test of pixels that a light reaches, affects and, if it has no mask, sees; whatever its technique. The
+/// reference is set in the pass.
 pub fn stencil_lit() -> wgpu::StencilState {
     stencil_test(wgpu::CompareFunction::Equal, 0xff)
 }
@@ -162,7 +149,7 @@ impl Renderer {
             for light in group {
                 pass.push_debug_group(&self.labels[light.light]);
                 self.mark_light(&mut pass, light, LightSurfaces::Opaque);
-                self.leave_out_unaffected(&mut pass, light);
+                self.select_pixels(&mut pass, light);
                 pass.set_stencil_reference(STENCIL_IN_BOUNDS);
                 add(&mut pass, &self.hosted_light(light));
                 pass.pop_debug_group();
@@ -171,17 +158,17 @@ impl Renderer {
         self.timings.end_frame(encoder);
     }
 
-    /// Leaves in the stencil of a light nothing lit of surfaces that it does not affect.
-    fn leave_out_unaffected(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
-        let Some(select) = self.host_select.as_ref().filter(|_| !light.unaffected.is_empty()) else {
-            return;
-        };
+    /// Begins the stencil of a light whose technique has not, and leaves nothing lit in it of surfaces that the light does not
+    /// affect, or does not see: no caster need shadow these.
+    fn select_pixels(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
         if !matches!(light.shadow, Some((_, Visibility::Stencil))) {
             let (near, far) = light.depth_range;
-            self.light_begin.record(pass, near, far); // no technique has begun the stencil
+            self.light_begin.record(pass, near, far);
         }
-        let batches = &self.frame.batches[light.unaffected.clone()];
-        select.record(pass, &self.view_group, batches, &self.surface_resources());
+        if let Some(select) = self.host_select.as_ref().filter(|_| !light.unlit.is_empty()) {
+            let batches = &self.frame.batches[light.unlit.clone()];
+            select.record(pass, &self.view_group, batches, &self.surface_resources());
+        }
     }
 
     fn hosted_light(&self, light: &ActiveLight) -> HostedLight<'_> {
@@ -189,13 +176,11 @@ impl Renderer {
             entity: light.entity,
             light: light.light,
             scissor: light.scissor,
-            visibility: match (light.shadow, &self.masks) {
-                (Some((_, Visibility::Stencil)), _) => HostedVisibility::Stencil,
-                (Some((_, Visibility::Mask)), Some(masks)) => HostedVisibility::Mask(&masks.mask_view),
-                _ if !light.unaffected.is_empty() => HostedVisibility::Stencil,
-                _ => HostedVisibility::Lit,
-            },
-            is_selective: !light.unaffected.is_empty(),
+            mask: self
+                .masks
+                .as_ref()
+                .filter(|_| light.has_mask())
+                .map(|masks| &masks.mask_view),
         }
     }
 }

@@ -18,7 +18,7 @@ use super::renderer::Renderer;
 use super::technique::PrepareInput;
 use crate::scene::FaceCulling;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
-use crate::sets::{FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
+use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
 
 /// Uploads meshes, materials and matrices that changed, sizes the targets, and forgets the last frame's draws.
 ///
@@ -223,19 +223,18 @@ pub fn prepare_draws(
             &mut frame.batches,
             &mut frame.instances,
         );
-        let first_unaffected = frame.batches.len();
-        if renderer.host.is_some() && objects.common_layers() & light.selection.affects == 0 {
-            collect_unaffected(&mut frame.unaffected, &objects, &visible, light.selection.affects);
+        let first_unlit = frame.batches.len();
+        if renderer.host.is_some() && collect_unlit(&mut frame.unlit, &objects, &visible, light) {
             renderer.draw_lists.build(
                 &input,
-                &frame.unaffected,
+                &frame.unlit,
                 ItemFilter::Opaque,
                 true,
                 &mut frame.batches,
                 &mut frame.instances,
             );
         }
-        let unaffected = first_unaffected..frame.batches.len();
+        let unlit = first_unlit..frame.batches.len();
         let slot = frame.lights.len();
         let at = frame.light_constants.len();
         frame.light_constants.resize(at + LIGHT_STRIDE as usize, 0);
@@ -254,8 +253,8 @@ pub fn prepare_draws(
                 [0, 0, width, height]
             }),
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
-            batches: first..first_unaffected,
-            unaffected,
+            batches: first..first_unlit,
+            unlit,
             front: 0..0,
             front_scissor: [0; 4],
         });
@@ -292,12 +291,20 @@ pub fn prepare_draws(
     renderer.require_pipelines();
 }
 
-/// Objects of V on no layer that a light affects.
-fn collect_unaffected(unaffected: &mut FixedBitSet, objects: &Objects, visible: &VisibleSet, affects: u32) {
-    unaffected.clone_from(&visible.set);
-    for object in visible.set.ones() {
-        unaffected.set(object, objects.layers[object] & affects == 0);
+/// Collects objects of V that a light does not affect, or of which it sees nothing that is in view; whether there are any.
+fn collect_unlit(
+    unlit: &mut FixedBitSet,
+    objects: &Objects,
+    visible: &VisibleSet,
+    light: &FrameLight,
+) -> bool {
+    let affects = light.selection.affects;
+    unlit.clone_from(&light.dark);
+    if objects.common_layers() & affects == 0 {
+        let unaffected = |object: &usize| objects.layers[*object] & affects == 0;
+        unlit.extend(visible.set.ones().filter(unaffected));
     }
+    !unlit.is_clear()
 }
 
 /// Sorts floats that are not NaN in descending order.

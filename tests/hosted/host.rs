@@ -1,7 +1,7 @@
 //! An engine with a depth prepass of its own: f32 matrices through world space, another rasterized position than ours.
 
 use antumbra::prelude::*;
-use antumbra::render::hosted::{HostFrame, HostView, HostedVisibility, stencil_lit};
+use antumbra::render::hosted::{HostFrame, HostView, stencil_lit};
 use antumbra::render::readback::read_texture;
 use antumbra::render::targets::{RADIANCE_FORMAT, create_target};
 use bevy_ecs::prelude::*;
@@ -197,9 +197,8 @@ impl Host {
             stencil,
             bias: Default::default(),
         };
-        let stencil = self.pipeline(Some("lit"), depth_stencil(stencil_lit()));
-        let lit = self.pipeline(Some("lit"), depth_stencil(Default::default()));
-        let masked = self.pipeline(Some("masked"), depth_stencil(Default::default()));
+        let lit = self.pipeline(Some("lit"), depth_stencil(stencil_lit()));
+        let masked = self.pipeline(Some("masked"), depth_stencil(stencil_lit()));
         let mut encoder = device.create_command_encoder(&Default::default());
         let radiance = self.radiance.create_view(&Default::default());
         let depth = self.depth.create_view(&Default::default());
@@ -210,10 +209,9 @@ impl Host {
         let mut added = Vec::new();
         renderer.record_hosted(&mut encoder, &frame, |pass, light| {
             added.push(light.entity);
-            match light.visibility {
-                HostedVisibility::Lit => pass.set_pipeline(&lit),
-                HostedVisibility::Stencil => pass.set_pipeline(&stencil),
-                HostedVisibility::Mask(mask) => {
+            match light.mask {
+                None => pass.set_pipeline(&lit),
+                Some(mask) => {
                     let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
                         label: Some("mask"),
                         layout: &masked.get_bind_group_layout(0),

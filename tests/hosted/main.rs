@@ -10,6 +10,7 @@ use std::sync::Arc;
 use antumbra::prelude::*;
 use antumbra::reference::{RayScene, primary_hits};
 use antumbra::render::hosted::HostView;
+use antumbra::sets::FrameLights;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{EulerRot, Quat, UVec2, Vec2, Vec3};
@@ -359,4 +360,45 @@ fn a_view_outside_of_its_targets_is_refused() {
     let host = Host::new(&context, view);
     let (added, values) = host.add_lights(&renderer);
     assert!(added.is_empty() && values.iter().all(|v| *v == 0.0));
+}
+
+/// Tiles behind a wall, all dark, and a pole among them that the light sees over the wall: the light pass of a frame of our
+/// own need not draw the tiles, and nothing need shadow them; a host lights whatever is there.
+fn dark_tiles(context: &RenderContext) -> Stage {
+    let view = Transform::from_xyz(13.0, 5.0, 3.0).looking_at(Vec3::new(3.0, 1.0, 0.0), Vec3::Y);
+    let mut stage = Stage::empty(SIZE, camera(), view);
+    stage
+        .add_renderer(context.clone(), RenderSettings::default())
+        .expect("shaders compose");
+    let mut add = |half: Vec3, at: Vec3| {
+        stage.world.spawn((
+            SceneMesh(Arc::new(MeshData::cuboid(half))),
+            SceneMaterials([Arc::new(Material::matte(Vec3::splat(0.7)))].into()),
+            (ShadowCaster, ShadowReceiver),
+            Transform::from_translation(at),
+        ));
+    };
+    add(Vec3::new(0.1, 1.5, 9.0), Vec3::new(0.0, 1.5, 0.0));
+    add(Vec3::new(0.1, 4.0, 0.1), Vec3::new(3.0, 4.0, 0.5));
+    for tile in 0..24 {
+        let (row, column) = ((tile / 6) as f32, (tile % 6) as f32);
+        let at = Vec3::new(1.5 + 2.0 * row, 0.0, 2.0 * column - 5.0);
+        add(Vec3::new(0.95, 0.05, 0.95), at);
+    }
+    let place = Transform::from_xyz(-2.0, 2.0, 0.0);
+    let light = Light::point(Vec3::ONE, 20.0, 14.0);
+    stage.spawn_light(light, place, Some(StencilVolume::default()));
+    stage
+}
+
+#[test]
+fn what_the_light_does_not_see_stays_dark() {
+    let context = strict_context(RequestedFeatures::default());
+    let mut stage = dark_tiles(&context);
+    let [own, hosted] = both(&context, &mut stage, alone(&camera()));
+    let lights = stage.world.resource::<FrameLights>();
+    assert!(lights.lights[0].dark.count_ones(..) > 6, "tiles are left out");
+    let (wrong, judged) = differing(&mut stage, &own, &hosted, 0.0);
+    println!("{wrong} of {judged} pixels differ off the edges");
+    assert_eq!(wrong, 0);
 }

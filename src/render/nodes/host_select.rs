@@ -1,4 +1,4 @@
-//! Takes surfaces that a light does not affect out of what a host adds of it: the host lights pixels, and does not ask
+//! Takes surfaces that a light does not affect, or does not see, out of what a host adds of it: the host lights pixels, and does not ask
 //! whose they are.
 //!
 //! Shader  `shaders/passes/host_depth.wgsl`, `vertex` and `no_color`
