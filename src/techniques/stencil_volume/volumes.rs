@@ -202,8 +202,9 @@ fn cull_parts(
     let is_seen = |points: &[Vec4]| !excludes_points(view.frustum.open_planes(), points);
     volume.sides = is_seen(corners);
     volume.near_cap &= is_seen(&corners[..8]);
-    let is_point = to_infinity && light.point_world.w == 0.0;
-    volume.far_cap = !is_point && !(volume.depth_pass && to_infinity) && is_seen(&corners[8..]);
+    // At infinity a directional light's far cap is one point, and behind any there is nothing to count towards the viewer.
+    let has_far_cap = !to_infinity || (light.point_world.w != 0.0 && !volume.depth_pass);
+    volume.far_cap = has_far_cap && is_seen(&corners[8..]);
     if !(volume.sides || volume.near_cap || volume.far_cap) {
         return None;
     }
