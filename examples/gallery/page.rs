@@ -164,6 +164,7 @@ pub fn view(eye: [f32; 3], target: [f32; 3], vfov_deg: f32) -> Option<ShotCamera
         up: [0.0, 1.0, 0.0],
         vfov_deg,
         near: 0.05,
+        orthographic: None,
     })
 }
 

@@ -1,11 +1,15 @@
 //! With visibility 1 our light is Bevy's: to the bit where no light is managed, to a rounding of the sum where some are.
 
+use bevy::asset::RenderAssetUsages;
+use bevy::camera::primitives::CubemapLayout;
 use bevy::camera::{Hdr, RenderTarget, ScalingMode, Viewport};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::light::{DirectionalLightTexture, PointLightTexture, SpotLightTexture};
 use bevy::pbr::DefaultOpaqueRendererMethod;
 use bevy::prelude::*;
 use bevy::render::camera::TemporalJitter;
+use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 
 use antumbra::bevy_adapter::prelude::*;
 
@@ -23,6 +27,8 @@ enum Look {
     Split,
     /// A near plane that cuts the scene aslant.
     Oblique,
+    /// Lights with textures.
+    Textures,
     Orthographic,
     /// As temporal antialiasing has it.
     OrthographicJitter,
@@ -73,7 +79,7 @@ fn game(scene: Scene) -> (Game, Entity) {
         view.insert(AntumbraCamera);
     }
     match scene.look {
-        Look::Plain | Look::Split => {}
+        Look::Plain | Look::Split | Look::Textures => {}
         Look::Fog => {
             view.insert(DistanceFog {
                 color: Color::srgb(0.3, 0.35, 0.4),
@@ -211,6 +217,19 @@ fn game(scene: Scene) -> (Game, Entity) {
             world.entity_mut(light).insert(StencilVolume::default());
         }
     }
+    if scene.look == Look::Textures {
+        let image = world.resource_mut::<Assets<Image>>().add(stripes());
+        world.entity_mut(managed[0]).insert(PointLightTexture {
+            image: image.clone(),
+            cubemap_layout: CubemapLayout::SequenceVertical,
+        });
+        world
+            .entity_mut(managed[2])
+            .insert(SpotLightTexture { image: image.clone() });
+        world
+            .entity_mut(managed[3])
+            .insert(DirectionalLightTexture { image, tiled: true });
+    }
     // Nothing casts, so that visibility is 1.
     let meshes: Vec<Entity> = world
         .query_filtered::<Entity, With<Mesh3d>>()
@@ -223,6 +242,25 @@ fn game(scene: Scene) -> (Game, Entity) {
         world.get_mut::<PointLight>(managed[0]).unwrap().intensity *= factor;
     }
     (Game::start(app), camera)
+}
+
+/// Stripes, and darker ones from face to face of a cube.
+fn stripes() -> Image {
+    let size = Extent3d {
+        width: 16,
+        height: 96,
+        depth_or_array_layers: 1,
+    };
+    let texel = |at: usize| {
+        if (at / 3).is_multiple_of(2) {
+            255
+        } else {
+            (at / 6 % 200) as u8
+        }
+    };
+    let texels = (0..16 * 96).map(texel).collect();
+    let usages = RenderAssetUsages::RENDER_WORLD;
+    Image::new(size, TextureDimension::D2, texels, TextureFormat::R8Unorm, usages)
 }
 
 fn picture(scene: Scene) -> Picture {
@@ -273,6 +311,24 @@ fn managed_lights_add_up_to_bevys_light() {
         println!("{look:?}: {MANAGED} lights of four kinds managed, against Bevy: {difference:?}");
         assert!(difference.steps <= MANAGED, "a rounding a light");
     }
+}
+
+/// Bevy has textures of lights as an option of its own, which is turned on by `--features bevy,gltf,reference,bevy/pbr_light_textures`.
+#[test]
+fn textures_of_managed_lights_are_bevys() {
+    let look = Look::Textures;
+    let bevy = picture(Scene { look, ..default() });
+    let has_textures = picture(Scene::default()).difference(&bevy).steps > MANAGED;
+    let ours = picture(Scene {
+        look,
+        ours: true,
+        managed: true,
+        ..default()
+    });
+    ours.save("shading_Textures_managed");
+    let difference = ours.difference(&bevy);
+    println!("Bevy shows textures of lights: {has_textures}; {MANAGED} lights managed: {difference:?}");
+    assert!(difference.steps <= MANAGED, "a rounding a light");
 }
 
 #[test]

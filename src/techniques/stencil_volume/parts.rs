@@ -53,10 +53,10 @@ impl<'a> PartCulling<'a> {
         let is_seen = |points: &[Vec4]| !excludes_points(self.view.frustum.open_planes(), points);
         volume.sides = is_seen(corners);
         volume.near_cap &= is_seen(near_corners);
-        let is_point = to_infinity && light.point_world.w == 0.0;
-        volume.far_cap = !is_point
-            && !(volume.depth_pass && (to_infinity || self.hides(far_corners)))
-            && is_seen(far_corners);
+        // At infinity a directional light's far cap is one point, and behind any there is nothing to count towards the viewer.
+        let has_far_cap = !to_infinity || (light.point_world.w != 0.0 && !volume.depth_pass);
+        volume.far_cap =
+            has_far_cap && is_seen(far_corners) && !(volume.depth_pass && self.hides(far_corners));
         if !(volume.sides || volume.near_cap || volume.far_cap) {
             return None;
         }
