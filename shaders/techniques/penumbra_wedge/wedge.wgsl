@@ -4,7 +4,7 @@
 // Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
 #import antumbra::view::{objects, clip_position, relative_from_pixel}
 #import antumbra::receiver::{receiver_at, receiver_depth}
-#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind}
+#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -45,7 +45,7 @@ override IS_TEXTURED: bool = false;
 override CAP_LAYERS: u32 = 3u;
 // Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
 override STEPS: f32 = 16384.0;
-// Beside the share, hard shadows and ten places on the light are counted.
+// Beside the share, hard shadows and nine places on the light are counted.
 override IS_SAMPLED: bool = false;
 
 struct Corner {
@@ -105,14 +105,14 @@ fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance
     return far_position(casters[instance], position_local);
 }
 
-// Capacity of a digit of the places' counts: −32 to 31. A channel holds four digits, 24 bits that a float has.
-const DIGIT: f32 = 64.0;
-const DIGITS: vec4f = vec4f(1.0, 64.0, 4096.0, 262144.0);
+// Of sampled sums, the first channel holds the share and the count of hard shadows, the others three places each: in
+// steps, −128 to 127 of them. Sums have the 24 bits that a float has.
+const DIGITS: vec3f = vec3f(1.0, 256.0, 65536.0);
 
 // What a whole hard shadow takes: of sampled sums a count of its own, else what of the part is above the horizon.
 fn whole(pixel: vec2f) -> vec4f {
     if IS_SAMPLED {
-        return vec4f(0.0, DIGIT * DIGIT, 0.0, 0.0);
+        return vec4f(HARD_SHADOW, 0.0, 0.0, 0.0);
     }
     let at = seat(receiver_at(pixel), IS_SPHERE);
     return rounded(above(at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
@@ -140,7 +140,7 @@ fn coverage(in: Corner) -> vec4f {
     var value = rounded(share);
     if IS_SAMPLED {
         let places = places_behind(seen, IS_SPHERE);
-        value = vec4f(value.a, dot(places[2].xy, DIGITS.xy), dot(places[0], DIGITS), dot(places[1], DIGITS));
+        value = vec4f(value.a, DIGITS * places);
     }
     return select(vec4f(0.0), value, is_usable);
 }
