@@ -1,13 +1,15 @@
 // Wedges, separators and caps of one part of a light, blended into the visibility buffer.
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges
-// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0.
+// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0
 #import antumbra::view::{objects, clip_position, relative_from_pixel}
 #import antumbra::receiver::{receiver_at, receiver_depth}
 #import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
+    end_local: vec4f,               // where rays end, dot(xyz, p) = w; xyz = 0: at infinity
+    end_light: vec4f,               // the same plane
     object: u32,
     padding: array<u32, 3>,
 }
@@ -57,9 +59,15 @@ struct Corner {
     @location(4) @interpolate(flat) layers: u32,
 }
 
+// Where a ray meets the plane at which it ends; without a plane at infinity.
+fn end_of(plane: vec4f, start: vec3f, direction: vec3f) -> vec4f {
+    let along = dot(plane.xyz, direction);
+    return vec4f(start * along + direction * (plane.w - dot(plane.xyz, start)), along);
+}
+
 fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
     let from_light = position_local * caster.light_local.w - caster.light_local.xyz;
-    return objects[caster.object].clip_from_local * vec4f(from_light, 0.0);
+    return objects[caster.object].clip_from_local * end_of(caster.end_local, position_local, from_light);
 }
 
 // Vertices as topology.rs names them.
@@ -79,8 +87,8 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let is_piece = (flags & PIECE) != 0u;
     let is_soft = (flags & SOFT) != 0u;
     let near = select(clip_position(caster.object, position_local), clip_from_light * vec4f(position_light, 1.0), is_piece);
-    let far = select(far_position(caster, position_local), clip_from_light * vec4f(position_light, 0.0), is_piece);
-    let ray = clip_from_light * vec4f(rim.xyz, 0.0);
+    let far = select(far_position(caster, position_local), clip_from_light * end_of(caster.end_light, position_light, position_light), is_piece);
+    let ray = clip_from_light * end_of(caster.end_light, position_light, rim.xyz);
     var out: Corner;
     let is_far = vertex == 2u || vertex == 3u;
     let is_ray = vertex >= 4u && vertex < 16u && is_soft;

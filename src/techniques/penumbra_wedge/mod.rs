@@ -37,6 +37,7 @@ mod assemble;
 pub mod buffers;
 mod chunks;
 pub mod component;
+pub mod ends;
 pub mod layers;
 pub mod lookup;
 #[cfg(feature = "render")]
@@ -57,6 +58,8 @@ pub mod topology;
 #[cfg(feature = "render")]
 pub mod wedge_pipelines;
 pub mod wedges;
+#[cfg(feature = "render")]
+pub mod windows;
 
 pub use component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling};
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
