@@ -23,7 +23,7 @@ const LAYERS: [&str; 9] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 12] = [
+const TECHNIQUE_GPU_FILES: [&str; 13] = [
     "node.rs",
     "quads.rs",
     "contour_pool.rs",
@@ -31,6 +31,7 @@ const TECHNIQUE_GPU_FILES: [&str; 12] = [
     "wedge_pipelines.rs",
     "buffers.rs",
     "recording.rs",
+    "windows.rs",
     "map_draws.rs",
     "map_layouts.rs",
     "map_pipelines.rs",

@@ -83,7 +83,7 @@ fn mirrors() -> Vec<Mirror> {
             padding_b,
             padding_c,
         } in "techniques/stencil_volume/volume.wgsl", array: true),
-        mirror!(records, WedgeCaster { light_local, object, extrusion, padding }
+        mirror!(records, WedgeCaster { light_local, end_local, end_light, object, extrusion, padding }
             in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, Wedge {
             start_local,

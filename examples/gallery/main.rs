@@ -69,6 +69,9 @@ struct Arguments {
     /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` names a part of paths.
     #[arg(long, requires = "models")]
     soft_table: bool,
+    /// Names of the columns of `--soft-table`, such as "wedges,2x2,hard 64"; all without.
+    #[arg(long, requires = "soft_table")]
+    ways: Option<String>,
     /// Prints what tight wedges and culling save instead.
     #[arg(long)]
     soft_cost: bool,
@@ -99,7 +102,11 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         size: arguments.size,
     };
     if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
-        return soft_table::print(&bench.context, folder, arguments.size, arguments.only.as_deref());
+        let choice = soft_table::Choice {
+            only: arguments.only.as_deref(),
+            ways: arguments.ways.as_deref(),
+        };
+        return soft_table::print(&bench.context, folder, arguments.size, &choice);
     }
     if arguments.soft_cost {
         return soft_cost::print(&bench.context, &assets, arguments.size);

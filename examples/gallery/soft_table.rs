@@ -34,6 +34,13 @@ enum Way {
     Hard(&'static str, u32),
 }
 
+impl Way {
+    fn name(&self) -> &'static str {
+        let (Self::Wedges(name, _) | Self::Hard(name, _)) = self;
+        name
+    }
+}
+
 fn ways() -> Vec<Way> {
     let wedge = PenumbraWedge::default();
     vec![
@@ -101,60 +108,75 @@ fn ways() -> Vec<Way> {
     ]
 }
 
-/// Prints the table of all models below `folder` whose path contains `only`.
+/// Which rows and columns the table has; all without.
+pub struct Choice<'a> {
+    /// A part of the paths of models.
+    pub only: Option<&'a str>,
+    /// Names of ways, with commas between them.
+    pub ways: Option<&'a str>,
+}
+
+/// Prints the table of the models below `folder`.
 ///
 /// # Errors
 /// One line that names the file and the element.
-pub fn print(context: &RenderContext, folder: &Path, size: UVec2, only: Option<&str>) -> Result<(), String> {
+pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choice) -> Result<(), String> {
     let mut files = Vec::new();
     collect(folder, &mut files)?;
     files.sort();
-    files.retain(|file| only.is_none_or(|only| file.to_string_lossy().contains(only)));
+    files.retain(|file| {
+        choice
+            .only
+            .is_none_or(|only| file.to_string_lossy().contains(only))
+    });
     println!(
         "RMSE over all receivers / over the penumbra, milliseconds of a frame (wall clock, median), {size}, {}",
         context.adapter
     );
-    let ways = ways();
+    let mut ways = ways();
+    if let Some(named) = choice.ways {
+        ways.retain(|way| named.split(',').any(|name| name == way.name()));
+    }
     let mut header = format!("{:<26}", "model");
     for way in &ways {
-        let (Way::Wedges(name, _) | Way::Hard(name, _)) = way;
-        header += &format!(" {name:>23}");
+        header += &format!(" {:>23}", way.name());
     }
     println!("{header}");
-    let mut sums = vec![[0.0; 3]; ways.len()];
-    let mut models = 0.0;
+    let mut sums: Vec<Vec<[f64; 3]>> = vec![Vec::new(); ways.len()];
+    let mut failures = Vec::new();
     for file in &files {
         let Some(mut subject) = Subject::load(context, file, size)? else {
             continue;
         };
         let truth = subject.truth()?;
         let mut line = format!("{:<26}", file.file_stem().unwrap_or_default().to_string_lossy());
-        for (way, sum) in ways.iter().zip(&mut sums) {
-            let (error, milliseconds) = subject.judge(way, &truth)?;
-            line += &format!(
-                " {:.4} / {:.4} {milliseconds:>6.1}",
-                error.rmse, error.rmse_penumbra
-            );
-            for (sum, value) in sum
-                .iter_mut()
-                .zip([error.rmse, error.rmse_penumbra, milliseconds])
-            {
-                *sum += value;
+        for (way, sums) in ways.iter().zip(&mut sums) {
+            match subject.judge(way, &truth) {
+                Ok((error, milliseconds)) => {
+                    line += &format!(
+                        " {:.4} / {:.4} {milliseconds:>6.1}",
+                        error.rmse, error.rmse_penumbra
+                    );
+                    sums.push([error.rmse, error.rmse_penumbra, milliseconds]);
+                }
+                Err(reason) => {
+                    subject.clear();
+                    line += &format!(" {:>23}", "-");
+                    failures.push(format!("{}: {}: {reason}", file.display(), way.name()));
+                }
             }
         }
-        models += 1.0;
         println!("{line}");
     }
     let mut line = format!("{:<26}", "mean");
-    for [rmse, penumbra, milliseconds] in sums {
-        line += &format!(
-            " {:.4} / {:.4} {:>6.1}",
-            rmse / models,
-            penumbra / models,
-            milliseconds / models
-        );
+    for sums in sums {
+        let mean = [0, 1, 2].map(|i| sums.iter().map(|sum| sum[i]).sum::<f64>() / sums.len() as f64);
+        line += &format!(" {:.4} / {:.4} {:>6.1}", mean[0], mean[1], mean[2]);
     }
     println!("{line}");
+    for failure in failures {
+        println!("{failure}");
+    }
     Ok(())
 }
 

@@ -1,11 +1,12 @@
 //! Lights and casters that meet, and other degenerate input: never NaN, never an error of the device.
 
 use antumbra::prelude::*;
+use antumbra::techniques::PenumbraWedges;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
 use crate::harness::strict_context;
-use crate::scenes::{Lit, ground, light, rect, rendered, spawn, sphere};
+use crate::scenes::{Lit, ground, largest_difference, light, rect, rendered, spawn, sphere};
 
 /// Renders a light in every form; the picture has nothing but visibilities.
 fn shines(context: &RenderContext, name: &str, kind: LightKind, from: Vec3, mesh: MeshData) -> f32 {
@@ -85,7 +86,14 @@ fn degenerate_and_many_edges_do_no_harm() {
         Vec3::new(0.5, 4.0, 0.3),
         sliver,
     );
-    // Thousands of triangles apart from one another.
+    let leaves = leaves();
+    for kind in [rect(0.6, 0.4), sphere(0.3)] {
+        shines(&context, "leaves", kind, Vec3::new(0.5, 4.0, 0.3), leaves.clone());
+    }
+}
+
+/// Thousands of triangles apart from one another.
+fn leaves() -> MeshData {
     let mut positions = Vec::new();
     for i in 0..2000 {
         let t = i as f32;
@@ -97,8 +105,54 @@ fn degenerate_and_many_edges_do_no_harm() {
         ]);
     }
     let indices = (0..positions.len() as u32).collect();
-    let leaves = MeshData::from_triangles("leaves", positions, indices);
-    for kind in [rect(0.6, 0.4), sphere(0.3)] {
-        shines(&context, "leaves", kind, Vec3::new(0.5, 4.0, 0.3), leaves.clone());
-    }
+    MeshData::from_triangles("leaves", positions, indices)
+}
+
+/// A device whose bindings hold no more than `bytes`.
+fn small_context(bytes: u64) -> RenderContext {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let options = wgpu::RequestAdapterOptions::default();
+    let adapter = pollster::block_on(instance.request_adapter(&options)).expect("a GPU adapter is needed");
+    let wanted = wgpu::Features::DEPTH32FLOAT_STENCIL8 | wgpu::Features::FLOAT32_BLENDABLE;
+    let device = adapter.request_device(&wgpu::DeviceDescriptor {
+        required_features: wanted & adapter.features(),
+        required_limits: wgpu::Limits {
+            max_storage_buffer_binding_size: bytes,
+            ..Default::default()
+        },
+        ..Default::default()
+    });
+    let (device, queue) = pollster::block_on(device).expect("a device");
+    device.on_uncaptured_error(std::sync::Arc::new(|error| panic!("wgpu error: {error}")));
+    let mut context = RenderContext::from_device(device, queue, "small".to_owned());
+    context.anisotropy = 1;
+    context
+}
+
+#[test]
+fn wedges_beyond_a_binding_are_drawn_from_several() {
+    const BYTES: u64 = 2 << 20;
+    let pictures = [strict_context(RequestedFeatures::default()), small_context(BYTES)].map(|context| {
+        let mut stage = ground(&context, Vec3::new(2.5, 3.0, 4.5), Vec3::ZERO);
+        spawn(&mut stage, leaves(), Transform::from_xyz(0.0, 1.0, 0.0));
+        light(
+            &mut stage,
+            &Lit {
+                kind: rect(0.6, 0.4),
+                from: Vec3::new(0.5, 4.0, 0.3),
+                to: Vec3::ZERO,
+                wedge: PenumbraWedge {
+                    split: [2, 1],
+                    ..Default::default()
+                },
+            },
+        );
+        let picture = rendered(&mut stage, 0);
+        let wedges = stage.world.resource::<PenumbraWedges>();
+        let bytes = size_of_val(&wedges.wedges[..]) as u64;
+        assert!(bytes > BYTES, "{bytes} fit");
+        picture
+    });
+    assert!(pictures[0].values().iter().any(|visible| *visible < 0.5));
+    assert_eq!(largest_difference(&pictures[0], &pictures[1]), 0.0);
 }

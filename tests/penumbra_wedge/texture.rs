@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::techniques::penumbra_wedge::{EmitterTexture, LightTexture};
+use antumbra::techniques::penumbra_wedge::{EmitterTexture, LightTexture, Overlap};
 use bevy_transform::prelude::Transform;
 use glam::{Vec2, Vec3};
 
@@ -34,7 +34,14 @@ fn a_textured_rectangle_is_covered_by_colour() {
     let above = Lit {
         from: Vec3::new(0.1, 4.5, 0.2),
         to: Vec3::new(0.1, 0.0, 0.2),
-        ..lit(rect(0.9, 0.9), PenumbraWedge::default())
+        // Textures have no other overlap.
+        ..lit(
+            rect(0.9, 0.9),
+            PenumbraWedge {
+                overlap: Overlap::Additive,
+                ..Default::default()
+            },
+        )
     };
     let entity = light(&mut stage, &above);
     let white = stage.render().expect("a frame");

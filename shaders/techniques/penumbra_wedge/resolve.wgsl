@@ -2,7 +2,7 @@
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
@@ -54,40 +54,38 @@ fn summed(pixel: vec2u, over: vec4f) -> Covered {
     return Covered(clamp(-facing, vec4f(0.0), over), clamp(-averted, vec4f(0.0), over));
 }
 
-// Four counts of −32 to 31 that one float holds.
-fn digits(packed: f32) -> vec4f {
-    let second = round(packed / 64.0);
-    let third = round(second / 64.0);
-    let fourth = round(third / 64.0);
-    return vec4f(packed - 64.0 * second, second - 64.0 * third, third - 64.0 * fourth, fourth);
+// How often each place is hidden, told by three of them that one float holds beside the count of hard shadows. Digits have
+// room for 32 times: what is more is told as less.
+fn times_hidden(hard: f32, packed: f32) -> vec3f {
+    let second = round(packed / 256.0);
+    let third = round(second / 256.0);
+    let told = hard - vec3f(packed - 256.0 * second, second - 256.0 * third, third) / PLACE_STEPS;
+    return told - 32.0 * floor((told + 1.0) / 32.0);
 }
 
-// How often the places on the light are hidden, and the light's centre, in one layer.
+// How often the places on the light are hidden in one layer.
 struct Counts {
     covered: f32,                   // the sum of what is covered, overlaps as often as they are
-    hidden: mat3x4f,
+    hidden: mat3x3f,
 }
 
-fn counts(sums: vec4f, over: f32, is_above: mat3x4f) -> Counts {
-    let first = digits(sums.b);
-    let second = digits(sums.a);
-    let third = digits(sums.g);     // two places, and the hard shadow in the other two digits
-    let hard = -(third.z + 64.0 * third.w);
-    let hidden = mat3x4f(
-        (hard - first) * is_above[0],
-        (hard - second) * is_above[1],
-        (hard - third) * is_above[2],
+fn counts(sums: vec4f, over: f32, is_above: mat3x3f) -> Counts {
+    let hard = -round(sums.r / HARD_SHADOW);
+    let hidden = mat3x3f(
+        times_hidden(hard, sums.g) * is_above[0],
+        times_hidden(hard, sums.b) * is_above[1],
+        times_hidden(hard, sums.a) * is_above[2],
     );
-    return Counts(hard * over - sums.r, hidden);
+    return Counts(hard * over - (sums.r + hard * HARD_SHADOW), hidden);
 }
 
-// Sums over the ten places.
-fn sum_of(values: mat3x4f) -> f32 {
-    return dot(values[0] + values[1], vec4f(1.0)) + values[2].x + values[2].y;
+// Sums over the places.
+fn sum_of(values: mat3x3f) -> f32 {
+    return dot(values[0] + values[1] + values[2], vec3f(1.0));
 }
 
-fn product(a: mat3x4f, b: mat3x4f) -> mat3x4f {
-    return mat3x4f(a[0] * b[0], a[1] * b[1], a[2] * b[2]);
+fn product(a: mat3x3f, b: mat3x3f) -> mat3x3f {
+    return mat3x3f(a[0] * b[0], a[1] * b[1], a[2] * b[2]);
 }
 
 // A layer's account of what is hidden, and how well it accounts for what the places tell.
@@ -96,13 +94,13 @@ struct Account {
     fit: f32,
 }
 
-// What is hidden, told by ten places, and better by the exact sum that goes with them: by so much as places that are
+// What is hidden, told by nine places, and better by the exact sum that goes with them: by so much as places that are
 // hidden more often are those that are hidden at all. Where nothing overlaps, sum and places agree, and the sum is the
 // answer; where all is hidden twice over, the sum says nothing.
 //
 // Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples", 8.9.
-fn account(layer: Counts, is_hidden: mat3x4f) -> Account {
-    const COUNT = 10.0;
+fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
+    const COUNT = 9.0;
     // The weight of believing, against places that all tell the same; by trial over the models.
     const BELIEF = 0.25;
     let mean = sum_of(is_hidden) / COUNT;
@@ -120,10 +118,10 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     let is_above = places_above(horizon, IS_SPHERE);
     let facing = counts(textureLoad(facing_sums, pixel, 0), over, is_above);
     let averted = counts(textureLoad(averted_sums, pixel, 0), over, is_above);
-    let is_hidden = mat3x4f(
-        step(vec4f(0.5), max(facing.hidden[0], averted.hidden[0])),
-        step(vec4f(0.5), max(facing.hidden[1], averted.hidden[1])),
-        step(vec4f(0.5), max(facing.hidden[2], averted.hidden[2])),
+    let is_hidden = mat3x3f(
+        clamp(max(facing.hidden[0], averted.hidden[0]), vec3f(0.0), is_above[0]),
+        clamp(max(facing.hidden[1], averted.hidden[1]), vec3f(0.0), is_above[1]),
+        clamp(max(facing.hidden[2], averted.hidden[2]), vec3f(0.0), is_above[2]),
     );
     let by_facing = account(facing, is_hidden);
     let by_averted = account(averted, is_hidden);

@@ -5,12 +5,14 @@
 //         end before.
 #import antumbra::view::{objects, clip_position, relative_from_pixel}
 #import antumbra::receiver::{receiver_at, receiver_depth}
-#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind}
+#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
+    end_local: vec4f,               // where rays end, dot(xyz, p) = w; xyz = 0: at infinity
+    end_light: vec4f,               // the same plane
     object: u32,
-    extrusion: f32,                 // factor on the distance from the light, or metres; 0: to infinity
+    extrusion: f32,                 // factor on the distance from the light, or metres; 0: to the end
     padding: array<u32, 2>,
 }
 
@@ -47,7 +49,7 @@ override IS_TEXTURED: bool = false;
 override CAP_LAYERS: u32 = 3u;
 // Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
 override STEPS: f32 = 16384.0;
-// Beside the share, hard shadows and ten places on the light are counted.
+// Beside the share, hard shadows and nine places on the light are counted.
 override IS_SAMPLED: bool = false;
 
 struct Corner {
@@ -59,11 +61,17 @@ struct Corner {
     @location(4) @interpolate(flat) layers: u32,
 }
 
+// Where a ray meets the plane at which it ends; without a plane at infinity.
+fn end_of(plane: vec4f, start: vec3f, direction: vec3f) -> vec4f {
+    let along = dot(plane.xyz, direction);
+    return vec4f(start * along + direction * (plane.w - dot(plane.xyz, start)), along);
+}
+
 fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
     let from_light = position_local * caster.light_local.w - caster.light_local.xyz;
     let base = caster.light_local.xyz * caster.light_local.w + position_local * (1.0 - caster.light_local.w);
     let pushed = vec4f(base + from_light * caster.extrusion, 1.0);
-    let far = select(vec4f(from_light, 0.0), pushed, caster.extrusion > 0.0);
+    let far = select(end_of(caster.end_local, position_local, from_light), pushed, caster.extrusion > 0.0);
     return objects[caster.object].clip_from_local * far;
 }
 
@@ -85,11 +93,11 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let is_soft = (flags & SOFT) != 0u;
     let near = select(clip_position(caster.object, position_local), clip_from_light * vec4f(position_light, 1.0), is_piece);
     let is_finite = light.reach > 0.0;
-    let away = normalize(position_light) * light.reach;
-    let far_piece = select(vec4f(position_light, 0.0), vec4f(away, 1.0), is_finite);
+    let away = vec4f(normalize(position_light) * light.reach, 1.0);
+    let far_piece = select(end_of(caster.end_light, position_light, position_light), away, is_finite);
     let far = select(far_position(caster, position_local), clip_from_light * far_piece, is_piece);
-    let ray_end = vec4f(position_light + rim.xyz * light.reach, 1.0);
-    let ray = clip_from_light * select(vec4f(rim.xyz, 0.0), ray_end, is_finite);
+    let along_ray = vec4f(position_light + rim.xyz * light.reach, 1.0);
+    let ray = clip_from_light * select(end_of(caster.end_light, position_light, rim.xyz), along_ray, is_finite);
     var out: Corner;
     let is_far = vertex == 2u || vertex == 3u;
     let is_ray = vertex >= 4u && vertex < 16u && is_soft;
@@ -114,14 +122,14 @@ fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance
     return far_position(casters[instance], position_local);
 }
 
-// Capacity of a digit of the places' counts: −32 to 31. A channel holds four digits, 24 bits that a float has.
-const DIGIT: f32 = 64.0;
-const DIGITS: vec4f = vec4f(1.0, 64.0, 4096.0, 262144.0);
+// Of sampled sums, the first channel holds the share and the count of hard shadows, the others three places each: in
+// steps, −128 to 127 of them. Sums have the 24 bits that a float has.
+const DIGITS: vec3f = vec3f(1.0, 256.0, 65536.0);
 
 // What a whole hard shadow takes: of sampled sums a count of its own, else what of the part is above the horizon.
 fn whole(pixel: vec2f) -> vec4f {
     if IS_SAMPLED {
-        return vec4f(0.0, DIGIT * DIGIT, 0.0, 0.0);
+        return vec4f(HARD_SHADOW, 0.0, 0.0, 0.0);
     }
     let at = seat(receiver_at(pixel), IS_SPHERE);
     return rounded(above(at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
@@ -149,7 +157,7 @@ fn coverage(in: Corner) -> vec4f {
     var value = rounded(share);
     if IS_SAMPLED {
         let places = places_behind(seen, IS_SPHERE);
-        value = vec4f(value.a, dot(places[2].xy, DIGITS.xy), dot(places[0], DIGITS), dot(places[1], DIGITS));
+        value = vec4f(value.a, DIGITS * places);
     }
     return select(vec4f(0.0), value, is_usable);
 }

@@ -3,6 +3,7 @@
 use smallvec::SmallVec;
 
 use super::component::Overlap;
+use super::ends::ENDLESS;
 use super::patches::share_sums;
 use super::records::{Wedge, WedgeCaster};
 use super::wedges::{CasterDraw, Group, PenumbraWedges, Scratch};
@@ -19,6 +20,7 @@ impl PenumbraWedges {
             wedges,
             caps,
             generation,
+            casters_generation,
             kept,
             scratch,
             ..
@@ -38,6 +40,7 @@ impl PenumbraWedges {
             return;
         }
         *generation += 1;
+        *casters_generation += 1;
         groups.clear();
         casters.clear();
         caster_records.clear();
@@ -101,6 +104,8 @@ impl PenumbraWedges {
                         let caster = caster_records.len() as u32;
                         caster_records.push(WedgeCaster {
                             light_local: chunk.light_local,
+                            end_local: ENDLESS,
+                            end_light: ENDLESS,
                             object,
                             extrusion: f32::from_bits(layout[at].extrusion),
                             padding: [0; 2],

@@ -21,21 +21,23 @@
 //! Only what of the light is above the receiver's horizon is looked at, or a convex caster would darken itself: its
 //! silhouette from the light's centre is not that from a point beside it on its own surface.
 //!
-//! The sum counts what overlaps as often as it does. The same faces, with the same signs, also count ten places on the
-//! light, 1 where an edge hides a place and 0 where not: so many times each place is hidden, exactly. The resolve tells
-//! from both what is hidden at all ([`Overlap::Sampled`]).
+//! The sum counts what overlaps as often as it does. The same faces, with the same signs, also count nine places on the
+//! light, 1 where an edge hides a place, 0 where not, and by steps between where it passes near: so many times each place
+//! is hidden. The resolve tells from both what is hidden at all ([`Overlap::Sampled`]).
 //!
 //! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
 //! Real-Time Performance". The formula with `w` and sectors is theirs in substance; that faces alone, without marking,
 //! give the same sum is ours, and so are the horizon and the places; theirs is equation 1 ([`Overlap::Paper`]).
 //! Counting the hidden samples of a light from signed edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005,
-//! "Soft Shadow Volumes for Ray Tracing", there for each ray.
+//! "Soft Shadow Volumes for Ray Tracing", there for each ray and with
+//! points; that places are soft is ours.
 
 mod assemble;
 #[cfg(feature = "render")]
 pub mod buffers;
 mod chunks;
 pub mod component;
+pub mod ends;
 pub mod layers;
 pub mod lookup;
 #[cfg(feature = "render")]
@@ -56,6 +58,8 @@ pub mod topology;
 #[cfg(feature = "render")]
 pub mod wedge_pipelines;
 pub mod wedges;
+#[cfg(feature = "render")]
+pub mod windows;
 
 pub use component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling};
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};

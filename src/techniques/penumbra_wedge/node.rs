@@ -21,6 +21,7 @@ use super::tables::Tables;
 use super::topology::{self, HARD_SIDE, SHELLS};
 use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
 use super::wedges::{Group, LightWedges, PenumbraWedges};
+use super::windows::{Shared, WedgeWindows};
 use crate::render::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
@@ -37,14 +38,14 @@ pub struct PenumbraWedgeNode {
     pub(super) wedge_layout: wgpu::BindGroupLayout,
     pub(super) textures: SumTextures,
     pub(super) indices: wgpu::Buffer,
-    pub(super) casters: GrowingBuffer,
-    pub(super) wedges: GrowingBuffer,
-    pub(super) lights: GrowingBuffer,
-    pub(super) table_buffer: GrowingBuffer,
+    casters: GrowingBuffer,
+    pub(super) wedges: WedgeWindows,
+    lights: GrowingBuffer,
+    table_buffer: GrowingBuffer,
     pub(super) tables: Tables,
     pub(super) caps: GrowingBuffer,
-    pub(super) group: wgpu::BindGroup,
     pub(super) generation: u64,
+    casters_generation: u64,
     pub(super) light_records: Vec<WedgeLight>,
     light_bytes: Vec<u8>,
     pub(super) plans: Vec<LightPlan>,
@@ -85,26 +86,25 @@ impl PenumbraWedgeNode {
         let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
         let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
         indices.write(context, bytemuck::cast_slice(&topology::indices()));
-        let (casters, wedges, lights) = (
+        let (casters, lights) = (
             storage("wedge casters"),
-            storage("wedges"),
             GrowingBuffer::new(context, "wedge lights", wgpu::BufferUsages::UNIFORM),
         );
         let tables = storage("coverage tables");
         let textures = SumTextures::new(context);
         Ok(Self {
             pipelines: WedgePipelines::new(context, shaders, layouts, &wedge_layout, textures.layout())?,
-            group: bind(context, &wedge_layout, [&casters, &wedges, &lights, &tables]),
+            wedges: WedgeWindows::new(context, &wedge_layout, shared(&casters, &lights, &tables)),
             wedge_layout,
             textures,
             indices: indices.buffer,
             casters,
-            wedges,
             lights,
             table_buffer: tables,
             tables: Tables::new(),
             caps: GrowingBuffer::new(context, "wedge caps", wgpu::BufferUsages::INDEX),
             generation: 0,
+            casters_generation: 0,
             light_records: Vec::new(),
             light_bytes: Vec::new(),
             plans: Vec::new(),
@@ -168,17 +168,22 @@ impl PenumbraWedgeNode {
             self.light_bytes.resize(filled, 0);
         }
         rebind |= self.lights.write(context, &self.light_bytes);
-        if self.generation != world.generation {
-            self.generation = world.generation;
+        if self.casters_generation != world.casters_generation {
+            self.casters_generation = world.casters_generation;
             rebind |= self
                 .casters
                 .write(context, bytemuck::cast_slice(&world.caster_records));
-            rebind |= self.wedges.write(context, bytemuck::cast_slice(&world.wedges));
+        }
+        if self.generation != world.generation {
+            self.generation = world.generation;
+            let shared = shared(&self.casters, &self.lights, &self.table_buffer);
+            self.wedges
+                .write(context, &self.wedge_layout, &world.wedges, shared);
             self.caps.write(context, bytemuck::cast_slice(&world.caps));
         }
         if rebind {
-            let buffers = [&self.casters, &self.wedges, &self.lights, &self.table_buffer];
-            self.group = bind(context, &self.wedge_layout, buffers);
+            let shared = shared(&self.casters, &self.lights, &self.table_buffer);
+            self.wedges.rebind(context, &self.wedge_layout, shared);
         }
     }
 
@@ -230,28 +235,16 @@ impl PenumbraWedgeNode {
     }
 }
 
-fn bind(
-    context: &RenderContext,
-    layout: &wgpu::BindGroupLayout,
-    buffers: [&GrowingBuffer; 4],
-) -> wgpu::BindGroup {
-    let entry = |binding: u32| wgpu::BindGroupEntry {
-        binding,
-        resource: buffers[binding as usize].buffer.as_entire_binding(),
-    };
-    let light = wgpu::BindGroupEntry {
-        binding: 2,
-        resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: &buffers[2].buffer,
-            offset: 0,
-            size: std::num::NonZeroU64::new(size_of::<WedgeLight>() as u64),
-        }),
-    };
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("wedges"),
-        layout,
-        entries: &[entry(0), entry(1), light, entry(3)],
-    })
+fn shared<'a>(
+    casters: &'a GrowingBuffer,
+    lights: &'a GrowingBuffer,
+    tables: &'a GrowingBuffer,
+) -> Shared<'a> {
+    Shared {
+        casters,
+        lights,
+        tables,
+    }
 }
 
 impl ShadowTechnique for PenumbraWedgeNode {
@@ -280,15 +273,6 @@ impl ShadowTechnique for PenumbraWedgeNode {
             return Ok(());
         }
         self.mirrored = input.mirrored_view;
-        let limit = input.context.device.limits().max_storage_buffer_binding_size;
-        let needed = size_of_val(&wedges.wedges[..]) as u64;
-        if needed > limit {
-            return Err(RenderError::Limit {
-                what: "wedges of all lights",
-                needed,
-                limit,
-            });
-        }
         self.upload(input.context, wedges, view);
         self.groups.extend_from_slice(&wedges.groups);
         self.cap_draws.extend(
@@ -350,7 +334,6 @@ impl ShadowTechnique for PenumbraWedgeNode {
         pass.set_bind_group(0, input.view, &[]);
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
         for part in &self.parts[plan.parts.clone()] {
-            pass.set_bind_group(2, &self.group, &[part.light_offset()]);
             let key = Key {
                 part: Part::Show,
                 form: plan.form,
@@ -365,7 +348,8 @@ impl ShadowTechnique for PenumbraWedgeNode {
             pass.set_pipeline(pipeline);
             let indices = if part.has_extent { SHELLS } else { HARD_SIDE };
             for group in &self.groups[part.groups.clone()] {
-                pass.draw_indexed(indices.clone(), 0, group.wedges());
+                self.wedges
+                    .draw(pass, part.light_offset(), indices.clone(), group.wedges());
             }
         }
     }

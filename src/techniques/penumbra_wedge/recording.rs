@@ -122,7 +122,7 @@ impl PenumbraWedgeNode {
         let draw = |pass: &mut wgpu::RenderPass, kind, towards, indices: Range<u32>, wedges: Range<u32>| {
             if let (Some(pipeline), false) = (pipeline(kind, towards), wedges.is_empty()) {
                 pass.set_pipeline(pipeline);
-                pass.draw_indexed(indices, 0, wedges);
+                self.wedges.draw(pass, part.light_offset(), indices, wedges);
             }
         };
         for (towards, wedges) in [(true, &group.towards), (false, &group.away)] {
@@ -176,7 +176,7 @@ impl PenumbraWedgeNode {
             pass.set_stencil_reference(STENCIL_IN_BOUNDS);
             pass.set_bind_group(0, input.record.view, &[]);
             pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-            pass.set_bind_group(2, &self.group, &[part.light_offset()]);
+            pass.set_bind_group(2, self.wedges.group(), &[part.light_offset()]);
             self.record_group(&mut pass, plan, part, group, &input.record);
         }
     }
@@ -208,7 +208,7 @@ impl PenumbraWedgeNode {
         pass.set_blend_constant(wgpu::Color { r, g, b, a });
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-        pass.set_bind_group(2, &self.group, &[part.light_offset()]);
+        pass.set_bind_group(2, self.wedges.group(), &[part.light_offset()]);
         pass.set_bind_group(3, sums, &[]);
         pass.draw(0..3, 0..1);
     }

@@ -52,6 +52,10 @@ pub const LAYERS_SHIFT: u32 = 3;
 pub struct WedgeCaster {
     /// The part's centre, the caster's space; w = 1: a position; w = 0: xyz points towards the light.
     pub light_local: [f32; 4],
+    /// The [plane](super::ends) where its wedges end, the caster's space: `dot(xyz, p) = w`.
+    pub end_local: [f32; 4],
+    /// The same, light space.
+    pub end_light: [f32; 4],
     /// Index into the objects of the frame.
     pub object: u32,
     /// Factor on the distance from the light, of a directional one metres, by which far ends are pushed; 0: to infinity.

@@ -40,7 +40,7 @@ pub enum Form {
     Color,
     /// Four half floats a layer, where the device blends no more.
     HalfColor,
-    /// Four floats: a sum, hard shadows and ten places on the light. All casters are one layer.
+    /// Four floats: a sum and hard shadows, and nine places on the light. All casters are one layer.
     Sampled,
     /// The same a layer.
     SampledLayers,

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
 
 use super::chunks::{CasterItem, Chunk, ChunkKey, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
@@ -38,8 +39,10 @@ pub struct PenumbraWedges {
     pub wedges: Vec<Wedge>,
     /// Cap triangles of all casters: vertices of their meshes, wound towards the light.
     pub caps: Vec<u32>,
-    /// Increases when `caster_records`, `wedges` or `caps` changed.
+    /// Increases when `wedges` or `caps` changed, and how many casters there are.
     pub generation: u64,
+    /// Increases when `caster_records` changed.
+    pub casters_generation: u64,
     pub(super) kept: Vec<LightChunks>,
     pub(super) scratch: Scratch,
     surfaces: NearestSurfaces,
@@ -169,6 +172,7 @@ pub fn build_penumbra_wedges(
     face_culling: Res<FaceCulling>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterItem<'static>>,
+    places: Query<&GlobalTransform>,
 ) {
     let out = &mut *wedges;
     out.frame += 1;
@@ -325,4 +329,5 @@ pub fn build_penumbra_wedges(
     out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
     let same_layout = out.scratch.layout == out.scratch.last_layout;
     out.assemble(rebuilt || !same_layout);
+    out.end(&lights, &objects, &places);
 }
