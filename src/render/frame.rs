@@ -5,8 +5,8 @@ use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use super::nodes;
 use super::nodes::visibility::Shadow;
-use super::pipelines::SurfacePass;
 use super::renderer::Renderer;
+use super::surface_pass::SurfacePass;
 use super::targets::FrameTargets;
 use super::technique::{ResolveInput, Visibility};
 
@@ -69,26 +69,10 @@ impl Renderer {
         // another share a pass, unless somebody looks at each.
         let separate = self.timings.is_active() || !outputs.visibility.is_empty();
         self.record_skipped_visibility(encoder, targets, outputs);
-        for group in self
-            .frame
-            .lights
-            .chunk_by(|a, b| !separate && !a.has_mask() && !b.has_mask())
-        {
-            let label = match group {
-                [light] => self.labels[light.light].as_str(),
-                _ => "lights",
-            };
-            for light in group {
-                self.resolve_mask(encoder, &canvas, light, LightSurfaces::Opaque);
-            }
-            {
-                let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
-                for light in group {
-                    pass.push_debug_group(&self.labels[light.light]);
-                    self.record_light(&mut pass, light, LightSurfaces::Opaque);
-                    pass.pop_debug_group();
-                }
-            }
+        for group in self.light_groups(separate) {
+            self.record_group(encoder, &canvas, group, |pass, light| {
+                self.record_light(pass, light, LightSurfaces::Opaque);
+            });
             if let [light] = group {
                 self.record_visibility(encoder, targets, light, outputs);
             }
@@ -139,6 +123,37 @@ impl Renderer {
                 .record(encoder, picture, tonemap_group, self.timings.pass("tonemap"));
         }
         self.timings.end_frame(encoder);
+    }
+
+    /// The lights in their order, those together that share a pass: with stencils alone, one after the other, unless each is
+    /// to be separate.
+    pub(super) fn light_groups(&self, separate: bool) -> impl Iterator<Item = &[ActiveLight]> {
+        self.frame
+            .lights
+            .chunk_by(move |a, b| !separate && !a.has_mask() && !b.has_mask())
+    }
+
+    /// One pass for the lights of a group, after what leaves their masks.
+    pub(super) fn record_group(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        canvas: &Canvas,
+        group: &[ActiveLight],
+        mut record: impl FnMut(&mut wgpu::RenderPass, &ActiveLight),
+    ) {
+        let label = match group {
+            [light] => self.labels[light.light].as_str(),
+            _ => "lights",
+        };
+        for light in group {
+            self.resolve_mask(encoder, canvas, light, LightSurfaces::Opaque);
+        }
+        let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
+        for light in group {
+            pass.push_debug_group(&self.labels[light.light]);
+            record(&mut pass, light);
+            pass.pop_debug_group();
+        }
     }
 
     /// What techniques that resolve masks read of the opaque surfaces. Before the lights, for they read it while they

@@ -8,8 +8,8 @@ use super::frame::FrameOutputs;
 use super::frame_data::ActiveLight;
 use super::nodes;
 use super::nodes::visibility::Shadow;
-use super::pipelines::SurfacePass;
 use super::renderer::Renderer;
+use super::surface_pass::SurfacePass;
 use super::technique::{RecordInput, Visibility};
 
 /// Which surfaces a light is added to.

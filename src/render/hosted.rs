@@ -132,28 +132,13 @@ impl Renderer {
             &self.timings,
         );
         self.record_receivers(encoder, targets);
-        let separate = self.timings.is_active();
-        for group in self
-            .frame
-            .lights
-            .chunk_by(|a, b| !separate && !a.has_mask() && !b.has_mask())
-        {
-            let label = match group {
-                [light] => self.labels[light.light].as_str(),
-                _ => "lights",
-            };
-            for light in group {
-                self.resolve_mask(encoder, &canvas, light, LightSurfaces::Opaque);
-            }
-            let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
-            for light in group {
-                pass.push_debug_group(&self.labels[light.light]);
-                self.mark_light(&mut pass, light, LightSurfaces::Opaque);
-                self.select_pixels(&mut pass, light);
+        for group in self.light_groups(self.timings.is_active()) {
+            self.record_group(encoder, &canvas, group, |pass, light| {
+                self.mark_light(pass, light, LightSurfaces::Opaque);
+                self.select_pixels(pass, light);
                 pass.set_stencil_reference(STENCIL_IN_BOUNDS);
-                add(&mut pass, &self.hosted_light(light));
-                pass.pop_debug_group();
-            }
+                add(pass, &self.hosted_light(light));
+            });
         }
         self.timings.end_frame(encoder);
     }

@@ -3,89 +3,10 @@
 use super::bind_groups::BindGroupLayouts;
 use super::draw_list::{VARIANT_COUNT, Variant};
 use super::gpu_types::SurfaceVertex;
+use super::surface_pass::SurfacePass;
 use super::targets::{RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
-use super::technique::Visibility;
 use super::{RenderContext, RenderError, Shaders};
 use crate::conventions::STENCIL_IN_BOUNDS;
-
-/// A pass that draws surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SurfacePass {
-    /// Ambient and emissive light and depth.
-    Ambient,
-    /// The same for a blended surface, over what is behind.
-    AmbientBlended,
-    /// One light, where the stencil says lit.
-    Light,
-    /// One light times its mask.
-    LightMasked,
-    /// One light on a blended surface.
-    LightBlended,
-    /// The same, but not on the front layer.
-    LightBehindFront,
-    /// Depth of a blended surface.
-    FrontDepth,
-    /// One light on the front layer, where the stencil says lit.
-    FrontLight,
-    /// One light times its mask on the front layer.
-    FrontLightMasked,
-    /// Writes 0 where the stencil says shadowed.
-    Visibility,
-    /// Writes the mask.
-    VisibilityMasked,
-    /// Writes 1, where the front layer hides what was there.
-    VisibilityFront,
-    /// Writes 0 wherever the surface is seen: objects that the light does not see.
-    Dark,
-    /// Writes the plane of the triangle.
-    ReceiverPlane,
-    /// Depth, where a host shows the surface.
-    HostSurface,
-}
-
-impl SurfacePass {
-    /// The pass that adds a light whose technique leaves this.
-    pub fn light(visibility: Option<Visibility>) -> Self {
-        match visibility {
-            Some(Visibility::Mask) => Self::LightMasked,
-            Some(Visibility::Stencil) | None => Self::Light,
-        }
-    }
-
-    /// The pass that adds such a light to the front layer.
-    pub fn front_light(visibility: Visibility) -> Self {
-        match visibility {
-            Visibility::Mask => Self::FrontLightMasked,
-            Visibility::Stencil => Self::FrontLight,
-        }
-    }
-
-    /// The pass that shows the visibility of a light whose technique leaves this.
-    pub fn visibility(visibility: Visibility) -> Self {
-        match visibility {
-            Visibility::Mask => Self::VisibilityMasked,
-            Visibility::Stencil => Self::Visibility,
-        }
-    }
-}
-
-const PASSES: [SurfacePass; 15] = [
-    SurfacePass::Ambient,
-    SurfacePass::AmbientBlended,
-    SurfacePass::Light,
-    SurfacePass::LightMasked,
-    SurfacePass::LightBlended,
-    SurfacePass::LightBehindFront,
-    SurfacePass::FrontDepth,
-    SurfacePass::FrontLight,
-    SurfacePass::FrontLightMasked,
-    SurfacePass::Visibility,
-    SurfacePass::VisibilityMasked,
-    SurfacePass::VisibilityFront,
-    SurfacePass::Dark,
-    SurfacePass::ReceiverPlane,
-    SurfacePass::HostSurface,
-];
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](super::targets::MASK_FORMAT).
 pub const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
@@ -179,7 +100,7 @@ impl SurfacePipelines {
                 Some(&layouts.depth),
             ),
             host_layout: layout("surface of a host", None, Some(&layouts.host)),
-            pipelines: vec![None; PASSES.len() * VARIANT_COUNT],
+            pipelines: vec![None; SurfacePass::COUNT * VARIANT_COUNT],
             created: 0,
         })
     }
@@ -409,6 +330,5 @@ pub fn front_face(mirrored: bool) -> wgpu::FrontFace {
 }
 
 fn slot(pass: SurfacePass, variant: Variant) -> usize {
-    let pass = PASSES.iter().position(|other| *other == pass).unwrap_or(0);
-    pass * VARIANT_COUNT + variant.index()
+    pass as usize * VARIANT_COUNT + variant.index()
 }

@@ -9,7 +9,7 @@ use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
 use crate::render::canvas::Canvas;
 use crate::render::draw_list::Batch;
-use crate::render::pipelines::SurfacePass;
+use crate::render::surface_pass::SurfacePass;
 use crate::render::timings::Timings;
 
 /// Records the pass.

@@ -11,7 +11,7 @@
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::render::bind_groups::LIGHT_STRIDE;
 use crate::render::draw_list::Batch;
-use crate::render::pipelines::SurfacePass;
+use crate::render::surface_pass::SurfacePass;
 
 /// One blended object: its batches, and the light slots that reach it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

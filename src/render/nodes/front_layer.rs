@@ -12,7 +12,7 @@
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::render::draw_list::Batch;
-use crate::render::pipelines::SurfacePass;
+use crate::render::surface_pass::SurfacePass;
 use crate::render::targets::FrameTargets;
 use crate::render::timings::Timings;
 

@@ -23,7 +23,7 @@ use crate::render::frame_data::Viewport;
 use crate::render::gpu_types;
 use crate::render::hosted::HostView;
 use crate::render::kept::Kept;
-use crate::render::pipelines::SurfacePass;
+use crate::render::surface_pass::SurfacePass;
 use crate::render::targets::FrameTargets;
 use crate::render::timings::Timings;
 use crate::render::{RenderContext, RenderError, Shaders};

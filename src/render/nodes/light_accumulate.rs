@@ -9,7 +9,7 @@ use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::bind_groups::LIGHT_STRIDE;
 use crate::render::draw_list::Batch;
-use crate::render::pipelines::SurfacePass;
+use crate::render::surface_pass::SurfacePass;
 
 /// Records the draws into the light's pass.
 pub fn record(

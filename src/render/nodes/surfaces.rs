@@ -3,7 +3,8 @@
 use crate::render::draw_list::Batch;
 use crate::render::materials::MaterialPool;
 use crate::render::meshes::MeshPool;
-use crate::render::pipelines::{SurfacePass, SurfacePipelines};
+use crate::render::pipelines::SurfacePipelines;
+use crate::render::surface_pass::SurfacePass;
 
 /// What a batch's indices refer to.
 #[derive(Debug)]

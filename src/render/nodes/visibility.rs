@@ -9,7 +9,7 @@
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::draw_list::Batch;
-use crate::render::pipelines::SurfacePass;
+use crate::render::surface_pass::SurfacePass;
 
 /// The shadow of one light.
 #[derive(Clone, Copy, Debug)]
