@@ -33,7 +33,7 @@ pub enum ShotShadow {
         /// `additive` or `paper`.
         #[serde(default)]
         overlap: ShotOverlap,
-        /// `float` or `split8`.
+        /// `float`, `half` or `split8`.
         #[serde(default)]
         buffer: ShotBuffer,
     },
@@ -63,6 +63,7 @@ pub enum ShotOverlap {
 pub enum ShotBuffer {
     #[default]
     Float,
+    Half,
     Split8,
 }
 
@@ -144,6 +145,7 @@ impl ShotShadow {
                     },
                     buffer: match buffer {
                         ShotBuffer::Float => VisibilityBuffer::Float,
+                        ShotBuffer::Half => VisibilityBuffer::Half,
                         ShotBuffer::Split8 => VisibilityBuffer::Split8,
                     },
                     ..Default::default()

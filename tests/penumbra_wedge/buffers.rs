@@ -34,6 +34,16 @@ fn buffers_and_cullings_agree() {
         let difference = largest_difference(&first, &split);
         println!("float and split8 differ by {difference}");
         assert!(difference <= 12.0 / 4096.0, "{difference}");
+        let half = with(
+            &mut stage,
+            PenumbraWedge {
+                buffer: VisibilityBuffer::Half,
+                ..additive
+            },
+        );
+        let difference = largest_difference(&first, &half);
+        println!("float and half differ by {difference}");
+        assert!(difference > 0.0 && difference <= 0.005, "{difference}");
         let tables = with(
             &mut stage,
             PenumbraWedge {

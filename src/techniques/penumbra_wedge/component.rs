@@ -93,11 +93,12 @@ pub enum Overlap {
     reflect(Default, Debug, Clone, PartialEq)
 )]
 pub enum VisibilityBuffer {
-    /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`]. Half floats err by no more
-    /// than 0.001 beside them on four models and were no faster (llvmpipe), but cannot hold the counts of
-    /// [`Overlap::Sampled`].
+    /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`].
     #[default]
     Float,
+    /// A texture of half floats, which every device blends. They round, so that the order of casters may show by 0.001,
+    /// and cannot hold the counts of [`Overlap::Sampled`], which is [`Overlap::Additive`] then.
+    Half,
     /// Twelve bits over the four bytes of two `Rgba8Unorm` textures, one for what adds and one for what subtracts.
     /// Section 4.3.
     Split8,

@@ -144,6 +144,7 @@ impl PenumbraWedgeNode {
         }
         match (light.settings.buffer, light.settings.overlap) {
             (VisibilityBuffer::Split8, _) => Form::Split8,
+            (VisibilityBuffer::Half, _) => Form::Half,
             (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
             (VisibilityBuffer::Float, Overlap::Sampled) if light.is_layered => Form::SampledLayers,
             (VisibilityBuffer::Float, Overlap::Sampled) => Form::Sampled,

@@ -36,6 +36,8 @@ pub enum Part {
 pub enum Form {
     /// A 32-bit float a layer.
     Float,
+    /// A half float a layer.
+    Half,
     /// Four of them a layer: by colour and area.
     Color,
     /// Four half floats a layer, where the device blends no more.
@@ -53,6 +55,7 @@ impl Form {
     pub fn formats(self) -> &'static [wgpu::TextureFormat] {
         match self {
             Self::Float => &[wgpu::TextureFormat::R32Float; 2],
+            Self::Half => &[wgpu::TextureFormat::R16Float; 2],
             Self::Color => &[wgpu::TextureFormat::Rgba32Float; 2],
             Self::Sampled => &[wgpu::TextureFormat::Rgba32Float; 1],
             Self::SampledLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
@@ -324,7 +327,10 @@ impl WedgePipelines {
             ("IS_SPHERE", f64::from(key.is_sphere)),
             ("IS_TEXTURED", f64::from(key.form.is_textured())),
             ("IS_SAMPLED", f64::from(key.form.is_sampled())),
-            ("IS_SCALAR", f64::from(key.form == Form::Float)),
+            (
+                "IS_SCALAR",
+                f64::from(matches!(key.form, Form::Float | Form::Half)),
+            ),
             ("IS_COMBINED", f64::from(key.is_combined)),
         ];
         let weighted = wgpu::BlendComponent {
