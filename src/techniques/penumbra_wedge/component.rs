@@ -72,8 +72,10 @@ impl PenumbraWedge {
 pub enum Overlap {
     /// What is hidden is counted at nine places of the light, soft ones, so that none jumps when the light moves; and told
     /// more finely by the sum of coverages, as far as the sum agrees with the places: exact within 0.03 where nothing
-    /// overlaps, and right within what nine places and the sum together tell where much does. One pass. Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light
-    /// without texture; else [`Overlap::Additive`].
+    /// overlaps, and right within what nine places and the sum together tell where much does. One pass.
+    ///
+    /// Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light without texture; else
+    /// [`Overlap::Additive`].
     #[default]
     Sampled,
     /// Coverages add up to at most 1: exact for casters that hide different parts of the light.

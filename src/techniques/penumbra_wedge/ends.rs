@@ -62,9 +62,9 @@ fn in_space(plane: DVec4, world_from_b: &DMat4) -> [f32; 4] {
     }
 }
 
-/// The box around all that shows the light's shadows this frame.
-fn receivers(light: &FrameLight, objects: &Objects) -> Aabb {
-    let boxes = light.i.ones().map(|object| objects.boxes.get(object));
+/// The box around all that is seen of the light's receivers in this frame.
+fn receivers(light: &FrameLight) -> Aabb {
+    let boxes = light.lit_receivers.iter().copied();
     boxes.reduce(Aabb::union).unwrap_or(Aabb {
         min: Vec3::splat(f32::NEG_INFINITY),
         max: Vec3::INFINITY,
@@ -78,7 +78,7 @@ impl PenumbraWedges {
         let mut changed = false;
         for of_light in &self.lights {
             let light = &lights.lights[of_light.light];
-            let receivers = receivers(light, objects);
+            let receivers = receivers(light);
             for part in &self.parts[of_light.parts.clone()] {
                 let center = part.part.point_world;
                 let radius = part.part.shape.radius();
