@@ -313,7 +313,8 @@ fn managed_lights_add_up_to_bevys_light() {
     }
 }
 
-/// Bevy has textures of lights as an option of its own, which is turned on by `--features bevy,gltf,reference,bevy/pbr_light_textures`.
+/// Bevy has textures of lights as an option of its own, `--features bevy/pbr_light_textures,bevy/pbr_clustered_decals`, for
+/// devices that index arrays of bindings non-uniformly. Without, none are shown by either.
 #[test]
 fn textures_of_managed_lights_are_bevys() {
     let look = Look::Textures;
