@@ -23,7 +23,8 @@ const LAYERS: [&str; 9] = [
 const REFERENCE_MAY_USE: [&str; 4] = ["conventions", "geometry", "scene", "sets"];
 
 /// Files of techniques that may name wgpu.
-const TECHNIQUE_GPU_FILES: [&str; 13] = [
+const TECHNIQUE_GPU_FILES: [&str; 14] = [
+    "form.rs",
     "node.rs",
     "quads.rs",
     "contour_pool.rs",

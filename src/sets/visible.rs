@@ -136,7 +136,9 @@ pub fn collect_visible_set(
     }
 }
 
-/// Looks through the portals from the camera's cells; not in an orthographic view, which stands nowhere. The near rectangle must be in cells too: what stands before it is
+/// Looks through the portals from the camera's cells; not in an orthographic view, which stands nowhere.
+///
+/// The near rectangle must be in cells too: what stands before it is
 /// not drawn, and does not hide.
 fn look_around(sightings: &mut Sightings, cells: &Cells, settings: &OcclusionSettings, view: &View) {
     sightings.forget();

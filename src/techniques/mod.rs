@@ -6,6 +6,7 @@
 
 pub mod finite_reach;
 pub mod maps;
+pub mod near_caps;
 pub mod omni_map;
 pub mod penumbra_wedge;
 pub mod shadow_map;

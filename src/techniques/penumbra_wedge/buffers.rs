@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 
 use glam::UVec2;
 
-use super::wedge_pipelines::{COMBINED_FORMAT, Form};
+use super::form::Form;
+use super::wedge_pipelines::COMBINED_FORMAT;
 use crate::render::targets::create_target;
 use crate::render::{RenderContext, RenderError};
 

@@ -38,6 +38,8 @@ pub mod buffers;
 mod chunks;
 pub mod component;
 pub mod ends;
+#[cfg(feature = "render")]
+pub mod form;
 pub mod layers;
 pub mod lookup;
 #[cfg(feature = "render")]

@@ -13,13 +13,14 @@ use bevy_ecs::prelude::*;
 
 use super::buffers::SumTextures;
 use super::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
+use super::form::Form;
 use super::overflow::WedgeOverflow;
 use super::parts::PartShape;
 use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, passes};
 use super::records::{Wedge, WedgeCaster, WedgeLight};
 use super::tables::Tables;
 use super::topology::{self, HARD_SIDE, SHELLS};
-use super::wedge_pipelines::{Form, Key, Part, ResolveKey, WedgePipelines};
+use super::wedge_pipelines::{Key, Part, ResolveKey, WedgePipelines};
 use super::wedges::{Group, LightWedges, PenumbraWedges};
 use super::windows::{Shared, WedgeWindows};
 use crate::render::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
@@ -272,6 +273,16 @@ impl ShadowTechnique for PenumbraWedgeNode {
         }
         if wedges.lights.is_empty() {
             return Ok(());
+        }
+        // Wedges are drawn from as many bindings as they need; their casters from one.
+        let limit = input.context.device.limits().max_storage_buffer_binding_size;
+        let needed = size_of_val(&wedges.caster_records[..]) as u64;
+        if needed > limit {
+            return Err(RenderError::Limit {
+                what: "casters of all wedges",
+                needed,
+                limit,
+            });
         }
         self.mirrored = input.mirrored_view;
         self.upload(input.context, wedges, view);

@@ -5,9 +5,10 @@ use std::ops::Range;
 use glam::DMat4;
 
 use super::component::{PenumbraWedge, WedgeCulling};
+use super::form::Form;
 use super::parts::PartShape;
 use super::records::WedgeLight;
-use super::wedge_pipelines::{Form, Part};
+use super::wedge_pipelines::Part;
 use super::wedges::PartWedges;
 use crate::render::bind_groups::LIGHT_STRIDE;
 use crate::sets::ViewData;

@@ -4,10 +4,11 @@ use std::ops::Range;
 
 use super::buffers::Sums;
 use super::component::{CoverageMaths, Overlap, WedgeCulling};
+use super::form::Form;
 use super::node::PenumbraWedgeNode;
 use super::plans::{LightPlan, PartPlan, passes};
 use super::topology::{HARD_SIDE, INNER_HALF, OUTER_HALF, SEPARATORS, SHELLS};
-use super::wedge_pipelines::{Form, Key, Part, ResolveKey};
+use super::wedge_pipelines::{Key, Part, ResolveKey};
 use super::wedges::Group;
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::technique::{RecordInput, ResolveInput};

@@ -13,11 +13,11 @@ use super::patches::ShadowCone;
 use super::records::{Wedge, WedgeCaster};
 use super::texture::EmitterTexture;
 use crate::geometry::Aabb;
-use crate::scene::FaceCulling;
 use crate::sets::depth_bounds::shadow_depth_range;
-use crate::sets::{DepthReach, FrameLights, Objects, SeenInto, View};
+use crate::sets::{DepthReach, FrameLights, Objects, View};
 use crate::silhouettes::{FacingBits, Silhouettes};
 use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
+use crate::techniques::near_caps::NearCaps;
 use crate::techniques::stencil_volume::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::stencil_volume::inside_test::OcclusionPyramid;
 
@@ -158,7 +158,7 @@ impl PenumbraWedges {
 /// Makes the wedges of every edge of every caster of every light with a [`PenumbraWedge`], those that are not known yet
 /// or stale, and lists what the frame draws.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`SeenInto`]; writes
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`NearCaps`]; writes
 /// [`PenumbraWedges`]. In an orthographic view it tells [`DepthReach`] how deep they reach.
 /// Cost: an inverse a caster of S; the edges of what moved.
 pub fn build_penumbra_wedges(
@@ -168,8 +168,7 @@ pub fn build_penumbra_wedges(
     objects: Res<Objects>,
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
-    seen_into: Res<SeenInto>,
-    face_culling: Res<FaceCulling>,
+    near_caps: NearCaps,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterItem<'static>>,
     places: Query<&GlobalTransform>,
@@ -299,11 +298,9 @@ pub fn build_penumbra_wedges(
                 }
                 out.lights[this].is_layered |= chunk.is_layered;
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
-                    // Its own surface hides the near cap only where all of the surface is drawn. From elsewhere on the
-                    // light than its centre, the pyramid is within the light's radius of that from the centre.
-                    let hides_cap = objects.drawn.contains(object)
-                        && !seen_into.0.contains(object)
-                        && (*face_culling == FaceCulling::None || item.0.0.edges.is_closed());
+                    // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from
+                    // the centre.
+                    let hides_cap = near_caps.are_hidden(&objects, object, || item.0.0.edges.is_closed());
                     let radius = part.shape.radius() as f32;
                     let towards = settings.culling == WedgeCulling::Depth
                         && hides_cap

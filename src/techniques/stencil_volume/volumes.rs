@@ -10,10 +10,10 @@ use super::component::{Counting, Extent, StencilVolume};
 use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
 use super::inside_test::OcclusionPyramid;
 use super::parts::PartCulling;
-use crate::scene::FaceCulling;
-use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, SeeThrough, SeenInto, View};
+use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
 use crate::silhouettes::Silhouettes;
 use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
+use crate::techniques::near_caps::NearCaps;
 
 /// The volume of one caster in one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,10 +82,8 @@ pub fn build_stencil_volumes(
     objects: Res<Objects>,
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
-    seen_into: Res<SeenInto>,
-    see_through: Res<SeeThrough>,
+    near_caps: NearCaps,
     occlusion: Res<CameraOcclusion>,
-    face_culling: Res<FaceCulling>,
     components: Query<&StencilVolume>,
     casters: Query<PlacedCaster<'static>>,
 ) {
@@ -126,14 +124,9 @@ pub fn build_stencil_volumes(
                 if silhouette.contour.edge_count() == 0 && silhouette.contour.caps.is_empty() {
                     continue;
                 }
-                // Its own surface hides the near cap only where all of the surface is drawn.
-                let hides_cap = objects.drawn.contains(object)
-                    && !seen_into.0.contains(object)
-                    && (*face_culling == FaceCulling::None
-                        || see_through.two_sided.contains(object)
-                        || casters
-                            .get(objects.entities[object])
-                            .is_ok_and(|caster| caster.0.0.edges.is_closed()));
+                let caster = casters.get(objects.entities[object]);
+                let is_closed = || caster.is_ok_and(|caster| caster.0.0.edges.is_closed());
+                let hides_cap = near_caps.are_hidden(&objects, object, is_closed);
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
                     && pyramid.excludes(&objects.boxes.get(object));
