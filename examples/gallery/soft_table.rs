@@ -10,7 +10,7 @@ use antumbra::prelude::*;
 use antumbra::reference::{
     LightSource, RayScene, SoftError, VisibilityImage, compare_soft, primary_hits, soft_visibility,
 };
-use antumbra::techniques::penumbra_wedge::{CoverageMaths, Overlap, WedgeBounds, WedgeCulling};
+use antumbra::techniques::penumbra_wedge::{CoverageMaths, Overlap, WedgeBounds, WedgeCulling, WedgeSilhouette};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
@@ -63,6 +63,21 @@ fn ways() -> Vec<Way> {
             "2x2",
             PenumbraWedge {
                 split: [2, 2],
+                ..wedge
+            },
+        ),
+        Way::Wedges(
+            "center",
+            PenumbraWedge {
+                silhouette: WedgeSilhouette::Center,
+                ..wedge
+            },
+        ),
+        Way::Wedges(
+            "center 2x2",
+            PenumbraWedge {
+                split: [2, 2],
+                silhouette: WedgeSilhouette::Center,
                 ..wedge
             },
         ),

@@ -3,7 +3,7 @@
 use antumbra::prelude::*;
 use antumbra::techniques::maps::request::MapRequest;
 use antumbra::techniques::penumbra_wedge::component::MAX_SPLIT;
-use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer};
+use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer, WedgeSilhouette};
 use antumbra::techniques::stencil_volume::{Counting, Extent};
 use bevy_ecs::prelude::*;
 use serde::Deserialize;
@@ -30,7 +30,10 @@ pub enum ShotShadow {
         /// Parts along width and height.
         #[serde(default = "whole")]
         split: [u32; 2],
-        /// `additive` or `paper`.
+        /// `receiver` or `center`.
+        #[serde(default)]
+        silhouette: ShotSilhouette,
+        /// `sampled`, `additive` or `paper`.
         #[serde(default)]
         overlap: ShotOverlap,
         /// `float`, `half` or `split8`.
@@ -45,6 +48,15 @@ pub enum ShotShadow {
 
 fn whole() -> [u32; 2] {
     [1, 1]
+}
+
+/// See [`WedgeSilhouette`].
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ShotSilhouette {
+    #[default]
+    Receiver,
+    Center,
 }
 
 /// See [`Overlap`].
@@ -133,11 +145,16 @@ impl ShotShadow {
             }
             Self::PenumbraWedge {
                 split,
+                silhouette,
                 overlap,
                 buffer,
             } => {
                 light.insert(PenumbraWedge {
                     split,
+                    silhouette: match silhouette {
+                        ShotSilhouette::Receiver => WedgeSilhouette::Receiver,
+                        ShotSilhouette::Center => WedgeSilhouette::Center,
+                    },
                     overlap: match overlap {
                         ShotOverlap::Sampled => Overlap::Sampled,
                         ShotOverlap::Additive => Overlap::Additive,

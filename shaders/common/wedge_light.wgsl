@@ -131,14 +131,18 @@ fn in_light(position_relative: vec3f) -> vec3f {
     );
 }
 
+fn direction_in_light(direction: vec3f) -> vec3f {
+    return vec3f(
+        dot(light.light_from_relative_x.xyz, direction),
+        dot(light.light_from_relative_y.xyz, direction),
+        dot(light.light_from_relative_z.xyz, direction),
+    );
+}
+
 // Of a light of this extent around `center`.
 fn seat_at(receiver: Receiver, center: vec3f, half_size: vec2f, is_sphere: bool) -> Seat {
     let p = in_light(receiver.position) - center;
-    let n = vec3f(
-        dot(light.light_from_relative_x.xyz, receiver.normal),
-        dot(light.light_from_relative_y.xyz, receiver.normal),
-        dot(light.light_from_relative_z.xyz, receiver.normal),
-    );
+    let n = direction_in_light(receiver.normal);
     let frame = disc_frame(p);
     let tilt = select(n.xy, vec2f(dot(n, frame.across), dot(n, frame.up)), is_sphere) * half_size;
     // A point has no part below, and where no plane is known nothing is cut.

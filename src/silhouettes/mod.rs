@@ -11,6 +11,7 @@
 //! | --- | --- |
 //! | `planes` | a plane a triangle and bounds a cluster |
 //! | `facing` | a bit a triangle, 64 at a time |
+//! | `turning` | a bit a triangle: whether its plane cuts the light |
 //! | `contour` | what a volume is made of; cap triangles |
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
@@ -22,6 +23,7 @@ mod edges;
 mod facing;
 mod loops;
 mod planes;
+mod turning;
 
 pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
@@ -30,3 +32,4 @@ pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use loops::{LoopError, Loops, link_loops};
 pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};
+pub use turning::{LightExtent, find_turning};

@@ -213,6 +213,11 @@ impl ClusterBounds {
     /// into `(n·axis)(axis·v)` and across it into at most `across · |v − axis (axis·v)|`. Tighter than a sphere and
     /// a cone's half-angle, without special cases: offsets replace the radius, and no angle can exceed π.
     pub(super) fn certainty(&self, light_local: Vec4) -> Certainty {
+        self.certainty_around(light_local, 0.0)
+    }
+
+    /// The same of all points within `radius` of the light.
+    pub(super) fn certainty_around(&self, light_local: Vec4, radius: f32) -> Certainty {
         let w = light_local.w;
         let v = light_local.truncate() - self.center * w;
         let t = self.axis.dot(v);
@@ -221,7 +226,7 @@ impl ClusterBounds {
         // A dozen roundings here and four in the test of a triangle, each at most 2⁻²⁴ of the terms.
         const ROUNDING: f32 = 32.0 / (1 << 24) as f32;
         let terms = light_local.truncate().abs().element_sum() + w.abs() * self.magnitude;
-        let margin = ROUNDING * terms + f32::MIN_POSITIVE;
+        let margin = radius + ROUNDING * terms + f32::MIN_POSITIVE;
         // NaN and ∞ − ∞ fail both comparisons. With w < 0 least and largest offset would trade places.
         if w < 0.0 {
             Certainty::Unknown

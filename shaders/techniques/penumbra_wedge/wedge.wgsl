@@ -3,8 +3,8 @@
 // Groups  0 view, 1 receiver, 2 wedges
 // Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0; orthographic views
 //         end before.
-#import antumbra::view::{objects, clip_position, relative_from_pixel}
-#import antumbra::receiver::{receiver_at, receiver_depth}
+#import antumbra::view::{objects, clip_position}
+#import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
@@ -20,12 +20,13 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
-    flags: u32,                     // HARD, PIECE, SOFT; layers from bit 3 on
+    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on
     start_light: vec3f,
     padding_a: u32,
     end_light: vec3f,
     padding_b: u32,
     rims: array<vec4f, 12>,         // direction; w: 1 where the ray leaves from the end
+    sides: array<vec4f, 2>,         // planes of the triangles beside the edge
 }
 
 @group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
@@ -58,7 +59,9 @@ struct Corner {
     @location(1) @interpolate(flat) end_light: vec3f,
     @location(2) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
     @location(3) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
-    @location(4) @interpolate(flat) layers: u32,
+    @location(4) @interpolate(flat) layers: u32, // two bits of the hard shadow, two of the penumbra
+    @location(5) @interpolate(flat) side: vec4f,
+    @location(6) @interpolate(flat) other_side: vec4f,
 }
 
 // Where a ray meets the plane at which it ends; without a plane at infinity.
@@ -107,6 +110,8 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
     out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
     out.layers = flags >> 3u;
+    out.side = wedges[instance].sides[0];
+    out.other_side = wedges[instance].sides[1];
     return out;
 }
 
@@ -139,18 +144,55 @@ fn rounded(share: vec4f) -> vec4f {
     return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
 }
 
-// What of the part lies behind the edge, at the surface that the pixel shows: shares, or share and places.
+// Where a receiver lies in the plane of its own triangle, off which the rasterizer moves it by up to 1/512 of a pixel, and
+// how near to a plane lies in it.
+struct Foot {
+    p: vec3f,
+    rounding: f32,
+}
+
+fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
+    const ROUNDING: f32 = 4e-6;
+    let off_plane = receiver.offset - dot(receiver.normal, receiver.position);
+    return Foot(
+        in_light(receiver.position + receiver.normal * off_plane),
+        ROUNDING * (length(receiver.position) + length(p)),
+    );
+}
+
+// By layer, whether a triangle beside the edge has its front towards the light that is seen through it. In its own plane
+// nothing is seen through a triangle: it counts as it does from the light's centre, where the hard shadow's faces come
+// from, so that they agree. Where there is none, the plane is 0: in the facing layer that is a triangle that does not, in
+// the averted one a triangle that does.
+fn faces(plane: vec4f, foot: Foot) -> vec2f {
+    let value = dot(plane.xyz, foot.p) + plane.w;
+    let is_facing = select((value < 0.0), (plane.w > 0.0), abs(value) < foot.rounding);
+    return select(vec2f(select(0.0, 1.0, is_facing)), vec2f(0.0, 1.0), all(plane == vec4f(0.0)));
+}
+
+// A value in the facing and in the averted layer.
+struct Layers {
+    @location(0) facing: vec4f,
+    @location(1) averted: vec4f,
+}
+
+fn layered(value: vec4f, layers: u32) -> Layers {
+    return Layers(value * f32(layers & 1u), value * f32(layers >> 1u & 1u));
+}
+
+// What of the part lies behind the edge, at the surface that the pixel shows, as often as the edge is one of the
+// silhouette from there: shares, or share and places.
 //
 // Of most fragments the surface is not in the wedge, whose back is behind it all the same: that is found out first.
-fn coverage(in: Corner) -> vec4f {
-    let pixel = in.position_clip.xy;
-    let depth = textureLoad(receiver_depth, vec2u(pixel), 0).r;
-    let p = in_light(relative_from_pixel(pixel, max(depth, 1e-30)));
-    let seen = see(p, in.start_light, in.end_light, IS_SPHERE);
-    if in.soft == 0.0 || depth <= 0.0 || misses(seen, IS_SPHERE) {
-        return vec4f(0.0);
+fn coverage(in: Corner) -> Layers {
+    let receiver = receiver_at(in.position_clip.xy);
+    let at = seat(receiver, IS_SPHERE);
+    let foot = foot_of(receiver, at.p);
+    let times = (faces(in.side, foot) - faces(in.other_side, foot)) * vec2f(f32(in.layers >> 2u & 1u), f32(in.layers >> 3u & 1u));
+    let seen = see(at.p, in.start_light, in.end_light, IS_SPHERE);
+    if in.soft == 0.0 || receiver.depth <= 0.0 || all(times == vec2f(0.0)) || misses(seen, IS_SPHERE) {
+        return Layers(vec4f(0.0), vec4f(0.0));
     }
-    let at = seat(receiver_at(pixel), IS_SPHERE);
     let share = covered(at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
     // Also against NaN, which compares to nothing.
     let is_usable = share.a >= 0.0 && share.a < 1.0;
@@ -159,70 +201,71 @@ fn coverage(in: Corner) -> vec4f {
         let places = places_behind(seen, IS_SPHERE);
         value = vec4f(value.a, DIGITS * places);
     }
-    return select(vec4f(0.0), value, is_usable);
+    value = select(vec4f(0.0), value, is_usable);
+    return Layers(value * times.x, value * times.y);
 }
 
 // What the faces add. Behind the surface, the front of a hard shadow's face gives back 1 to visibility, its back takes 1;
 // before the surface it is the other way.
-fn shell_value(in: Corner) -> vec4f {
-    return in.soft * coverage(in);
+fn shell_value(in: Corner) -> Layers {
+    return scaled(coverage(in), in.soft);
 }
 
-fn separator_value(in: Corner, front_facing: bool) -> vec4f {
-    let hard = select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0);
-    return (2.0 * coverage(in) - hard) * (FACE_SIGN * select(1.0, -1.0, front_facing));
+fn separator_value(in: Corner, front_facing: bool) -> Layers {
+    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.layers);
+    let soft = coverage(in);
+    let sum = Layers(2.0 * soft.facing - hard.facing, 2.0 * soft.averted - hard.averted);
+    return scaled(sum, FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
-fn hard_value(in: Corner, front_facing: bool) -> vec4f {
-    return in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing));
+fn hard_value(in: Corner, front_facing: bool) -> Layers {
+    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.layers);
 }
 
-fn cap_value(position: vec4f, front_facing: bool) -> vec4f {
-    return whole(position.xy) * select(-1.0, 1.0, front_facing);
+fn cap_value(position: vec4f, front_facing: bool) -> Layers {
+    return layered(whole(position.xy) * select(-1.0, 1.0, front_facing), CAP_LAYERS);
 }
 
-// A sum a layer; the layers that a face belongs to.
-struct Layers {
-    @location(0) facing: vec4f,
-    @location(1) averted: vec4f,
+fn scaled(value: Layers, factor: f32) -> Layers {
+    return Layers(value.facing * factor, value.averted * factor);
 }
 
-fn layered(value: vec4f, layers: u32) -> Layers {
-    return Layers(value * f32(layers & 1u), value * f32(layers >> 1u));
+fn is_nothing(value: Layers) -> bool {
+    return all(value.facing == vec4f(0.0)) && all(value.averted == vec4f(0.0));
 }
 
 // Nothing is blended where there is nothing to add.
 @fragment
 fn shell(in: Corner) -> Layers {
     let value = shell_value(in);
-    if all(value == vec4f(0.0)) {
+    if is_nothing(value) {
         discard;
     }
-    return layered(value, in.layers);
+    return value;
 }
 
 @fragment
 fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
     let value = separator_value(in, front_facing);
-    if all(value == vec4f(0.0)) {
+    if is_nothing(value) {
         discard;
     }
-    return layered(value, in.layers);
+    return value;
 }
 
 @fragment
 fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(hard_value(in, front_facing), in.layers);
+    return hard_value(in, front_facing);
 }
 
 @fragment
 fn half(in: Corner) -> Layers {
-    return layered(HALF_SIGN * coverage(in), in.layers);
+    return scaled(coverage(in), HALF_SIGN);
 }
 
 @fragment
 fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Layers {
-    return layered(cap_value(position, front_facing), CAP_LAYERS);
+    return cap_value(position, front_facing);
 }
 
 // Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
@@ -233,39 +276,40 @@ struct Split {
     @location(3) averted_subtracted: vec4f,
 }
 
-fn split(value: f32, layers: u32) -> Split {
-    let steps = u32(round(abs(value) * 4096.0));
-    let digits = vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
-    let added = select(vec4f(0.0), digits, value > 0.0);
-    let subtracted = select(vec4f(0.0), digits, value < 0.0);
-    let facing = f32(layers & 1u);
-    let averted = f32(layers >> 1u);
-    return Split(added * facing, subtracted * facing, added * averted, subtracted * averted);
+fn digits(value: f32) -> vec4f {
+    let steps = u32(round(max(value, 0.0) * 4096.0));
+    return vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
+}
+
+fn split(value: Layers) -> Split {
+    let facing = value.facing.r;
+    let averted = value.averted.r;
+    return Split(digits(facing), digits(-facing), digits(averted), digits(-averted));
 }
 
 @fragment
 fn shell_split(in: Corner) -> Split {
-    return split(shell_value(in).r, in.layers);
+    return split(shell_value(in));
 }
 
 @fragment
 fn separator_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
-    return split(separator_value(in, front_facing).r, in.layers);
+    return split(separator_value(in, front_facing));
 }
 
 @fragment
 fn hard_side_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
-    return split(hard_value(in, front_facing).r, in.layers);
+    return split(hard_value(in, front_facing));
 }
 
 @fragment
 fn half_split(in: Corner) -> Split {
-    return split(HALF_SIGN * coverage(in).r, in.layers);
+    return split(scaled(coverage(in), HALF_SIGN));
 }
 
 @fragment
 fn cap_split(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Split {
-    return split(cap_value(position, front_facing).r, CAP_LAYERS);
+    return split(cap_value(position, front_facing));
 }
 
 @fragment

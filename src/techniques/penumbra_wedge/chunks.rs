@@ -4,17 +4,19 @@ use std::ops::Range;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, Mat4, Vec3};
+use glam::{DMat4, DVec3, Mat4, Vec3};
 
-use super::component::WedgeBounds;
-use super::layers::{LayeredContour, extract_layers};
+use super::component::{WedgeBounds, WedgeSilhouette};
+use super::layers::{Facets, LayeredContour, extract_layers};
 use super::parts::{LightPart, PartShape};
 use super::patches::ShadowCone;
-use super::records::{Wedge, push_edge};
+use super::records::{Wedge, push_edge, side_plane};
 use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
-use crate::silhouettes::{CasterEdges, FacingBits, PosedPlanes, Silhouette, classify};
+use crate::silhouettes::{
+    CasterEdges, FacingBits, LightExtent, PosedPlanes, Silhouette, classify, find_turning,
+};
 
 /// What wedges need of a caster.
 pub(super) type CasterItem<'a> = (
@@ -33,6 +35,15 @@ pub(super) struct ChunkKey {
     pub(super) bounds: WedgeBounds,
     /// Patches are told apart.
     pub(super) by_patch: bool,
+    pub(super) silhouette: WedgeSilhouette,
+}
+
+/// Buffers that are used again for every chunk.
+#[derive(Debug, Default)]
+pub(super) struct ChunkScratch {
+    bits: FacingBits,
+    turning: Vec<u64>,
+    contour: LayeredContour,
 }
 
 /// What of a chunk is combined with other shadows: all, or one patch.
@@ -93,6 +104,21 @@ pub(super) fn light_from_local(part: &LightPart, world_from_local: &GlobalTransf
     light_from_local.is_finite().then_some(light_from_local)
 }
 
+/// How far a part reaches around its centre, the caster's space; `None` for a point.
+fn extent_local(shape: PartShape, local_from_light: &DMat4) -> Option<LightExtent> {
+    let axis = |axis: DVec3| local_from_light.transform_vector3(axis).as_vec3();
+    match shape {
+        PartShape::Point => None,
+        PartShape::Rect { half } => Some(LightExtent::Sides([
+            axis(DVec3::X * half.x),
+            axis(DVec3::Y * half.y),
+        ])),
+        PartShape::Sphere { radius } => Some(LightExtent::Ellipsoid(
+            DVec3::AXES.map(|unit| axis(unit * radius)),
+        )),
+    }
+}
+
 impl Chunk {
     pub(super) fn empty(entity: Entity, part: u32, key: ChunkKey) -> Self {
         Self {
@@ -121,8 +147,9 @@ impl Chunk {
             &GlobalTransform,
             Option<(&PosedMesh, &PosedPlanes)>,
         ),
-        (bits, contour): (&mut FacingBits, &mut LayeredContour),
+        scratch: &mut ChunkScratch,
     ) {
+        let ChunkScratch { bits, turning, contour } = scratch;
         self.wedges.clear();
         self.caps.clear();
         self.patches.clear();
@@ -137,10 +164,22 @@ impl Chunk {
         };
         classify(&edges.0.edges, planes, light_local, bits);
         let by_patch = self.key.by_patch;
+        let local_from_light = light_from_local.inverse();
+        turning.clear();
+        if self.key.silhouette == WedgeSilhouette::Receiver
+            && light.point_world.w != 0.0
+            && let Some(extent) = extent_local(part.shape, &local_from_light)
+        {
+            find_turning(&edges.0.edges, planes, light_local.truncate(), &extent, turning);
+        }
+        let facets = Facets {
+            facing: bits,
+            turning,
+        };
         extract_layers(
             &edges.0.edges,
             positions,
-            bits,
+            facets,
             silhouette.mode,
             by_patch,
             contour,
@@ -162,6 +201,17 @@ impl Chunk {
                 .for_each(|caps| caps.sort_by_key(|cap| cap.patch));
         }
         let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        let plane_light = |slot: u32| {
+            let plane = local_from_light.transpose() * planes.plane(slot as usize).as_dvec4();
+            let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
+            // The centre, at the origin, is on the side that the hard shadow is made for.
+            let offset = if facets.facing.is_facing(slot as usize) {
+                offset.max(f32::MIN_POSITIVE)
+            } else {
+                offset.min(0.0)
+            };
+            [x, y, z, offset]
+        };
         let mut edges = contour.edges.iter().peekable();
         let mut caps = contour.caps.each_ref().map(|caps| caps.iter().peekable());
         for patch in 0..if by_patch { contour.patches.count() } else { 1 } {
@@ -169,8 +219,9 @@ impl Chunk {
             while let Some(edge) = edges.next_if(|edge| edge.patch == patch) {
                 let [a, b] = edge.ends;
                 push_edge(
+                    edge,
                     if mirrored { [b, a] } else { [a, b] },
-                    edge.layers,
+                    edge.sides.map(|side| side_plane(side, plane_light)),
                     light_from_local,
                     shape,
                     self.key.bounds,

@@ -11,11 +11,12 @@ use crate::silhouettes::NeedsSilhouettes;
 /// Gives a light soft shadows by penumbra wedges: noise-free, from geometry, without a shadow map.
 ///
 /// Rectangles and spheres cast with their extent; points, spots and directional lights, and areas of size 0, cast
-/// exactly the hard shadow. The silhouette is that seen from the light's centre; [`PenumbraWedge::split`] gives each
-/// part of a large light its own. Alpha-tested surfaces cast whole.
+/// exactly the hard shadow. [`PenumbraWedge::split`] makes several lights of one, which tells better what overlaps.
+/// Alpha-tested surfaces cast whole.
 ///
 /// Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
-/// Real-Time Performance".
+/// Real-Time Performance"; potential silhouette edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005, "Soft
+/// Shadow Volumes for Ray Tracing".
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
@@ -27,6 +28,8 @@ pub struct PenumbraWedge {
     /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
     /// clamped). A sphere is split into as many smaller spheres. Section 5.2.
     pub split: [u32; 2],
+    /// Which edges cast.
+    pub silhouette: WedgeSilhouette,
     /// How the coverage of several casters combines.
     pub overlap: Overlap,
     /// Where visibility is summed.
@@ -43,6 +46,7 @@ impl Default for PenumbraWedge {
     fn default() -> Self {
         Self {
             split: [1, 1],
+            silhouette: WedgeSilhouette::default(),
             overlap: Overlap::default(),
             buffer: VisibilityBuffer::default(),
             bounds: WedgeBounds::default(),
@@ -60,6 +64,31 @@ impl PenumbraWedge {
     pub fn parts(&self) -> [u32; 2] {
         self.split.map(|parts| parts.clamp(1, MAX_SPLIT))
     }
+
+    /// The silhouette that is cast: patches are those of one.
+    pub fn used_silhouette(&self) -> WedgeSilhouette {
+        match self.overlap {
+            Overlap::Paper => WedgeSilhouette::Center,
+            Overlap::Sampled | Overlap::Additive => self.silhouette,
+        }
+    }
+}
+
+/// Which edges cast.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
+pub enum WedgeSilhouette {
+    /// The silhouette as each receiver sees it: beside the edges of the silhouette from the centre, those of all
+    /// triangles whose plane cuts the light, and at each pixel those count that bound what is before the light there.
+    /// Exact for any caster by itself, and nothing jumps when the light moves. After Laine et al. 2005.
+    #[default]
+    Receiver,
+    /// The silhouette from the centre of the light, or of each of its parts: fewer wedges. What [`Overlap::Paper`] takes.
+    Center,
 }
 
 /// How the coverage of several casters combines.

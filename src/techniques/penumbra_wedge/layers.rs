@@ -31,15 +31,73 @@ pub struct LayeredContour {
     pub patches: Patches,
 }
 
-/// An edge that bounds a layer.
+/// What lies on one side of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// A triangle that all of the light is before.
+    Facing,
+    /// A triangle that all of the light is behind.
+    Averted,
+    /// Nothing.
+    Open,
+    /// The triangle of a slot whose plane cuts the light: whether it faces it depends on where it is seen from.
+    Turning(u32),
+}
+
+/// An edge that bounds a layer, as seen from the light's centre or from elsewhere on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayeredEdge {
-    /// As the triangles traverse it once they are turned to face the light.
+    /// As the triangles traverse it once they are turned to face the light's centre.
     pub ends: [Vec3; 2],
-    /// [`FACING`], [`AVERTED`] or both.
+    /// Layers that it bounds as seen from the centre: [`FACING`], [`AVERTED`], both or none.
     pub layers: u32,
+    /// Layers that it bounds as seen from some point of the light.
+    pub soft_layers: u32,
+    /// Beside the edge: what traverses it along `ends`, and what traverses it the other way.
+    pub sides: [Side; 2],
     /// The patch that it bounds.
     pub patch: u32,
+}
+
+impl LayeredEdge {
+    /// An edge that looks the same from all of the light.
+    fn fixed(ends: [Vec3; 2], layers: u32, patch: u32) -> Self {
+        Self {
+            ends,
+            layers,
+            soft_layers: layers,
+            sides: [Side::Facing, Side::Averted],
+            patch,
+        }
+    }
+}
+
+/// Which triangles face the light: its centre, and all of it.
+#[derive(Clone, Copy)]
+pub struct Facets<'a> {
+    /// As seen from the centre.
+    pub facing: &'a FacingBits,
+    /// Triangles whose planes cut the light: a word a cluster, or no words for a silhouette from the centre alone.
+    pub turning: &'a [u64],
+}
+
+impl Facets<'_> {
+    fn turns(&self, slot: usize) -> bool {
+        let word = self.turning.get(slot / CLUSTER_TRIANGLES);
+        word.is_some_and(|word| word >> (slot % CLUSTER_TRIANGLES) & 1 != 0)
+    }
+
+    fn turning_word(&self, cluster: usize) -> u64 {
+        self.turning.get(cluster).copied().unwrap_or(0)
+    }
+
+    fn side(&self, slot: usize) -> Side {
+        match (self.turns(slot), self.facing.is_facing(slot)) {
+            (true, _) => Side::Turning(slot as u32),
+            (false, true) => Side::Facing,
+            (false, false) => Side::Averted,
+        }
+    }
 }
 
 /// A triangle of a layer.
@@ -51,15 +109,16 @@ pub struct LayeredCap {
     pub patch: u32,
 }
 
-/// Extracts edges and caps of the pose that `facing` was classified for; the order is that of the mesh. `by_patch` tells
-/// [patches](super::patches) apart; an edge between a facing and an averted one of an open piece is then there twice.
+/// Extracts edges and caps of the pose that `facets` were classified for; the order is that of the mesh. `by_patch` tells
+/// [patches](super::patches) apart; an edge between a facing and an averted one of an open piece is then there twice, and
+/// no triangle may turn.
 ///
 /// Cost: the edges of clusters that are neither all facing nor all averted, all other edges, and the caps; by patches all
 /// edges.
 pub fn extract_layers(
     mesh: &EdgeMesh,
     positions: &[Vec3],
-    facing: &FacingBits,
+    facets: Facets,
     mode: CapMode,
     by_patch: bool,
     out: &mut LayeredContour,
@@ -67,11 +126,12 @@ pub fn extract_layers(
     let LayeredContour { edges, caps, patches } = out;
     edges.clear();
     caps.iter_mut().for_each(Vec::clear);
+    let facing = facets.facing;
     let words = facing.words();
     if positions.len() < mesh.vertex_count() || words.len() != mesh.clusters().len() {
         return;
     }
-    let split = Split::of(mesh, words, mode);
+    let split = Split::of(mesh, facets, mode);
     if by_patch {
         patches.find(mesh, facing, |slot| split.layers_of_slot(mesh, facing, slot));
     }
@@ -84,29 +144,38 @@ pub fn extract_layers(
     for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
         let corners = &mesh.corners()[cluster.triangles()];
         let first = index * CLUSTER_TRIANGLES;
+        let turning = facets.turning_word(index);
         let mut push_unlike = |side: LaneSide, other_slot: usize, other: u64| {
+            let slot = first + side.lane();
             let is_facing = word >> side.lane() & 1 != 0;
-            if is_facing == (other & 1 != 0) {
-                return;
-            }
+            let is_unlike = is_facing != (other & 1 != 0);
             let ends = at(side.vertices(corners), is_facing);
-            if !by_patch {
+            if turning >> side.lane() & 1 != 0 || facets.turns(other_slot) {
+                let sides = [facets.side(slot), facets.side(other_slot)];
                 edges.push(LayeredEdge {
                     ends,
-                    layers: FACING | AVERTED,
+                    layers: if is_unlike { FACING | AVERTED } else { 0 },
+                    soft_layers: FACING | AVERTED,
+                    sides: if is_facing { sides } else { [sides[1], sides[0]] },
                     patch: 0,
                 });
                 return;
             }
-            for slot in [first + side.lane(), other_slot] {
+            if !is_unlike {
+                return;
+            }
+            if !by_patch {
+                edges.push(LayeredEdge::fixed(ends, FACING | AVERTED, 0));
+                return;
+            }
+            for slot in [slot, other_slot] {
                 let layers = split.layers_of_slot(mesh, facing, slot);
                 if layers != 0 {
-                    let patch = patch_of(slot);
-                    edges.push(LayeredEdge { ends, layers, patch });
+                    edges.push(LayeredEdge::fixed(ends, layers, patch_of(slot)));
                 }
             }
         };
-        if word != 0 && word != cluster.full_word() {
+        if turning != 0 || (word != 0 && word != cluster.full_word()) {
             for edge in &mesh.inner_edges()[cluster.inner()] {
                 let lane = edge.other_lane % 64;
                 push_unlike(edge.side, first + usize::from(lane), word >> lane);
@@ -128,17 +197,30 @@ pub fn extract_layers(
         for edge in cluster.boundary() {
             let slot = mesh.boundary_slots()[edge] as usize;
             let is_facing = word >> (slot % CLUSTER_TRIANGLES) & 1 != 0;
-            edges.push(LayeredEdge {
-                ends: at(mesh.boundary_vertices()[edge], is_facing),
-                layers: split.layers_of(is_facing, false),
-                patch: patch_of(slot),
+            let ends = at(mesh.boundary_vertices()[edge], is_facing);
+            let layers = split.layers_of(is_facing, false);
+            edges.push(if facets.turns(slot) {
+                turning_border(ends, slot, is_facing, layers, Side::Open)
+            } else {
+                LayeredEdge::fixed(ends, layers, patch_of(slot))
             });
         }
     }
-    push_irregular(mesh, facing, split, patch_of, |edge, forward, layers, patch| {
+    push_irregular(mesh, facets, split, patch_of, |edge, forward, layers, patch| {
         let ends = at(mesh.irregular_vertices()[edge], forward);
-        edges.push(LayeredEdge { ends, layers, patch });
+        edges.push(LayeredEdge::fixed(ends, layers, patch));
     });
+    for edge in 0..mesh.irregular_vertices().len() {
+        for side in mesh.irregular_sides(edge) {
+            let slot = side.slot() as usize;
+            if facets.turns(slot) {
+                let is_facing = facing.is_facing(slot);
+                let ends = at(mesh.irregular_vertices()[edge], is_facing != side.is_reversed());
+                let layers = split.layers_of_slot(mesh, facing, slot);
+                edges.push(turning_border(ends, slot, is_facing, layers, split.beside(mesh, slot)));
+            }
+        }
+    }
     for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
         let is_closed = index < mesh.closed_cluster_count();
         for (lane, &[a, b, c]) in mesh.corners()[cluster.triangles()].iter().enumerate() {
@@ -154,6 +236,19 @@ pub fn extract_layers(
     }
 }
 
+/// An edge of a turning triangle by itself, with what stands for the other side. `ends` are as the triangle traverses
+/// them once it is turned to face the light's centre.
+fn turning_border(ends: [Vec3; 2], slot: usize, is_facing: bool, layers: u32, other: Side) -> LayeredEdge {
+    let sides = [Side::Turning(slot as u32), other];
+    LayeredEdge {
+        ends,
+        layers,
+        soft_layers: FACING | AVERTED,
+        sides: if is_facing { sides } else { [sides[1], sides[0]] },
+        patch: 0,
+    }
+}
+
 /// Which triangles are which layer.
 #[derive(Clone, Copy)]
 struct Split {
@@ -163,17 +258,30 @@ struct Split {
 }
 
 impl Split {
-    fn of(mesh: &EdgeMesh, words: &[u64], mode: CapMode) -> Self {
+    fn of(mesh: &EdgeMesh, facets: Facets, mode: CapMode) -> Self {
+        let words = facets.facing.words();
         let first_open = match mode {
             CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
             CapMode::AllTriangles => 0,
         };
         let open = || mesh.clusters().iter().zip(words).skip(first_open);
+        let some_turn = facets.turning.iter().skip(first_open).any(|&word| word != 0);
         let some_face = open().any(|(_, &word)| word != 0);
         let some_do_not = open().any(|(cluster, &word)| word != cluster.full_word());
         Self {
             mode,
-            is_mixed: some_face && some_do_not,
+            is_mixed: some_turn || (some_face && some_do_not),
+        }
+    }
+
+    /// What stands beside a triangle that is looked at by itself. Of closed pieces only what is averted counts, which is
+    /// all but what faces: a triangle less one that faces.
+    fn beside(self, mesh: &EdgeMesh, slot: usize) -> Side {
+        let is_closed = slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
+        if is_closed && self.mode == CapMode::ClosedBackFacing {
+            Side::Facing
+        } else {
+            Side::Open
         }
     }
 
@@ -199,21 +307,22 @@ impl Split {
     }
 }
 
-/// Sums the triangles of each edge that has other than two, patch by patch and layer by layer.
+/// Sums the triangles of each edge that has other than two, patch by patch and layer by layer, but for those that turn.
 fn push_irregular(
     mesh: &EdgeMesh,
-    facing: &FacingBits,
+    facets: Facets,
     split: Split,
     patch_of: impl Fn(usize) -> u32,
     mut push: impl FnMut(usize, bool, u32, u32),
 ) {
+    let facing = facets.facing;
     let mut sides: SmallVec<[(u32, u32, i32); 8]> = SmallVec::new();
     for edge in 0..mesh.irregular_vertices().len() {
         sides.clear();
         for side in mesh.irregular_sides(edge) {
             let slot = side.slot() as usize;
             let layers = split.layers_of_slot(mesh, facing, slot);
-            if layers != 0 {
+            if layers != 0 && !facets.turns(slot) {
                 let sign = if facing.is_facing(slot) == side.is_reversed() {
                     -1
                 } else {

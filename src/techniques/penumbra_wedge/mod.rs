@@ -63,7 +63,9 @@ pub mod wedges;
 #[cfg(feature = "render")]
 pub mod windows;
 
-pub use component::{CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling};
+pub use component::{
+    CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
+};
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
 pub use texture::{EmitterTexture, LightTexture, LightTextureError};
 pub use wedges::PenumbraWedges;

@@ -4,6 +4,7 @@
 use glam::{DMat4, DVec3, Vec3};
 
 use super::component::WedgeBounds;
+use super::layers::{LayeredEdge, Side};
 use super::parts::PartShape;
 use super::shell::{RIM, Shell, clip_before_plane, clip_outside_sphere, quad_shell, sphere_shell};
 
@@ -18,7 +19,8 @@ pub struct Wedge {
     pub caster: u32,
     /// End of the edge, the caster's space.
     pub end_local: [f32; 3],
-    /// [`HARD`], [`PIECE`], [`SOFT`], and layers from [`LAYERS_SHIFT`] on.
+    /// [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, and of the penumbra from
+    /// [`SOFT_LAYERS_SHIFT`] on.
     pub flags: u32,
     /// Start of the edge or piece, light space.
     pub start_light: [f32; 3],
@@ -31,6 +33,22 @@ pub struct Wedge {
     /// Rims of the outer and inner half: direction in light space; w: 0 where the ray leaves from the start, 1 from the
     /// end. Zero without a shell.
     pub rims: [[f32; 4]; 2 * RIM],
+    /// Planes of the triangles beside the edge, light space: `dot(xyz, p) + w`, less than 0 where `p` sees the light
+    /// through the triangle's front. See [`side_plane`].
+    pub sides: [[f32; 4]; 2],
+}
+
+/// Farther than any receiver lies from a plane, metres.
+const FAR: f32 = 1e30;
+
+/// The plane of what lies beside an edge; `plane` gives that of a turning triangle.
+pub fn side_plane(side: Side, plane: impl Fn(u32) -> [f32; 4]) -> [f32; 4] {
+    match side {
+        Side::Turning(slot) => plane(slot),
+        Side::Facing => [0.0, 0.0, 0.0, -FAR],
+        Side::Averted => [0.0, 0.0, 0.0, FAR],
+        Side::Open => [0.0; 4],
+    }
 }
 
 /// The edge bounds the hard shadow.
@@ -42,8 +60,11 @@ pub const PIECE: u32 = 2;
 /// The edge has a shell.
 pub const SOFT: u32 = 4;
 
-/// Where the [layers](super::layers) of the edge stand in the flags.
+/// Where the [layers](super::layers) whose hard shadow the edge bounds stand in the flags.
 pub const LAYERS_SHIFT: u32 = 3;
+
+/// Where the layers whose penumbra it bounds stand.
+pub const SOFT_LAYERS_SHIFT: u32 = 5;
 
 /// One caster of one part of a light.
 #[repr(C)]
@@ -98,11 +119,13 @@ const SPHERE_MARGIN: f64 = 1.005;
 /// Appends the records of one edge: one, or if it meets the light, one that bounds the hard shadow and others that
 /// cover the light.
 ///
-/// `ends_local` are as the contour has them, turned round for casters that mirror. Edges that cover nothing keep their
-/// record without a shell: they bound the hard shadow. Section 4.1: "that edge should be clipped against the light".
+/// `ends_local` are those of `edge`, turned round for casters that mirror; `sides` are its [planes](side_plane). Edges
+/// that cover nothing keep their record without a shell if they bound the hard shadow. Section 4.1: "that edge should be
+/// clipped against the light".
 pub fn push_edge(
+    edge: &LayeredEdge,
     ends_local: [Vec3; 2],
-    layers: u32,
+    sides: [[f32; 4]; 2],
     light_from_local: &DMat4,
     shape: PartShape,
     bounds: WedgeBounds,
@@ -111,12 +134,14 @@ pub fn push_edge(
     let ends = ends_local.map(|end| light_from_local.transform_point3(end.as_dvec3()));
     let [start, end] = ends_local.map(|end| end.to_array());
     let [start_light, end_light] = ends.map(|end| end.as_vec3().to_array());
+    let layers = edge.layers << LAYERS_SHIFT | edge.soft_layers << SOFT_LAYERS_SHIFT;
     let mut whole = Wedge {
         start_local: start,
         end_local: end,
         start_light,
         end_light,
-        flags: HARD | layers << LAYERS_SHIFT,
+        flags: if edge.layers == 0 { 0 } else { HARD } | layers,
+        sides,
         ..Wedge::default()
     };
     if ends[0] == ends[1] {
@@ -129,16 +154,20 @@ pub fn push_edge(
     };
     if pieces[0] == Some(ends) {
         whole.flags |= add_shell(ends, shape, bounds, &mut whole);
-        wedges.push(whole);
+        if whole.flags & (HARD | SOFT) != 0 {
+            wedges.push(whole);
+        }
         return;
     }
-    wedges.push(whole);
+    if edge.layers != 0 {
+        wedges.push(whole);
+    }
     for piece in pieces.into_iter().flatten() {
         let [start_light, end_light] = piece.map(|end| end.as_vec3().to_array());
         let mut record = Wedge {
             start_light,
             end_light,
-            flags: PIECE | layers << LAYERS_SHIFT,
+            flags: PIECE | layers,
             ..whole
         };
         let soft = add_shell(piece, shape, bounds, &mut record);

@@ -5,9 +5,8 @@ use std::ops::Range;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
-use super::chunks::{CasterItem, Chunk, ChunkKey, LightChunks, chunks_of, light_from_local};
+use super::chunks::{CasterItem, Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
-use super::layers::LayeredContour;
 use super::parts::{LightPart, PartShape, push_parts};
 use super::patches::ShadowCone;
 use super::records::{Wedge, WedgeCaster};
@@ -15,7 +14,7 @@ use super::texture::EmitterTexture;
 use crate::geometry::Aabb;
 use crate::sets::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::{FacingBits, Silhouettes};
+use crate::silhouettes::Silhouettes;
 use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
 use crate::techniques::near_caps::NearCaps;
 use crate::techniques::stencil_volume::extrude::{TO_INFINITY, volume_corners};
@@ -108,8 +107,7 @@ pub struct CasterDraw {
 
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    bits: FacingBits,
-    contour: LayeredContour,
+    chunk: ChunkScratch,
     parts: Vec<LightPart>,
     /// What the flat arrays hold, and held in the last frame.
     pub(super) layout: Vec<Placed>,
@@ -270,6 +268,7 @@ pub fn build_penumbra_wedges(
                     shape: part.shape,
                     bounds: settings.bounds,
                     by_patch: settings.overlap == Overlap::Paper,
+                    silhouette: settings.used_silhouette(),
                 };
                 let number = number as u32;
                 let at = match chunks
@@ -292,7 +291,7 @@ pub fn build_penumbra_wedges(
                         &light_from_local,
                         silhouette,
                         item,
-                        (&mut out.scratch.bits, &mut out.scratch.contour),
+                        &mut out.scratch.chunk,
                     );
                     rebuilt = true;
                 }
