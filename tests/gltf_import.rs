@@ -1,7 +1,5 @@
 //! glTF files load to what they say: held against values worked out by hand, and against the models.
 
-#![cfg(feature = "gltf")]
-
 mod gltf_builder;
 
 use antumbra::scene::gltf_import::{SkipKind, load_gltf, load_gltf_slice, spawn_scene};

@@ -1,8 +1,6 @@
 //! Bad glTF files are errors that name the element, or are loaded with a report; none panics, hangs or takes
 //! all memory.
 
-#![cfg(feature = "gltf")]
-
 mod gltf_builder;
 
 use std::path::Path;

@@ -39,3 +39,5 @@ pub use renderer::Renderer;
 pub use settings::RenderSettings;
 pub use shaders::Shaders;
 pub use targets::{FrameTargets, RadianceTarget};
+/// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
+pub use wgpu;
