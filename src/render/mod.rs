@@ -28,6 +28,7 @@ pub mod renderer;
 pub mod settings;
 pub mod shaders;
 pub mod slots;
+pub mod stencil_only;
 pub mod surface_pass;
 pub mod systems;
 pub mod targets;
