@@ -1,7 +1,5 @@
 //! Cells, portals and occluders come from the extras of glTF nodes; what cannot be read is reported and hides nothing.
 
-#![cfg(feature = "gltf")]
-
 mod gltf_builder;
 
 use antumbra::plugin::{init_resources, standalone_schedule};

@@ -1,38 +1,29 @@
 //! Games of Bevy's without a window, frame by frame, and what their cameras see in numbers.
 
+#[path = "bevy_windowless.rs"]
+mod windowless;
+
 use bevy::app::{AppLabel, SubApps};
-use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
 use bevy::prelude::*;
+use bevy::render::RenderApp;
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{
-    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Extent3d, MapMode, PollType,
-    TexelCopyBufferInfo, TexelCopyBufferLayout, TextureDimension, TextureFormat, TextureUsages,
+    BufferDescriptor, BufferUsages, CommandEncoderDescriptor, MapMode, PollType, TexelCopyBufferInfo,
+    TexelCopyBufferLayout, TextureFormat,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::sync_world::RenderEntity;
 use bevy::render::view::ViewTarget;
-use bevy::render::{RenderApp, RenderPlugin};
-use bevy::window::ExitCondition;
+use windowless::{picture, plugins};
 
 /// Bevy's plugins, with pipelines and results in the same frame, on black.
 pub fn app() -> App {
     let mut app = App::new();
-    let plugins = DefaultPlugins
-        .set(WindowPlugin {
-            primary_window: None,
-            exit_condition: ExitCondition::DontExit,
-            ..default()
-        })
-        .set(RenderPlugin {
-            synchronous_pipeline_compilation: true,
-            ..default()
-        })
-        .disable::<PipelinedRenderingPlugin>();
+    let plugins = plugins().disable::<PipelinedRenderingPlugin>();
+    // Apps of one process would each set the logger.
     #[cfg(feature = "bevy-window")]
-    let plugins = plugins
-        .disable::<bevy::winit::WinitPlugin>()
-        .disable::<bevy::log::LogPlugin>();
+    let plugins = plugins.disable::<bevy::log::LogPlugin>();
     app.add_plugins(plugins);
     app.insert_resource(ClearColor(Color::BLACK));
     app
@@ -40,17 +31,7 @@ pub fn app() -> App {
 
 /// A picture to render into.
 pub fn target(world: &mut World, size: UVec2) -> RenderTarget {
-    let extent = Extent3d {
-        width: size.x,
-        height: size.y,
-        depth_or_array_layers: 1,
-    };
-    let format = TextureFormat::Rgba8UnormSrgb;
-    let usages = RenderAssetUsages::RENDER_WORLD;
-    let mut picture = Image::new_uninit(extent, TextureDimension::D2, format, usages);
-    picture.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT;
-    let picture = world.resource_mut::<Assets<Image>>().add(picture);
-    RenderTarget::Image(picture.into())
+    RenderTarget::Image(picture(world, size).into())
 }
 
 /// The renderer's world.

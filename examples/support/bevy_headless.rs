@@ -1,16 +1,16 @@
 //! Examples of Bevy in a window, or with `--headless --out DIR` without one.
 
+#[path = "bevy_windowless.rs"]
+mod windowless;
+
 use std::path::PathBuf;
 
-use bevy::asset::RenderAssetUsages;
 use bevy::camera::RenderTarget;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
-use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
-use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat, TextureUsages};
-use bevy::window::ExitCondition;
 use clap::Parser;
+use windowless::{picture, plugins};
 
 #[derive(Parser)]
 struct Arguments {
@@ -57,31 +57,8 @@ fn windowed() -> App {
 /// An app without a window, whose cameras draw a picture that ends as a file.
 pub fn headless(file: PathBuf) -> App {
     let mut app = App::new();
-    let plugins = DefaultPlugins
-        .set(WindowPlugin {
-            primary_window: None,
-            exit_condition: ExitCondition::DontExit,
-            ..default()
-        })
-        .set(RenderPlugin {
-            synchronous_pipeline_compilation: true,
-            ..default()
-        });
-    #[cfg(feature = "bevy-window")]
-    let plugins = plugins.disable::<bevy::winit::WinitPlugin>();
-    app.add_plugins(plugins);
-    let mut image = Image::new_uninit(
-        Extent3d {
-            width: SIZE.x,
-            height: SIZE.y,
-            depth_or_array_layers: 1,
-        },
-        TextureDimension::D2,
-        TextureFormat::Rgba8UnormSrgb,
-        RenderAssetUsages::RENDER_WORLD,
-    );
-    image.texture_descriptor.usage |= TextureUsages::RENDER_ATTACHMENT | TextureUsages::COPY_SRC;
-    let image = app.world_mut().resource_mut::<Assets<Image>>().add(image);
+    app.add_plugins(plugins());
+    let image = picture(app.world_mut(), SIZE);
     app.insert_resource(Picture {
         image,
         file,

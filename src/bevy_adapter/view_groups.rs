@@ -8,6 +8,7 @@ use bevy::render::renderer::RenderDevice;
 
 use super::pipelines::AntumbraPipelines;
 use super::view_state::{LightDraw, ViewState};
+use crate::render::bind_groups::bind_in_order;
 use crate::render::kept::Kept;
 
 /// Groups 2 and 3 of a view's draws. They go with the device, as the view's buffers do.
@@ -71,16 +72,12 @@ impl ViewGroups {
     ) -> &wgpu::BindGroup {
         self.mask.get(mask.clone(), || {
             let layout = cache.get_bind_group_layout(&pipelines.mask_layout);
-            device
-                .wgpu_device()
-                .create_bind_group(&wgpu::BindGroupDescriptor {
-                    label: Some("antumbra mask"),
-                    layout: &layout,
-                    entries: &[wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(mask),
-                    }],
-                })
+            bind_in_order(
+                device.wgpu_device(),
+                "antumbra mask",
+                &layout,
+                [wgpu::BindingResource::TextureView(mask)],
+            )
         })
     }
 }

@@ -35,6 +35,14 @@ impl Aabb {
             .fold(Self::EMPTY, Self::including)
     }
 
+    /// The box around `center` with half sizes along each axis; empty if one of them is negative.
+    pub fn around(center: Vec3, half_size: Vec3) -> Self {
+        Self {
+            min: center - half_size,
+            max: center + half_size,
+        }
+    }
+
     /// This box grown to hold `point`.
     pub fn including(self, point: Vec3) -> Self {
         Self {

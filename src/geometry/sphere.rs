@@ -68,7 +68,7 @@ mod tests {
         ) {
             let [x, y, z, a, b, c, hx, hy, hz, u, v, w] = numbers;
             let half = Vec3::new(hx, hy, hz).abs() * 3.0;
-            let local = Aabb { min: Vec3::new(u, v, w) - half, max: Vec3::new(u, v, w) + half };
+            let local = Aabb::around(Vec3::new(u, v, w), half);
             let rotation = Quat::from_euler(EulerRot::XYZ, a * 3.0, b * 3.0, c * 3.0);
             let scale = Vec3::new(1.0 + u, -1.0 + 0.5 * v, 0.1 + w * w);
             let at = Vec3::new(x, y, z) * 8.0 + far;

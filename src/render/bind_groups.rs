@@ -1,4 +1,4 @@
-//! Every bind group layout: 0 view, 1 light, 2 material (or a technique's casters), 3 the pass's own.
+//! Every bind group layout: 0 view, 1 light, 2 material (or a technique's casters), 3 the pass's own. And what binds them.
 
 use std::num::NonZeroU64;
 
@@ -74,6 +74,24 @@ fn depth_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
         },
         count: None,
     }
+}
+
+/// A bind group of resources with the bindings 0, 1, 2 and so on.
+pub fn bind_in_order<'a>(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: impl IntoIterator<Item = wgpu::BindingResource<'a>>,
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = (0..)
+        .zip(resources)
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some(label),
+        layout,
+        entries: &entries,
+    })
 }
 
 /// Read-only storage.

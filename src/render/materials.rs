@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use wgpu::util::DeviceExt;
 
+use super::bind_groups::bind_in_order;
 use super::mipmaps::mip_chain;
 use super::slots::Slots;
 use super::{RenderContext, gpu_types};
@@ -132,26 +133,15 @@ impl MaterialPool {
             .iter()
             .map(|(slot, _)| self.sampler(context, slot.as_ref()))
             .collect();
-        let mut entries = vec![wgpu::BindGroupEntry {
-            binding: 0,
-            resource: buffer.as_entire_binding(),
-        }];
-        for (slot, (view, sampler)) in views.iter().zip(&samplers).enumerate() {
-            entries.push(wgpu::BindGroupEntry {
-                binding: 1 + 2 * slot as u32,
-                resource: wgpu::BindingResource::TextureView(view),
-            });
-            entries.push(wgpu::BindGroupEntry {
-                binding: 2 + 2 * slot as u32,
-                resource: wgpu::BindingResource::Sampler(sampler),
-            });
-        }
+        let textures = views.iter().zip(&samplers).flat_map(|(view, sampler)| {
+            [
+                wgpu::BindingResource::TextureView(view),
+                wgpu::BindingResource::Sampler(sampler),
+            ]
+        });
+        let resources = std::iter::once(buffer.as_entire_binding()).chain(textures);
         GpuMaterial {
-            bind_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some(&material.name),
-                layout,
-                entries: &entries,
-            }),
+            bind_group: bind_in_order(&context.device, &material.name, layout, resources),
             alpha_mode: material.alpha_mode,
             double_sided: material.double_sided,
             unlit: material.unlit,

@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use glam::{Vec2, Vec3, Vec4};
 use wgpu::util::DeviceExt;
 
-use super::bind_groups::BindGroupLayouts;
+use super::bind_groups::{BindGroupLayouts, bind_in_order};
 use super::slots::Slots;
 use super::{RenderContext, gpu_types::SurfaceVertex};
 use crate::scene::{MeshData, PosedMesh, Submesh};
@@ -117,14 +117,12 @@ impl MeshPool {
         );
         fill_surface(&mut self.scratch, mesh, posed);
         GpuMesh {
-            positions_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("positions"),
-                layout: &layouts.positions,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: positions.as_entire_binding(),
-                }],
-            }),
+            positions_group: bind_in_order(
+                &context.device,
+                "positions",
+                &layouts.positions,
+                [positions.as_entire_binding()],
+            ),
             positions,
             surface: buffer(
                 "surface",

@@ -28,6 +28,7 @@ pub mod renderer;
 pub mod settings;
 pub mod shaders;
 pub mod slots;
+pub mod stencil_only;
 pub mod surface_pass;
 pub mod systems;
 pub mod targets;
@@ -39,3 +40,5 @@ pub use renderer::Renderer;
 pub use settings::RenderSettings;
 pub use shaders::Shaders;
 pub use targets::{FrameTargets, RadianceTarget};
+/// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
+pub use wgpu;

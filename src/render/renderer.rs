@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
 
-use super::bind_groups::{BindGroupLayouts, LIGHT_STRIDE};
+use super::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, bind_in_order};
 use super::buffers::GrowingBuffer;
 use super::draw_list::DrawListBuilder;
 use super::frame_data::{ActiveLight, FrameData};
@@ -301,20 +301,12 @@ fn bind_view(
     view: &wgpu::Buffer,
     objects: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("view"),
-        layout: &layouts.view,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: view.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: objects.as_entire_binding(),
-            },
-        ],
-    })
+    bind_in_order(
+        &context.device,
+        "view",
+        &layouts.view,
+        [view.as_entire_binding(), objects.as_entire_binding()],
+    )
 }
 
 fn bind_lights(
@@ -322,16 +314,14 @@ fn bind_lights(
     layouts: &BindGroupLayouts,
     lights: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("lights"),
-        layout: &layouts.light,
-        entries: &[wgpu::BindGroupEntry {
-            binding: 0,
-            resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                buffer: lights,
-                offset: 0,
-                size: std::num::NonZeroU64::new(LIGHT_STRIDE.min(size_of::<gpu_types::Light>() as u64)),
-            }),
-        }],
-    })
+    bind_in_order(
+        &context.device,
+        "lights",
+        &layouts.light,
+        [wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+            buffer: lights,
+            offset: 0,
+            size: std::num::NonZeroU64::new(LIGHT_STRIDE.min(size_of::<gpu_types::Light>() as u64)),
+        })],
+    )
 }

@@ -15,7 +15,7 @@
 
 use glam::UVec2;
 
-use super::bind_groups::BindGroupLayouts;
+use super::bind_groups::{BindGroupLayouts, bind_in_order};
 use super::{RenderContext, RenderError};
 
 /// Format of the accumulated radiance.
@@ -125,14 +125,12 @@ impl FrameTargets {
         Ok(Self {
             size,
             depth_stencil_view: depth_stencil.create_view(&Default::default()),
-            depth_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("depth"),
-                layout: &layouts.depth,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&depth),
-                }],
-            }),
+            depth_group: bind_in_order(
+                &context.device,
+                "depth",
+                &layouts.depth,
+                [wgpu::BindingResource::TextureView(&depth)],
+            ),
             depth_stencil,
         })
     }
@@ -175,30 +173,23 @@ impl MaskTargets {
         let mask_view = mask.create_view(&Default::default());
         let receiver_depth_view = receiver_depth.create_view(&Default::default());
         let receiver_plane_view = receiver_plane.create_view(&Default::default());
-        let receiver_group = context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("receiver"),
-            layout: &layouts.receiver,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&receiver_depth_view),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::TextureView(&receiver_plane_view),
-                },
+        let receiver_group = bind_in_order(
+            &context.device,
+            "receiver",
+            &layouts.receiver,
+            [
+                wgpu::BindingResource::TextureView(&receiver_depth_view),
+                wgpu::BindingResource::TextureView(&receiver_plane_view),
             ],
-        });
+        );
         Ok(Self {
             receiver_group,
-            mask_group: context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("mask"),
-                layout: &layouts.mask,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(&mask_view),
-                }],
-            }),
+            mask_group: bind_in_order(
+                &context.device,
+                "mask",
+                &layouts.mask,
+                [wgpu::BindingResource::TextureView(&mask_view)],
+            ),
             receiver_depth,
             receiver_depth_view,
             receiver_plane,

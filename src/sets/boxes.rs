@@ -137,10 +137,7 @@ impl Boxes {
         if half.x < 0.0 {
             return Aabb::EMPTY;
         }
-        Aabb {
-            min: center - half,
-            max: center + half,
-        }
+        Aabb::around(center, half)
     }
 
     #[inline]

@@ -107,10 +107,7 @@ mod tests {
         let mut place = |index: usize| {
             let center = Vec3::new(unit(), unit(), unit()) * 100.0;
             let half = if index.is_multiple_of(50) { 60.0 } else { 0.5 };
-            Aabb {
-                min: center - half,
-                max: center + half,
-            }
+            Aabb::around(center, Vec3::splat(half))
         };
         (0..count).map(&mut place).collect()
     }

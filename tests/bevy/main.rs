@@ -1,4 +1,8 @@
 //! The plugin in headless games of Bevy's.
+#![allow(
+    clippy::duplicate_mod,
+    reason = "the example and the tests each have an app without a window"
+)]
 
 #[path = "../harness/mod.rs"]
 mod core_harness;

@@ -1,6 +1,7 @@
 //! Shadow volumes of models, from outside and inside of shadows, with lights in the picture and outside of it.
 
 use antumbra::prelude::*;
+use antumbra::reference::HardError;
 use antumbra::techniques::stencil_volume::{Counting, StencilVolumes};
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -41,6 +42,40 @@ fn orthographic(model: &ModelStage, case: &Case, placement: Placement) -> Case {
     }
 }
 
+/// What was judged of several pictures.
+#[derive(Default)]
+struct Judged {
+    /// Pixels outside of the edge band.
+    inner: usize,
+    /// Pixels in shadow.
+    dark: usize,
+    /// Volumes by depth-fail, and by depth-pass.
+    volumes: [usize; 2],
+}
+
+impl Judged {
+    /// Renders a case and compares it with the ray caster, with volumes counted either way.
+    fn add(&mut self, model: &mut ModelStage, case: &Case) -> [(Counting, HardError); 2] {
+        [Counting::Auto, Counting::DepthFail].map(|counting| {
+            let technique = StencilVolume {
+                counting,
+                ..StencilVolume::default()
+            };
+            model.set(case, technique);
+            let rendered = model.stage.render().expect("the frame renders");
+            let error = judge(&model.stage, &model.scene, 0, &rendered.visibility[0]);
+            self.inner += error.inner;
+            self.dark += rendered.visibility[0].iter().filter(|v| **v < 0.5).count();
+            let volumes = model.stage.world.resource::<StencilVolumes>();
+            for volume in volumes.lights.iter().flat_map(|light| &light.casters) {
+                assert!(volume.extrusion > 0.0, "all volumes end");
+                self.volumes[usize::from(volume.depth_pass)] += 1;
+            }
+            (counting, error)
+        })
+    }
+}
+
 #[test]
 fn stencil_volumes_equal_the_ray_caster() {
     let Some(folder) = models_folder("stencil_volumes_equal_the_ray_caster") else {
@@ -51,37 +86,26 @@ fn stencil_volumes_equal_the_ray_caster() {
     for name in MODELS {
         let path = folder.join(name);
         let mut model = ModelStage::new(&path, &context, SIZE).expect("triangles");
-        let (mut inner, mut dark, mut counted) = (0, 0, [0; 2]);
+        let mut judged = Judged::default();
         for (at, (label, case)) in model.cases().into_iter().enumerate() {
             let case = orthographic(&model, &case, PLACEMENTS[at / 3]);
-            for counting in [Counting::Auto, Counting::DepthFail] {
-                let technique = StencilVolume {
-                    counting,
-                    ..StencilVolume::default()
-                };
-                model.set(&case, technique);
-                let rendered = model.stage.render().expect("the frame renders");
-                let error = judge(&model.stage, &model.scene, 0, &rendered.visibility[0]);
-                inner += error.inner;
-                dark += rendered.visibility[0].iter().filter(|v| **v < 0.5).count();
-                let volumes = model.stage.world.resource::<StencilVolumes>();
-                for volume in volumes.lights.iter().flat_map(|light| &light.casters) {
-                    assert!(volume.extrusion > 0.0, "all volumes end");
-                    counted[usize::from(volume.depth_pass)] += 1;
-                }
+            for (counting, error) in judged.add(&mut model, &case) {
                 if error.share().unwrap_or(0.0) > ALLOWED {
                     failures.push(format!("{name} {label} {counting:?}: {error:?}"));
                 }
             }
         }
+        let Judged {
+            inner,
+            dark,
+            volumes: [by_fail, by_pass],
+        } = judged;
         println!(
-            "{:<20} {inner} judged, {dark} dark, {} volumes by depth-fail, {} by depth-pass",
-            file_name(&path),
-            counted[0],
-            counted[1]
+            "{:<20} {inner} judged, {dark} dark, {by_fail} volumes by depth-fail, {by_pass} by depth-pass",
+            file_name(&path)
         );
         assert!(inner > 60_000 && dark > 10_000, "{name}: too little was judged");
-        assert!(counted[0] > 0);
+        assert!(by_fail > 0);
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
@@ -115,7 +139,7 @@ fn lights_along_the_view_cast_as_others() {
     let (_, case) = model.cases().swap_remove(2);
     let case = orthographic(&model, &case, Placement::Outside);
     let view = case.view;
-    let (mut inner, mut dark) = (0, 0);
+    let mut judged = Judged::default();
     for towards in [view.forward(), view.back(), view.right(), view.up()] {
         let place = Transform::from_translation(view.translation)
             .looking_to(*towards, if towards.y.abs() > 0.9 { Vec3::X } else { Vec3::Y });
@@ -123,19 +147,11 @@ fn lights_along_the_view_cast_as_others() {
             place,
             ..case.clone()
         };
-        for counting in [Counting::Auto, Counting::DepthFail] {
-            let technique = StencilVolume {
-                counting,
-                ..StencilVolume::default()
-            };
-            model.set(&case, technique);
-            let rendered = model.stage.render().expect("the frame renders");
-            let error = judge(&model.stage, &model.scene, 0, &rendered.visibility[0]);
-            inner += error.inner;
-            dark += rendered.visibility[0].iter().filter(|v| **v < 0.5).count();
+        for (counting, error) in judged.add(&mut model, &case) {
             println!("{towards:?} {counting:?}: {error:?}");
             assert!(error.share().unwrap_or(0.0) <= ALLOWED, "{towards:?}: {error:?}");
         }
     }
+    let Judged { inner, dark, .. } = judged;
     assert!(inner > 10_000 && dark > 2_000, "{inner} {dark}");
 }

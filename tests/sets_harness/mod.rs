@@ -292,10 +292,7 @@ pub fn run(scene: &Scene) -> (World, Schedule) {
 /// A cube that takes every part.
 pub fn thing(center: Vec3, half: f32) -> Thing {
     Thing {
-        aabb: Aabb {
-            min: center - half,
-            max: center + half,
-        },
+        aabb: Aabb::around(center, Vec3::splat(half)),
         caster: true,
         receiver: true,
         drawn: true,

@@ -17,7 +17,7 @@ use glam::DVec4;
 
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
-use crate::render::bind_groups::BindGroupLayouts;
+use crate::render::bind_groups::{BindGroupLayouts, bind_in_order};
 use crate::render::draw_list::Batch;
 use crate::render::frame_data::Viewport;
 use crate::render::gpu_types;
@@ -116,20 +116,15 @@ impl HostDepth {
     ) -> wgpu::BindGroup {
         let mut kept = self.group.lock().unwrap_or_else(PoisonError::into_inner);
         let make = || {
-            context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("host depth"),
-                layout: &layouts.host,
-                entries: &[
-                    wgpu::BindGroupEntry {
-                        binding: 0,
-                        resource: wgpu::BindingResource::TextureView(depth),
-                    },
-                    wgpu::BindGroupEntry {
-                        binding: 1,
-                        resource: self.constants.as_entire_binding(),
-                    },
+            bind_in_order(
+                &context.device,
+                "host depth",
+                &layouts.host,
+                [
+                    wgpu::BindingResource::TextureView(depth),
+                    self.constants.as_entire_binding(),
                 ],
-            })
+            )
         };
         kept.get(depth.clone(), make).clone()
     }

@@ -8,9 +8,9 @@
 
 use crate::render::bind_groups::BindGroupLayouts;
 use crate::render::draw_list::Batch;
-use crate::render::nodes::light_begin::no_color;
-use crate::render::nodes::surfaces::SurfaceResources;
+use crate::render::nodes::surfaces::{SurfaceResources, draw_batch, set_mesh};
 use crate::render::pipelines::SURFACE_BUFFERS;
+use crate::render::stencil_only::stencil_by_depth;
 use crate::render::{RenderContext, RenderError, Shaders};
 
 /// The pipeline. Both sides of a surface are drawn, whichever it shows: depth tells.
@@ -37,41 +37,15 @@ impl HostSelect {
                 bind_group_layouts: &[Some(&layouts.view)],
                 immediate_size: 0,
             });
-        let face = wgpu::StencilFaceState {
-            compare: wgpu::CompareFunction::Always,
-            fail_op: wgpu::StencilOperation::Keep,
-            depth_fail_op: wgpu::StencilOperation::Keep,
-            pass_op: wgpu::StencilOperation::Zero,
-        };
-        let pipeline = context
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("host select"),
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("vertex"),
-                    compilation_options: Default::default(),
-                    buffers: &SURFACE_BUFFERS,
-                },
-                primitive: Default::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: context.depth_stencil_format(),
-                    depth_write_enabled: Some(false),
-                    depth_compare: Some(wgpu::CompareFunction::Equal),
-                    stencil: wgpu::StencilState {
-                        front: face,
-                        back: face,
-                        read_mask: 0xff,
-                        write_mask: 0xff,
-                    },
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: Some(no_color(&module)),
-                multiview_mask: None,
-                cache: None,
-            });
+        let pipeline = stencil_by_depth(
+            context,
+            "host select",
+            &layout,
+            &module,
+            &SURFACE_BUFFERS,
+            wgpu::CompareFunction::Equal,
+            [wgpu::StencilOperation::Zero, wgpu::StencilOperation::Keep],
+        );
         Ok(Self { pipeline })
     }
 
@@ -89,13 +63,8 @@ impl HostSelect {
             let Some(mesh) = resources.meshes.get(batch.mesh) else {
                 continue;
             };
-            pass.set_vertex_buffer(0, mesh.positions.slice(..));
-            pass.set_vertex_buffer(1, mesh.surface.slice(..));
-            pass.set_vertex_buffer(2, resources.instances.slice(..));
-            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
-            let submesh = mesh.submeshes[batch.submesh as usize];
-            let indices = submesh.first_index..submesh.first_index + submesh.index_count;
-            pass.draw_indexed(indices, 0, batch.instances.clone());
+            set_mesh(pass, mesh, resources.instances);
+            draw_batch(pass, mesh, batch);
         }
     }
 }

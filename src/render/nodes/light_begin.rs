@@ -16,7 +16,7 @@
 //! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for what the test is to save.
 
 use crate::conventions::{DEPTH_INFINITY, DEPTH_NEAR, STENCIL_IN_BOUNDS};
-use crate::render::targets::RADIANCE_FORMAT;
+use crate::render::stencil_only::stencil_by_depth;
 use crate::render::{RenderContext, RenderError, Shaders};
 
 /// The pipelines.
@@ -40,51 +40,20 @@ impl LightBegin {
                 label: Some("light begin"),
                 ..Default::default()
             });
-        let pipeline = |label, compare, pass_op, depth_fail_op| {
-            let face = wgpu::StencilFaceState {
-                compare: wgpu::CompareFunction::Always,
-                fail_op: Keep,
-                depth_fail_op,
-                pass_op,
-            };
-            context
-                .device
-                .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                    label: Some(label),
-                    layout: Some(&layout),
-                    vertex: wgpu::VertexState {
-                        module: &module,
-                        entry_point: Some("vertex"),
-                        compilation_options: Default::default(),
-                        buffers: &[],
-                    },
-                    primitive: Default::default(),
-                    depth_stencil: Some(wgpu::DepthStencilState {
-                        format: context.depth_stencil_format(),
-                        depth_write_enabled: Some(false),
-                        depth_compare: Some(compare),
-                        stencil: wgpu::StencilState {
-                            front: face,
-                            back: face,
-                            read_mask: 0xff,
-                            write_mask: 0xff,
-                        },
-                        bias: Default::default(),
-                    }),
-                    multisample: Default::default(),
-                    fragment: Some(no_color(&module)),
-                    multiview_mask: None,
-                    cache: None,
-                })
+        let pipeline = |label, compare, operations| {
+            stencil_by_depth(context, label, &layout, &module, &[], compare, operations)
         };
         Ok(Self {
             beyond_far: pipeline(
                 "light begin: far bound",
                 wgpu::CompareFunction::LessEqual,
-                Replace,
-                Zero,
+                [Replace, Zero],
             ),
-            before_near: pipeline("light begin: near bound", wgpu::CompareFunction::Less, Zero, Keep),
+            before_near: pipeline(
+                "light begin: near bound",
+                wgpu::CompareFunction::Less,
+                [Zero, Keep],
+            ),
         })
     }
 
@@ -101,20 +70,5 @@ impl LightBegin {
             pass.set_pipeline(&self.before_near);
             quad(pass, near_depth);
         }
-    }
-}
-
-/// A fragment state that writes no colour, for stencil passes that share an attachment with the light pass.
-pub fn no_color(module: &wgpu::ShaderModule) -> wgpu::FragmentState<'_> {
-    const TARGETS: &[Option<wgpu::ColorTargetState>] = &[Some(wgpu::ColorTargetState {
-        format: RADIANCE_FORMAT,
-        blend: None,
-        write_mask: wgpu::ColorWrites::empty(),
-    })];
-    wgpu::FragmentState {
-        module,
-        entry_point: Some("no_color"),
-        compilation_options: Default::default(),
-        targets: TARGETS,
     }
 }

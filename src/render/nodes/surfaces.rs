@@ -2,7 +2,7 @@
 
 use crate::render::draw_list::Batch;
 use crate::render::materials::MaterialPool;
-use crate::render::meshes::MeshPool;
+use crate::render::meshes::{GpuMesh, MeshPool};
 use crate::render::pipelines::SurfacePipelines;
 use crate::render::surface_pass::SurfacePass;
 
@@ -45,17 +45,24 @@ pub fn draw_batches(
             pass.set_bind_group(2, &material.bind_group, &[]);
         }
         if changed(|a, b| a.mesh != b.mesh) {
-            pass.set_vertex_buffer(0, mesh.positions.slice(..));
-            pass.set_vertex_buffer(1, mesh.surface.slice(..));
-            pass.set_vertex_buffer(2, resources.instances.slice(..));
-            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            set_mesh(pass, mesh, resources.instances);
         }
-        let submesh = mesh.submeshes[batch.submesh as usize];
-        pass.draw_indexed(
-            submesh.first_index..submesh.first_index + submesh.index_count,
-            0,
-            batch.instances.clone(),
-        );
+        draw_batch(pass, mesh, batch);
         last = Some(batch);
     }
+}
+
+/// Sets the buffers of [`SURFACE_BUFFERS`](crate::render::pipelines::SURFACE_BUFFERS), and the indices.
+pub fn set_mesh(pass: &mut wgpu::RenderPass, mesh: &GpuMesh, instances: &wgpu::Buffer) {
+    pass.set_vertex_buffer(0, mesh.positions.slice(..));
+    pass.set_vertex_buffer(1, mesh.surface.slice(..));
+    pass.set_vertex_buffer(2, instances.slice(..));
+    pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+}
+
+/// Records the draw of a batch of a mesh that is set.
+pub fn draw_batch(pass: &mut wgpu::RenderPass, mesh: &GpuMesh, batch: &Batch) {
+    let submesh = mesh.submeshes[batch.submesh as usize];
+    let indices = submesh.first_index..submesh.first_index + submesh.index_count;
+    pass.draw_indexed(indices, 0, batch.instances.clone());
 }

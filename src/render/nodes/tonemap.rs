@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use super::super::bind_groups::BindGroupLayouts;
+use super::super::bind_groups::{BindGroupLayouts, bind_in_order};
 use super::super::{RenderContext, RenderError, Shaders};
 
 /// The pipelines, one an output format, and the exposure.
@@ -52,20 +52,15 @@ impl Tonemap {
 
     /// The bind group of one radiance texture.
     pub fn bind(&self, context: &RenderContext, radiance: &wgpu::TextureView) -> wgpu::BindGroup {
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("tonemap"),
-            layout: &self.group_layout,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::TextureView(radiance),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: self.exposure.as_entire_binding(),
-                },
+        bind_in_order(
+            &context.device,
+            "tonemap",
+            &self.group_layout,
+            [
+                wgpu::BindingResource::TextureView(radiance),
+                self.exposure.as_entire_binding(),
             ],
-        })
+        )
     }
 
     /// Makes the pipeline of an output format, and writes the exposure (a factor on radiance).

@@ -2,7 +2,7 @@
 
 use super::jitter;
 use crate::render::RenderContext;
-use crate::render::bind_groups::{STORAGE, buffer_entry};
+use crate::render::bind_groups::{STORAGE, bind_in_order, buffer_entry};
 use crate::render::gpu_types;
 
 /// The bind group layouts of maps.
@@ -81,14 +81,12 @@ impl MapLayouts {
 
     /// Group 0 of casters.
     pub fn bind_casters(&self, context: &RenderContext, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("map casters"),
-            layout: &self.casters,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: buffer.as_entire_binding(),
-            }],
-        })
+        bind_in_order(
+            &context.device,
+            "map casters",
+            &self.casters,
+            [buffer.as_entire_binding()],
+        )
     }
 
     /// Group 2.
@@ -99,28 +97,20 @@ impl MapLayouts {
         compare: &wgpu::Sampler,
         jitter: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
-        context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("map"),
-            layout: &self.map,
-            entries: &[
-                wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                        buffer,
-                        offset: 0,
-                        size: std::num::NonZeroU64::new(size_of::<gpu_types::MapLight>() as u64),
-                    }),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Sampler(compare),
-                },
-                wgpu::BindGroupEntry {
-                    binding: 2,
-                    resource: wgpu::BindingResource::TextureView(jitter),
-                },
+        bind_in_order(
+            &context.device,
+            "map",
+            &self.map,
+            [
+                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer,
+                    offset: 0,
+                    size: std::num::NonZeroU64::new(size_of::<gpu_types::MapLight>() as u64),
+                }),
+                wgpu::BindingResource::Sampler(compare),
+                wgpu::BindingResource::TextureView(jitter),
             ],
-        })
+        )
     }
 }
 

@@ -9,6 +9,7 @@ use super::map_pipelines::{MAP_DEPTH, texture_format};
 use super::request::MapRequest;
 use super::settings::{MapFormat, MapSurface};
 use crate::render::RenderContext;
+use crate::render::bind_groups::bind_in_order;
 
 /// An array of faces and the views of each.
 #[derive(Debug)]
@@ -285,18 +286,13 @@ fn bind_textures(
     depth: &wgpu::TextureView,
     distance: &wgpu::TextureView,
 ) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("map textures"),
-        layout: &layouts.textures,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(depth),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: wgpu::BindingResource::TextureView(distance),
-            },
+    bind_in_order(
+        &context.device,
+        "map textures",
+        &layouts.textures,
+        [
+            wgpu::BindingResource::TextureView(depth),
+            wgpu::BindingResource::TextureView(distance),
         ],
-    })
+    )
 }

@@ -11,6 +11,7 @@ use super::node::{FacePlan, LightPlan, MapNode, STRIDE};
 use super::request::MapShape;
 use super::settings::{MapFormat, MapSurface};
 use crate::render::RenderContext;
+use crate::render::bind_groups::bind_in_order;
 use crate::render::technique::ResolveInput;
 
 impl MapNode {
@@ -213,16 +214,6 @@ fn bind_depths(
     layout: &wgpu::BindGroupLayout,
     views: &[&wgpu::TextureView],
 ) -> wgpu::BindGroup {
-    let entries: Vec<_> = (0..)
-        .zip(views)
-        .map(|(binding, view)| wgpu::BindGroupEntry {
-            binding,
-            resource: wgpu::BindingResource::TextureView(view),
-        })
-        .collect();
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("map surfaces"),
-        layout,
-        entries: &entries,
-    })
+    let views = views.iter().map(|view| wgpu::BindingResource::TextureView(view));
+    bind_in_order(&context.device, "map surfaces", layout, views)
 }

@@ -20,7 +20,7 @@ use super::quads::{CORNERS, QuadIndices};
 use super::volume_pipelines::{Key, Part, Purpose, VolumePipelines};
 use super::volumes::{CasterVolume, StencilVolumes};
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::bind_groups::{BindGroupLayouts, STORAGE, buffer_entry};
+use crate::render::bind_groups::{BindGroupLayouts, STORAGE, bind_in_order, buffer_entry};
 use crate::render::buffers::GrowingBuffer;
 use crate::render::gpu_types;
 use crate::render::technique::{PrepareInput, RecordInput, ShadowTechnique, Visibility};
@@ -284,20 +284,12 @@ fn bind(
     casters: &wgpu::Buffer,
     edges: &wgpu::Buffer,
 ) -> wgpu::BindGroup {
-    context.device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("volume casters"),
+    bind_in_order(
+        &context.device,
+        "volume casters",
         layout,
-        entries: &[
-            wgpu::BindGroupEntry {
-                binding: 0,
-                resource: casters.as_entire_binding(),
-            },
-            wgpu::BindGroupEntry {
-                binding: 1,
-                resource: edges.as_entire_binding(),
-            },
-        ],
-    })
+        [casters.as_entire_binding(), edges.as_entire_binding()],
+    )
 }
 
 impl ShadowTechnique for StencilVolumeNode {

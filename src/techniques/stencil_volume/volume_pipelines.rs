@@ -2,8 +2,8 @@
 
 use crate::conventions::{STENCIL_COUNT_MASK, STENCIL_IN_BOUNDS};
 use crate::render::bind_groups::BindGroupLayouts;
-use crate::render::nodes::light_begin::no_color;
 use crate::render::pipelines::front_face;
+use crate::render::stencil_only::no_color;
 use crate::render::targets::RADIANCE_FORMAT;
 use crate::render::{RenderContext, RenderError, Shaders};
 

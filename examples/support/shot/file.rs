@@ -1,0 +1,122 @@
+//! A shot as a whole: read, and checked.
+
+use std::path::{Path, PathBuf};
+
+use glam::UVec2;
+use serde::Deserialize;
+
+use super::super::picture::light_texture;
+use super::{ShotCamera, ShotLight};
+
+/// A shot. Unknown keys are errors.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shot {
+    /// Path of a glTF file, relative to the shot file.
+    pub scene: PathBuf,
+    /// Absent: the scene's first camera, else one that frames the scene.
+    pub camera: Option<ShotCamera>,
+    /// Width and height, pixels.
+    #[serde(default = "default_size")]
+    pub size: [u32; 2],
+    /// Linear RGB radiance from everywhere.
+    #[serde(default = "default_ambient")]
+    pub ambient: [f32; 3],
+    /// Poses the scene.
+    pub animation: Option<ShotAnimation>,
+    /// Absent: those of the scene, with stencil volumes.
+    pub lights: Option<Vec<ShotLight>>,
+}
+
+/// A pose in time.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShotAnimation {
+    /// Index of the clip.
+    pub clip: usize,
+    /// Seconds.
+    pub time: f32,
+}
+
+fn default_size() -> [u32; 2] {
+    [640, 360]
+}
+fn default_ambient() -> [f32; 3] {
+    [0.02; 3]
+}
+
+impl Shot {
+    /// Reads and checks a shot file.
+    ///
+    /// # Errors
+    /// One line that names the file and the element.
+    pub fn load(path: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut shot = Self::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        shot.scene = folder.join(&shot.scene);
+        for (index, light) in shot.lights.iter_mut().flatten().enumerate() {
+            if let ShotLight::Rect {
+                texture: Some(texture),
+                ..
+            } = light
+            {
+                *texture = folder.join(&*texture);
+                // Here, where the shot file is known; it is read again when the light is made.
+                light_texture(texture)
+                    .map_err(|error| format!("{}: lights[{index}].texture: {error}", path.display()))?;
+            }
+        }
+        Ok(shot)
+    }
+
+    /// Parses and checks the text of a shot file.
+    ///
+    /// # Errors
+    /// One line that names the element.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut json = serde_json::Deserializer::from_str(text);
+        let shot: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+            let element = error.path().to_string();
+            format!("{element}: {}", error.inner())
+        })?;
+        json.end().map_err(|error| format!("after the shot: {error}"))?;
+        shot.check()?;
+        Ok(shot)
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if self.ambient.iter().any(|a| !(a.is_finite() && *a >= 0.0)) {
+            return Err(format!(
+                "ambient: {:?} must be finite and at least 0",
+                self.ambient
+            ));
+        }
+        if let Some(camera) = &self.camera {
+            camera.transform().map_err(|error| format!("camera: {error}"))?;
+            if !camera.camera(UVec2::ONE).is_valid() {
+                return Err(match camera.orthographic {
+                    None => format!(
+                        "camera: vfov_deg {} must be in 0..180 and near {} greater than 0",
+                        camera.vfov_deg, camera.near
+                    ),
+                    Some(view) => format!(
+                        "camera: orthographic height {} must be greater than 0, and far {} greater than near {}",
+                        view.height, view.far, camera.near
+                    ),
+                });
+            }
+        }
+        for (index, light) in self.lights.iter().flatten().enumerate() {
+            light
+                .parts()
+                .map_err(|error| format!("lights[{index}]: {error}"))?;
+        }
+        Ok(())
+    }
+
+    /// Size of the picture.
+    pub fn size(&self) -> UVec2 {
+        UVec2::from(self.size)
+    }
+}
