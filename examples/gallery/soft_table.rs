@@ -10,7 +10,9 @@ use antumbra::prelude::*;
 use antumbra::reference::{
     LightSource, RayScene, SoftError, VisibilityImage, compare_soft, primary_hits, soft_visibility,
 };
-use antumbra::techniques::penumbra_wedge::{CoverageMaths, Overlap, WedgeBounds, WedgeCulling, WedgeSilhouette};
+use antumbra::techniques::penumbra_wedge::{
+    CoverageMaths, Overlap, WedgeBounds, WedgeCulling, WedgeSilhouette,
+};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};

@@ -3,7 +3,7 @@
 use antumbra::prelude::*;
 use antumbra::reference::VisibilityImage;
 use antumbra::techniques::PenumbraWedges;
-use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer};
+use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer, WedgeSilhouette};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
@@ -84,11 +84,22 @@ fn above(overlap: Overlap) -> Lit {
     }
 }
 
+/// The silhouette that equation 1 is about.
+fn from_center(lit: Lit) -> Lit {
+    Lit {
+        wedge: PenumbraWedge {
+            silhouette: WedgeSilhouette::Center,
+            ..lit.wedge
+        },
+        ..lit
+    }
+}
+
 /// The first mesh alone over a ground, and where the ground shows.
 fn shadow_of(context: &RenderContext, mesh: MeshData, overlap: Overlap) -> (VisibilityImage, Vec<f32>) {
     let mut stage = ground(context, EYE, Vec3::ZERO);
     spawn(&mut stage, mesh, Transform::IDENTITY);
-    light(&mut stage, &above(overlap));
+    light(&mut stage, &from_center(above(overlap)));
     let got = rendered(&mut stage, 0);
     let height = heights(&mut stage);
     (got, height)
@@ -260,25 +271,38 @@ fn a_split_sphere_is_nearly_the_sphere() {
 #[test]
 fn split_lights_err_less() {
     let context = strict_context(RequestedFeatures::default());
-    for (kind, overlap) in [
-        (rect(1.0, 1.0), Overlap::Sampled),
-        (rect(1.0, 1.0), Overlap::Additive),
-    ] {
+    for overlap in [Overlap::Sampled, Overlap::Additive] {
         let mut stage = crowd(&context, false);
-        light(&mut stage, &lit(kind, PenumbraWedge::default()));
+        light(&mut stage, &lit(rect(1.0, 1.0), PenumbraWedge::default()));
         let truth = truth(&mut stage, 0, SAMPLES);
-        let errors = [1, 2, 3].map(|parts| {
-            let light = stage.lights[0];
-            stage.world.entity_mut(light).insert(PenumbraWedge {
-                split: [parts; 2],
-                overlap,
-                ..Default::default()
-            });
-            judge(&mut stage, &truth, &format!("split{parts}")).rmse
-        });
+        let mut errors = |silhouette| {
+            [1, 2, 3].map(|parts| {
+                let light = stage.lights[0];
+                stage.world.entity_mut(light).insert(PenumbraWedge {
+                    split: [parts; 2],
+                    silhouette,
+                    overlap,
+                    ..Default::default()
+                });
+                judge(
+                    &mut stage,
+                    &truth,
+                    &format!("split{parts}_{overlap:?}_{silhouette:?}"),
+                )
+                .rmse
+            })
+        };
+        let from_center = errors(WedgeSilhouette::Center);
+        let from_receivers = errors(WedgeSilhouette::Receiver);
         assert!(
-            errors[1] < 0.6 * errors[0] && errors[2] < errors[1],
-            "{kind:?} {overlap:?} {errors:?}"
+            from_center[1] < 0.6 * from_center[0] && from_center[2] < from_center[1],
+            "{overlap:?} {from_center:?}"
         );
+        // Splitting tells overlaps; the silhouette is right without.
+        assert!(
+            from_receivers[2] < 0.8 * from_receivers[0] && from_receivers[2] <= from_receivers[1],
+            "{overlap:?} {from_receivers:?}"
+        );
+        assert!(from_receivers[0] < 0.9 * from_center[0], "{overlap:?}");
     }
 }

@@ -20,7 +20,7 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
-    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on
+    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on, ONLY_*
     start_light: vec3f,
     padding_a: u32,
     end_light: vec3f,
@@ -35,6 +35,8 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
 const HARD: u32 = 1u;
 const PIECE: u32 = 2u;
 const SOFT: u32 = 4u;
+const ONLY_OUTER: u32 = 128u;       // all of the shell is in this half, without a separator
+const ONLY_INNER: u32 = 256u;
 
 // The light is a sphere, else a rectangle.
 override IS_SPHERE: bool = false;
@@ -81,15 +83,24 @@ fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
 // Vertices as topology.rs names them.
 @vertex
 fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
+    return wedge_corner(vertex, instance);
+}
+
+fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     // Fields one by one: a copy of the record would be a copy of all its rims.
     let caster = casters[wedges[instance].caster];
     let flags = wedges[instance].flags;
     let clip_from_light = light.clip_from_light;
-    let rim_index = select(0u, (vertex - 4u) % 12u, vertex >= 4u);
+    let only = flags & (ONLY_OUTER | ONLY_INNER);
+    let is_far = vertex == 2u || vertex == 3u;
+    // Without a separator, the far ends of the rays that both rims share are in its place.
+    let shared_ray = select(0u, 5u, vertex == 3u);
+    let rim_index = select(shared_ray, (vertex - 4u) % 12u, vertex >= 4u);
     let rim = wedges[instance].rims[rim_index];
     let start_light = wedges[instance].start_light;
     let end_light = wedges[instance].end_light;
-    let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u);
+    let is_shared = is_far && only != 0u;
+    let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u || is_shared);
     let position_local = select(wedges[instance].start_local, wedges[instance].end_local, is_end);
     let position_light = select(start_light, end_light, is_end);
     let is_piece = (flags & PIECE) != 0u;
@@ -102,16 +113,26 @@ fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let along_ray = vec4f(position_light + rim.xyz * light.reach, 1.0);
     let ray = clip_from_light * select(end_of(caster.end_light, position_light, rim.xyz), along_ray, is_finite);
     var out: Corner;
-    let is_far = vertex == 2u || vertex == 3u;
-    let is_ray = vertex >= 4u && vertex < 16u && is_soft;
+    let is_ray = ((vertex >= 4u && vertex < 16u) || is_shared) && is_soft;
     out.position_clip = select(select(near, far, is_far), ray, is_ray);
     out.start_light = start_light;
     out.end_light = end_light;
     out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
-    out.soft = select(0.0, select(-1.0, 1.0, rim_index >= 6u), is_soft);
+    let is_inner = (rim_index >= 6u || only == ONLY_INNER) && only != ONLY_OUTER;
+    out.soft = select(0.0, select(-1.0, 1.0, is_inner), is_soft);
     out.layers = flags >> 3u;
     out.side = wedges[instance].sides[0];
     out.other_side = wedges[instance].sides[1];
+    return out;
+}
+
+// The same for what separates: nothing where there is no separator.
+@vertex
+fn separator_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
+    var out = wedge_corner(vertex, instance);
+    if (wedges[instance].flags & (ONLY_OUTER | ONLY_INNER)) != 0u {
+        out.position_clip = vec4f(0.0, 0.0, 0.0, 1.0);
+    }
     return out;
 }
 

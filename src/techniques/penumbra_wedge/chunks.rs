@@ -149,7 +149,11 @@ impl Chunk {
         ),
         scratch: &mut ChunkScratch,
     ) {
-        let ChunkScratch { bits, turning, contour } = scratch;
+        let ChunkScratch {
+            bits,
+            turning,
+            contour,
+        } = scratch;
         self.wedges.clear();
         self.caps.clear();
         self.patches.clear();
@@ -208,7 +212,7 @@ impl Chunk {
             let offset = if facets.facing.is_facing(slot as usize) {
                 offset.max(f32::MIN_POSITIVE)
             } else {
-                offset.min(0.0)
+                offset.min(-f32::MIN_POSITIVE)
             };
             [x, y, z, offset]
         };

@@ -217,7 +217,13 @@ pub fn extract_layers(
                 let is_facing = facing.is_facing(slot);
                 let ends = at(mesh.irregular_vertices()[edge], is_facing != side.is_reversed());
                 let layers = split.layers_of_slot(mesh, facing, slot);
-                edges.push(turning_border(ends, slot, is_facing, layers, split.beside(mesh, slot)));
+                edges.push(turning_border(
+                    ends,
+                    slot,
+                    is_facing,
+                    layers,
+                    split.beside(mesh, slot),
+                ));
             }
         }
     }

@@ -1,12 +1,14 @@
 //! What the GPU reads of wedges, and how the record of an edge is made. Mirrors of the structs of the same names in
 //! `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl` (`tests/layout_contract.rs`).
 
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3, Vec3, Vec4};
 
 use super::component::WedgeBounds;
 use super::layers::{LayeredEdge, Side};
 use super::parts::PartShape;
-use super::shell::{RIM, Shell, clip_before_plane, clip_outside_sphere, quad_shell, sphere_shell};
+use super::shell::{
+    Half, RIM, Shell, Sight, clip_before_plane, clip_outside_sphere, quad_shell, sphere_shell,
+};
 
 /// One edge, or one piece of an edge that the light cuts.
 #[repr(C)]
@@ -19,8 +21,8 @@ pub struct Wedge {
     pub caster: u32,
     /// End of the edge, the caster's space.
     pub end_local: [f32; 3],
-    /// [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, and of the penumbra from
-    /// [`SOFT_LAYERS_SHIFT`] on.
+    /// [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, of the penumbra from
+    /// [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`] and [`ONLY_INNER`].
     pub flags: u32,
     /// Start of the edge or piece, light space.
     pub start_light: [f32; 3],
@@ -65,6 +67,12 @@ pub const LAYERS_SHIFT: u32 = 3;
 
 /// Where the layers whose penumbra it bounds stand.
 pub const SOFT_LAYERS_SHIFT: u32 = 5;
+
+/// All of the shell is in the outer half: the rim of the inner one is flat, and there is no separator.
+pub const ONLY_OUTER: u32 = 128;
+
+/// The same in the inner half.
+pub const ONLY_INNER: u32 = 256;
 
 /// One caster of one part of a light.
 #[repr(C)]
@@ -135,6 +143,7 @@ pub fn push_edge(
     let [start, end] = ends_local.map(|end| end.to_array());
     let [start_light, end_light] = ends.map(|end| end.as_vec3().to_array());
     let layers = edge.layers << LAYERS_SHIFT | edge.soft_layers << SOFT_LAYERS_SHIFT;
+    let sight = sight_of(edge, sides);
     let mut whole = Wedge {
         start_local: start,
         end_local: end,
@@ -153,7 +162,7 @@ pub fn push_edge(
         PartShape::Sphere { radius } => clip_outside_sphere(ends, radius * SPHERE_MARGIN),
     };
     if pieces[0] == Some(ends) {
-        whole.flags |= add_shell(ends, shape, bounds, &mut whole);
+        whole.flags |= add_shell(ends, shape, bounds, &sight, &mut whole);
         if whole.flags & (HARD | SOFT) != 0 {
             wedges.push(whole);
         }
@@ -170,7 +179,7 @@ pub fn push_edge(
             flags: PIECE | layers,
             ..whole
         };
-        let soft = add_shell(piece, shape, bounds, &mut record);
+        let soft = add_shell(piece, shape, bounds, &sight, &mut record);
         record.flags |= soft;
         if soft != 0 {
             wedges.push(record);
@@ -178,14 +187,33 @@ pub fn push_edge(
     }
 }
 
-fn add_shell(ends: [DVec3; 2], shape: PartShape, bounds: WedgeBounds, wedge: &mut Wedge) -> u32 {
+/// Of an edge with these planes beside it.
+fn sight_of(edge: &LayeredEdge, planes: [[f32; 4]; 2]) -> Sight {
+    if edge.sides.contains(&Side::Open) {
+        return Sight::default(); // in one layer or the other, it is of the silhouette from everywhere
+    }
+    let turns = edge.sides.map(|side| matches!(side, Side::Turning(_)));
+    let plane = |i: usize| turns[i].then(|| Vec4::from(planes[i]).as_dvec4());
+    Sight {
+        planes: [plane(0), plane(1)],
+        is_beside: edge.layers == 0,
+    }
+}
+
+fn add_shell(
+    ends: [DVec3; 2],
+    shape: PartShape,
+    bounds: WedgeBounds,
+    sight: &Sight,
+    wedge: &mut Wedge,
+) -> u32 {
     let shell = match (shape, bounds) {
         (PartShape::Point, _) => None,
-        (PartShape::Sphere { radius }, _) => sphere_shell(ends, radius),
+        (PartShape::Sphere { radius }, _) => sphere_shell(ends, radius, sight),
         (PartShape::Rect { half }, WedgeBounds::Sphere)
             if clip_outside_sphere(ends, half.length() * SPHERE_MARGIN)[0] == Some(ends) =>
         {
-            sphere_shell(ends, half.length())
+            sphere_shell(ends, half.length(), sight)
         }
         (PartShape::Rect { half }, _) => {
             let corner = |x: f64, y: f64| DVec3::new(x * half.x, y * half.y, 0.0);
@@ -197,6 +225,7 @@ fn add_shell(ends: [DVec3; 2], shape: PartShape, bounds: WedgeBounds, wedge: &mu
                     corner(-1.0, -1.0),
                     corner(1.0, -1.0),
                 ],
+                sight,
             )
         }
     };
@@ -207,7 +236,11 @@ fn add_shell(ends: [DVec3; 2], shape: PartShape, bounds: WedgeBounds, wedge: &mu
                 let direction = point.direction.normalize().as_vec3();
                 *record = direction.extend(point.apex as f32).to_array();
             }
-            SOFT
+            match shell.only {
+                None => SOFT,
+                Some(Half::Outer) => SOFT | ONLY_OUTER,
+                Some(Half::Inner) => SOFT | ONLY_INNER,
+            }
         }
         _ => 0,
     }

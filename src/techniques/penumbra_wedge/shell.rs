@@ -6,11 +6,16 @@
 //! through edge and centre, the separator, cuts the hull in an outer half, which the hard shadow leaves out, and an
 //! inner half, which it darkens.
 //!
+//! An edge between two triangles whose planes cut the light is one of the silhouette from a part of the light alone, the
+//! part between the planes: its shell is that of this part, a sliver ([`Sight`]). Where the centre is not in it, the
+//! shell is all in one half, and its rim of the other is flat.
+//!
 //! Source: Assarsson et al. 2003, section 4.1 and figures 1 and 2. The paper's tight wedge takes two triangles of each
 //! end pyramid; here those that the hull has, one to three. Its wedge of a sphere relocates an end to make front and
 //! back planar; tangent planes through the line of the edge are planar as it is, and tighter.
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
+use smallvec::SmallVec;
 
 /// Points of a half's rim: where its shell ends at infinity, from one side of the separator to the other.
 pub const RIM: usize = 6;
@@ -30,93 +35,296 @@ pub struct RimPoint {
 pub struct Shell {
     /// Outer, inner.
     pub rims: [[RimPoint; RIM]; 2],
+    /// All of the shell is in this half, and the rays that both rims share are not in the separator.
+    pub only: Option<Half>,
+}
+
+/// A half of a wedge: index into [`Shell::rims`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Half {
+    /// Outside of the hard shadow.
+    Outer,
+    /// Within it.
+    Inner,
+}
+
+/// From where on the light an edge is one of the silhouette.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sight {
+    /// Planes through the edge that bound that part: `dot(xyz, p) + w`, light space.
+    pub planes: [Option<DVec4>; 2],
+    /// The light's centre is not in the part.
+    pub is_beside: bool,
 }
 
 /// Least sine of the angle between the ends of an edge, seen from the light's centre: below, the edge points at the
 /// centre and covers no sector of the light.
 const POINTING: f64 = 1e-9;
 
+/// Signed distance of a plane, times the length of its normal.
+fn side(plane: DVec4, point: DVec3) -> f64 {
+    plane.truncate().dot(point) + plane.w
+}
+
+/// What of a convex polygon lies where the plane is positive.
+fn clipped(polygon: &[DVec3], plane: DVec4) -> SmallVec<[DVec3; 8]> {
+    let mut kept = SmallVec::new();
+    for (i, &from) in polygon.iter().enumerate() {
+        let to = polygon[(i + 1) % polygon.len()];
+        let (at_from, at_to) = (side(plane, from), side(plane, to));
+        if at_from >= 0.0 {
+            kept.push(from);
+        }
+        if (at_from >= 0.0) != (at_to >= 0.0) {
+            kept.push(from + (to - from) * (at_from / (at_from - at_to)));
+        }
+    }
+    kept
+}
+
+/// The longest chord of a convex polygon in a plane.
+fn chord(polygon: &[DVec3], plane: DVec4) -> Option<[DVec3; 2]> {
+    let mut crossings = SmallVec::<[DVec3; 4]>::new();
+    for (i, &from) in polygon.iter().enumerate() {
+        let to = polygon[(i + 1) % polygon.len()];
+        let (at_from, at_to) = (side(plane, from), side(plane, to));
+        if (at_from >= 0.0) != (at_to >= 0.0) {
+            crossings.push(from + (to - from) * (at_from / (at_from - at_to)));
+        }
+    }
+    <[DVec3; 2]>::try_from(&crossings[..]).ok()
+}
+
+/// The plane with the origin on its positive side.
+fn towards_center(plane: DVec4) -> DVec4 {
+    if plane.w < 0.0 { -plane } else { plane }
+}
+
+/// Share of the light's extent by which slivers are wider than the sight: what lies in the plane of a triangle, above all
+/// its own surface, counts as seen from the centre, and the rasterizer moves it by up to 1/512 of a pixel.
+const SLIVER_MARGIN: f64 = 0.1;
+
+/// A plane through the edge, turned about it by an angle: away from the origin, which is on its positive side, or towards
+/// it; no farther than to it.
+fn turned(plane: DVec4, [a, b]: [DVec3; 2], angle: f64, away: bool) -> DVec4 {
+    let normal = plane.truncate();
+    let across = (b - a).normalize_or_zero().cross(normal) * angle.tan();
+    let through_edge = |normal: DVec3| normal.normalize_or_zero().extend(0.0);
+    let [one, other] = [normal + across, normal - across].map(|normal| {
+        let plane = through_edge(normal);
+        plane.truncate().extend(-plane.truncate().dot(a))
+    });
+    let (nearer, farther) = if one.w < other.w {
+        (one, other)
+    } else {
+        (other, one)
+    };
+    match (away, nearer.w < 0.0) {
+        (true, _) => farther,
+        (false, false) => nearer,
+        (false, true) => {
+            let separator = a.cross(b).normalize_or_zero();
+            through_edge(separator * separator.dot(normal).signum())
+        }
+    }
+}
+
 /// The shell of the edge between `ends` for a light that is a parallelogram around the origin; `corners` in order
 /// around it. The ends must lie on one side of its plane.
 ///
-/// `None` for an edge that points at the centre: it covers nothing, and has no separator.
-pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4]) -> Option<Shell> {
-    let [a, b] = ends;
-    let normal = separator_normal(ends)?;
-    // The outer half lies where the separator's normal points to, its rays come from where it points away.
-    let side = corners.map(|corner| normal.dot(corner));
-    let first =
-        (0..4).min_by(|&i, &j| (side[i] + side[(i + 1) % 4]).total_cmp(&(side[j] + side[(j + 1) % 4])))?;
-    let (r0, r1) = (corners[first], corners[(first + 1) % 4]);
-    let (v0, v1) = (side[first], side[(first + 1) % 4]);
-    let share = if v0 + v1 < 0.0 { v1 / (v0 + v1) } else { 0.5 };
-    let middle = -r1 + (r0 + r1) * share; // where the separator leaves the light
-    // In the separator: along the light and away from it.
-    let along = middle.normalize_or_zero();
-    let mut away = along.cross(normal);
-    if away.dot(a + b) < 0.0 {
-        away = -away;
-    }
-    let half = middle.length();
-    let slope = |end: DVec3, point: f64| (end.dot(along) - point) / end.dot(away).max(f64::MIN_POSITIVE);
-    let left = usize::from(slope(b, half) < slope(a, half));
-    let right = usize::from(slope(b, -half) > slope(a, -half));
-    let ray = |apex: usize, light: DVec3| RimPoint {
-        direction: ends[apex] - light,
-        apex,
+/// `None` for an edge that points at the centre: it covers nothing, and has no separator; and for one that is of no
+/// silhouette.
+pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Option<Shell> {
+    let normal = separator_normal(ends)?.extend(0.0);
+    let whole = |polygon: &[DVec3]| {
+        let base = Base::new(ends, chord(polygon, normal)?, normal.truncate())?;
+        let rims = [-normal, normal].map(|inward| base.rim(&clipped(polygon, inward)));
+        Some(Shell {
+            rims: [rims[0]?, rims[1]?],
+            only: None,
+        })
     };
-    let rim = |c0: DVec3, c1: DVec3| {
-        let (start, end) = (ray(left, middle), ray(right, -middle));
-        if left == right {
-            // The line of the edge meets the light: all is within the cone of the nearer end.
-            return [
-                start,
-                ray(left, c0),
-                ray(left, c1),
-                ray(left, c1),
-                ray(left, c1),
-                end,
-            ];
+    // A line that passes near the light has slivers on both sides of it.
+    if !passes_clear(ends, corners) {
+        return whole(&corners);
+    }
+    let reach = corners.iter().map(|corner| corner.length()).fold(0.0, f64::max);
+    let angle = SLIVER_MARGIN * reach / distance_of_line(ends).max(reach);
+    let cuts = || sight.planes.iter().flatten().map(|plane| towards_center(*plane));
+    if !sight.is_beside {
+        let mut kept = SmallVec::from_slice(&corners);
+        for cut in cuts() {
+            kept = clipped(&kept, turned(cut, ends, angle, true));
         }
-        let mut tangent = (b - a).cross(c0 - a);
-        if tangent.dot(a) < 0.0 {
-            tangent = -tangent;
+        return whole(&kept).or_else(|| whole(&corners));
+    }
+    // Between the plane that is nearer to the centre and the other.
+    let mut cuts: SmallVec<[DVec4; 2]> = cuts().collect();
+    if let [first, second] = cuts[..]
+        && let Some([a, b]) = chord(&corners, second)
+        && side(first, (a + b) * 0.5) >= 0.0
+    {
+        cuts.swap(0, 1);
+    }
+    let near = turned(*cuts.first()?, ends, angle, false);
+    let mut part = clipped(&corners, -near);
+    if let Some(&far) = cuts.get(1) {
+        part = clipped(&part, turned(far, ends, angle, true));
+    }
+    let middle = part.iter().sum::<DVec3>();
+    if part.len() < 3 {
+        return None;
+    }
+    let half = if normal.truncate().dot(middle) < 0.0 {
+        Half::Outer
+    } else {
+        Half::Inner
+    };
+    let beside = || {
+        let base = Base::new(ends, chord(&corners, near)?, near.truncate())?;
+        let (all, flat) = (base.rim(&part)?, base.rim(&[])?);
+        Some(Shell {
+            rims: match half {
+                Half::Outer => [all, flat],
+                Half::Inner => [flat, all],
+            },
+            only: Some(half),
+        })
+    };
+    beside().or_else(|| whole(&corners))
+}
+
+/// Of the line through both ends from the origin.
+fn distance_of_line([a, b]: [DVec3; 2]) -> f64 {
+    let along = (b - a).normalize_or_zero();
+    (a - along * a.dot(along)).length()
+}
+
+/// Whether the line of the edge meets the light's plane farther from the centre than the light reaches, if at all.
+fn passes_clear([a, b]: [DVec3; 2], corners: [DVec3; 4]) -> bool {
+    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[1]);
+    let reach = corners
+        .iter()
+        .map(|corner| corner.length_squared())
+        .fold(0.0, f64::max);
+    let (at_a, at_b) = (normal.dot(a), normal.dot(b));
+    let meeting = a + (b - a) * (at_a / (at_a - at_b));
+    // Also where there is no meeting.
+    !(meeting.length_squared() <= 1.01 * reach)
+}
+
+/// A plane through the edge, the chord in which it cuts the light, and the rays that bound what sees the edge before
+/// the chord.
+struct Base {
+    ends: [DVec3; 2],
+    /// To the side of the edge's start, and of its end.
+    chord: [DVec3; 2],
+    /// Ends of the edge that the rays away from the chord's ends start from.
+    apexes: [usize; 2],
+}
+
+impl Base {
+    fn new(ends: [DVec3; 2], mut chord: [DVec3; 2], normal: DVec3) -> Option<Self> {
+        let middle = (chord[0] + chord[1]) * 0.5;
+        let [a, b] = ends.map(|end| end - middle);
+        let (half, along) = {
+            let half = (chord[0] - chord[1]) * 0.5;
+            (half.length(), half.normalize_or_zero())
+        };
+        let mut away = along.cross(normal).normalize_or_zero();
+        if away.dot(a + b) < 0.0 {
+            away = -away;
         }
-        if tangent.dot(c1 - a) <= 0.0 {
-            [
-                start,
-                ray(left, c0),
-                ray(left, c0),
-                ray(right, c0),
-                ray(right, c1),
-                end,
-            ]
+        let slope = |end: DVec3, point: f64| (end.dot(along) - point) / end.dot(away).max(f64::MIN_POSITIVE);
+        let mut apexes = [
+            usize::from(slope(b, half) < slope(a, half)),
+            usize::from(slope(b, -half) > slope(a, -half)),
+        ];
+        if slope(a, 0.0) > slope(b, 0.0) {
+            chord.reverse();
+            apexes.reverse();
+        }
+        (half > 0.0).then_some(Self { ends, chord, apexes })
+    }
+
+    fn ray(&self, apex: usize, light: DVec3) -> RimPoint {
+        RimPoint {
+            direction: self.ends[apex] - light,
+            apex,
+        }
+    }
+
+    /// The rim of the half whose rays come from a polygon beside the chord; flat without one. `None` if the polygon has
+    /// more corners than a rim has room for.
+    fn rim(&self, polygon: &[DVec3]) -> Option<[RimPoint; RIM]> {
+        let [from, to] = self.chord;
+        let [left, right] = self.apexes;
+        let (start, end) = (self.ray(left, from), self.ray(right, to));
+        let mut rim = [end; RIM];
+        rim[..RIM / 2].fill(start);
+        // Around the polygon from one end of the chord to the other: by the angle about its middle.
+        let middle = (from + to) * 0.5;
+        let along = (from - to).normalize_or_zero();
+        let across = |point: DVec3| (point - middle) - along * along.dot(point - middle);
+        let size = (from - to).length();
+        let mut chain: SmallVec<[(f64, DVec3); 8]> = polygon
+            .iter()
+            .filter(|point| across(**point).length() > 1e-9 * size)
+            .map(|&point| (across(point).length().atan2(along.dot(point - middle)), point))
+            .collect();
+        chain.sort_by(|a, b| a.0.total_cmp(&b.0));
+        chain.dedup_by(|a, b| a.1.distance_squared(b.1) <= 1e-18 * size * size);
+        if chain.is_empty() {
+            return Some(rim);
+        }
+        if chain.len() > RIM - 3 {
+            return None;
+        }
+        // The corner that the front or back plane goes through.
+        let [a, b] = self.ends;
+        let mut turn = chain.len() - 1;
+        if left != right {
+            turn = 0;
+            for (i, (_, point)) in chain.iter().enumerate().skip(1) {
+                let mut tangent = (b - a).cross(chain[turn].1 - a);
+                if tangent.dot(middle - a) > 0.0 {
+                    tangent = -tangent;
+                }
+                if tangent.dot(point - a) > 0.0 {
+                    turn = i;
+                }
+            }
+        }
+        let by_left = chain[..=turn].iter().map(|(_, point)| self.ray(left, *point));
+        let by_right = chain[turn..].iter().map(|(_, point)| self.ray(right, *point));
+        let last = 1 + by_left.len();
+        for (rim, ray) in rim[1..].iter_mut().zip(by_left) {
+            *rim = ray;
+        }
+        let first = RIM - 1 - by_right.len();
+        let turned = rim[last - 1];
+        rim[last..first].fill(turned);
+        if left != right {
+            for (rim, ray) in rim[first..RIM - 1].iter_mut().zip(by_right) {
+                *rim = ray;
+            }
         } else {
-            [
-                start,
-                ray(left, c0),
-                ray(left, c1),
-                ray(right, c1),
-                ray(right, c1),
-                end,
-            ]
+            // The line of the edge meets the light: all is within the cone of the nearer end.
+            rim[last..RIM - 1].fill(turned);
         }
-    };
-    let mut rims = [rim(r0, r1), rim(-r1, -r0)];
-    if slope(a, 0.0) > slope(b, 0.0) {
-        rims.iter_mut().for_each(|rim| rim.reverse());
+        rim[RIM - 1] = end;
+        Some(rim)
     }
-    Some(Shell { rims })
 }
 
 /// The shell of the edge between `ends` for a sphere around the origin. The ends must lie outside of it.
 ///
-/// Front and back are the planes through the edge that touch the sphere; left and right go through an end, along the
-/// separator's normal, and touch it too. If the line of the edge meets the sphere, the cone of the nearer end holds all
-/// of the penumbra, and four planes hold the cone.
+/// Front and back are the planes through the edge that touch the sphere, or those that bound its sight; left and right
+/// go through an end, along the separator's normal, and touch it too. If the line of the edge meets the sphere, the cone
+/// of the nearer end holds all of the penumbra, and four planes hold the cone.
 ///
-/// `None` for an edge that points at the centre.
-pub fn sphere_shell(ends: [DVec3; 2], radius: f64) -> Option<Shell> {
+/// `None` for an edge that points at the centre, and for one that is of no silhouette.
+pub fn sphere_shell(ends: [DVec3; 2], radius: f64, sight: &Sight) -> Option<Shell> {
     /// Nearer, the tangent planes would open too wide to be of use; by eye.
     const TOUCHING: f64 = 1.001;
     let [a, b] = ends;
@@ -138,7 +346,8 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64) -> Option<Shell> {
             * (distance_sq / (distance_sq - radius * radius).max(1e-6 * radius * radius)).sqrt();
         let across = normal.cross(near).normalize_or_zero() * half;
         let up = normal * half;
-        return quad_shell(ends, [across + up, up - across, -across - up, across - up]);
+        let around = [across + up, up - across, -across - up, across - up];
+        return quad_shell(ends, around, &Sight::default());
     }
     let half = radius * height / (height * height - radius * radius).sqrt();
     let reach = |at: f64, side: f64| {
@@ -147,16 +356,63 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64) -> Option<Shell> {
         at + height / tangent.tan()
     };
     let (left, right) = (along * reach(at_a, -1.0), along * reach(at_b, 1.0));
-    let rim = |sideways: DVec3| {
-        let ray = |apex: usize, light: DVec3| RimPoint {
-            direction: ends[apex] - light,
-            apex,
-        };
-        let (c0, c1) = (ray(0, left + sideways), ray(1, right + sideways));
-        [ray(0, left), c0, c0, c1, c1, ray(1, right)]
+    let ray = |apex: usize, light: DVec3| RimPoint {
+        direction: ends[apex] - light,
+        apex,
     };
-    Some(Shell {
-        rims: [rim(-normal * half), rim(normal * half)],
+    // Where a plane through the edge crosses the separator's normal.
+    let crossings = sight.planes.iter().flatten().map(|plane| {
+        let along_normal = plane.truncate().dot(normal);
+        let at = -plane.w / along_normal;
+        if at.is_nan() {
+            f64::INFINITY
+        } else {
+            at.clamp(-half, half)
+        }
+    });
+    let mut crossings: SmallVec<[f64; 2]> = crossings.collect();
+    let margin = SLIVER_MARGIN * half;
+    let rim = |from: f64, to: f64| {
+        let (from, to) = (normal * from, normal * to);
+        let (c0, c1) = (ray(0, left + to), ray(1, right + to));
+        [ray(0, left + from), c0, c0, c1, c1, ray(1, right + from)]
+    };
+    if !sight.is_beside {
+        let outer = crossings
+            .iter()
+            .copied()
+            .filter(|at| *at < 0.0)
+            .fold(-half, f64::max);
+        let inner = crossings
+            .iter()
+            .copied()
+            .filter(|at| *at >= 0.0)
+            .fold(half, f64::min);
+        return Some(Shell {
+            rims: [
+                rim(0.0, (outer - margin).max(-half)),
+                rim(0.0, (inner + margin).min(half)),
+            ],
+            only: None,
+        });
+    }
+    crossings.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let &near = crossings.first()?;
+    let far = crossings.get(1).copied().filter(|far| far * near > 0.0);
+    let sign = 1f64.copysign(near);
+    let from = sign * (near.abs() - margin).max(0.0);
+    let to = sign * far.map_or(half, |far| (far.abs() + margin).min(half));
+    let (all, flat) = (rim(from, to), rim(from, from));
+    Some(if near < 0.0 {
+        Shell {
+            rims: [all, flat],
+            only: Some(Half::Outer),
+        }
+    } else {
+        Shell {
+            rims: [flat, all],
+            only: Some(Half::Inner),
+        }
     })
 }
 

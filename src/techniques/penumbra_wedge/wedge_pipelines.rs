@@ -170,6 +170,7 @@ impl WedgePipelines {
         let (vertex, buffers) = match key.part {
             Part::NearCap(_) => ("near_cap", POSITIONS),
             Part::FarCap(_) => ("far_cap", POSITIONS),
+            Part::Separator | Part::HardSide => ("separator_vertex", &[] as &[_]),
             _ => ("wedge_vertex", &[] as &[_]),
         };
         let is_split = key.form == Form::Split8;
