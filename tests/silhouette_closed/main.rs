@@ -10,6 +10,7 @@ use proptest::prelude::*;
 
 mod checks;
 mod hard_cases;
+mod layers;
 #[cfg(feature = "gltf")]
 mod models;
 mod shapes;

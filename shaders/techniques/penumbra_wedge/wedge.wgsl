@@ -5,7 +5,7 @@
 //         end before.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, in_light, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -37,6 +37,7 @@ const PIECE: u32 = 2u;
 const SOFT: u32 = 4u;
 const ONLY_OUTER: u32 = 128u;       // all of the shell is in this half, without a separator
 const ONLY_INNER: u32 = 256u;
+const CLOSED: u32 = 512u;           // both layers are what is averted
 
 // The light is a sphere, else a rectangle.
 override IS_SPHERE: bool = false;
@@ -64,6 +65,7 @@ struct Corner {
     @location(4) @interpolate(flat) layers: u32, // two bits of the hard shadow, two of the penumbra
     @location(5) @interpolate(flat) side: vec4f,
     @location(6) @interpolate(flat) other_side: vec4f,
+    @location(7) @interpolate(flat) is_closed: u32,
 }
 
 // Where a ray meets the plane at which it ends; without a plane at infinity.
@@ -123,6 +125,7 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     out.layers = flags >> 3u;
     out.side = wedges[instance].sides[0];
     out.other_side = wedges[instance].sides[1];
+    out.is_closed = flags & CLOSED;
     return out;
 }
 
@@ -165,11 +168,11 @@ fn rounded(share: vec4f) -> vec4f {
     return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
 }
 
-// Where a receiver lies in the plane of its own triangle, off which the rasterizer moves it by up to 1/512 of a pixel, and
-// how near to a plane lies in it.
+// A receiver in the plane of its own triangle, off which the rasterizer moves it by up to 1/512 of a pixel.
 struct Foot {
     p: vec3f,
-    rounding: f32,
+    normal: vec3f,
+    rounding: f32,                  // how near to a plane lies in it
 }
 
 fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
@@ -177,18 +180,27 @@ fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
     let off_plane = receiver.offset - dot(receiver.normal, receiver.position);
     return Foot(
         in_light(receiver.position + receiver.normal * off_plane),
+        direction_in_light(receiver.normal),
         ROUNDING * (length(receiver.position) + length(p)),
     );
 }
 
-// By layer, whether a triangle beside the edge has its front towards the light that is seen through it. In its own plane
-// nothing is seen through a triangle: it counts as it does from the light's centre, where the hard shadow's faces come
-// from, so that they agree. Where there is none, the plane is 0: in the facing layer that is a triangle that does not, in
-// the averted one a triangle that does.
+// Share of the light's extent by which its centre is clear of a plane.
+const CLEAR: f32 = 0.1;
+
+// By layer, whether a triangle beside the edge has its front towards the light that is seen through it. Where there is
+// none, the plane is 0: in the facing layer that is a triangle that does not, in the averted one a triangle that does.
+//
+// The receiver's own triangle hides nothing from it, and so do others in its plane. The hard shadow counts it where the
+// light's centre is behind it: then it counts here too, as seen from the centre. With the centre before it, it is of no
+// layer; or, where the hard shadow's faces pass so close to it that they may be counted, as seen from the centre too.
 fn faces(plane: vec4f, foot: Foot) -> vec2f {
     let value = dot(plane.xyz, foot.p) + plane.w;
-    let is_facing = select((value < 0.0), (plane.w > 0.0), abs(value) < foot.rounding);
-    return select(vec2f(select(0.0, 1.0, is_facing)), vec2f(0.0, 1.0), all(plane == vec4f(0.0)));
+    let from_center = vec2f(select(0.0, 1.0, plane.w > 0.0));
+    let is_clear = dot(plane.xyz, foot.normal) * plane.w > CLEAR * max(light.half_size.x, light.half_size.y);
+    let own = select(from_center, vec2f(0.0, 1.0), is_clear || all(plane == vec4f(0.0)));
+    let other = vec2f(select(0.0, 1.0, value < 0.0));
+    return select(other, own, abs(value) < foot.rounding || all(plane == vec4f(0.0)));
 }
 
 // A value in the facing and in the averted layer.
@@ -209,7 +221,8 @@ fn coverage(in: Corner) -> Layers {
     let receiver = receiver_at(in.position_clip.xy);
     let at = seat(receiver, IS_SPHERE);
     let foot = foot_of(receiver, at.p);
-    let times = (faces(in.side, foot) - faces(in.other_side, foot)) * vec2f(f32(in.layers >> 2u & 1u), f32(in.layers >> 3u & 1u));
+    let by_layer = faces(in.side, foot) - faces(in.other_side, foot);
+    let times = select(by_layer, by_layer.yy, in.is_closed != 0u) * vec2f(f32(in.layers >> 2u & 1u), f32(in.layers >> 3u & 1u));
     let seen = see(at.p, in.start_light, in.end_light, IS_SPHERE);
     if in.soft == 0.0 || receiver.depth <= 0.0 || all(times == vec2f(0.0)) || misses(seen, IS_SPHERE) {
         return Layers(vec4f(0.0), vec4f(0.0));

@@ -53,6 +53,8 @@ pub struct LayeredEdge {
     pub layers: u32,
     /// Layers that it bounds as seen from some point of the light.
     pub soft_layers: u32,
+    /// Both layers are what is averted of a closed piece.
+    pub is_closed: bool,
     /// Beside the edge: what traverses it along `ends`, and what traverses it the other way.
     pub sides: [Side; 2],
     /// The patch that it bounds.
@@ -66,6 +68,7 @@ impl LayeredEdge {
             ends,
             layers,
             soft_layers: layers,
+            is_closed: false,
             sides: [Side::Facing, Side::Averted],
             patch,
         }
@@ -156,6 +159,7 @@ pub fn extract_layers(
                     ends,
                     layers: if is_unlike { FACING | AVERTED } else { 0 },
                     soft_layers: FACING | AVERTED,
+                    is_closed: split.is_back_only(mesh, slot),
                     sides: if is_facing { sides } else { [sides[1], sides[0]] },
                     patch: 0,
                 });
@@ -250,6 +254,7 @@ fn turning_border(ends: [Vec3; 2], slot: usize, is_facing: bool, layers: u32, ot
         ends,
         layers,
         soft_layers: FACING | AVERTED,
+        is_closed: other == Side::Facing,
         sides: if is_facing { sides } else { [sides[1], sides[0]] },
         patch: 0,
     }
@@ -283,12 +288,15 @@ impl Split {
     /// What stands beside a triangle that is looked at by itself. Of closed pieces only what is averted counts, which is
     /// all but what faces: a triangle less one that faces.
     fn beside(self, mesh: &EdgeMesh, slot: usize) -> Side {
-        let is_closed = slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
-        if is_closed && self.mode == CapMode::ClosedBackFacing {
+        if self.is_back_only(mesh, slot) {
             Side::Facing
         } else {
             Side::Open
         }
+    }
+
+    fn is_back_only(self, mesh: &EdgeMesh, slot: usize) -> bool {
+        self.mode == CapMode::ClosedBackFacing && slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES
     }
 
     /// The same of a slot; 0 where a short cluster has no triangle.

@@ -11,15 +11,17 @@
 //!
 //! `visibility = 1 − w + Σ inner half c − Σ outer half c`,
 //!
-//! exact for a silhouette that is the same from all of the light, whatever the order of its edges. `c` is 0 outside
+//! exact for the silhouette that `p` sees, whatever the order of its edges. A triangle is on the same side of it from all
+//! of the light unless its plane cuts the light; of edges beside such triangles the shader asks whether they are of the
+//! silhouette from `p` ([`WedgeSilhouette::Receiver`]), and their wedges are slivers. `c` is 0 outside
 //! of the edge's wedge, so wedges need to enclose, not to fit. What is drawn is blended: `w` by the faces of the hard
 //! shadow behind the surface, `c` by the back faces of shells behind it, and where a ray from the surface crosses the
 //! separator, both at once: `2 c − 1`, which is 0 at the separator itself. So no pixel depends on which side of the
 //! separator rounding puts it. Of casters that surely shadow no part of the viewport, faces before the surface are
 //! counted instead, fronts of shells for backs, and caps are not needed.
 //!
-//! Only what of the light is above the receiver's horizon is looked at, or a convex caster would darken itself: its
-//! silhouette from the light's centre is not that from a point beside it on its own surface.
+//! Only what of the light is above the receiver's horizon is looked at, as the light pass does; or else, under the
+//! silhouette from the centre, a convex caster would darken itself.
 //!
 //! The sum counts what overlaps as often as it does. The same faces, with the same signs, also count nine places on the
 //! light, 1 where an edge hides a place, 0 where not, and by steps between where it passes near: so many times each place
@@ -28,9 +30,9 @@
 //! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
 //! Real-Time Performance". The formula with `w` and sectors is theirs in substance; that faces alone, without marking,
 //! give the same sum is ours, and so are the horizon and the places; theirs is equation 1 ([`Overlap::Paper`]).
-//! Counting the hidden samples of a light from signed edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005,
-//! "Soft Shadow Volumes for Ray Tracing", there for each ray and with
-//! points; that places are soft is ours.
+//! Edges that are of the silhouette from some point of the light, those of them that are from `p`, and counting the hidden
+//! samples of a light from signed edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005, "Soft Shadow Volumes for
+//! Ray Tracing", there for each ray and with points; slivers, and that places are soft, are ours.
 
 mod assemble;
 #[cfg(feature = "render")]

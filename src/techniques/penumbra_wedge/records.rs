@@ -22,7 +22,7 @@ pub struct Wedge {
     /// End of the edge, the caster's space.
     pub end_local: [f32; 3],
     /// [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, of the penumbra from
-    /// [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`] and [`ONLY_INNER`].
+    /// [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`], [`ONLY_INNER`] and [`CLOSED`].
     pub flags: u32,
     /// Start of the edge or piece, light space.
     pub start_light: [f32; 3],
@@ -73,6 +73,9 @@ pub const ONLY_OUTER: u32 = 128;
 
 /// The same in the inner half.
 pub const ONLY_INNER: u32 = 256;
+
+/// Both layers are what is averted of a closed piece.
+pub const CLOSED: u32 = 512;
 
 /// One caster of one part of a light.
 #[repr(C)]
@@ -142,7 +145,9 @@ pub fn push_edge(
     let ends = ends_local.map(|end| light_from_local.transform_point3(end.as_dvec3()));
     let [start, end] = ends_local.map(|end| end.to_array());
     let [start_light, end_light] = ends.map(|end| end.as_vec3().to_array());
-    let layers = edge.layers << LAYERS_SHIFT | edge.soft_layers << SOFT_LAYERS_SHIFT;
+    let layers = edge.layers << LAYERS_SHIFT
+        | edge.soft_layers << SOFT_LAYERS_SHIFT
+        | CLOSED * u32::from(edge.is_closed);
     let sight = sight_of(edge, sides);
     let mut whole = Wedge {
         start_local: start,
