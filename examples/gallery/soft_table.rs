@@ -62,6 +62,13 @@ fn ways() -> Vec<Way> {
             },
         ),
         Way::Wedges(
+            "2x1",
+            PenumbraWedge {
+                split: [2, 1],
+                ..wedge
+            },
+        ),
+        Way::Wedges(
             "2x2",
             PenumbraWedge {
                 split: [2, 2],
