@@ -139,9 +139,15 @@ fn direction_in_light(direction: vec3f) -> vec3f {
     );
 }
 
+// In the plane of its own triangle, off which the rasterizer moves a receiver by up to 1/512 of a pixel: edges near it are
+// where the mesh has them.
+fn in_plane(receiver: Receiver) -> vec3f {
+    return receiver.position + receiver.normal * (receiver.offset - dot(receiver.normal, receiver.position));
+}
+
 // Of a light of this extent around `center`.
 fn seat_at(receiver: Receiver, center: vec3f, half_size: vec2f, is_sphere: bool) -> Seat {
-    let p = in_light(receiver.position) - center;
+    let p = in_light(in_plane(receiver)) - center;
     let n = direction_in_light(receiver.normal);
     let frame = disc_frame(p);
     let tilt = select(n.xy, vec2f(dot(n, frame.across), dot(n, frame.up)), is_sphere) * half_size;

@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod buffers;
+mod flicker;
 #[path = "../harness/mod.rs"]
 mod harness;
 mod models;

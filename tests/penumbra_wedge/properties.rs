@@ -1,8 +1,7 @@
 //! What holds of wedges whatever they are compared with.
 
 use antumbra::prelude::*;
-use antumbra::reference::VisibilityImage;
-use antumbra::techniques::penumbra_wedge::{WedgeCulling, WedgeSilhouette};
+use antumbra::techniques::penumbra_wedge::WedgeCulling;
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
@@ -103,98 +102,6 @@ fn contact_leaks_nothing() {
         }
         assert_eq!((lit, dark), (0, 0), "{kind:?} {error:?}");
     }
-}
-
-/// What changes from frame to frame under a slowly moving light.
-#[derive(Debug)]
-struct Flicker {
-    /// By how much more the wedges change at a pixel, at most.
-    excess: f32,
-    /// The same of one pixel in ten thousand.
-    rare: f32,
-    /// Pixels where it is more than [`ALLOWED`], of all frames.
-    jumps: usize,
-}
-
-/// By how much more than truth a pixel may change.
-const ALLOWED: f32 = 0.05;
-
-fn flicker(casters: &[(MeshData, Vec3)], wedge: PenumbraWedge) -> Flicker {
-    let context = strict_context(RequestedFeatures::default());
-    let mut stage = ground(&context, EYE, Vec3::ZERO);
-    for (mesh, place) in casters {
-        spawn(&mut stage, mesh.clone(), Transform::from_translation(*place));
-    }
-    light(&mut stage, &lit(rect(0.5, 0.5), wedge));
-    let entity = stage.lights[0];
-    stage
-        .world
-        .insert_resource(ViewportSize(glam::UVec2::new(80, 45)));
-    let mut last: Option<(VisibilityImage, VisibilityImage)> = None;
-    let (mut excesses, mut moved) = (Vec::new(), 0.0f32);
-    for frame in 0..60 {
-        let from = Vec3::new(0.6 + 0.01 * frame as f32, 4.5, 0.8);
-        let place = Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y);
-        stage.world.entity_mut(entity).insert(place);
-        let got = rendered(&mut stage, 0);
-        let now = truth(&mut stage, 0, 256);
-        if let Some((last_got, last_truth)) = &last {
-            for i in 0..now.values().len() {
-                let change = (now.values()[i] - last_truth.values()[i]).abs();
-                if change.is_nan() {
-                    continue;
-                }
-                moved = moved.max(change);
-                excesses.push((got.values()[i] - last_got.values()[i]).abs() - change);
-            }
-        }
-        last = Some((got, now));
-    }
-    excesses.sort_by(f32::total_cmp);
-    let flicker = Flicker {
-        excess: excesses[excesses.len() - 1],
-        rare: excesses[excesses.len() - 1 - excesses.len() / 10_000],
-        jumps: excesses.iter().filter(|excess| **excess > ALLOWED).count(),
-    };
-    println!(
-        "{} casters, split {:?}: {flicker:.3?}",
-        casters.len(),
-        wedge.split
-    );
-    assert!(moved > 0.02, "the light moves");
-    flicker
-}
-
-fn balls(radius: f32, subdivisions: u32) -> [(MeshData, Vec3); 3] {
-    let ball = |x, y, z| (MeshData::icosphere(radius, subdivisions), Vec3::new(x, y, z));
-    [ball(0.0, 1.6, 0.0), ball(0.35, 1.0, 0.2), ball(-0.3, 0.7, -0.1)]
-}
-
-#[test]
-fn a_slowly_moving_light_does_not_flicker() {
-    let alone = [(MeshData::icosphere(0.5, 3), Vec3::new(0.0, 1.2, 0.0))];
-    // Balls that hide the same of the light, and coarse ones that cut one another: millimetres from a facet, the facet is
-    // all of the light.
-    for casters in [&alone[..], &balls(0.35, 3), &balls(0.4, 2)] {
-        for split in [[1; 2], [2; 2]] {
-            let wedge = PenumbraWedge {
-                split,
-                ..Default::default()
-            };
-            let flicker = flicker(casters, wedge);
-            assert!(flicker.excess <= ALLOWED, "{flicker:?}");
-        }
-    }
-}
-
-#[test]
-fn the_silhouette_from_the_centre_jumps_over_facets() {
-    let wedge = PenumbraWedge {
-        silhouette: WedgeSilhouette::Center,
-        ..Default::default()
-    };
-    let flicker = flicker(&balls(0.4, 2), wedge);
-    assert!(flicker.excess > 2.0 * ALLOWED, "{flicker:?}");
 }
 
 #[test]

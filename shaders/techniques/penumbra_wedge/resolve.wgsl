@@ -125,7 +125,8 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     );
     let by_facing = account(facing, is_hidden);
     let by_averted = account(averted, is_hidden);
-    return clamp(select(by_facing.hidden, by_averted.hidden, by_averted.fit > by_facing.fit), 0.0, over);
+    let to_averted = clamp(0.5 + (by_averted.fit - by_facing.fit) * 2.5, 0.0, 1.0);
+    return clamp(mix(by_facing.hidden, by_averted.hidden, to_averted), 0.0, over);
 }
 
 // What of the whole light lies above the horizon; never quite nothing.

@@ -5,7 +5,7 @@
 //         end before.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, in_light, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -168,25 +168,22 @@ fn rounded(share: vec4f) -> vec4f {
     return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
 }
 
-// A receiver in the plane of its own triangle, off which the rasterizer moves it by up to 1/512 of a pixel.
+// Where a receiver stands to the planes of triangles.
 struct Foot {
     p: vec3f,
-    normal: vec3f,
+    normal: vec3f,                  // of its own triangle
     rounding: f32,                  // how near to a plane lies in it
 }
 
 fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
     const ROUNDING: f32 = 4e-6;
-    let off_plane = receiver.offset - dot(receiver.normal, receiver.position);
-    return Foot(
-        in_light(receiver.position + receiver.normal * off_plane),
-        direction_in_light(receiver.normal),
-        ROUNDING * (length(receiver.position) + length(p)),
-    );
+    return Foot(p, direction_in_light(receiver.normal), ROUNDING * (length(receiver.position) + length(p)));
 }
 
 // Share of the light's extent by which its centre is clear of a plane.
 const CLEAR: f32 = 0.1;
+// Cosine of the angle within which normals are those of one plane.
+const PARALLEL: f32 = 0.9999;
 
 // By layer, whether a triangle beside the edge has its front towards the light that is seen through it. Where there is
 // none, the plane is 0: in the facing layer that is a triangle that does not, in the averted one a triangle that does.
@@ -196,11 +193,13 @@ const CLEAR: f32 = 0.1;
 // layer; or, where the hard shadow's faces pass so close to it that they may be counted, as seen from the centre too.
 fn faces(plane: vec4f, foot: Foot) -> vec2f {
     let value = dot(plane.xyz, foot.p) + plane.w;
+    let cosine = dot(plane.xyz, foot.normal);
+    let is_own = abs(cosine) > PARALLEL && abs(value) < foot.rounding;
+    let is_clear = cosine * plane.w > CLEAR * max(light.half_size.x, light.half_size.y);
     let from_center = vec2f(select(0.0, 1.0, plane.w > 0.0));
-    let is_clear = dot(plane.xyz, foot.normal) * plane.w > CLEAR * max(light.half_size.x, light.half_size.y);
-    let own = select(from_center, vec2f(0.0, 1.0), is_clear || all(plane == vec4f(0.0)));
-    let other = vec2f(select(0.0, 1.0, value < 0.0));
-    return select(other, own, abs(value) < foot.rounding || all(plane == vec4f(0.0)));
+    let seen = select(vec2f(select(0.0, 1.0, value < 0.0)), from_center, is_own);
+    let is_none = all(plane == vec4f(0.0));
+    return select(seen, vec2f(0.0, 1.0), is_none || (is_own && is_clear));
 }
 
 // A value in the facing and in the averted layer.
