@@ -95,6 +95,7 @@ fn mirrors() -> Vec<Mirror> {
             end_light,
             padding_b,
             rims,
+            sides,
         } in "techniques/penumbra_wedge/wedge.wgsl", array: true),
         mirror!(records, WedgeLight {
             clip_from_light,

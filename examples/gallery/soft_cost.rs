@@ -10,7 +10,7 @@ use antumbra::prelude::*;
 use antumbra::techniques::PenumbraWedges;
 use antumbra::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
 use antumbra::techniques::penumbra_wedge::{
-    CoverageMaths, Overlap, VisibilityBuffer, WedgeBounds, WedgeCulling,
+    CoverageMaths, Overlap, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
 };
 use bevy_ecs::system::RunSystemOnce;
 use glam::UVec2;
@@ -85,6 +85,13 @@ pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), 
             PenumbraWedge {
                 overlap: Overlap::Additive,
                 maths: CoverageMaths::Tables,
+                ..ours
+            },
+        ),
+        (
+            "from the centre",
+            PenumbraWedge {
+                silhouette: WedgeSilhouette::Center,
                 ..ours
             },
         ),

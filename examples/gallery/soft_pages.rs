@@ -12,6 +12,7 @@ use antumbra::reference::{
     LightSource, RayScene, VisibilityImage, compare_soft, difference_image, primary_hits, soft_visibility,
 };
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
+use antumbra::techniques::penumbra_wedge::WedgeSilhouette;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
 
@@ -109,9 +110,16 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
         }
         page += "<br>";
         let mut truth = None;
-        for parts in [1, 2, 3] {
+        let ways = [
+            ("center", 1, WedgeSilhouette::Center),
+            ("split1", 1, WedgeSilhouette::Receiver),
+            ("split2", 2, WedgeSilhouette::Receiver),
+            ("split3", 3, WedgeSilhouette::Receiver),
+        ];
+        for (name, parts, silhouette) in ways {
             let wedge = PenumbraWedge {
                 split: [parts; 2],
+                silhouette,
                 ..Default::default()
             };
             set_light(&mut stage, SQUARE, scene.light, wedge);
@@ -125,11 +133,16 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
             let error = compare_soft(truth, &got).map_err(|error| one_line(&error))?;
             let error = error.ok_or("no pixel counts")?;
             let title = format!(
-                "{parts}×{parts}: RMSE {:.4}, penumbra {:.4}",
-                error.rmse, error.rmse_penumbra
+                "{parts}×{parts}{}: RMSE {:.4}, penumbra {:.4}",
+                match silhouette {
+                    WedgeSilhouette::Center => ", silhouette from the centre",
+                    WedgeSilhouette::Receiver => "",
+                },
+                error.rmse,
+                error.rmse_penumbra
             );
             println!("{:<10} {title}", scene.name);
-            let stem = format!("{}-split{parts}", scene.name);
+            let stem = format!("{}-{name}", scene.name);
             figure(
                 &mut page,
                 out,

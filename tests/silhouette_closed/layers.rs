@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use antumbra::conventions::CLUSTER_TRIANGLES;
 use antumbra::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput};
 use antumbra::silhouettes::{
-    CapMode, FacingBits, FacingPlanes, LightExtent, compute_planes, compute_posed_planes, find_turning,
+    CapMode, FacingBits, FacingPlanes, LightExtent, classify, compute_planes, compute_posed_planes,
+    find_turning,
 };
 use antumbra::techniques::penumbra_wedge::layers::{
     AVERTED, FACING, Facets, LayeredContour, LayeredEdge, Side, extract_layers,
@@ -77,6 +78,15 @@ fn times(edge: &LayeredEdge, layer: u32, seen: &[u64]) -> i32 {
     i32::from(edge.soft_layers & layer != 0) * (faces(edge.sides[0]) - faces(edge.sides[1]))
 }
 
+/// What the edges add up to in a layer's penumbra.
+fn soft_chain(edges: &[LayeredEdge], layer: u32, seen: &[u64]) -> Chain {
+    let mut chain = Chain::new();
+    for edge in edges {
+        pass(&mut chain, edge.ends, times(edge, layer, seen));
+    }
+    without_zeros(chain)
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -111,16 +121,56 @@ proptest! {
                 let expected = |faces: &dyn Fn(usize) -> bool| {
                     borders(&mesh, &soup, |slot| part(layer, faces(slot), only_back(slot), is_mixed))
                 };
-                let (mut hard, mut soft) = (Chain::new(), Chain::new());
+                let mut hard = Chain::new();
                 for edge in &contour.edges {
                     pass(&mut hard, edge.ends, i32::from(edge.layers & layer != 0));
-                    pass(&mut soft, edge.ends, times(edge, layer, &seen));
                 }
                 prop_assert_eq!(without_zeros(hard), expected(&|slot| facing.is_facing(slot)));
-                prop_assert_eq!(without_zeros(soft), expected(&|slot| bit(&seen, slot)));
+                let soft = soft_chain(&contour.edges, layer, &seen);
+                prop_assert_eq!(soft, expected(&|slot| bit(&seen, slot)));
             }
         }
     }
+}
+
+#[test]
+fn a_dropped_edge_and_another_view_are_told() {
+    let soup = icosphere(1.0, 2);
+    let mesh = soup.build();
+    let (light, extent) = (Vec3::new(0.0, 3.0, 0.0), LightExtent::Sides([Vec3::X, Vec3::Z]));
+    let (mut planes, mut facing, mut turning) = (FacingPlanes::default(), FacingBits::default(), Vec::new());
+    compute_planes(&mesh, &soup.positions, &mut planes);
+    classify(&mesh, &planes, light.extend(1.0), &mut facing);
+    find_turning(&mesh, &planes, light, &extent, &mut turning);
+    let facets = Facets {
+        facing: &facing,
+        turning: &turning,
+    };
+    let mut contour = LayeredContour::default();
+    extract_layers(
+        &mesh,
+        &soup.positions,
+        facets,
+        CapMode::ClosedBackFacing,
+        false,
+        &mut contour,
+    );
+    let seen = facing.words();
+    let whole = soft_chain(&contour.edges, FACING, seen);
+    let other: Vec<u64> = seen
+        .iter()
+        .zip(&turning)
+        .map(|(seen, turning)| seen ^ turning)
+        .collect();
+    assert!(!whole.is_empty() && whole != soft_chain(&contour.edges, FACING, &other));
+    let counts = |edge: &LayeredEdge| times(edge, FACING, seen) != 0;
+    let dropped = contour
+        .edges
+        .iter()
+        .position(counts)
+        .expect("an edge of the silhouette");
+    contour.edges.remove(dropped);
+    assert_ne!(whole, soft_chain(&contour.edges, FACING, seen));
 }
 
 /// By the definition: not all of many places on the light are on one side of the plane.

@@ -38,6 +38,7 @@ mod assemble;
 #[cfg(feature = "render")]
 pub mod buffers;
 mod chunks;
+pub mod clip;
 pub mod component;
 pub mod ends;
 #[cfg(feature = "render")]
@@ -55,6 +56,7 @@ mod plans;
 mod recording;
 pub mod records;
 pub mod shell;
+pub mod sight;
 #[cfg(feature = "render")]
 mod tables;
 pub mod texture;

@@ -3,12 +3,12 @@
 
 use glam::{DMat4, DVec3, Vec3, Vec4};
 
+use super::clip::{clip_before_plane, clip_outside_sphere};
 use super::component::WedgeBounds;
 use super::layers::{LayeredEdge, Side};
 use super::parts::PartShape;
-use super::shell::{
-    Half, RIM, Shell, Sight, clip_before_plane, clip_outside_sphere, quad_shell, sphere_shell,
-};
+use super::shell::{Half, RIM, Shell, quad_shell, sphere_shell};
+use super::sight::Sight;
 
 /// One edge, or one piece of an edge that the light cuts.
 #[repr(C)]
@@ -145,9 +145,9 @@ pub fn push_edge(
     let ends = ends_local.map(|end| light_from_local.transform_point3(end.as_dvec3()));
     let [start, end] = ends_local.map(|end| end.to_array());
     let [start_light, end_light] = ends.map(|end| end.as_vec3().to_array());
-    let layers = edge.layers << LAYERS_SHIFT
-        | edge.soft_layers << SOFT_LAYERS_SHIFT
-        | CLOSED * u32::from(edge.is_closed);
+    let layers = (edge.layers << LAYERS_SHIFT)
+        | (edge.soft_layers << SOFT_LAYERS_SHIFT)
+        | (CLOSED * u32::from(edge.is_closed));
     let sight = sight_of(edge, sides);
     let mut whole = Wedge {
         start_local: start,

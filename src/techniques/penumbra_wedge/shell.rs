@@ -17,6 +17,9 @@
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 
+use super::clip::{chord, clipped, side};
+use super::sight::{SLIVER_MARGIN, Sight, distance_of_line, passes_clear, towards_center, turned};
+
 /// Points of a half's rim: where its shell ends at infinity, from one side of the separator to the other.
 pub const RIM: usize = 6;
 
@@ -48,86 +51,9 @@ pub enum Half {
     Inner,
 }
 
-/// From where on the light an edge is one of the silhouette.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sight {
-    /// Planes through the edge that bound that part: `dot(xyz, p) + w`, light space.
-    pub planes: [Option<DVec4>; 2],
-    /// The light's centre is not in the part.
-    pub is_beside: bool,
-}
-
 /// Least sine of the angle between the ends of an edge, seen from the light's centre: below, the edge points at the
 /// centre and covers no sector of the light.
 const POINTING: f64 = 1e-9;
-
-/// Signed distance of a plane, times the length of its normal.
-fn side(plane: DVec4, point: DVec3) -> f64 {
-    plane.truncate().dot(point) + plane.w
-}
-
-/// What of a convex polygon lies where the plane is positive.
-fn clipped(polygon: &[DVec3], plane: DVec4) -> SmallVec<[DVec3; 8]> {
-    let mut kept = SmallVec::new();
-    for (i, &from) in polygon.iter().enumerate() {
-        let to = polygon[(i + 1) % polygon.len()];
-        let (at_from, at_to) = (side(plane, from), side(plane, to));
-        if at_from >= 0.0 {
-            kept.push(from);
-        }
-        if (at_from >= 0.0) != (at_to >= 0.0) {
-            kept.push(from + (to - from) * (at_from / (at_from - at_to)));
-        }
-    }
-    kept
-}
-
-/// The longest chord of a convex polygon in a plane.
-fn chord(polygon: &[DVec3], plane: DVec4) -> Option<[DVec3; 2]> {
-    let mut crossings = SmallVec::<[DVec3; 4]>::new();
-    for (i, &from) in polygon.iter().enumerate() {
-        let to = polygon[(i + 1) % polygon.len()];
-        let (at_from, at_to) = (side(plane, from), side(plane, to));
-        if (at_from >= 0.0) != (at_to >= 0.0) {
-            crossings.push(from + (to - from) * (at_from / (at_from - at_to)));
-        }
-    }
-    <[DVec3; 2]>::try_from(&crossings[..]).ok()
-}
-
-/// The plane with the origin on its positive side.
-fn towards_center(plane: DVec4) -> DVec4 {
-    if plane.w < 0.0 { -plane } else { plane }
-}
-
-/// Share of the light's extent by which slivers are wider than the sight: what lies in the plane of a triangle, above all
-/// its own surface, counts as seen from the centre, and the rasterizer moves it by up to 1/512 of a pixel.
-const SLIVER_MARGIN: f64 = 0.1;
-
-/// A plane through the edge, turned about it by an angle: away from the origin, which is on its positive side, or towards
-/// it; no farther than to it.
-fn turned(plane: DVec4, [a, b]: [DVec3; 2], angle: f64, away: bool) -> DVec4 {
-    let normal = plane.truncate();
-    let across = (b - a).normalize_or_zero().cross(normal) * angle.tan();
-    let through_edge = |normal: DVec3| normal.normalize_or_zero().extend(0.0);
-    let [one, other] = [normal + across, normal - across].map(|normal| {
-        let plane = through_edge(normal);
-        plane.truncate().extend(-plane.truncate().dot(a))
-    });
-    let (nearer, farther) = if one.w < other.w {
-        (one, other)
-    } else {
-        (other, one)
-    };
-    match (away, nearer.w < 0.0) {
-        (true, _) => farther,
-        (false, false) => nearer,
-        (false, true) => {
-            let separator = a.cross(b).normalize_or_zero();
-            through_edge(separator * separator.dot(normal).signum())
-        }
-    }
-}
 
 /// The shell of the edge between `ends` for a light that is a parallelogram around the origin; `corners` in order
 /// around it. The ends must lie on one side of its plane.
@@ -192,25 +118,6 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Optio
         })
     };
     beside().or_else(|| whole(&corners))
-}
-
-/// Of the line through both ends from the origin.
-fn distance_of_line([a, b]: [DVec3; 2]) -> f64 {
-    let along = (b - a).normalize_or_zero();
-    (a - along * a.dot(along)).length()
-}
-
-/// Whether the line of the edge meets the light's plane farther from the centre than the light reaches, if at all.
-fn passes_clear([a, b]: [DVec3; 2], corners: [DVec3; 4]) -> bool {
-    let normal = (corners[1] - corners[0]).cross(corners[2] - corners[1]);
-    let reach = corners
-        .iter()
-        .map(|corner| corner.length_squared())
-        .fold(0.0, f64::max);
-    let (at_a, at_b) = (normal.dot(a), normal.dot(b));
-    let meeting = a + (b - a) * (at_a / (at_a - at_b));
-    // Also where there is no meeting.
-    !(meeting.length_squared() <= 1.01 * reach)
 }
 
 /// A plane through the edge, the chord in which it cuts the light, and the rays that bound what sees the edge before
@@ -421,35 +328,4 @@ fn separator_normal([a, b]: [DVec3; 2]) -> Option<DVec3> {
     let normal = a.cross(b);
     let length = normal.length();
     (length > POINTING * a.length() * b.length() && length.is_finite()).then(|| normal / length)
-}
-
-/// The part of an edge that lies more than `margin` before the light's plane (`z < 0`).
-pub fn clip_before_plane([a, b]: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> {
-    let (da, db) = (-a.z - margin, -b.z - margin);
-    let crossing = || a + (b - a) * (da / (da - db));
-    match (da > 0.0, db > 0.0) {
-        (true, true) => Some([a, b]),
-        (false, false) => None,
-        (true, false) => Some([a, crossing()]),
-        (false, true) => Some([crossing(), b]),
-    }
-}
-
-/// The parts of an edge outside of a sphere around the origin, up to two.
-pub fn clip_outside_sphere([a, b]: [DVec3; 2], radius: f64) -> [Option<[DVec3; 2]>; 2] {
-    let d = b - a;
-    let (dd, ad, c) = (d.length_squared(), a.dot(d), a.length_squared() - radius * radius);
-    let discriminant = ad * ad - dd * c;
-    if !(discriminant > 0.0) || dd == 0.0 {
-        return [(c > 0.0).then_some([a, b]), None];
-    }
-    let root = discriminant.sqrt();
-    let (enter, leave) = ((-ad - root) / dd, (-ad + root) / dd);
-    if leave <= 0.0 || enter >= 1.0 {
-        return [Some([a, b]), None];
-    }
-    [
-        (enter > 0.0).then(|| [a, a + d * enter]),
-        (leave < 1.0).then(|| [a + d * leave, b]),
-    ]
 }

@@ -105,7 +105,8 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::techniques::penumbra_wedge::shell::{Shell, Sight, quad_shell, sphere_shell};
+    use crate::techniques::penumbra_wedge::shell::{Shell, quad_shell, sphere_shell};
+    use crate::techniques::penumbra_wedge::sight::Sight;
 
     const ENDS: [DVec3; 2] = [DVec3::new(-0.7, 0.4, -2.0), DVec3::new(0.9, 0.1, -2.5)];
 
@@ -191,9 +192,9 @@ mod tests {
         }
     }
 
-    /// Of 400 random edges and as many points each that see a random light past the edge: how far outside of the shell
-    /// the worst lies, and of how many shells of all volume the slivers are. `is_in` tells which places of the light a
-    /// sight holds.
+    /// Of 400 random edges, and for each of points that see a random light past it from where it is of the silhouette: how
+    /// far outside of its shell the worst lies; how many shells are in one half, and how many points there are. Without
+    /// `cut`, edges are of the silhouette from everywhere.
     fn worst_outside(cut: bool) -> (f64, usize, usize) {
         let mut unit = random();
         let indices = indices();
