@@ -12,12 +12,14 @@ mod scenes;
 mod texture;
 
 use antumbra::prelude::*;
-use antumbra::techniques::penumbra_wedge::{VisibilityBuffer, WedgeBounds, WedgeCulling};
+use antumbra::techniques::penumbra_wedge::{
+    Overlap, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
+};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 use harness::strict_context;
 use harness::support::stage::Stage;
-use scenes::{Lit, SAMPLES, ground, judge, light, spawn, truth};
+use scenes::{Lit, SAMPLES, ground, judge, light, lit, spawn, truth};
 
 /// A light above a box that stands clear of the ground: from all of the light, the silhouette is that of the top.
 fn box_stage(context: &RenderContext, kind: LightKind, wedge: PenumbraWedge) -> Stage {
@@ -89,6 +91,45 @@ fn a_box_throws_the_shadow_of_truth() {
             let error = judge(&mut stage, &truth, &format!("box_{name}_{settings}"));
             assert!(error.rmse_penumbra <= 0.01, "{name} {settings}: {error:?}");
             assert_eq!((error.umbra_lit, error.lit_dark), (0.0, 0.0), "{name} {settings}");
+        }
+    }
+}
+
+#[test]
+fn balls_throw_the_shadow_of_truth() {
+    let context = strict_context(RequestedFeatures::default());
+    // From no two places of the light is the silhouette the same, least of all that of the coarse ball.
+    for (ball, subdivisions) in [("coarse", 1), ("fine", 4)] {
+        for (name, kind) in SHAPES {
+            let mut stage = ground(&context, Vec3::new(2.5, 3.0, 4.5), Vec3::new(-0.3, 0.2, 0.0));
+            let place = Transform::from_xyz(0.0, 1.2, 0.0);
+            spawn(&mut stage, MeshData::icosphere(0.7, subdivisions), place);
+            light(&mut stage, &lit(kind, PenumbraWedge::default()));
+            let truth = truth(&mut stage, 0, SAMPLES);
+            let mut judged = |silhouette, overlap, culling| {
+                let light = stage.lights[0];
+                stage.world.entity_mut(light).insert(PenumbraWedge {
+                    silhouette,
+                    overlap,
+                    culling,
+                    ..Default::default()
+                });
+                let name = format!("{ball}_ball_{name}_{silhouette:?}_{overlap:?}_{culling:?}");
+                judge(&mut stage, &truth, &name)
+            };
+            let from_center = judged(WedgeSilhouette::Center, Overlap::Sampled, WedgeCulling::Depth);
+            for (overlap, culling) in [
+                (Overlap::Sampled, WedgeCulling::Depth),
+                (Overlap::Additive, WedgeCulling::Stencil),
+            ] {
+                let error = judged(WedgeSilhouette::Receiver, overlap, culling);
+                assert!(
+                    error.rmse_penumbra <= 0.01,
+                    "{ball} {name} {overlap:?}: {error:?}"
+                );
+            }
+            let from_center = judged(WedgeSilhouette::Center, Overlap::Sampled, WedgeCulling::Depth);
+            println!("from the centre {:.4}", from_center.rmse_penumbra);
         }
     }
 }

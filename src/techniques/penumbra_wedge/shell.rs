@@ -269,13 +269,8 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64, sight: &Sight) -> Option<Shel
     };
     // Where a plane through the edge crosses the separator's normal.
     let crossings = sight.planes.iter().flatten().map(|plane| {
-        let along_normal = plane.truncate().dot(normal);
-        let at = -plane.w / along_normal;
-        if at.is_nan() {
-            f64::INFINITY
-        } else {
-            at.clamp(-half, half)
-        }
+        let at = -plane.w / plane.truncate().dot(normal);
+        at.clamp(-half, half)
     });
     let mut crossings: SmallVec<[f64; 2]> = crossings.collect();
     let margin = SLIVER_MARGIN * half;
