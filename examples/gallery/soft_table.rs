@@ -167,13 +167,16 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
     }
     println!("{header}");
     let mut sums: Vec<Vec<[f64; 3]>> = vec![Vec::new(); ways.len()];
+    let mut rows = Vec::new();
     let mut failures = Vec::new();
     for file in &files {
         let Some(mut subject) = Subject::load(context, file, size)? else {
             continue;
         };
         let truth = subject.truth()?;
-        let mut line = format!("{:<26}", file.file_stem().unwrap_or_default().to_string_lossy());
+        let name = file.file_stem().unwrap_or_default().to_string_lossy();
+        let mut line = format!("{name:<26}");
+        let mut row = Vec::new();
         for (way, sums) in ways.iter().zip(&mut sums) {
             match subject.judge(way, &truth) {
                 Ok((error, milliseconds)) => {
@@ -182,8 +185,10 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
                         error.rmse, error.rmse_penumbra
                     );
                     sums.push([error.rmse, error.rmse_penumbra, milliseconds]);
+                    row.push(Some([error.rmse_penumbra, milliseconds]));
                 }
                 Err(reason) => {
+                    row.push(None);
                     subject.clear();
                     line += &format!(" {:>23}", "-");
                     failures.push(format!("{}: {}: {reason}", file.display(), way.name()));
@@ -191,6 +196,7 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
             }
         }
         println!("{line}");
+        rows.push((name.into_owned(), row));
     }
     let mut line = format!("{:<26}", "mean");
     for sums in sums {
@@ -198,10 +204,52 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
         line += &format!(" {:.4} / {:.4} {:>6.1}", mean[0], mean[1], mean[2]);
     }
     println!("{line}");
+    print_against_hard(&ways, &rows);
     for failure in failures {
         println!("{failure}");
     }
     Ok(())
+}
+
+/// Against 64 hard shadows, if they are in the table: what share of their frame each way takes, which models it errs less
+/// on for less than a quarter of it, and those that no way does.
+fn print_against_hard(ways: &[Way], rows: &[(String, Vec<Option<[f64; 2]>>)]) {
+    let Some(hard) = ways.iter().position(|way| way.name() == "hard 64") else {
+        return;
+    };
+    let mut without: Vec<&str> = Vec::new();
+    let mut shares = vec![Vec::new(); ways.len()];
+    let mut better = vec![0; ways.len()];
+    let mut judged = 0;
+    for (name, row) in rows {
+        let Some([hard_error, hard_time]) = row[hard] else {
+            continue;
+        };
+        judged += 1;
+        let mut found = false;
+        for (i, cell) in row.iter().enumerate() {
+            if let Some([error, time]) = *cell {
+                shares[i].push(time / hard_time);
+                let is_better = error < hard_error && time < 0.25 * hard_time;
+                better[i] += usize::from(is_better);
+                found |= is_better;
+            }
+        }
+        if !found {
+            without.push(name);
+        }
+    }
+    println!("of {judged} models with 64 hard shadows:");
+    for ((way, shares), better) in ways.iter().zip(&mut shares).zip(better) {
+        shares.sort_by(f64::total_cmp);
+        if let Some(median) = shares.get(shares.len() / 2) {
+            println!(
+                "{:<16} median share of their frame {median:.2}; less error over the penumbra for less than a quarter: {better}",
+                way.name()
+            );
+        }
+    }
+    println!("no way: {}", without.join(", "));
 }
 
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), String> {

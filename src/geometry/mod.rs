@@ -3,6 +3,7 @@
 pub mod aabb;
 pub mod box_shadow;
 pub mod cone;
+pub mod convex_polygon;
 pub mod edge_mesh;
 pub mod frustum;
 pub mod light_hull;

@@ -2,11 +2,12 @@
 
 use antumbra::prelude::*;
 use antumbra::techniques::PenumbraWedges;
+use antumbra::techniques::penumbra_wedge::records::WedgeCaster;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
 use crate::harness::strict_context;
-use crate::scenes::{Lit, ground, largest_difference, light, rect, rendered, spawn, sphere};
+use crate::scenes::{Lit, ground, largest_difference, light, lit, rect, rendered, spawn, sphere, with};
 
 /// Renders a light in every form; the picture has nothing but visibilities.
 fn shines(context: &RenderContext, name: &str, kind: LightKind, from: Vec3, mesh: MeshData) -> f32 {
@@ -127,6 +128,26 @@ fn small_context(bytes: u64) -> RenderContext {
     let mut context = RenderContext::from_device(device, queue, "small".to_owned());
     context.anisotropy = 1;
     context
+}
+
+#[test]
+fn casters_beyond_a_binding_are_refused() {
+    const BYTES: u64 = 2 << 20;
+    let mut stage = ground(&small_context(BYTES), Vec3::new(2.5, 3.0, 4.5), Vec3::ZERO);
+    let count = BYTES as usize / size_of::<WedgeCaster>() / 64 + 1;
+    for i in 0..count {
+        let place = Transform::from_xyz((i % 32) as f32 * 0.1 - 1.6, 0.5, (i / 32) as f32 * 0.1 - 0.8);
+        spawn(&mut stage, MeshData::cuboid(Vec3::splat(0.02)), place);
+    }
+    let split = PenumbraWedge {
+        split: [8; 2],
+        ..Default::default()
+    };
+    light(&mut stage, &lit(rect(0.5, 0.5), split));
+    let error = stage.render().expect_err("more than a binding holds").to_string();
+    assert!(error.contains("casters of all wedges"), "{error}");
+    // Fewer parts are fewer casters.
+    with(&mut stage, PenumbraWedge::default());
 }
 
 #[test]

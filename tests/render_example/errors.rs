@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 32] = [
+const SPOILT: [Spoilt; 33] = [
     (
         "no scene",
         |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),
@@ -59,6 +59,11 @@ const SPOILT: [Spoilt; 32] = [
         "no part of a split light",
         |s| s["lights"][3]["shadow"] = json!({"technique": "penumbra_wedge", "split": [2, 0]}),
         &["lights[3]", "split"],
+    ),
+    (
+        "unknown silhouette",
+        |s| s["lights"][3]["shadow"] = json!({"technique": "penumbra_wedge", "silhouette": "mine"}),
+        &["lights[3]", "mine"],
     ),
     (
         "unknown overlap",

@@ -47,7 +47,8 @@ fn wedges_take_their_settings_and_a_picture() {
     shot["lights"][3]["texture"] = json!("window.png");
     shot["lights"][3]["shadow"] =
         json!({"technique": "penumbra_wedge", "split": [2, 2], "overlap": "paper", "buffer": "split8"});
-    shot["lights"][4]["shadow"] = json!({"technique": "penumbra_wedge", "buffer": "split8"});
+    shot["lights"][4]["shadow"] =
+        json!({"technique": "penumbra_wedge", "silhouette": "center", "buffer": "split8"});
     let stats = rendered(&folder, &shot);
     for light in [3, 4] {
         assert_eq!(stats["lights"][light]["technique"], "penumbra_wedge");

@@ -114,6 +114,9 @@ fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
     return Account(mean + slope * (layer.covered - mean_count), fit);
 }
 
+// The layer whose account fits better tells; by turns where they fit alike within this, so that none jumps.
+const FIT_WIDTH: f32 = 0.4;
+
 fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     let is_above = places_above(horizon, IS_SPHERE);
     let facing = counts(textureLoad(facing_sums, pixel, 0), over, is_above);
@@ -125,7 +128,7 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     );
     let by_facing = account(facing, is_hidden);
     let by_averted = account(averted, is_hidden);
-    let to_averted = clamp(0.5 + (by_averted.fit - by_facing.fit) * 2.5, 0.0, 1.0);
+    let to_averted = clamp(0.5 + (by_averted.fit - by_facing.fit) / FIT_WIDTH, 0.0, 1.0);
     return clamp(mix(by_facing.hidden, by_averted.hidden, to_averted), 0.0, over);
 }
 

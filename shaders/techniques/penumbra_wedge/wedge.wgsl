@@ -5,7 +5,7 @@
 //         end before.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -20,7 +20,7 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
-    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on, ONLY_*
+    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on, ONLY_*, CLOSED
     start_light: vec3f,
     padding_a: u32,
     end_light: vec3f,
@@ -62,10 +62,9 @@ struct Corner {
     @location(1) @interpolate(flat) end_light: vec3f,
     @location(2) @interpolate(flat) hard: f32,  // 1: bounds the hard shadow
     @location(3) @interpolate(flat) soft: f32,  // 1 in the inner half, −1 in the outer; 0 without a shell
-    @location(4) @interpolate(flat) layers: u32, // two bits of the hard shadow, two of the penumbra
+    @location(4) @interpolate(flat) flags: u32,
     @location(5) @interpolate(flat) side: vec4f,
     @location(6) @interpolate(flat) other_side: vec4f,
-    @location(7) @interpolate(flat) is_closed: u32,
 }
 
 // Where a ray meets the plane at which it ends; without a plane at infinity.
@@ -122,10 +121,9 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
     let is_inner = (rim_index >= 6u || only == ONLY_INNER) && only != ONLY_OUTER;
     out.soft = select(0.0, select(-1.0, 1.0, is_inner), is_soft);
-    out.layers = flags >> 3u;
+    out.flags = flags;
     out.side = wedges[instance].sides[0];
     out.other_side = wedges[instance].sides[1];
-    out.is_closed = flags & CLOSED;
     return out;
 }
 
@@ -218,14 +216,19 @@ fn layered(value: vec4f, layers: u32) -> Layers {
 // Of most fragments the surface is not in the wedge, whose back is behind it all the same: that is found out first.
 fn coverage(in: Corner) -> Layers {
     let receiver = receiver_at(in.position_clip.xy);
-    let at = seat(receiver, IS_SPHERE);
-    let foot = foot_of(receiver, at.p);
-    let by_layer = faces(in.side, foot) - faces(in.other_side, foot);
-    let times = select(by_layer, by_layer.yy, in.is_closed != 0u) * vec2f(f32(in.layers >> 2u & 1u), f32(in.layers >> 3u & 1u));
-    let seen = see(at.p, in.start_light, in.end_light, IS_SPHERE);
-    if in.soft == 0.0 || receiver.depth <= 0.0 || all(times == vec2f(0.0)) || misses(seen, IS_SPHERE) {
+    let p = in_light(in_plane(receiver));
+    let seen = see(p, in.start_light, in.end_light, IS_SPHERE);
+    if in.soft == 0.0 || receiver.depth <= 0.0 || misses(seen, IS_SPHERE) {
         return Layers(vec4f(0.0), vec4f(0.0));
     }
+    let foot = foot_of(receiver, p);
+    let by_layer = faces(in.side, foot) - faces(in.other_side, foot);
+    let is_closed = (in.flags & CLOSED) != 0u;
+    let times = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> 5u & 1u), f32(in.flags >> 6u & 1u));
+    if all(times == vec2f(0.0)) {
+        return Layers(vec4f(0.0), vec4f(0.0));
+    }
+    let at = seat(receiver, IS_SPHERE);
     let share = covered(at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
     // Also against NaN, which compares to nothing.
     let is_usable = share.a >= 0.0 && share.a < 1.0;
@@ -245,14 +248,14 @@ fn shell_value(in: Corner) -> Layers {
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> Layers {
-    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.layers);
+    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.flags >> 3u);
     let soft = coverage(in);
     let sum = Layers(2.0 * soft.facing - hard.facing, 2.0 * soft.averted - hard.averted);
     return scaled(sum, FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> Layers {
-    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.layers);
+    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.flags >> 3u);
 }
 
 fn cap_value(position: vec4f, front_facing: bool) -> Layers {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
-use crate::geometry::{Plane, PlaneSet};
+use crate::geometry::{Plane, PlaneSet, convex_polygon};
 
 /// Directions count as inside a plane that they miss by less than this sine.
 const ANGLE_SLACK: f64 = 1e-6;
@@ -98,21 +98,11 @@ fn normals(corners: &[DVec3]) -> SmallVec<[DVec3; 8]> {
         .collect()
 }
 
-/// Source: Sutherland & Hodgman 1974, on directions.
+/// On directions.
 fn clip(corners: &[DVec3], normal: DVec3) -> SmallVec<[DVec3; 8]> {
-    let side = |corner: &DVec3| normal.dot(*corner) + ANGLE_SLACK * corner.length();
-    let mut kept = SmallVec::new();
-    for (i, to) in corners.iter().enumerate() {
-        let from = &corners[(i + corners.len() - 1) % corners.len()];
-        let (a, b) = (side(from), side(to));
-        if (a >= 0.0) != (b >= 0.0) {
-            kept.push(*from + (*to - *from) * (a / (a - b)));
-        }
-        if b >= 0.0 {
-            kept.push(*to);
-        }
-    }
-    kept
+    convex_polygon::clip(corners, |corner| {
+        normal.dot(corner) + ANGLE_SLACK * corner.length()
+    })
 }
 
 /// Corners of the convex cone around directions, in order; `None` if they do not lie within a cone of less than 87°.

@@ -119,10 +119,7 @@ mod tests {
     use super::*;
 
     fn cube(center: Vec3, half: f32) -> Aabb {
-        Aabb {
-            min: center - half,
-            max: center + half,
-        }
+        Aabb::around(center, Vec3::splat(half))
     }
 
     #[test]

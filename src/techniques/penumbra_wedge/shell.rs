@@ -17,8 +17,8 @@
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 
-use super::clip::{chord, clipped, side};
-use super::sight::{SLIVER_MARGIN, Sight, distance_of_line, passes_clear, towards_center, turned};
+use super::sight::{SLIVER_MARGIN, Sight, distance_of_line, passes_clear, side, towards_center, turned};
+use crate::geometry::convex_polygon::{chord, clip};
 
 /// Points of a half's rim: where its shell ends at infinity, from one side of the separator to the other.
 pub const RIM: usize = 6;
@@ -63,8 +63,8 @@ const POINTING: f64 = 1e-9;
 pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Option<Shell> {
     let normal = separator_normal(ends)?.extend(0.0);
     let whole = |polygon: &[DVec3]| {
-        let base = Base::new(ends, chord(polygon, normal)?, normal.truncate())?;
-        let rims = [-normal, normal].map(|inward| base.rim(&clipped(polygon, inward)));
+        let base = Base::new(ends, chord(polygon, side(normal))?, normal.truncate())?;
+        let rims = [-normal, normal].map(|inward| base.rim(&clip(polygon, side(inward))));
         Some(Shell {
             rims: [rims[0]?, rims[1]?],
             only: None,
@@ -80,22 +80,22 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Optio
     if !sight.is_beside {
         let mut kept = SmallVec::from_slice(&corners);
         for cut in cuts() {
-            kept = clipped(&kept, turned(cut, ends, angle, true));
+            kept = clip(&kept, side(turned(cut, ends, angle, true)));
         }
         return whole(&kept).or_else(|| whole(&corners));
     }
     // Between the plane that is nearer to the centre and the other.
     let mut cuts: SmallVec<[DVec4; 2]> = cuts().collect();
     if let [first, second] = cuts[..]
-        && let Some([a, b]) = chord(&corners, second)
-        && side(first, (a + b) * 0.5) >= 0.0
+        && let Some([a, b]) = chord(&corners, side(second))
+        && side(first)((a + b) * 0.5) >= 0.0
     {
         cuts.swap(0, 1);
     }
     let near = turned(*cuts.first()?, ends, angle, false);
-    let mut part = clipped(&corners, -near);
+    let mut part = clip(&corners, side(-near));
     if let Some(&far) = cuts.get(1) {
-        part = clipped(&part, turned(far, ends, angle, true));
+        part = clip(&part, side(turned(far, ends, angle, true)));
     }
     let middle = part.iter().sum::<DVec3>();
     if part.len() < 3 {
@@ -107,7 +107,7 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Optio
         Half::Inner
     };
     let beside = || {
-        let base = Base::new(ends, chord(&corners, near)?, near.truncate())?;
+        let base = Base::new(ends, chord(&corners, side(near))?, near.truncate())?;
         let (all, flat) = (base.rim(&part)?, base.rim(&[])?);
         Some(Shell {
             rims: match half {

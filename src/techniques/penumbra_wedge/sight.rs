@@ -11,6 +11,11 @@ pub struct Sight {
     pub is_beside: bool,
 }
 
+/// Signed distance from a plane, times the length of its normal.
+pub(super) fn side(plane: DVec4) -> impl Fn(DVec3) -> f64 {
+    move |point| plane.truncate().dot(point) + plane.w
+}
+
 /// The plane with the origin on its positive side.
 pub(super) fn towards_center(plane: DVec4) -> DVec4 {
     if plane.w < 0.0 { -plane } else { plane }
