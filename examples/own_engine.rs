@@ -8,9 +8,10 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use antumbra::plugin::{init_resources, standalone_schedule};
 use antumbra::prelude::*;
-use antumbra::render::{readback::read_texture, targets::create_target};
+use antumbra::render::create_target;
+use antumbra::render::readback::read_texture;
+use antumbra::schedule::{init_resources, standalone_schedule};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};

@@ -10,7 +10,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::render::{readback::read_texture, targets::create_target};
+use antumbra::render::create_target;
+use antumbra::render::readback::read_texture;
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;

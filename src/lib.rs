@@ -14,7 +14,7 @@
 //!             └─► for each light of the frame: mark visibility (S) ─► add its light (I), blend ONE ONE ─► tonemap
 //! ```
 //!
-//! The sets of [`AntumbraSystems`](plugin::AntumbraSystems) are the arrows of the upper row; [`render::frame`] is the
+//! The sets of [`AntumbraSystems`](schedule::AntumbraSystems) are the arrows of the upper row; `render/frame/record.rs` is the
 //! lower row, a call a pass.
 //!
 //! # The map
@@ -31,8 +31,9 @@
 //! | [`reference`](mod@reference) | ray-cast visibility, slow and exact: the judge of the others (feature `reference`) |
 //! | [`render`] | all of wgpu that no technique owns (feature `render`) |
 //! | [`techniques`] | one folder each: component, CPU geometry, recorder |
-//! | [`plugin`] | system sets, schedules, registration |
+//! | [`schedule`] | system sets and schedules |
 //! | [`bevy_adapter`] | the plugin in a game of Bevy's (feature `bevy`) |
+//! | [`plugin`] | the plugin, in a plain `App` and in Bevy's |
 //!
 //! `shaders/` mirrors the Rust files: `passes/<node>.wgsl` for `render/nodes/<node>.rs`,
 //! `techniques/<technique>/<pass>.wgsl` for `techniques/<technique>/`, and `common/` for what both import.
@@ -60,6 +61,7 @@ pub mod reference;
 #[cfg(feature = "render")]
 pub mod render;
 pub mod scene;
+pub mod schedule;
 pub mod sets;
 pub mod silhouettes;
 pub mod techniques;
@@ -69,18 +71,37 @@ pub mod techniques;
 #[doc = include_str!("../README.md")]
 pub struct Readme;
 
+/// Insides that the tests of this crate look at. No part of the API: they change without notice.
+#[doc(hidden)]
+pub mod insides {
+    #[cfg(feature = "render")]
+    pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
+    #[cfg(feature = "render")]
+    pub use crate::render::pools::gpu_types;
+    #[cfg(feature = "render")]
+    pub use crate::render::shaders::{COMMON, PASSES};
+    pub use crate::sets::index::boxes::WORD;
+    pub use crate::techniques::maps::packing::*;
+    pub use crate::techniques::maps::request::MapRequest;
+    pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;
+    pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
+    pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
+    pub use crate::techniques::shadow_map::cascades::split_depths;
+    pub use crate::techniques::shared::extrude::*;
+}
+
 /// What most users name.
 pub mod prelude {
-    pub use crate::plugin::{AntumbraPlugin, AntumbraSystems};
+    pub use super::plugin::AntumbraPlugin;
+    pub use super::render::frame::record::FrameOutputs;
     #[cfg(feature = "render")]
-    pub use crate::render::{
-        RenderContext, RenderSettings, Renderer, RequestedFeatures, frame::FrameOutputs,
-    };
-    pub use crate::scene::{
+    pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
+    pub use super::scene::{
         AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
         Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
         ShadowedLight,
     };
-    pub use crate::sets::{FrameLights, ViewportSize};
-    pub use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+    pub use super::schedule::AntumbraSystems;
+    pub use super::sets::{FrameLights, ViewportSize};
+    pub use super::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
 }

@@ -2,10 +2,11 @@
 
 mod harness;
 
+use antumbra::insides::gpu_types;
+use antumbra::insides::{TO_INFINITY, far_position};
 use antumbra::prelude::*;
+use antumbra::render::Shaders;
 use antumbra::render::readback::read_buffer;
-use antumbra::render::{Shaders, gpu_types};
-use antumbra::techniques::stencil_volume::extrude::{TO_INFINITY, far_position};
 use glam::{Mat4, Quat, Vec3, Vec4};
 use harness::strict_context;
 use wgpu::util::DeviceExt;

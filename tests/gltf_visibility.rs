@@ -2,10 +2,10 @@
 
 mod gltf_builder;
 
-use antumbra::plugin::{init_resources, standalone_schedule};
 use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{LoadedGltf, SkipKind, load_gltf_slice, spawn_scene};
 use antumbra::scene::{Cell, InCells, Occluder, Portal};
+use antumbra::schedule::{init_resources, standalone_schedule};
 use antumbra::sets::{Cells, Objects, OcclusionSettings, VisibleSet};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;

@@ -3,9 +3,10 @@
 use std::mem::offset_of;
 
 use antumbra::conventions;
-use antumbra::render::shaders::{COMMON, PASSES};
-use antumbra::render::{Shaders, gpu_types};
-use antumbra::techniques::penumbra_wedge::records;
+use antumbra::insides::gpu_types;
+use antumbra::insides::records;
+use antumbra::insides::{COMMON, PASSES};
+use antumbra::render::Shaders;
 use wgpu::naga;
 
 /// A `#[repr(C)]` struct as Rust lays it out.

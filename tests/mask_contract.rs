@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::render::RenderError;
-use antumbra::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
+use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -27,7 +27,7 @@ struct FlatTechnique {
     lights: Vec<usize>,
 }
 
-impl ShadowTechnique for FlatTechnique {
+impl Recorder for FlatTechnique {
     fn name(&self) -> &'static str {
         "flat"
     }

@@ -98,7 +98,7 @@ fn a_portal_that_is_not_there_is_missed() {
 #[test]
 fn a_frame_at_rest_draws_and_tests_nothing() {
     for mut world in [random_scene(5), random_rooms(5).world] {
-        let mut schedule = antumbra::plugin::standalone_schedule();
+        let mut schedule = antumbra::schedule::standalone_schedule();
         schedule.run(&mut world);
         let first = *world.resource::<SetWork>();
         assert!(first.depth_buffers > 0 && first.occlusion_tests > 0);
@@ -110,7 +110,7 @@ fn a_frame_at_rest_draws_and_tests_nothing() {
 #[test]
 fn occluders_that_move_hide_and_show_again() {
     let mut world = World::new();
-    antumbra::plugin::init_resources(&mut world);
+    antumbra::schedule::init_resources(&mut world);
     world.insert_resource(ViewportSize(occlusion_harness::VIEWPORT));
     let material = std::sync::Arc::new(Material::matte(Vec3::ONE));
     let mut spawn = |mesh: MeshData, at: Vec3| {
@@ -129,7 +129,7 @@ fn occluders_that_move_hide_and_show_again() {
     world.spawn((Camera::default(), bevy_transform::prelude::Transform::IDENTITY));
     let at = bevy_transform::prelude::Transform::from_xyz(0.0, 1.0, 0.0);
     world.spawn((Light::point(Vec3::ONE, 10.0, 30.0), StencilVolume::default(), at));
-    let mut schedule = antumbra::plugin::standalone_schedule();
+    let mut schedule = antumbra::schedule::standalone_schedule();
     let mut sets = |world: &mut World| {
         schedule.run(world);
         let index = world.resource::<Objects>().index_of(thing).unwrap();
@@ -162,7 +162,7 @@ fn occluders_that_move_hide_and_show_again() {
 #[test]
 fn a_closed_door_hides_what_is_behind_it() {
     let Rooms { mut world, portals } = random_rooms(7);
-    let mut schedule = antumbra::plugin::standalone_schedule();
+    let mut schedule = antumbra::schedule::standalone_schedule();
     schedule.run(&mut world);
     let seen = |world: &World| world.resource::<VisibleSet>().set.count_ones(..);
     let open = seen(&world);
@@ -241,9 +241,9 @@ fn bad_cells_and_portals_hide_nothing_that_shows() {
 #[test]
 fn empty_worlds_and_objects_at_one_point_are_seen() {
     let mut world = World::new();
-    antumbra::plugin::init_resources(&mut world);
+    antumbra::schedule::init_resources(&mut world);
     world.insert_resource(ViewportSize(occlusion_harness::VIEWPORT));
-    let mut schedule = antumbra::plugin::standalone_schedule();
+    let mut schedule = antumbra::schedule::standalone_schedule();
     schedule.run(&mut world);
     world.spawn((Camera::default(), bevy_transform::prelude::Transform::IDENTITY));
     let cube = std::sync::Arc::new(MeshData::cuboid(Vec3::splat(0.5)));

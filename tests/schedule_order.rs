@@ -7,8 +7,9 @@ use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use antumbra::plugin::{AntumbraPlugin, init_resources, standalone_schedule};
+use antumbra::plugin::AntumbraPlugin;
 use antumbra::prelude::*;
+use antumbra::schedule::{init_resources, standalone_schedule};
 use antumbra::sets::{DepthBounds, FrustumSet, Objects, ScissorRect, SetWork, VisibleSet};
 use antumbra::silhouettes::Silhouettes;
 use antumbra::techniques::stencil_volume::StencilVolumes;

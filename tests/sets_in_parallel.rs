@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::{MeshData, SceneMaterials, SceneMesh};
-use antumbra::scene::{Light, LocalBounds, Material, ShadowedLight, bounds};
+use antumbra::scene::{
+    Light, LocalBounds, Material, ShadowedLight, update_local_bounds, update_world_bounds,
+};
 use antumbra::sets::{FrameLights, FrustumSet, Objects, SetWork, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
@@ -62,7 +64,7 @@ fn frames() -> Vec<String> {
     }
     let mut schedule = Schedule::default();
     schedule.set_executor(SingleThreadedExecutor::new());
-    schedule.add_systems((bounds::update_world_bounds, collect_sets()).chain());
+    schedule.add_systems((update_world_bounds, collect_sets()).chain());
     let mut places = world.query_filtered::<&mut GlobalTransform, With<LocalBounds>>();
     let mut frames = Vec::new();
     for frame in 0..4 {

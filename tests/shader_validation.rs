@@ -4,8 +4,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use antumbra::insides::{COMMON, PASSES};
 use antumbra::render::Shaders;
-use antumbra::render::shaders::{COMMON, PASSES};
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
 

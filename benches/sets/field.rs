@@ -1,7 +1,8 @@
 //! The field of all cases: unit boxes in 400×20×400 m, lights over its middle, a camera that sees 61 % of it.
 
 use antumbra::scene::{
-    Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, bounds,
+    Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, update_local_bounds,
+    update_world_bounds,
 };
 use antumbra::sets::{ViewportSize, collect_sets, init_set_resources};
 use antumbra::{geometry::Aabb, scene::Light};
@@ -112,7 +113,7 @@ pub fn world(count: usize, light_count: usize, range: f32) -> World {
 pub fn schedule() -> Schedule {
     let mut schedule = Schedule::default();
     schedule.set_executor(SingleThreadedExecutor::new());
-    schedule.add_systems((bounds::update_world_bounds, collect_sets()).chain());
+    schedule.add_systems((update_world_bounds, collect_sets()).chain());
     schedule
 }
 

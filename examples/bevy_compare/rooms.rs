@@ -3,12 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use antumbra::plugin::{init_resources, standalone_schedule};
 use antumbra::reference::{Ray, RayScene};
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use antumbra::scene::{
     AlphaMode, Camera, Light, Material, MeshData, SceneMaterials, SceneMesh, ShadowCaster, WorldBounds,
 };
+use antumbra::schedule::{init_resources, standalone_schedule};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec3, UVec2, Vec3};

@@ -1,8 +1,8 @@
 //! What a light costs with and without its shadows, and the CPU sets of a steady frame.
 
-use antumbra::plugin::{AntumbraSystems, SetTimes};
 use antumbra::prelude::*;
 use antumbra::render::RenderError;
+use antumbra::schedule::{AntumbraSystems, SetTimes};
 use bevy_ecs::prelude::*;
 
 use super::support::stage::Stage;

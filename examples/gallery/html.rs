@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use antumbra::plugin::AntumbraSystems;
+use antumbra::schedule::AntumbraSystems;
 use glam::UVec2;
 use serde_json::Value;
 

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::scene::animation::apply_animation;
+use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use antumbra::techniques::maps::{MapFilter, MapResolution};
 use bevy_ecs::name::Name;

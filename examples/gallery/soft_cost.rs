@@ -6,9 +6,9 @@
 use std::path::Path;
 use std::time::Instant;
 
+use antumbra::insides::build_penumbra_wedges;
 use antumbra::prelude::*;
 use antumbra::techniques::PenumbraWedges;
-use antumbra::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
 use antumbra::techniques::penumbra_wedge::{
     CoverageMaths, Overlap, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
 };

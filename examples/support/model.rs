@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::*;
-use antumbra::scene::animation::apply_animation;
+use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};

@@ -1,8 +1,8 @@
 //! Techniques as a shot file names them.
 
+use antumbra::insides::MAX_SPLIT;
+use antumbra::insides::MapRequest;
 use antumbra::prelude::*;
-use antumbra::techniques::maps::request::MapRequest;
-use antumbra::techniques::penumbra_wedge::component::MAX_SPLIT;
 use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer, WedgeSilhouette};
 use antumbra::techniques::stencil_volume::{Counting, Extent};
 use bevy_ecs::prelude::*;

@@ -1,16 +1,17 @@
 //! A world with a scene, a camera and lights, and a renderer that draws it headlessly.
 
 use antumbra::geometry::Aabb;
-use antumbra::plugin::{init_resources, standalone_schedule};
 use antumbra::prelude::*;
-use antumbra::render::pipelines::VISIBILITY_FORMAT;
+use antumbra::render::FrameOutputs;
+use antumbra::render::PassTime;
+use antumbra::render::RenderError;
+use antumbra::render::VISIBILITY_FORMAT;
+use antumbra::render::create_target;
 use antumbra::render::readback::{TexelRows, read_texture};
-use antumbra::render::targets::create_target;
-use antumbra::render::timings::PassTime;
-use antumbra::render::{RenderError, frame::FrameOutputs};
 use antumbra::scene::WorldBounds;
-use antumbra::scene::animation::apply_animation;
+use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
+use antumbra::schedule::{init_resources, standalone_schedule};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};

@@ -1,7 +1,7 @@
 //! `stats.json`: what a frame was made of.
 
-use antumbra::plugin::{AntumbraSystems, SetTimes};
 use antumbra::prelude::*;
+use antumbra::schedule::{AntumbraSystems, SetTimes};
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
 use antumbra::techniques::maps::Maps;

@@ -16,8 +16,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use antumbra::plugin::SetTimes;
 use antumbra::prelude::*;
+use antumbra::schedule::SetTimes;
 use clap::Parser;
 use glam::UVec2;
 use serde_json::json;

@@ -10,11 +10,11 @@ use super::light_convert::BevyLight;
 use super::techniques::Techniques;
 use super::view_state::ViewState;
 use crate::geometry::Aabb;
-use crate::plugin;
 use crate::scene::{
     Light, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers,
     ShadowCaster, ShadowReceiver, Skin, WorldBounds,
 };
+use crate::schedule;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
 
 /// The schedule of a mirror.
@@ -78,11 +78,11 @@ impl Mirror {
     /// An empty scene.
     pub fn new(layers: RenderLayers, techniques: &Techniques) -> Self {
         let mut world = World::new();
-        plugin::init_resources(&mut world);
+        schedule::init_resources(&mut world);
         let mut schedule = Schedule::new(MirrorSchedule);
         // Systems spread their own work over all threads; one after the other they wait for nobody.
         schedule.set_executor(SingleThreadedExecutor::new());
-        plugin::add_systems(&mut schedule);
+        schedule::add_systems(&mut schedule);
         techniques.set_up(&mut world, &mut schedule);
         let camera = world.spawn(GlobalTransform::IDENTITY).id();
         Self {

@@ -42,33 +42,33 @@
 //! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | what the game changed |
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
-pub mod camera;
-pub mod entity_map;
-pub mod install;
-pub mod light_convert;
-pub mod mesh_convert;
-pub mod mesh_library;
-pub mod mirror;
-pub mod pass;
-pub mod pipelines;
+pub(crate) mod camera;
+pub(crate) mod entity_map;
+pub(crate) mod install;
+pub(crate) mod light_convert;
+pub(crate) mod mesh_convert;
+pub(crate) mod mesh_library;
+pub(crate) mod mirror;
+pub(crate) mod pass;
+pub(crate) mod pipelines;
 pub mod prelude;
-pub mod prepare;
-pub mod projection;
-pub mod refused;
-pub mod settings;
-pub mod surfaces;
-pub mod sync;
-pub mod sync_lights;
-pub mod sync_objects;
-pub mod systems;
-pub mod techniques;
-pub mod view_groups;
-pub mod view_state;
+pub(crate) mod prepare;
+pub(crate) mod projection;
+pub(crate) mod refused;
+pub(crate) mod settings;
+pub(crate) mod surfaces;
+pub(crate) mod sync;
+pub(crate) mod sync_lights;
+pub(crate) mod sync_objects;
+pub(crate) mod systems;
+pub(crate) mod techniques;
+pub(crate) mod view_groups;
+pub(crate) mod view_state;
 
 pub use camera::AntumbraCamera;
 pub use mesh_convert::MeshRefusal;
 pub use mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
-pub use mirror::{Mirror, Mirrors};
+pub use mirror::{HostBounds, HostEntity, HostLight, Mirror, Mirrors};
 pub use refused::RefusedMeshes;
 pub use settings::AntumbraSettings;
 pub use systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};

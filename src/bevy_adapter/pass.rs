@@ -19,7 +19,7 @@ use super::mirror::Mirrors;
 use super::pipelines::{AntumbraPipelines, Visibility};
 use super::prepare::AntumbraView;
 use crate::render::Renderer;
-use crate::render::hosted::{HostFrame, HostedLight};
+use crate::render::frame::hosted::{HostFrame, HostedLight};
 
 /// Lights one view. `Core3d` runs this once for each marked camera, and not for Bevy's shadow views.
 ///

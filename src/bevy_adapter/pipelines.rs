@@ -26,7 +26,7 @@ use bevy::shader::{Shader, ShaderDefVal};
 
 use super::light_convert::BevyLight;
 use super::view_state::LightDraw;
-use crate::render::hosted;
+use crate::render::frame::hosted;
 
 /// Where a light's visibility comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -21,7 +21,7 @@ use super::mirror::{HostLight, Mirror, Mirrors};
 use super::pipelines::{AntumbraPipelines, LightPipelines, Visibility, is_ready};
 use super::projection::projection_of;
 use super::view_state::{DRAW_STRIDE, DrawSlot, LightDraw, Managed, Unindexed};
-use crate::render::hosted::HostView;
+use crate::render::frame::hosted::HostView;
 use crate::render::{RenderContext, Renderer};
 use crate::scene::Camera;
 use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};

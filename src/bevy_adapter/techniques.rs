@@ -31,7 +31,7 @@ pub struct TouchedLights(pub Vec<Entity>);
 pub trait AddShadowTechnique {
     /// A light of Bevy's with the component `T` gets its shadows from us. `set_up` is given the world and the schedule of
     /// each camera's shadow scene: a technique that the crate does not bring adds its systems and its recorder there
-    /// ([`AntumbraSystems`](crate::plugin::AntumbraSystems), [`ShadowTechnique`](crate::render::technique::ShadowTechnique)).
+    /// ([`AntumbraSystems`](crate::schedule::AntumbraSystems), [`Recorder`](crate::render::recorder::Recorder)).
     /// Does nothing in an app without a renderer. Before the first frame.
     fn add_shadow_technique<T>(&mut self, set_up: fn(&mut World, &mut Schedule)) -> &mut Self
     where

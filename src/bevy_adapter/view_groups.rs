@@ -8,8 +8,8 @@ use bevy::render::renderer::RenderDevice;
 
 use super::pipelines::AntumbraPipelines;
 use super::view_state::{LightDraw, ViewState};
-use crate::render::bind_groups::bind_in_order;
-use crate::render::kept::Kept;
+use crate::render::gpu::bind_groups::bind_in_order;
+use crate::render::gpu::kept::Kept;
 
 /// Groups 2 and 3 of a view's draws. They go with the device, as the view's buffers do.
 #[derive(Debug, Default)]

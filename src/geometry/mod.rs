@@ -1,15 +1,15 @@
 //! Pure mathematics on `glam`: no ECS, no GPU.
 
-pub mod aabb;
-pub mod box_shadow;
-pub mod cone;
-pub mod convex_polygon;
+pub(crate) mod aabb;
+pub(crate) mod box_shadow;
+pub(crate) mod cone;
+pub(crate) mod convex_polygon;
 pub mod edge_mesh;
-pub mod frustum;
-pub mod light_hull;
-pub mod plane_set;
-pub mod sphere;
-pub mod triangle;
+pub(crate) mod frustum;
+pub(crate) mod light_hull;
+pub(crate) mod plane_set;
+pub(crate) mod sphere;
+pub(crate) mod triangle;
 
 pub use aabb::Aabb;
 pub use box_shadow::BoxShadow;

@@ -1,44 +1,35 @@
 //! All of wgpu that no technique owns.
 //!
-//! What lives long ([`RenderContext`], [`Shaders`], pipelines, pools) is apart from what a frame changes
-//! ([`systems`] fill it, [`frame`] reads it). Passes are recorded by [`nodes`] in the order that
-//! [`frame`] lists.
+//! | folder | holds |
+//! | --- | --- |
+//! | `gpu` | tools on top of wgpu: buffers, bind groups, timings, read-back |
+//! | `pools` | meshes, materials, objects and lights in buffers |
+//! | `frame` | one frame: draw lists, targets, and the passes in their order (`frame/record.rs`) |
+//! | `nodes` | the passes that no technique owns, one file each |
+//!
+//! A technique joins by a [`Recorder`].
 
-pub mod bind_groups;
-pub mod buffers;
-pub mod canvas;
-pub mod context;
-pub mod draw_list;
-pub mod frame;
-pub mod frame_data;
-mod front_lights;
-mod front_surfaces;
-pub mod gpu_types;
-pub mod hosted;
-pub mod kept;
-pub mod lights;
-pub mod materials;
-pub mod meshes;
-pub mod mipmaps;
-pub mod nodes;
-pub mod objects;
-pub mod pipelines;
-pub mod readback;
-pub mod renderer;
-pub mod settings;
-pub mod shaders;
-pub mod slots;
-pub mod stencil_only;
-pub mod surface_pass;
-pub mod systems;
-pub mod targets;
-pub mod technique;
-pub mod timings;
+pub(crate) mod context;
+pub(crate) mod frame;
+pub(crate) mod gpu;
+pub(crate) mod nodes;
+pub(crate) mod pools;
+pub(crate) mod recorder;
+pub(crate) mod renderer;
+pub(crate) mod settings;
+pub(crate) mod shaders;
 
 pub use context::{RenderContext, RenderError, RequestedFeatures};
+pub use frame::frame_data::{ActiveLight, FrameData, Viewport};
+pub use frame::hosted::{HostFrame, HostView, stencil_lit};
+pub use frame::record::FrameOutputs;
+pub use frame::targets::{FrameTargets, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target};
+pub use gpu::readback;
+pub use gpu::timings::{PassTime, Timings};
+pub use nodes::pipelines::VISIBILITY_FORMAT;
+pub use recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
 pub use renderer::Renderer;
 pub use settings::RenderSettings;
 pub use shaders::Shaders;
-pub use targets::{FrameTargets, RadianceTarget};
 /// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
 pub use wgpu;

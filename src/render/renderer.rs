@@ -3,28 +3,29 @@
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
 
-use super::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, bind_in_order};
-use super::buffers::GrowingBuffer;
-use super::draw_list::DrawListBuilder;
-use super::frame_data::{ActiveLight, FrameData};
-use super::hosted::HostView;
-use super::materials::MaterialPool;
-use super::meshes::MeshPool;
+use super::frame::draw_list::DrawListBuilder;
+use super::frame::frame_data::{ActiveLight, FrameData};
+use super::frame::hosted::HostView;
+use super::frame::targets::{MaskTargets, RadianceTarget};
+use super::gpu::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, bind_in_order};
+use super::gpu::buffers::GrowingBuffer;
+use super::gpu::timings::Timings;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
 use super::nodes::light_begin::LightBegin;
+use super::nodes::pipelines::SurfacePipelines;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
-use super::objects::ObjectTable;
-use super::pipelines::SurfacePipelines;
+use super::pools::gpu_types;
+use super::pools::materials::MaterialPool;
+use super::pools::meshes::MeshPool;
+use super::pools::objects::ObjectTable;
+use super::recorder::{RecordInput, Recorder};
 use super::settings::RenderSettings;
-use super::targets::{MaskTargets, RadianceTarget};
-use super::technique::{RecordInput, ShadowTechnique};
-use super::timings::Timings;
-use super::{FrameTargets, RenderContext, RenderError, Shaders, gpu_types};
+use super::{FrameTargets, RenderContext, RenderError, Shaders};
 
-/// Draws frames. A resource; systems of [`systems`](super::systems) prepare it, [`Renderer::record`] draws.
+/// Draws frames. A resource; systems of [`systems`](super::frame::prepare) prepare it, [`Renderer::record`] draws.
 #[derive(Resource)]
 pub struct Renderer {
     /// How the frame is drawn.
@@ -47,7 +48,7 @@ pub struct Renderer {
     pub(super) view_group: wgpu::BindGroup,
     pub(super) light_group: wgpu::BindGroup,
     pub(super) draw_lists: DrawListBuilder,
-    pub(super) techniques: Vec<Box<dyn ShadowTechnique>>,
+    pub(super) techniques: Vec<Box<dyn Recorder>>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
@@ -128,7 +129,7 @@ impl Renderer {
     }
 
     /// Adds a technique; lights that it claims are shadowed by it. Earlier ones are asked first.
-    pub fn add_technique(&mut self, technique: Box<dyn ShadowTechnique>) {
+    pub fn add_technique(&mut self, technique: Box<dyn Recorder>) {
         self.techniques.push(technique);
     }
 

@@ -14,24 +14,24 @@
 //!
 //! Scenes come from code or from glTF files (`gltf_import`), clips of theirs move them ([`animation`]).
 
-pub mod animation;
-pub mod bounds;
-pub mod camera;
-pub mod caster;
-pub mod cell;
+pub(crate) mod animation;
+pub(crate) mod bounds;
+pub(crate) mod camera;
+pub(crate) mod caster;
+pub(crate) mod cell;
 pub(crate) mod changes;
-pub mod churn;
+pub(crate) mod churn;
 #[cfg(feature = "gltf")]
 pub mod gltf_import;
-pub mod light;
-pub mod material;
-pub mod mesh;
-pub mod occluder;
-pub mod pose;
+pub(crate) mod light;
+pub(crate) mod material;
+pub(crate) mod mesh;
+pub(crate) mod occluder;
+pub(crate) mod pose;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
-pub use bounds::{LocalBounds, WorldBounds};
+pub use bounds::{LocalBounds, WorldBounds, update_local_bounds, update_world_bounds};
 pub use camera::{Camera, Orthographic};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
@@ -40,4 +40,4 @@ pub use light::{Light, LightError, LightKind, LightSelection, ShadowedLight};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;
-pub use pose::{MorphWeights, PosedMesh, Skin};
+pub use pose::{MorphWeights, PosedMesh, Skin, pose_meshes};

@@ -27,60 +27,39 @@
 //! Source: O'Rorke 2004, "Managing Visibility for Per-Pixel Lighting", GPU Gems ch. 15; McGuire 2004, "Efficient
 //! Shadow Volume Rendering", GPU Gems ch. 9; Everitt & Kilgard 2003, "Optimized Stencil Shadow Volumes".
 
-pub mod box_tests;
-pub mod boxes;
-pub mod clusters;
-pub mod collect_objects;
-pub mod depth_bounds;
-pub mod frustum;
-pub mod illumination;
-pub mod light_occlusion;
-pub mod light_volume;
-pub mod lights;
-mod lit_bounds;
-mod lit_receivers;
-pub mod objects;
-pub mod occlusion;
-pub mod reach;
-pub mod scissor;
-pub mod screen;
-mod screen_union;
-pub mod seen_into;
-pub mod shadow;
-mod spatial_order;
-pub mod view;
-pub mod view_depth;
-pub mod visible;
-pub mod visible_parts;
-pub mod work;
+pub(crate) mod index;
+pub(crate) mod light;
+pub(crate) mod occlusion;
+pub(crate) mod view;
+pub(crate) mod work;
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleConfigs;
 use bevy_ecs::system::ScheduleSystem;
 
-pub use box_tests::Touch;
-pub use boxes::Boxes;
-pub use clusters::{Clusters, Found};
-pub use collect_objects::collect_objects;
-pub use depth_bounds::{DepthBounds, shadow_depth_range};
-pub use frustum::{FrustumSet, collect_frustum_set};
-pub use illumination::collect_illumination;
-pub use light_occlusion::{LightOcclusion, collect_light_occlusion};
-pub use light_volume::LightVolume;
-pub use lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights};
-pub use objects::Objects;
+pub use index::box_tests::Touch;
+pub use index::boxes::Boxes;
+pub use index::clusters::{Clusters, Found};
+pub use index::collect_objects::collect_objects;
+pub use index::objects::Objects;
+pub use light::depth_bounds::{DepthBounds, shadow_depth_range};
+pub use light::frame_lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights};
+pub use light::illumination::collect_illumination;
+pub use light::light_occlusion::{LightOcclusion, collect_light_occlusion};
+pub use light::light_volume::LightVolume;
+pub use light::reach::collect_light_sets;
+pub use light::scissor::ScissorRect;
+pub use light::shadow::collect_shadow_sets;
 pub use occlusion::{
     AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders,
 };
-pub use reach::collect_light_sets;
-pub use scissor::ScissorRect;
-pub use screen::{Projector, ScreenBounds};
-pub use seen_into::{SeeThrough, SeenInto, collect_seen_into};
-pub use shadow::collect_shadow_sets;
-pub use view::{View, ViewData, ViewportSize, collect_view};
-pub use view_depth::{DepthReach, ViewDepth, begin_depth_reach, fit_view_depth};
-pub use visible::{CameraOcclusion, VisibleSet, collect_visible_set};
-pub use visible_parts::VisibleParts;
+pub use view::frame_view::{View, ViewData, ViewportSize, collect_view};
+pub use view::frustum::{FrustumSet, collect_frustum_set};
+pub use view::screen::{Projector, ScreenBounds};
+pub use view::seen_into::{SeeThrough, SeenInto, collect_seen_into};
+pub use view::view_depth::{DepthReach, ViewDepth, begin_depth_reach, fit_view_depth};
+pub use view::visible::{CameraOcclusion, VisibleSet, collect_visible_set};
+pub use view::visible_parts::VisibleParts;
 pub use work::SetWork;
 
 use crate::scene::ObjectChurn;

@@ -16,8 +16,8 @@
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
 
-pub mod cache;
-pub mod casters;
+pub(crate) mod cache;
+pub(crate) mod casters;
 mod contour;
 mod edges;
 mod facing;

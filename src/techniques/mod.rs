@@ -4,12 +4,11 @@
 //! technique leaves is visibility (1 where a surface point sees the whole light, 0 where it sees none), and the light
 //! pass multiplies by it and knows nothing else about techniques.
 
-pub mod finite_reach;
 pub mod maps;
-pub mod near_caps;
 pub mod omni_map;
 pub mod penumbra_wedge;
 pub mod shadow_map;
+pub(crate) mod shared;
 pub mod stencil_volume;
 
 pub use omni_map::OmniMap;
@@ -37,12 +36,12 @@ pub fn limit_maps_to_device(
 /// Compares names; only the first frame of a renderer does more.
 #[cfg(feature = "render")]
 pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::render::Renderer>) {
-    use maps::node::MapNode;
+    use maps::gpu::recorder::MapNode;
     use maps::request::MapComponent;
-    use penumbra_wedge::node as wedge;
-    use stencil_volume::node as volume;
+    use penumbra_wedge::gpu::recorder as wedge;
+    use stencil_volume::gpu::recorder as volume;
     let (context, shaders, layouts) = (renderer.context(), renderer.shaders(), renderer.layouts());
-    let mut made: Vec<Result<Box<dyn crate::render::technique::ShadowTechnique>, _>> = Vec::new();
+    let mut made: Vec<Result<Box<dyn crate::render::recorder::Recorder>, _>> = Vec::new();
     if !renderer.has_technique(volume::NAME) {
         let node = volume::StencilVolumeNode::new(context, shaders, layouts);
         made.push(node.map(|node| Box::new(node) as _));

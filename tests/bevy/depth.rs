@@ -1,7 +1,7 @@
 //! Our depth is Bevy's.
 
+use antumbra::bevy_adapter::HostEntity;
 use antumbra::bevy_adapter::Mirrors;
-use antumbra::bevy_adapter::mirror::HostEntity;
 use antumbra::prelude::{RenderContext, Renderer};
 use antumbra::render::readback::read_texture;
 use antumbra::scene::SceneMaterials;

@@ -1,12 +1,12 @@
 //! A technique of somebody else: it knows nothing of Bevy, and the adapter nothing of it.
 
 use antumbra::bevy_adapter::prelude::*;
-use antumbra::plugin::AntumbraSystems;
+use antumbra::insides::{prepare_objects, prepare_techniques};
 use antumbra::prelude::Renderer;
 use antumbra::render::RenderError;
-use antumbra::render::systems::{prepare_objects, prepare_techniques};
-use antumbra::render::technique::{PrepareInput, RecordInput, ResolveInput, ShadowTechnique, Visibility};
+use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
 use antumbra::scene::ShadowedLight;
+use antumbra::schedule::AntumbraSystems;
 use antumbra::sets::FrameLights;
 use bevy::prelude::*;
 
@@ -22,7 +22,7 @@ struct Veil {
     lights: Vec<(usize, f32)>,
 }
 
-impl ShadowTechnique for Veil {
+impl Recorder for Veil {
     fn name(&self) -> &'static str {
         "veil"
     }
@@ -34,9 +34,9 @@ impl ShadowTechnique for Veil {
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Visibility> {
+    fn visibility(&self, light: usize) -> Option<Leaves> {
         let own = self.lights.iter().any(|&(own, _)| own == light);
-        own.then_some(Visibility::Mask)
+        own.then_some(Leaves::Mask)
     }
 
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {

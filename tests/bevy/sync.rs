@@ -1,7 +1,7 @@
 //! Mirrors that follow the game by what changed hold what a mirror made anew holds.
 
-use antumbra::bevy_adapter::mirror::{HostEntity, HostLight};
 use antumbra::bevy_adapter::prelude::*;
+use antumbra::bevy_adapter::{HostEntity, HostLight};
 use antumbra::bevy_adapter::{Mirror, Mirrors};
 use antumbra::scene::{
     Light, MeshData, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver, WorldBounds,

@@ -1,9 +1,9 @@
 //! Small glTF files made by hand, and a world that poses what is loaded from them.
 #![allow(dead_code, reason = "each test file uses its part")]
 
-use antumbra::scene::bounds::{update_local_bounds, update_world_bounds};
 use antumbra::scene::gltf_import::{LoadedGltf, load_gltf_slice};
-use antumbra::scene::pose::pose_meshes;
+use antumbra::scene::pose_meshes;
+use antumbra::scene::{update_local_bounds, update_world_bounds};
 use bevy_ecs::prelude::*;
 use bevy_transform::systems::{
     StaticTransformOptimizations, mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms,

@@ -74,7 +74,7 @@ fn meshes_pose_only_when_something_moved_and_survive_singular_transforms() {
         (|posed: Query<(), Changed<PosedMesh>>, mut count: ResMut<PoseCount>| {
             count.0 += posed.iter().count()
         })
-        .after(antumbra::scene::pose::pose_meshes),
+        .after(antumbra::scene::pose_meshes),
     );
     let spawned = spawn_scene(&mut world, &gltf, None).unwrap();
     let mesh = spawned.meshes[0];
@@ -176,7 +176,7 @@ fn a_mesh_not_posed_yet_has_the_bounds_of_its_rest_pose() {
     let mut world = World::new();
     let spawned = spawn_scene(&mut world, &gltf, None).unwrap();
     let mut schedule = Schedule::default();
-    schedule.add_systems(antumbra::scene::bounds::update_local_bounds);
+    schedule.add_systems(antumbra::scene::update_local_bounds);
     schedule.run(&mut world);
     assert_eq!(
         world.get::<LocalBounds>(spawned.meshes[0]).unwrap().0.max,

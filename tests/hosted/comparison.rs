@@ -2,7 +2,7 @@
 
 use antumbra::prelude::*;
 use antumbra::reference::{RayScene, primary_hits};
-use antumbra::render::hosted::HostView;
+use antumbra::render::HostView;
 use bevy_transform::prelude::GlobalTransform;
 
 use crate::harness::support::stage::Stage;

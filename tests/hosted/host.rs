@@ -1,9 +1,9 @@
 //! An engine with a depth prepass of its own: f32 matrices through world space, another rasterized position than ours.
 
 use antumbra::prelude::*;
-use antumbra::render::hosted::{HostFrame, HostView, stencil_lit};
 use antumbra::render::readback::read_texture;
-use antumbra::render::targets::{RADIANCE_FORMAT, create_target};
+use antumbra::render::{HostFrame, HostView, stencil_lit};
+use antumbra::render::{RADIANCE_FORMAT, create_target};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, Mat4, UVec2, Vec3};

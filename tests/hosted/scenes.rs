@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::render::hosted::HostView;
+use antumbra::render::HostView;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{EulerRot, Quat, UVec2, Vec3};

@@ -2,7 +2,7 @@
 
 use antumbra::prelude::*;
 use antumbra::reference::RayScene;
-use antumbra::render::hosted::HostView;
+use antumbra::render::HostView;
 use glam::{UVec2, Vec2};
 
 use crate::comparison::{both, differing, visibility_of_shown};

@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
+use antumbra::insides::split_depths;
 use antumbra::prelude::*;
 use antumbra::techniques::maps::{FaceProjection, MapFace, MapResolution, Maps};
 use antumbra::techniques::shadow_map::Cascades;
-use antumbra::techniques::shadow_map::cascades::split_depths;
 use bevy_ecs::prelude::Entity;
 use bevy_transform::prelude::Transform;
 use glam::{DVec3, UVec2, Vec3};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::scene::material::TextureWrap;
+use antumbra::scene::TextureWrap;
 use antumbra::scene::{Texture, TextureSlot};
 use antumbra::techniques::maps::MapResolution;
 use bevy_ecs::prelude::*;

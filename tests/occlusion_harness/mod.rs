@@ -6,10 +6,10 @@ pub mod scenes;
 
 use std::ops::AddAssign;
 
-use antumbra::plugin::standalone_schedule;
 use antumbra::prelude::*;
 use antumbra::reference::{Ray, RayScene, SceneTriangle, camera_rays};
 use antumbra::scene::{Cell, LightKind, ShadowedLight};
+use antumbra::schedule::standalone_schedule;
 use antumbra::sets::{FrameLight, FrustumSet, Objects, VisibleSet};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use antumbra::plugin::init_resources;
 use antumbra::prelude::*;
 use antumbra::scene::{Cell, Portal};
+use antumbra::schedule::init_resources;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec2, Vec3};

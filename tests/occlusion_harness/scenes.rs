@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use antumbra::plugin::init_resources;
 use antumbra::prelude::*;
+use antumbra::schedule::init_resources;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{Vec2, Vec3, Vec4};

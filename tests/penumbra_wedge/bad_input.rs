@@ -1,8 +1,8 @@
 //! Lights and casters that meet, and other degenerate input: never NaN, never an error of the device.
 
+use antumbra::insides::records::WedgeCaster;
 use antumbra::prelude::*;
 use antumbra::techniques::PenumbraWedges;
-use antumbra::techniques::penumbra_wedge::records::WedgeCaster;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 

@@ -164,7 +164,7 @@ fn check_stats(stats: &Value) {
         .map(|part| batches[part].as_u64().expect("a count"))
         .sum();
     assert_eq!(batches["frame"], sum);
-    for set in antumbra::plugin::AntumbraSystems::ALL {
+    for set in antumbra::schedule::AntumbraSystems::ALL {
         assert!(
             stats["cpu_ms"][set.name()].as_f64() >= Some(0.0),
             "{}",

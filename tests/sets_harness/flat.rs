@@ -1,8 +1,8 @@
 //! Large scenes, and what the hierarchy over them must give: what tests of every single box give.
 
 use antumbra::geometry::Aabb;
+use antumbra::insides::WORD;
 use antumbra::scene::{SceneMaterials, SelectionLayers, ShadowCaster, ShadowReceiver, WorldBounds};
-use antumbra::sets::boxes::WORD;
 use antumbra::sets::{FrameLight, FrameLights, FrustumSet, LightVolume, Objects, View};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;

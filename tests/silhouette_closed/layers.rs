@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use antumbra::conventions::CLUSTER_TRIANGLES;
 use antumbra::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput};
+use antumbra::insides::silhouette_layers::{
+    AVERTED, FACING, Facets, LayeredContour, LayeredEdge, Side, extract_layers,
+};
 use antumbra::silhouettes::{
     CapMode, FacingBits, FacingPlanes, LightExtent, classify, compute_planes, compute_posed_planes,
     find_turning,
-};
-use antumbra::techniques::penumbra_wedge::layers::{
-    AVERTED, FACING, Facets, LayeredContour, LayeredEdge, Side, extract_layers,
 };
 use glam::{Quat, Vec3};
 use proptest::prelude::*;

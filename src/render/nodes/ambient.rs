@@ -5,12 +5,12 @@
 //! Reads   nothing.  Writes  radiance, depth; clears both
 //! Order   first
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
-use crate::render::canvas::Canvas;
-use crate::render::draw_list::Batch;
-use crate::render::surface_pass::SurfacePass;
-use crate::render::timings::Timings;
+use crate::render::frame::canvas::Canvas;
+use crate::render::frame::draw_list::Batch;
+use crate::render::gpu::timings::Timings;
 
 /// Records the pass.
 pub fn record(

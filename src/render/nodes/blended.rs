@@ -8,10 +8,10 @@
 //!
 //! As colour and coverage of one object are written before the next, any number of lights needs no second buffer.
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
-use crate::render::bind_groups::LIGHT_STRIDE;
-use crate::render::draw_list::Batch;
-use crate::render::surface_pass::SurfacePass;
+use crate::render::frame::draw_list::Batch;
+use crate::render::gpu::bind_groups::LIGHT_STRIDE;
 
 /// One blended object: its batches, and the light slots that reach it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -6,9 +6,9 @@
 //! Reads   depth.  Writes  receiver depth
 //! Order   after `ambient`, and again after the depth of the front layer; left out when no light has a mask
 
-use crate::render::bind_groups::BindGroupLayouts;
-use crate::render::targets::{DEPTH_COPY_FORMAT, FrameTargets, MaskTargets};
-use crate::render::timings::Timings;
+use crate::render::frame::targets::{DEPTH_COPY_FORMAT, FrameTargets, MaskTargets};
+use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::render::gpu::timings::Timings;
 use crate::render::{RenderContext, RenderError, Shaders};
 
 /// The pipeline.

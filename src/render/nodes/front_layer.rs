@@ -10,11 +10,11 @@
 //! depth buffer of their own, and each light that reaches them marks or resolves again, for that. Farther blended
 //! surfaces are lit without shadows.
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
-use crate::render::draw_list::Batch;
-use crate::render::surface_pass::SurfacePass;
-use crate::render::targets::FrameTargets;
-use crate::render::timings::Timings;
+use crate::render::frame::draw_list::Batch;
+use crate::render::frame::targets::FrameTargets;
+use crate::render::gpu::timings::Timings;
 
 /// Records the copy of the depth and the draws of the blended batches over it.
 pub fn record(

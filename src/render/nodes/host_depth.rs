@@ -15,17 +15,17 @@ use std::sync::{Mutex, PoisonError};
 
 use glam::DVec4;
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::DEPTH_INFINITY;
-use crate::render::bind_groups::{BindGroupLayouts, bind_in_order};
-use crate::render::draw_list::Batch;
-use crate::render::frame_data::Viewport;
-use crate::render::gpu_types;
-use crate::render::hosted::HostView;
-use crate::render::kept::Kept;
-use crate::render::surface_pass::SurfacePass;
-use crate::render::targets::FrameTargets;
-use crate::render::timings::Timings;
+use crate::render::frame::draw_list::Batch;
+use crate::render::frame::frame_data::Viewport;
+use crate::render::frame::hosted::HostView;
+use crate::render::frame::targets::FrameTargets;
+use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
+use crate::render::gpu::kept::Kept;
+use crate::render::gpu::timings::Timings;
+use crate::render::pools::gpu_types;
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::{ViewData, ViewDepth};
 

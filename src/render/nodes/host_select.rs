@@ -6,11 +6,11 @@
 //! Reads   depth.  Writes  stencil: 0, which is lit by no test
 //! Order   after the technique has marked the light, before the host adds it
 
-use crate::render::bind_groups::BindGroupLayouts;
-use crate::render::draw_list::Batch;
-use crate::render::nodes::surfaces::{SurfaceResources, draw_batch, set_mesh};
-use crate::render::pipelines::SURFACE_BUFFERS;
-use crate::render::stencil_only::stencil_by_depth;
+use super::pipelines::SURFACE_BUFFERS;
+use super::surfaces::{SurfaceResources, draw_batch, set_mesh};
+use crate::render::frame::draw_list::Batch;
+use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::render::gpu::stencil_only::stencil_by_depth;
 use crate::render::{RenderContext, RenderError, Shaders};
 
 /// The pipeline. Both sides of a surface are drawn, whichever it shows: depth tells.

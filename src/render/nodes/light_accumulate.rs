@@ -5,11 +5,11 @@
 //! Reads   depth (equal), and the stencil (in bounds and count 0) or the mask.  Writes  radiance, added
 //! Order   after the technique marked or resolved the same light
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::bind_groups::LIGHT_STRIDE;
-use crate::render::draw_list::Batch;
-use crate::render::surface_pass::SurfacePass;
+use crate::render::frame::draw_list::Batch;
+use crate::render::gpu::bind_groups::LIGHT_STRIDE;
 
 /// Records the draws into the light's pass.
 pub fn record(

@@ -16,7 +16,7 @@
 //! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for what the test is to save.
 
 use crate::conventions::{DEPTH_INFINITY, DEPTH_NEAR, STENCIL_IN_BOUNDS};
-use crate::render::stencil_only::stencil_by_depth;
+use crate::render::gpu::stencil_only::stencil_by_depth;
 use crate::render::{RenderContext, RenderError, Shaders};
 
 /// The pipelines.

@@ -1,14 +1,16 @@
 //! The passes that no technique owns, one file each; `shaders/passes/` has their other halves.
 
-pub mod ambient;
-pub mod blended;
-pub mod depth_copy;
-pub mod front_layer;
-pub mod host_depth;
-pub mod host_select;
-pub mod light_accumulate;
-pub mod light_begin;
-pub mod receiver_plane;
-pub mod surfaces;
-pub mod tonemap;
-pub mod visibility;
+pub(crate) mod ambient;
+pub(crate) mod blended;
+pub(crate) mod depth_copy;
+pub(crate) mod front_layer;
+pub(crate) mod host_depth;
+pub(crate) mod host_select;
+pub(crate) mod light_accumulate;
+pub(crate) mod light_begin;
+pub(crate) mod pipelines;
+pub(crate) mod receiver_plane;
+pub(crate) mod surface_pass;
+pub(crate) mod surfaces;
+pub(crate) mod tonemap;
+pub(crate) mod visibility;

@@ -1,5 +1,5 @@
 //! Draws the plane of the triangle that each pixel shows, for techniques that ask for it
-//! ([`ShadowTechnique::reads_planes`](crate::render::technique::ShadowTechnique::reads_planes)).
+//! ([`Recorder::reads_planes`](crate::render::recorder::Recorder::reads_planes)).
 //!
 //! Shader  `shaders/passes/receiver_plane.wgsl`
 //! Groups  0 view, 2 material
@@ -9,12 +9,12 @@
 //! Drawn, not taken from the depth buffer: neighbours of a pixel are often of another triangle, and 24 bits of depth
 //! place a surface at 100 m only to millimetres.
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
-use crate::render::draw_list::Batch;
-use crate::render::frame_data::Viewport;
-use crate::render::surface_pass::SurfacePass;
-use crate::render::targets::{FrameTargets, MaskTargets};
-use crate::render::timings::Timings;
+use crate::render::frame::draw_list::Batch;
+use crate::render::frame::frame_data::Viewport;
+use crate::render::frame::targets::{FrameTargets, MaskTargets};
+use crate::render::gpu::timings::Timings;
 
 /// What stands where nothing was drawn: no normal packs to it. As in `shaders/common/receiver.wgsl`.
 pub const NO_PLANE: u32 = 0x8000_8000;

@@ -1,10 +1,10 @@
 //! Draws batches of surfaces with the pipelines of one pass.
 
-use crate::render::draw_list::Batch;
-use crate::render::materials::MaterialPool;
-use crate::render::meshes::{GpuMesh, MeshPool};
-use crate::render::pipelines::SurfacePipelines;
-use crate::render::surface_pass::SurfacePass;
+use super::pipelines::SurfacePipelines;
+use super::surface_pass::SurfacePass;
+use crate::render::frame::draw_list::Batch;
+use crate::render::pools::materials::MaterialPool;
+use crate::render::pools::meshes::{GpuMesh, MeshPool};
 
 /// What a batch's indices refer to.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ pub fn draw_batches(
     }
 }
 
-/// Sets the buffers of [`SURFACE_BUFFERS`](crate::render::pipelines::SURFACE_BUFFERS), and the indices.
+/// Sets the buffers of [`SURFACE_BUFFERS`](crate::render::nodes::pipelines::SURFACE_BUFFERS), and the indices.
 pub fn set_mesh(pass: &mut wgpu::RenderPass, mesh: &GpuMesh, instances: &wgpu::Buffer) {
     pass.set_vertex_buffer(0, mesh.positions.slice(..));
     pass.set_vertex_buffer(1, mesh.surface.slice(..));

@@ -7,8 +7,8 @@
 
 use std::collections::HashMap;
 
-use super::super::bind_groups::{BindGroupLayouts, bind_in_order};
-use super::super::{RenderContext, RenderError, Shaders};
+use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
+use crate::render::{RenderContext, RenderError, Shaders};
 
 /// The pipelines, one an output format, and the exposure.
 #[derive(Debug)]

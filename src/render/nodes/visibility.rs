@@ -6,10 +6,10 @@
 //! Reads   depth (equal), and the stencil (in bounds and count not 0) or the mask.  Writes  its own target, cleared to 1
 //! Order   after the technique marked the light, in place of or beside the light pass
 
+use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::draw_list::Batch;
-use crate::render::surface_pass::SurfacePass;
+use crate::render::frame::draw_list::Batch;
 
 /// The shadow of one light.
 #[derive(Clone, Copy, Debug)]

@@ -8,7 +8,7 @@
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | materials, textures | `material.rs`, `texture.rs` |
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs` |
-//! | cells, portals, occluders in extras | `visibility.rs` |
+//! | cells, portals, occluders in extras | `cells.rs` |
 //! | animation clips | `clips.rs` |
 //! | entities | `spawn.rs` |
 //!
@@ -17,6 +17,7 @@
 
 mod accessors;
 mod buffers;
+mod cells;
 mod clips;
 mod container;
 mod error;
@@ -29,18 +30,17 @@ mod texture;
 mod transforms;
 mod triangles;
 mod vertices;
-mod visibility;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use cells::{GltfPortal, GltfVisibility};
 pub use container::SUPPORTED_EXTENSIONS;
 pub use error::GltfError;
 pub use mesh::GltfMesh;
 pub use nodes::{GltfNode, GltfSceneRoots, GltfSkin, MAX_NODE_DEPTH};
 pub use report::{Element, Report, Skip, SkipKind};
 pub use spawn::{SpawnedScene, spawn_scene};
-pub use visibility::{GltfPortal, GltfVisibility};
 
 use super::animation::AnimationClip;
 use super::{Camera, Light, Material};

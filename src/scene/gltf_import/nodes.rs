@@ -9,9 +9,10 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
+use super::cells;
+use super::cells::GltfVisibility;
 use super::mesh::GltfMesh;
 use super::transforms::transform_of;
-use super::visibility::{self, GltfVisibility};
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{Camera, Light, LightKind, MeshData};
 
@@ -121,7 +122,7 @@ pub(super) fn load(
         });
     }
     check_forest(accessors, &nodes)?;
-    visibility::load(accessors, &mut nodes, report);
+    cells::load(accessors, &mut nodes, report);
     Ok(nodes)
 }
 

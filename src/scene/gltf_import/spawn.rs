@@ -6,8 +6,8 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 
+use super::cells;
 use super::nodes::GltfNode;
-use super::visibility;
 use super::{Element, GltfError, LoadedGltf};
 use crate::scene::animation::{AnimationClips, SceneNodes};
 use crate::scene::{MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin};
@@ -87,7 +87,7 @@ pub fn spawn_scene(
         world.entity_mut(entity).insert(ChildOf(parent));
         spawn_node(world, gltf, index, entity, &mut spawned);
     }
-    visibility::spawn(world, gltf, &spawned.nodes.nodes, &spawned.nodes.meshes);
+    cells::spawn(world, gltf, &spawned.nodes.nodes, &spawned.nodes.meshes);
     world.entity_mut(root).insert(spawned.nodes.clone());
     Ok(spawned)
 }

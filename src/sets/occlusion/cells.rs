@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 
 use crate::geometry::Aabb;
 use crate::scene::{Cell, InCells, Portal, SelectionLayers};
-use crate::sets::objects::{Objects, resize};
+use crate::sets::index::objects::{Objects, resize};
 
 /// Cells and portals of the world, in world space. Written by [`collect_cells`].
 #[derive(Resource, Clone, Debug, Default)]

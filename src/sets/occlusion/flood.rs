@@ -6,7 +6,7 @@ use smallvec::SmallVec;
 use super::cells::{Cells, Opening};
 use super::sight::Sight;
 use crate::geometry::{Aabb, PlaneSet};
-use crate::sets::objects::Objects;
+use crate::sets::index::objects::Objects;
 
 /// Cells entered from one viewpoint, counted once for every way into them; beyond, everything counts as seen.
 const MAX_VISITS: usize = 2048;

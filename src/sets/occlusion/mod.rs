@@ -12,7 +12,7 @@
 //! | `projection` | [`Projection`]: from the world to the texels of a picture |
 //! | `beam` | the part of space behind a rectangle of a picture |
 //! | `clip` | cutting triangles to what a picture can hold |
-//! | `layers` | what a texel may claim, and why that holds |
+//! | `texel_layers` | what a texel may claim, and why that holds |
 //! | `raster` | [`Rasterizer`]: triangles to layers |
 //! | `depth_buffer` | [`DepthBuffer`]: how near something surely stands; the test of boxes |
 //! | `light_views` | the pictures that together show all that a light sees |
@@ -23,26 +23,24 @@
 //! from every light. What a texel may claim is ours.
 
 mod beam;
-pub mod cells;
+pub(crate) mod cells;
 mod clip;
-pub mod depth_buffer;
+pub(crate) mod depth_buffer;
 mod flood;
-mod layers;
-pub mod light_views;
-pub mod occluder_mesh;
-pub mod occluders;
-pub mod projection;
-pub mod raster;
-pub mod settings;
+pub(crate) mod light_views;
+pub(crate) mod occluder_mesh;
+pub(crate) mod occluders;
+pub(crate) mod projection;
+pub(crate) mod raster;
+pub(crate) mod settings;
 mod sight;
-pub mod viewpoint;
+mod texel_layers;
+pub(crate) mod viewpoint;
 
 pub use cells::{CellIssue, Cells, collect_cells};
-pub use depth_buffer::DepthBuffer;
 pub(super) use flood::{Sightings, Standpoint};
-pub use occluder_mesh::OccluderMesh;
 pub use occluders::{Occluders, collect_occluders};
 pub use projection::Projection;
-pub use raster::{Rasterizer, Sides};
+pub use raster::Rasterizer;
 pub use settings::{AutoOccluders, OcclusionSettings};
 pub use viewpoint::Viewpoint;

@@ -14,7 +14,7 @@ use super::settings::OcclusionSettings;
 use crate::geometry::Aabb;
 use crate::scene::changes::any_changed;
 use crate::scene::{AlphaMode, FaceCulling, Occluder, PosedMesh, SceneMaterials, SceneMesh};
-use crate::sets::objects::{Objects, resize};
+use crate::sets::index::objects::{Objects, resize};
 
 /// Occluders by dense object index. Written by [`collect_occluders`].
 #[derive(Resource, Clone, Debug, Default)]

@@ -6,9 +6,9 @@ use wide::f32x8;
 
 use super::clip::{clip_segment, clip_triangle, outside};
 use super::depth_buffer::DepthBuffer;
-use super::layers::{Interval, Layers};
 use super::occluder_mesh::OccluderMesh;
 use super::projection::{ClipPoint, Projection};
+use super::texel_layers::{Interval, Layers};
 
 /// Boundary edges reach this much farther than they are, texels: more than our coordinates and those of a GPU (snapped
 /// to 1/256 of a pixel) can differ.

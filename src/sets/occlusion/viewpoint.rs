@@ -9,7 +9,7 @@ use super::projection::Projection;
 use super::raster::{Rasterizer, Sides};
 use super::settings::OcclusionSettings;
 use crate::geometry::Aabb;
-use crate::sets::objects::Objects;
+use crate::sets::index::objects::Objects;
 
 /// The depth buffers of a viewpoint, and which occluders are in them.
 #[derive(Clone, Debug, Default)]

@@ -26,33 +26,21 @@
 //! Source: Kozlov 2004, GPU Gems ch. 14, §14.2.3, for the bias in world space scaled by the texel; Isidoro 2006, "Shadow
 //! Mapping: GPU-based Tips and Techniques", for the receiver's plane.
 
-pub mod cache;
+pub(crate) mod build_maps;
+pub(crate) mod face;
+pub(crate) mod face_state;
 #[cfg(feature = "render")]
-pub mod constants;
-pub mod face;
-pub mod face_state;
-pub mod jitter;
-pub mod light_map;
-#[cfg(feature = "render")]
-pub mod map_draws;
-#[cfg(feature = "render")]
-pub mod map_layouts;
-#[cfg(feature = "render")]
-pub mod map_pipelines;
-#[cfg(feature = "render")]
-pub mod map_pool;
-#[cfg(feature = "render")]
-mod map_recorder;
-pub mod members;
-pub mod movers;
-#[cfg(feature = "render")]
-pub mod node;
-pub mod packing;
-pub mod plan;
-pub mod request;
-pub mod settings;
+pub(crate) mod gpu;
+pub(crate) mod jitter;
+pub(crate) mod light_map;
+pub(crate) mod members;
+pub(crate) mod movers;
+pub(crate) mod packing;
+pub(crate) mod plan;
+pub(crate) mod request;
+pub(crate) mod settings;
 
-pub use cache::{MapReport, Maps, build_maps};
+pub use build_maps::{MapReport, Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
 pub use light_map::LightMap;
 pub use settings::{MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface};

@@ -8,7 +8,7 @@
 //! All else is shared with the maps of other lights, in [`maps`](super::maps).
 //! Source: Gerasimov 2004, "Omnidirectional Shadow Mapping", GPU Gems ch. 12.
 
-pub mod component;
-pub mod cube;
+pub(crate) mod component;
+pub(crate) mod cube;
 
 pub use component::OmniMap;

@@ -3,9 +3,9 @@
 use smallvec::SmallVec;
 
 use super::component::Overlap;
-use super::ends::ENDLESS;
-use super::patches::share_sums;
-use super::records::{Wedge, WedgeCaster};
+use super::geometry::ends::ENDLESS;
+use super::geometry::patches::share_sums;
+use super::geometry::records::{Wedge, WedgeCaster};
 use super::wedges::{CasterDraw, Group, PenumbraWedges, Scratch};
 
 impl PenumbraWedges {

@@ -7,10 +7,10 @@ use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
 use super::component::{WedgeBounds, WedgeSilhouette};
-use super::layers::{Facets, LayeredContour, extract_layers};
-use super::parts::{LightPart, PartShape};
-use super::patches::ShadowCone;
-use super::records::{Wedge, push_edge, side_plane};
+use super::geometry::patches::ShadowCone;
+use super::geometry::records::{Wedge, push_edge, side_plane};
+use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
+use super::light_parts::{LightPart, PartShape};
 use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
@@ -65,7 +65,7 @@ pub(super) struct Chunk {
     pub(super) wedges: Vec<Wedge>,
     pub(super) caps: Vec<u32>,
     pub(super) patches: Vec<ChunkPatch>,
-    /// The two [layers](super::layers) are not one.
+    /// The two [layers](super::geometry::silhouette_layers) are not one.
     pub(super) is_layered: bool,
     pub(super) last_used: u64,
 }

@@ -111,8 +111,8 @@ pub enum Overlap {
     /// Coverages add up to at most 1: exact for casters that hide different parts of the light.
     Additive,
     /// Between the extremes of no and all overlap: `c = max + ½ min`, loop after loop of all casters. A loop goes with its
-    /// holes and the [patch](super::patches) of triangles that they bound. Patches whose shadows cannot meet share a sum,
-    /// and so do others once there are more than [`MAX_SUMS`](super::patches::MAX_SUMS); a pass a sum. Section 5.1,
+    /// holes and the [patch](super::geometry::patches) of triangles that they bound. Patches whose shadows cannot meet share a sum,
+    /// and so do others once there are more than [`MAX_SUMS`](super::geometry::patches::MAX_SUMS); a pass a sum. Section 5.1,
     /// equation 1.
     Paper,
 }

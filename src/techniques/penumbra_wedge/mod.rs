@@ -35,41 +35,19 @@
 //! Ray Tracing", there for each ray and with points; slivers, and that places are soft, are ours.
 
 mod assemble;
-#[cfg(feature = "render")]
-pub mod buffers;
 mod chunks;
-pub mod clip;
-pub mod component;
-pub mod ends;
+pub(crate) mod component;
+pub(crate) mod geometry;
 #[cfg(feature = "render")]
-pub mod form;
-pub mod layers;
-pub mod lookup;
-#[cfg(feature = "render")]
-pub mod node;
-pub mod overflow;
-pub mod parts;
-pub mod patches;
-#[cfg(feature = "render")]
-mod plans;
-#[cfg(feature = "render")]
-mod recording;
-pub mod records;
-pub mod shell;
-pub mod sight;
-#[cfg(feature = "render")]
-mod tables;
-pub mod texture;
-pub mod topology;
-#[cfg(feature = "render")]
-pub mod wedge_pipelines;
-pub mod wedges;
-#[cfg(feature = "render")]
-pub mod windows;
+pub(crate) mod gpu;
+pub(crate) mod light_parts;
+mod overflow;
+pub(crate) mod tables;
+pub(crate) mod wedges;
 
 pub use component::{
     CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
 };
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
-pub use texture::{EmitterTexture, LightTexture, LightTextureError};
+pub use tables::texture::{EmitterTexture, LightTexture, LightTextureError};
 pub use wedges::PenumbraWedges;

@@ -7,18 +7,18 @@ use bevy_transform::prelude::GlobalTransform;
 
 use super::chunks::{CasterItem, Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
-use super::parts::{LightPart, PartShape, push_parts};
-use super::patches::ShadowCone;
-use super::records::{Wedge, WedgeCaster};
-use super::texture::EmitterTexture;
+use super::geometry::patches::ShadowCone;
+use super::geometry::records::{Wedge, WedgeCaster};
+use super::light_parts::{LightPart, PartShape, push_parts};
+use super::tables::texture::EmitterTexture;
 use crate::geometry::Aabb;
-use crate::sets::depth_bounds::shadow_depth_range;
+use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLights, Objects, View};
 use crate::silhouettes::Silhouettes;
-use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
-use crate::techniques::near_caps::NearCaps;
-use crate::techniques::stencil_volume::extrude::{TO_INFINITY, volume_corners};
-use crate::techniques::stencil_volume::inside_test::OcclusionPyramid;
+use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
+use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
+use crate::techniques::shared::inside_test::OcclusionPyramid;
+use crate::techniques::shared::near_caps::NearCaps;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
 /// [`build_penumbra_wedges`].
@@ -28,7 +28,7 @@ pub struct PenumbraWedges {
     pub lights: Vec<LightWedges>,
     /// Parts of all lights.
     pub parts: Vec<PartWedges>,
-    /// What is summed by itself; one a part, or with [`Overlap::Paper`] as many as [patches](super::patches) meet.
+    /// What is summed by itself; one a part, or with [`Overlap::Paper`] as many as [patches](super::geometry::patches) meet.
     pub groups: Vec<Group>,
     /// Casters of all parts.
     pub casters: Vec<CasterDraw>,
@@ -61,7 +61,7 @@ pub struct LightWedges {
     pub texture: Option<EmitterTexture>,
     /// Range of [`PenumbraWedges::parts`].
     pub parts: Range<usize>,
-    /// Some caster is not the same in both [layers](super::layers).
+    /// Some caster is not the same in both [layers](super::geometry::silhouette_layers).
     pub is_layered: bool,
 }
 
@@ -99,7 +99,7 @@ impl Group {
 pub struct CasterDraw {
     /// Dense index.
     pub object: u32,
-    /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::layers).
+    /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::geometry::silhouette_layers).
     pub caps: [Range<u32>; 3],
     /// Counted towards the viewer: it shadows no part of the viewport, and its own surface hides the caps.
     pub towards: bool,

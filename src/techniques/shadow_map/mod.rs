@@ -7,7 +7,7 @@
 //!
 //! All else is shared with the maps of point lights, in [`maps`](super::maps).
 
-pub mod cascades;
-pub mod component;
+pub(crate) mod cascades;
+pub(crate) mod component;
 
 pub use component::{Cascades, ShadowMap};

@@ -14,19 +14,11 @@
 //!
 //! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9.
 
-pub mod component;
+mod component;
 #[cfg(feature = "render")]
-pub mod contour_pool;
-pub mod extrude;
-pub mod inside_test;
-#[cfg(feature = "render")]
-pub mod node;
-pub mod parts;
-#[cfg(feature = "render")]
-mod quads;
-#[cfg(feature = "render")]
-pub mod volume_pipelines;
-pub mod volumes;
+pub(crate) mod gpu;
+pub(crate) mod volume_parts;
+pub(crate) mod volumes;
 
 pub use component::{Counting, Extent, StencilVolume};
 pub use volumes::{CasterVolume, LightVolumes, StencilVolumes};

@@ -1,19 +1,19 @@
 //! The frame's shadow volumes: which parts of which caster are drawn, and how they are counted.
 //!
-//! What a caster of a light's set S has of them is decided here and in [`parts`](super::parts).
+//! What a caster of a light's set S has of them is decided here and in [`parts`](super::volume_parts).
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
 use glam::Vec4;
 
 use super::component::{Counting, Extent, StencilVolume};
-use super::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
-use super::inside_test::OcclusionPyramid;
-use super::parts::PartCulling;
+use super::volume_parts::PartCulling;
 use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
 use crate::silhouettes::Silhouettes;
-use crate::techniques::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
-use crate::techniques::near_caps::NearCaps;
+use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
+use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
+use crate::techniques::shared::inside_test::OcclusionPyramid;
+use crate::techniques::shared::near_caps::NearCaps;
 
 /// The volume of one caster in one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub struct CasterVolume {
     pub slot: u32,
     /// The light in the caster's space.
     pub light_local: Vec4,
-    /// See [`far_position`](super::extrude::far_position).
+    /// See [`far_position`](crate::techniques::shared::extrude::far_position).
     pub extrusion: f32,
     /// Counted towards the viewer (depth-pass); else away from it (depth-fail).
     pub depth_pass: bool,

@@ -1,0 +1,20 @@
+//! One frame: what it draws, where to, and in which order.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `prepare` | the systems that fill the frame |
+//! | `record` | the passes in their order: start reading here |
+//! | `frame_data`, `draw_list` | draws and lights of the frame |
+//! | `targets`, `canvas` | the textures that passes write |
+//! | `front_surfaces`, `front_lights` | the front layer of blended surfaces |
+//! | `hosted` | frames that light the surfaces of a host's renderer |
+
+pub(crate) mod canvas;
+pub(crate) mod draw_list;
+pub(crate) mod frame_data;
+pub(crate) mod front_lights;
+pub(crate) mod front_surfaces;
+pub(crate) mod hosted;
+pub(crate) mod prepare;
+pub(crate) mod record;
+pub(crate) mod targets;

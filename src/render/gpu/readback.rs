@@ -1,0 +1,123 @@
+//! Textures and buffers back on the CPU, for pictures and tests.
+
+use glam::UVec2;
+
+use crate::render::{RenderContext, RenderError};
+
+/// Rows of texels, from the top, without padding.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TexelRows {
+    /// Texels.
+    pub size: UVec2,
+    /// Bytes of one texel.
+    pub texel_size: usize,
+    /// All texels.
+    pub bytes: Vec<u8>,
+}
+
+/// Waits for the GPU and reads the first `size` bytes of a buffer that can be copied from.
+///
+/// # Errors
+/// [`RenderError::Readback`], [`RenderError::DeviceLost`].
+pub fn read_buffer(
+    context: &RenderContext,
+    buffer: &wgpu::Buffer,
+    size: u64,
+    what: &str,
+) -> Result<Vec<u8>, RenderError> {
+    let staging = staging(context, size);
+    let mut encoder = context.device.create_command_encoder(&Default::default());
+    encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size);
+    context.queue.submit([encoder.finish()]);
+    map(context, &staging, what)
+}
+
+/// Waits for the GPU and reads one aspect of a 2D texture.
+///
+/// # Errors
+/// [`RenderError::Readback`], [`RenderError::DeviceLost`].
+pub fn read_texture(
+    context: &RenderContext,
+    texture: &wgpu::Texture,
+    aspect: wgpu::TextureAspect,
+    what: &str,
+) -> Result<TexelRows, RenderError> {
+    let size = UVec2::new(texture.width(), texture.height());
+    let texel_size = texture
+        .format()
+        .block_copy_size(Some(aspect))
+        .ok_or_else(|| RenderError::Readback {
+            what: what.to_owned(),
+            reason: format!("{:?} of {:?} cannot be copied", aspect, texture.format()),
+        })? as usize;
+    let row = size.x as usize * texel_size;
+    let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
+    let staging = staging(context, padded as u64 * u64::from(size.y));
+    let mut encoder = context.device.create_command_encoder(&Default::default());
+    encoder.copy_texture_to_buffer(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin: wgpu::Origin3d::ZERO,
+            aspect,
+        },
+        wgpu::TexelCopyBufferInfo {
+            buffer: &staging,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(padded as u32),
+                rows_per_image: None,
+            },
+        },
+        texture.size(),
+    );
+    context.queue.submit([encoder.finish()]);
+    let padded_rows = map(context, &staging, what)?;
+    let mut bytes = Vec::with_capacity(row * size.y as usize);
+    for padded_row in padded_rows.chunks_exact(padded) {
+        bytes.extend_from_slice(&padded_row[..row]);
+    }
+    Ok(TexelRows {
+        size,
+        texel_size,
+        bytes,
+    })
+}
+
+fn staging(context: &RenderContext, size: u64) -> wgpu::Buffer {
+    context.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("readback"),
+        size,
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+        mapped_at_creation: false,
+    })
+}
+
+fn map(context: &RenderContext, staging: &wgpu::Buffer, what: &str) -> Result<Vec<u8>, RenderError> {
+    let failed = |reason: String| {
+        if context.is_lost() {
+            RenderError::DeviceLost
+        } else {
+            RenderError::Readback {
+                what: what.to_owned(),
+                reason,
+            }
+        }
+    };
+    let (sender, receiver) = std::sync::mpsc::channel();
+    staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
+        // The receiver is gone only if polling failed, which is reported below.
+        let _ = sender.send(result);
+    });
+    context
+        .device
+        .poll(wgpu::PollType::wait_indefinitely())
+        .map_err(|error| failed(error.to_string()))?;
+    receiver
+        .recv()
+        .map_err(|error| failed(error.to_string()))?
+        .map_err(|error| failed(error.to_string()))?;
+    let bytes = staging.slice(..).get_mapped_range().to_vec();
+    staging.unmap();
+    Ok(bytes)
+}

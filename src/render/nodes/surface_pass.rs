@@ -1,0 +1,67 @@
+//! The passes that draw surfaces.
+
+use crate::render::recorder::Leaves;
+
+/// A pass that draws surfaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfacePass {
+    /// Ambient and emissive light and depth.
+    Ambient,
+    /// The same for a blended surface, over what is behind.
+    AmbientBlended,
+    /// One light, where the stencil says lit.
+    Light,
+    /// One light times its mask.
+    LightMasked,
+    /// One light on a blended surface.
+    LightBlended,
+    /// The same, but not on the front layer.
+    LightBehindFront,
+    /// Depth of a blended surface.
+    FrontDepth,
+    /// One light on the front layer, where the stencil says lit.
+    FrontLight,
+    /// One light times its mask on the front layer.
+    FrontLightMasked,
+    /// Writes 0 where the stencil says shadowed.
+    Visibility,
+    /// Writes the mask.
+    VisibilityMasked,
+    /// Writes 1, where the front layer hides what was there.
+    VisibilityFront,
+    /// Writes 0 wherever the surface is seen: objects that the light does not see.
+    Dark,
+    /// Writes the plane of the triangle.
+    ReceiverPlane,
+    /// Depth, where a host shows the surface.
+    HostSurface,
+}
+
+impl SurfacePass {
+    /// How many there are.
+    pub const COUNT: usize = Self::HostSurface as usize + 1;
+
+    /// The pass that adds a light whose technique leaves this.
+    pub fn light(visibility: Option<Leaves>) -> Self {
+        match visibility {
+            Some(Leaves::Mask) => Self::LightMasked,
+            Some(Leaves::Stencil) | None => Self::Light,
+        }
+    }
+
+    /// The pass that adds such a light to the front layer.
+    pub fn front_light(visibility: Leaves) -> Self {
+        match visibility {
+            Leaves::Mask => Self::FrontLightMasked,
+            Leaves::Stencil => Self::FrontLight,
+        }
+    }
+
+    /// The pass that shows the visibility of a light whose technique leaves this.
+    pub fn visibility(visibility: Leaves) -> Self {
+        match visibility {
+            Leaves::Mask => Self::VisibilityMasked,
+            Leaves::Stencil => Self::Visibility,
+        }
+    }
+}

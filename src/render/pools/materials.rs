@@ -1,0 +1,323 @@
+//! Materials and textures on the GPU.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use wgpu::util::DeviceExt;
+
+use super::gpu_types;
+use crate::conventions::RADIANCE_MAX;
+use crate::render::RenderContext;
+use crate::render::gpu::bind_groups::bind_in_order;
+use crate::render::gpu::mipmaps::mip_chain;
+use crate::render::gpu::slots::Slots;
+use crate::scene::material::TextureWrap;
+use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
+
+/// A material ready to bind.
+#[derive(Debug)]
+pub struct GpuMaterial {
+    /// Group 2 of drawn surfaces.
+    pub bind_group: wgpu::BindGroup,
+    /// What its alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Drawn from both sides.
+    pub double_sided: bool,
+    /// Takes no light.
+    pub unlit: bool,
+    source: Arc<Material>,
+}
+
+/// Largest scale of a normal texture; beyond, its normals lie in the surface to a thousandth.
+const STEEPEST: f32 = 1e3;
+
+/// How a texture's texels are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Encoding {
+    Srgb,
+    Linear,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct SamplerKey {
+    wrap: [TextureWrap; 2],
+    linear_magnify: bool,
+    linear_minify: bool,
+}
+
+/// The GPU materials in use, by index, and the textures that they share.
+#[derive(Debug)]
+pub struct MaterialPool {
+    /// By the address of the material, which the entry keeps alive.
+    slots: Slots<usize, GpuMaterial>,
+    textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
+    samplers: HashMap<SamplerKey, wgpu::Sampler>,
+    white: wgpu::TextureView,
+}
+
+impl MaterialPool {
+    /// An empty pool.
+    pub fn new(context: &RenderContext) -> Self {
+        let white = context.device.create_texture_with_data(
+            &context.queue,
+            &texture_descriptor("white", 1, 1, 1, wgpu::TextureFormat::Rgba8Unorm),
+            wgpu::wgt::TextureDataOrder::LayerMajor,
+            &[255; 4],
+        );
+        Self {
+            slots: Slots::default(),
+            textures: HashMap::new(),
+            samplers: HashMap::new(),
+            white: white.create_view(&Default::default()),
+        }
+    }
+
+    /// The material at `index`, if it is in use.
+    pub fn get(&self, index: u32) -> Option<&GpuMaterial> {
+        self.slots.get(index)
+    }
+
+    /// Begins a count of what is in use.
+    pub fn begin(&mut self) {
+        self.slots.begin();
+    }
+
+    /// Frees what was not asked for since [`MaterialPool::begin`].
+    pub fn end(&mut self) {
+        self.slots.end();
+        // A texture that only this pool still holds is used by no material.
+        self.textures
+            .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
+    }
+
+    /// Index of a material, uploaded if it is new.
+    pub fn acquire(
+        &mut self,
+        context: &RenderContext,
+        layout: &wgpu::BindGroupLayout,
+        material: &Arc<Material>,
+    ) -> u32 {
+        let address = Arc::as_ptr(material) as usize;
+        if let Some(index) = self.slots.acquire(address, |_| true) {
+            return index;
+        }
+        let entry = self.upload(context, layout, material);
+        self.slots.insert(address, entry)
+    }
+
+    fn upload(
+        &mut self,
+        context: &RenderContext,
+        layout: &wgpu::BindGroupLayout,
+        material: &Arc<Material>,
+    ) -> GpuMaterial {
+        let constants = constants(material);
+        let buffer = context
+            .device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(&material.name),
+                contents: bytemuck::bytes_of(&constants),
+                usage: wgpu::BufferUsages::UNIFORM,
+            });
+        let slots = [
+            (&material.base_color_texture, Encoding::Srgb),
+            (&material.metallic_roughness_texture, Encoding::Linear),
+            (&material.normal_texture, Encoding::Linear),
+            (&material.occlusion_texture, Encoding::Linear),
+            (&material.emissive_texture, Encoding::Srgb),
+        ];
+        let views: Vec<_> = slots
+            .iter()
+            .map(|(slot, encoding)| self.view(context, slot.as_ref(), *encoding))
+            .collect();
+        let samplers: Vec<_> = slots
+            .iter()
+            .map(|(slot, _)| self.sampler(context, slot.as_ref()))
+            .collect();
+        let textures = views.iter().zip(&samplers).flat_map(|(view, sampler)| {
+            [
+                wgpu::BindingResource::TextureView(view),
+                wgpu::BindingResource::Sampler(sampler),
+            ]
+        });
+        let resources = std::iter::once(buffer.as_entire_binding()).chain(textures);
+        GpuMaterial {
+            bind_group: bind_in_order(&context.device, &material.name, layout, resources),
+            alpha_mode: material.alpha_mode,
+            double_sided: material.double_sided,
+            unlit: material.unlit,
+            source: material.clone(),
+        }
+    }
+
+    fn view(
+        &mut self,
+        context: &RenderContext,
+        slot: Option<&TextureSlot>,
+        encoding: Encoding,
+    ) -> wgpu::TextureView {
+        let Some(texture) = slot.map(|slot| &slot.texture).filter(|t| is_whole(t)) else {
+            return self.white.clone();
+        };
+        self.textures
+            .entry((Arc::as_ptr(texture) as usize, encoding))
+            .or_insert_with(|| (texture.clone(), upload_texture(context, texture, encoding)))
+            .1
+            .clone()
+    }
+
+    fn sampler(&mut self, context: &RenderContext, slot: Option<&TextureSlot>) -> wgpu::Sampler {
+        let key = slot.map_or(
+            SamplerKey {
+                wrap: [TextureWrap::Repeat; 2],
+                linear_magnify: true,
+                linear_minify: true,
+            },
+            |slot| SamplerKey {
+                wrap: slot.texture.wrap,
+                linear_magnify: slot.texture.linear_magnify,
+                linear_minify: slot.texture.linear_minify,
+            },
+        );
+        self.samplers
+            .entry(key)
+            .or_insert_with(|| create_sampler(context, key))
+            .clone()
+    }
+}
+
+impl GpuMaterial {
+    /// The CPU material.
+    pub fn source(&self) -> &Arc<Material> {
+        &self.source
+    }
+}
+
+fn is_whole(texture: &Texture) -> bool {
+    texture.width > 0
+        && texture.height > 0
+        && texture.rgba8.len() as u128 == 4 * u128::from(texture.width) * u128::from(texture.height)
+}
+
+fn create_sampler(context: &RenderContext, key: SamplerKey) -> wgpu::Sampler {
+    let address = |wrap| match wrap {
+        TextureWrap::Repeat => wgpu::AddressMode::Repeat,
+        TextureWrap::Mirror => wgpu::AddressMode::MirrorRepeat,
+        TextureWrap::Clamp => wgpu::AddressMode::ClampToEdge,
+    };
+    let filter = |linear| {
+        if linear {
+            wgpu::FilterMode::Linear
+        } else {
+            wgpu::FilterMode::Nearest
+        }
+    };
+    let all_linear = key.linear_magnify && key.linear_minify;
+    context.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("material"),
+        address_mode_u: address(key.wrap[0]),
+        address_mode_v: address(key.wrap[1]),
+        mag_filter: filter(key.linear_magnify),
+        min_filter: filter(key.linear_minify),
+        mipmap_filter: if key.linear_minify {
+            wgpu::MipmapFilterMode::Linear
+        } else {
+            wgpu::MipmapFilterMode::Nearest
+        },
+        // WebGPU allows anisotropy only where all filters are linear.
+        anisotropy_clamp: if all_linear { context.anisotropy } else { 1 },
+        ..Default::default()
+    })
+}
+
+fn texture_descriptor(
+    label: &str,
+    width: u32,
+    height: u32,
+    mip_level_count: u32,
+    format: wgpu::TextureFormat,
+) -> wgpu::TextureDescriptor<'_> {
+    wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    }
+}
+
+fn upload_texture(context: &RenderContext, texture: &Texture, encoding: Encoding) -> wgpu::TextureView {
+    let limit = context.device.limits().max_texture_dimension_2d;
+    let chain = mip_chain(texture, encoding == Encoding::Srgb, limit);
+    let format = match encoding {
+        Encoding::Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
+        Encoding::Linear => wgpu::TextureFormat::Rgba8Unorm,
+    };
+    context
+        .device
+        .create_texture_with_data(
+            &context.queue,
+            &texture_descriptor(&texture.name, chain.width, chain.height, chain.levels, format),
+            wgpu::wgt::TextureDataOrder::LayerMajor,
+            &chain.rgba8,
+        )
+        .create_view(&Default::default())
+}
+
+fn constants(material: &Material) -> gpu_types::Material {
+    let slot = |slot: &Option<TextureSlot>| match slot.as_ref().filter(|slot| is_whole(&slot.texture)) {
+        None => gpu_types::Slot {
+            uv_matrix: [1.0, 0.0, 0.0, 1.0],
+            ..Default::default()
+        },
+        Some(slot) if !slot.uv_transform.is_finite() => gpu_types::Slot {
+            uv_matrix: [1.0, 0.0, 0.0, 1.0],
+            uv_set: slot.uv_set,
+            present: 1,
+            ..Default::default()
+        },
+        Some(slot) => {
+            let [x, y] = [slot.uv_transform.matrix2.x_axis, slot.uv_transform.matrix2.y_axis];
+            gpu_types::Slot {
+                uv_matrix: [x.x, x.y, y.x, y.y],
+                uv_offset: slot.uv_transform.translation.to_array(),
+                uv_set: slot.uv_set,
+                present: 1,
+            }
+        }
+    };
+    // NaN has no nearest number that is allowed, and takes the default.
+    let within = |x: f32, least: f32, most: f32, default: f32| {
+        if x.is_nan() { default } else { x.clamp(least, most) }
+    };
+    gpu_types::Material {
+        base_color: material.base_color.to_array().map(|x| within(x, 0.0, 1.0, 0.0)),
+        emissive: material
+            .emissive
+            .to_array()
+            .map(|x| within(x, 0.0, RADIANCE_MAX, 0.0)),
+        alpha_cutoff: match material.alpha_mode {
+            AlphaMode::Mask(cutoff) => within(cutoff, 0.0, 2.0, 0.5),
+            _ => 0.0,
+        },
+        metallic: within(material.metallic, 0.0, 1.0, 1.0),
+        roughness: within(material.roughness, 0.0, 1.0, 1.0),
+        normal_scale: within(material.normal_scale, -STEEPEST, STEEPEST, 1.0),
+        occlusion_strength: within(material.occlusion_strength, 0.0, 1.0, 1.0),
+        unlit: u32::from(material.unlit),
+        opaque: u32::from(material.alpha_mode == AlphaMode::Opaque),
+        base_color_slot: slot(&material.base_color_texture),
+        metallic_roughness_slot: slot(&material.metallic_roughness_texture),
+        normal_slot: slot(&material.normal_texture),
+        occlusion_slot: slot(&material.occlusion_texture),
+        emissive_slot: slot(&material.emissive_texture),
+        ..Default::default()
+    }
+}

@@ -1,0 +1,223 @@
+//! Meshes on the GPU: one entry for each mesh shared by objects, one for each posed object.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use glam::{Vec2, Vec3, Vec4};
+use wgpu::util::DeviceExt;
+
+use super::gpu_types::SurfaceVertex;
+use crate::render::RenderContext;
+use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
+use crate::render::gpu::slots::Slots;
+use crate::scene::{MeshData, PosedMesh, Submesh};
+
+/// A mesh in buffers.
+#[derive(Debug)]
+pub struct GpuMesh {
+    /// Positions, 12 bytes a vertex; volumes draw their caps and sides from the same buffer.
+    pub positions: wgpu::Buffer,
+    /// The same as a storage buffer: [`BindGroupLayouts::positions`].
+    pub positions_group: wgpu::BindGroup,
+    /// [`SurfaceVertex`] each.
+    pub surface: wgpu::Buffer,
+    /// `u32` each.
+    pub indices: wgpu::Buffer,
+    /// One a material; cut to the indices that there are.
+    pub submeshes: Vec<Submesh>,
+    source: Arc<MeshData>,
+}
+
+/// What a GPU mesh is the mesh of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Key {
+    /// All unposed objects with this mesh; the address of the `Arc`'s content, which the entry keeps alive.
+    Shared(usize),
+    /// One posed object.
+    Posed(Entity),
+}
+
+/// The GPU meshes in use, by index.
+#[derive(Debug, Default)]
+pub struct MeshPool {
+    slots: Slots<Key, GpuMesh>,
+    scratch: Vec<SurfaceVertex>,
+    /// Meshes left out because the device allows no buffer of their size.
+    pub oversized: usize,
+}
+
+impl MeshPool {
+    /// The mesh at `index`, if it is in use.
+    pub fn get(&self, index: u32) -> Option<&GpuMesh> {
+        self.slots.get(index)
+    }
+
+    /// Begins a count of what is in use.
+    pub fn begin(&mut self) {
+        self.slots.begin();
+        self.oversized = 0;
+    }
+
+    /// Frees what was not asked for since [`MeshPool::begin`].
+    pub fn end(&mut self) {
+        self.slots.end();
+    }
+
+    /// Index of an object's mesh, uploaded if it is new. `None` for a mesh without triangles or one that the
+    /// device cannot hold.
+    pub fn acquire(
+        &mut self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        entity: Entity,
+        mesh: &Arc<MeshData>,
+        posed: Option<&PosedMesh>,
+    ) -> Option<u32> {
+        if mesh.indices.is_empty() || !mesh.positions.iter().any(|position| position.is_finite()) {
+            return None;
+        }
+        let key = match posed {
+            Some(_) => Key::Posed(entity),
+            None => Key::Shared(Arc::as_ptr(mesh) as usize),
+        };
+        if let Some(index) = self.slots.acquire(key, |entry| Arc::ptr_eq(&entry.source, mesh)) {
+            return Some(index);
+        }
+        let largest = (mesh.positions.len() * size_of::<SurfaceVertex>()).max(mesh.indices.len() * 4) as u64;
+        let limits = context.device.limits();
+        let positions = (mesh.positions.len() * 12) as u64;
+        if largest > limits.max_buffer_size || positions > limits.max_storage_buffer_binding_size {
+            self.oversized += 1;
+            return None;
+        }
+        let entry = self.upload(context, layouts, mesh, posed);
+        Some(self.slots.insert(key, entry))
+    }
+
+    fn upload(
+        &mut self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        mesh: &Arc<MeshData>,
+        posed: Option<&PosedMesh>,
+    ) -> GpuMesh {
+        let buffer = |label: &str, contents: &[u8], usage| {
+            context
+                .device
+                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                    label: Some(&format!("{} {label}", mesh.name)),
+                    contents,
+                    usage: usage | wgpu::BufferUsages::COPY_DST,
+                })
+        };
+        let positions = buffer(
+            "positions",
+            bytemuck::cast_slice(posed_positions(mesh, posed)),
+            wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE,
+        );
+        fill_surface(&mut self.scratch, mesh, posed);
+        GpuMesh {
+            positions_group: bind_in_order(
+                &context.device,
+                "positions",
+                &layouts.positions,
+                [positions.as_entire_binding()],
+            ),
+            positions,
+            surface: buffer(
+                "surface",
+                bytemuck::cast_slice(&self.scratch),
+                wgpu::BufferUsages::VERTEX,
+            ),
+            indices: buffer(
+                "indices",
+                bytemuck::cast_slice(&drawable_indices(mesh)),
+                wgpu::BufferUsages::INDEX,
+            ),
+            submeshes: mesh
+                .submeshes
+                .iter()
+                .map(|part| {
+                    let range = mesh.submesh_range(part);
+                    Submesh {
+                        first_index: range.start as u32,
+                        index_count: range.len() as u32,
+                    }
+                })
+                .collect(),
+            source: mesh.clone(),
+        }
+    }
+
+    /// Writes this frame's pose of one object.
+    pub fn write_pose(&mut self, context: &RenderContext, index: u32, posed: &PosedMesh) {
+        let Some(mesh) = self.slots.get(index) else {
+            return;
+        };
+        let positions = posed_positions(&mesh.source, Some(posed));
+        fill_surface(&mut self.scratch, &mesh.source, Some(posed));
+        context
+            .queue
+            .write_buffer(&mesh.positions, 0, bytemuck::cast_slice(positions));
+        context
+            .queue
+            .write_buffer(&mesh.surface, 0, bytemuck::cast_slice(&self.scratch));
+    }
+}
+
+/// The posed positions once there are any, else the mesh's own.
+fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a [Vec3] {
+    match posed {
+        Some(posed) if posed.positions.len() == mesh.positions.len() => &posed.positions,
+        _ => &mesh.positions,
+    }
+}
+
+/// The mesh's indices, with triangles that name a vertex which is not there or not finite drawn together to a point:
+/// what a GPU makes of them is not defined.
+fn drawable_indices(mesh: &MeshData) -> Cow<'_, [u32]> {
+    let is_finite = |index: &u32| mesh.positions.get(*index as usize).is_some_and(|p| p.is_finite());
+    if mesh.indices.iter().all(is_finite) {
+        return Cow::Borrowed(&mesh.indices);
+    }
+    let somewhere = mesh.positions.iter().position(|p| p.is_finite()).unwrap_or(0) as u32;
+    let mut indices = mesh.indices.clone();
+    for corners in indices.chunks_mut(3) {
+        if !corners.iter().all(is_finite) {
+            corners.fill(somewhere);
+        }
+    }
+    Cow::Owned(indices)
+}
+
+/// Interleaves what a vertex has beside its position. What is missing or not finite has the value that does nothing;
+/// a normal points up.
+fn fill_surface(out: &mut Vec<SurfaceVertex>, mesh: &MeshData, posed: Option<&PosedMesh>) {
+    let posed = posed.filter(|posed| posed.positions.len() == mesh.positions.len());
+    let normals = posed.map_or(&mesh.normals, |posed| &posed.normals);
+    let tangents = posed.map_or(&mesh.tangents, |posed| &posed.tangents);
+    out.clear();
+    out.extend((0..mesh.positions.len()).map(|i| {
+        let uv = |set: &[Vec2]| {
+            set.get(i)
+                .copied()
+                .filter(|uv| uv.is_finite())
+                .unwrap_or(Vec2::ZERO)
+        };
+        let (uv0, uv1) = (uv(&mesh.uv0), uv(&mesh.uv1));
+        let normal = normals
+            .get(i)
+            .copied()
+            .filter(|n| n.is_finite() && *n != Vec3::ZERO);
+        let tangent = tangents.get(i).copied();
+        let tangent = tangent.filter(|t| t.is_finite() && t.truncate() != Vec3::ZERO);
+        let color = mesh.colors.get(i).copied().filter(|color| color.is_finite());
+        SurfaceVertex {
+            normal: normal.unwrap_or(Vec3::Y).to_array(),
+            tangent: tangent.unwrap_or(Vec4::ZERO).to_array(),
+            uv: [uv0.x, uv0.y, uv1.x, uv1.y],
+            color: color.unwrap_or(Vec4::ONE).to_array(),
+        }
+    }));
+}

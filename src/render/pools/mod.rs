@@ -1,0 +1,7 @@
+//! Scene data on the GPU: meshes, materials, the table of objects, the constants of lights.
+
+pub mod gpu_types;
+pub(crate) mod light_constants;
+pub(crate) mod materials;
+pub(crate) mod meshes;
+pub(crate) mod objects;

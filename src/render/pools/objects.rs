@@ -1,0 +1,170 @@
+//! The drawn objects of a frame: which mesh, materials and transform stands at which dense index.
+
+use std::ops::Range;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use glam::{DMat4, DVec3, Mat4};
+
+use super::gpu_types;
+use super::materials::MaterialPool;
+use super::meshes::MeshPool;
+use crate::render::RenderContext;
+use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
+use crate::sets::{Objects, ViewData};
+
+/// One submesh of one object: what a draw draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// Index into the mesh's submeshes.
+    pub submesh: u32,
+    /// Index into the [`MaterialPool`].
+    pub material: u32,
+    /// Blended over what lies behind, after all lights.
+    pub blended: bool,
+    /// Drawn from both sides.
+    pub double_sided: bool,
+    /// Takes no light.
+    pub unlit: bool,
+}
+
+/// The mesh of an object that is not drawn.
+pub const NO_MESH: u32 = u32::MAX;
+
+/// Mesh and materials by dense object index.
+#[derive(Debug, Default)]
+pub struct ObjectTable {
+    /// Index into the [`MeshPool`], or [`NO_MESH`].
+    pub mesh: Vec<u32>,
+    /// Range of [`ObjectTable::items`].
+    pub item_range: Vec<Range<u32>>,
+    /// Items of all objects.
+    pub items: Vec<Item>,
+    /// Sign of each object's determinant; 0 where the object cannot be drawn.
+    pub handedness: Vec<f32>,
+    constants: Vec<gpu_types::Object>,
+}
+
+impl ObjectTable {
+    /// The matrices of all objects for upload; never empty.
+    pub fn constants(&self) -> &[gpu_types::Object] {
+        &self.constants
+    }
+
+    /// Distance of an object's origin from the eye, along the lines of sight of an orthographic view, metres.
+    pub fn distance_of(&self, object: usize, view: &ViewData) -> f32 {
+        let constants = &self.constants[object];
+        let relative = glam::Vec3::new(
+            constants.relative_from_local_x[3],
+            constants.relative_from_local_y[3],
+            constants.relative_from_local_z[3],
+        );
+        if view.is_orthographic() {
+            relative.dot(view.frustum.shape().forward.normalize().as_vec3())
+        } else {
+            relative.length()
+        }
+    }
+
+    /// Looks up meshes and materials of all objects, uploading new ones and freeing unused ones. Needed when
+    /// objects come and go, or exchange a mesh or material.
+    pub fn rebuild(
+        &mut self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+        objects: &Objects,
+        appearance: &Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
+        meshes: &mut MeshPool,
+        materials: &mut MaterialPool,
+    ) {
+        self.mesh.clear();
+        self.item_range.clear();
+        self.items.clear();
+        meshes.begin();
+        materials.begin();
+        for &entity in &objects.entities {
+            let first = self.items.len() as u32;
+            let mut mesh_index = NO_MESH;
+            if let Ok((mesh, object_materials, posed)) = appearance.get(entity) {
+                mesh_index = meshes
+                    .acquire(context, layouts, entity, &mesh.0, posed)
+                    .unwrap_or(NO_MESH);
+                for (submesh, part) in mesh.0.submeshes.iter().enumerate() {
+                    let Some(material) = object_materials.and_then(|materials| materials.0.get(submesh))
+                    else {
+                        continue;
+                    };
+                    if part.index_count == 0 || mesh_index == NO_MESH {
+                        continue;
+                    }
+                    self.items.push(Item {
+                        submesh: submesh as u32,
+                        material: materials.acquire(context, &layouts.material, material),
+                        blended: material.alpha_mode == AlphaMode::Blend,
+                        double_sided: material.double_sided,
+                        unlit: material.unlit,
+                    });
+                }
+            }
+            self.mesh.push(mesh_index);
+            self.item_range.push(first..self.items.len() as u32);
+        }
+        meshes.end();
+        materials.end();
+    }
+
+    /// Items of one object.
+    pub fn items_of(&self, object: usize) -> &[Item] {
+        let range = &self.item_range[object];
+        &self.items[range.start as usize..range.end as usize]
+    }
+
+    /// Recomputes the matrices of all objects, from f64, for this view.
+    ///
+    /// World positions are taken relative to the eye before they are rounded, so that a scene far from the
+    /// world's origin shades and tests depth as exactly as one at it.
+    pub fn update_constants(
+        &mut self,
+        entities: &[Entity],
+        transforms: &Query<&GlobalTransform>,
+        clip_from_world: DMat4,
+        eye_world: DVec3,
+    ) {
+        self.constants.clear();
+        self.handedness.clear();
+        for &entity in entities {
+            let world_from_local = transforms
+                .get(entity)
+                .map_or(DMat4::ZERO, |transform| Mat4::from(transform.affine()).as_dmat4());
+            let handedness = world_from_local.determinant().signum() as f32;
+            let usable = world_from_local.is_finite() && handedness != 0.0;
+            self.handedness.push(if usable { handedness } else { 0.0 });
+            self.constants.push(if usable {
+                object_constants(world_from_local, clip_from_world, eye_world)
+            } else {
+                gpu_types::Object::default()
+            });
+        }
+        if self.constants.is_empty() {
+            self.constants.push(gpu_types::Object::default());
+        }
+    }
+}
+
+/// The shader's view of one object.
+pub fn object_constants(
+    world_from_local: DMat4,
+    clip_from_world: DMat4,
+    eye_world: DVec3,
+) -> gpu_types::Object {
+    let relative = DMat4::from_translation(-eye_world) * world_from_local;
+    let rows = relative.transpose().as_mat4();
+    gpu_types::Object {
+        clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
+        relative_from_local_x: rows.x_axis.to_array(),
+        relative_from_local_y: rows.y_axis.to_array(),
+        relative_from_local_z: rows.z_axis.to_array(),
+        handedness: [world_from_local.determinant().signum() as f32, 0.0, 0.0, 0.0],
+    }
+}

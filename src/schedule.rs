@@ -1,0 +1,193 @@
+//! System sets and schedules: the one file that knows every system.
+
+use std::time::{Duration, Instant};
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
+use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
+use bevy_transform::{StaticTransformOptimizations, TransformSystems};
+
+use crate::scene::{FaceCulling, bounds, pose};
+use crate::sets;
+use crate::sets::SeenInto;
+use crate::sets::view::seen_into;
+use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
+use crate::techniques::maps::{MapSettings, Maps, build_maps};
+use crate::techniques::penumbra_wedge::{PenumbraWedges, WedgeOverflow, wedges};
+use crate::techniques::stencil_volume::{StencilVolumes, volumes};
+
+/// What is true after each stage of a frame. Chained in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum AntumbraSystems {
+    /// After this set every object's [`WorldBounds`](crate::scene::WorldBounds) are those of this frame's pose.
+    UpdateBounds,
+    /// After this set the view and every light have their sets F, V, L, I, S, scissors and depth bounds.
+    CollectSets,
+    /// After this set every caster that some light needs has its silhouette.
+    BuildSilhouettes,
+    /// After this set every technique has its geometry on the CPU.
+    BuildTechniques,
+    /// After this set the GPU holds all that the frame draws.
+    PrepareGpu,
+}
+
+impl AntumbraSystems {
+    /// All sets in their order.
+    pub const ALL: [Self; 5] = [
+        Self::UpdateBounds,
+        Self::CollectSets,
+        Self::BuildSilhouettes,
+        Self::BuildTechniques,
+        Self::PrepareGpu,
+    ];
+
+    /// For statistics, in snake case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::UpdateBounds => "update_bounds",
+            Self::CollectSets => "collect_sets",
+            Self::BuildSilhouettes => "build_silhouettes",
+            Self::BuildTechniques => "build_techniques",
+            Self::PrepareGpu => "prepare_gpu",
+        }
+    }
+}
+
+/// CPU time of each set in the last frame.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct SetTimes {
+    /// By the order of [`AntumbraSystems::ALL`].
+    pub durations: [Duration; 5],
+    last: Option<Instant>,
+}
+
+/// The label of [`standalone_schedule`].
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct AntumbraSchedule;
+
+/// Inserts the resources that the systems need, those that are missing.
+pub fn init_resources(world: &mut World) {
+    world.init_resource::<StaticTransformOptimizations>(); // what `TransformPlugin` would do
+    sets::init_set_resources(world);
+    world.init_resource::<SeenInto>();
+    world.init_resource::<seen_into::SeeThrough>();
+    world.init_resource::<FaceCulling>();
+    world.init_resource::<CasterMeshes>();
+    world.init_resource::<Silhouettes>();
+    world.init_resource::<StencilVolumes>();
+    world.init_resource::<PenumbraWedges>();
+    world.init_resource::<WedgeOverflow>();
+    world.init_resource::<MapSettings>();
+    world.init_resource::<Maps>();
+    world.init_resource::<SetTimes>();
+}
+
+/// A schedule of transform propagation and all systems of the crate, for an engine that has no `App`.
+///
+/// ```
+/// use antumbra::schedule::{init_resources, standalone_schedule};
+/// use antumbra::prelude::*;
+/// use bevy_ecs::prelude::*;
+/// use bevy_transform::prelude::Transform;
+///
+/// let mut world = World::new();
+/// init_resources(&mut world);
+/// world.insert_resource(ViewportSize(glam::UVec2::new(320, 180)));
+/// world.spawn((Camera::default(), Transform::from_xyz(0.0, 1.0, 5.0)));
+///
+/// let mut schedule = standalone_schedule();
+/// schedule.run(&mut world); // once a frame
+/// assert!(world.resource::<antumbra::sets::View>().data.is_some());
+/// ```
+pub fn standalone_schedule() -> Schedule {
+    let mut schedule = Schedule::new(AntumbraSchedule);
+    schedule.configure_sets(TransformSystems::Propagate.before(AntumbraSystems::UpdateBounds));
+    schedule.add_systems(
+        (
+            mark_dirty_trees,
+            propagate_parent_transforms,
+            sync_simple_transforms,
+        )
+            .chain()
+            .in_set(TransformSystems::Propagate),
+    );
+    add_systems(&mut schedule);
+    schedule
+}
+
+/// Adds all systems of the crate to a schedule, in the chained sets [`AntumbraSystems`]. Transforms must have been
+/// propagated before [`AntumbraSystems::UpdateBounds`].
+pub fn add_systems(schedule: &mut Schedule) {
+    let [update, collect, silhouettes, techniques, prepare] = AntumbraSystems::ALL;
+    schedule.configure_sets((update, collect, silhouettes, techniques, prepare).chain());
+    schedule.add_systems((
+        (
+            pose::pose_meshes,
+            bounds::update_local_bounds,
+            bounds::update_world_bounds,
+        )
+            .chain()
+            .in_set(update),
+        (sets::collect_sets(), seen_into::collect_seen_into)
+            .chain()
+            .in_set(collect),
+        (
+            casters::build_caster_edges,
+            casters::update_posed_planes,
+            cache::build_silhouettes,
+        )
+            .chain()
+            .in_set(silhouettes),
+        volumes::build_stencil_volumes.in_set(techniques),
+        // Both say how deep they draw.
+        wedges::build_penumbra_wedges
+            .after(volumes::build_stencil_volumes)
+            .in_set(techniques),
+        build_maps.in_set(techniques),
+        sets::fit_view_depth.in_set(prepare),
+    ));
+    #[cfg(feature = "render")]
+    {
+        use crate::render::Renderer;
+        use crate::render::frame::prepare;
+        schedule.add_systems(
+            crate::techniques::limit_maps_to_device
+                .run_if(resource_exists::<Renderer>)
+                .before(build_maps)
+                .in_set(techniques),
+        );
+        schedule.add_systems(
+            (
+                prepare::prepare_objects.after(sets::fit_view_depth),
+                crate::techniques::add_builtin_techniques,
+                prepare::prepare_techniques,
+                prepare::prepare_draws,
+            )
+                .chain()
+                .run_if(resource_exists::<Renderer>)
+                .in_set(prepare),
+        );
+    }
+    schedule.add_systems(begin_times.before(update));
+    for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
+        let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
+        let system = stamp.after(set);
+        match AntumbraSystems::ALL.get(index + 1) {
+            Some(next) => schedule.add_systems(system.before(*next)),
+            None => schedule.add_systems(system),
+        };
+    }
+}
+
+fn begin_times(mut times: ResMut<SetTimes>) {
+    times.last = Some(Instant::now());
+}
+
+impl SetTimes {
+    fn stamp(&mut self, index: usize) {
+        let now = Instant::now();
+        if let Some(last) = self.last.replace(now) {
+            self.durations[index] = now - last;
+        }
+    }
+}

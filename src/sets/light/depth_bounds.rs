@@ -1,0 +1,105 @@
+//! Depth bounds: the range of view depth that a light, or the shadow of a caster, can reach.
+
+use glam::DVec3;
+
+use crate::geometry::{Aabb, Emitter};
+use crate::sets::view::frame_view::ViewData;
+use crate::sets::view::screen::{Projector, ScreenBounds};
+use crate::sets::view::view_depth::ViewDepth;
+
+/// A range of view depth. A pixel whose surface lies outside is neither lit nor shadowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthBounds {
+    /// Smallest view depth, at least that of the near plane.
+    pub near: f32,
+    /// Largest view depth; may be infinite.
+    pub far: f32,
+    /// Reversed depth value of `far`: the smallest value inside; 0 for infinity.
+    pub depth_min: f32,
+    /// Reversed depth value of `near`: the largest value inside; at most 1.
+    pub depth_max: f32,
+}
+
+/// Share by which ranges grow on both ends: the GPU computes depth in `f32`, with some ten roundings of 2⁻²⁴.
+const SLACK: f64 = 4e-6;
+
+impl DepthBounds {
+    /// The range, cut at the near plane and grown by what rounding can lose; `None` if it is empty.
+    pub fn around(near: f64, far: f64, depth: ViewDepth) -> Option<Self> {
+        let near = near.max(depth.near());
+        if near > far || far.is_nan() {
+            return None;
+        }
+        let (near, far) = (near - depth.slack(near, SLACK), far + depth.slack(far, SLACK));
+        Some(Self::stored(near, far, depth))
+    }
+
+    fn stored(near: f64, far: f64, depth: ViewDepth) -> Self {
+        let (at_near, at_far) = (depth.stored(near), depth.stored(far));
+        Self {
+            near: near as f32,
+            far: far as f32,
+            depth_min: (at_far - depth.stored_slack(far, SLACK)).max(0.0) as f32,
+            depth_max: (at_near + depth.stored_slack(near, SLACK)).min(1.0) as f32,
+        }
+    }
+
+    /// The same range in a depth that is stored in another way.
+    pub(in crate::sets) fn stored_in(self, depth: ViewDepth) -> Self {
+        Self::stored(f64::from(self.near), f64::from(self.far), depth)
+    }
+
+    /// The range of screen bounds.
+    pub(in crate::sets) fn of_screen(bounds: &ScreenBounds, depth: ViewDepth) -> Option<Self> {
+        Self::around(bounds.near, bounds.far, depth)
+    }
+
+    /// Whether the ranges share a depth.
+    pub fn intersects(&self, other: &Self) -> bool {
+        self.near <= other.far && other.near <= self.far
+    }
+
+    /// Whether a reversed depth value lies inside.
+    pub fn contains_depth(&self, depth: f32) -> bool {
+        depth >= self.depth_min && depth <= self.depth_max
+    }
+}
+
+/// Range of view depth of a caster's shadow volume: its box, extruded away from all of the light to infinity. `None` if
+/// all of it lies before the near plane, or the box is empty. A caster whose range misses the light's
+/// [`DepthBounds`] shadows nothing that the light lights.
+///
+/// A corner `v` of the box goes to infinity in direction `v · L.w − L.xyz`; view depth is linear, so the range ends at
+/// a corner, or at infinity if a direction leads deeper.
+/// Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9, §9.5.3 and §9.6.3.
+pub fn shadow_depth_range(view: &ViewData, caster: &Aabb, light: &Emitter) -> Option<DepthBounds> {
+    if caster.is_empty() {
+        return None;
+    }
+    let projector = Projector::new(view);
+    let gradient = projector.depth_gradient();
+    let caster = caster.padded();
+    let (mut near, mut far) = (f64::INFINITY, f64::NEG_INFINITY);
+    let length = gradient.length();
+    let extent = if length > 0.0 {
+        light.extent(gradient / length) * length
+    } else {
+        0.0
+    };
+    for corner in caster.corners() {
+        let corner = corner.as_dvec3();
+        let depth = projector.depth(corner);
+        near = near.min(depth);
+        far = far.max(depth);
+        let away: DVec3 = corner * light.point.w - light.point.truncate();
+        let slope = gradient.dot(away);
+        // The light's extent turns the direction by as much as it moves the light.
+        if slope + extent > 0.0 {
+            far = f64::INFINITY;
+        }
+        if slope - extent < 0.0 {
+            near = f64::NEG_INFINITY;
+        }
+    }
+    DepthBounds::around(near, far, view.depth)
+}

@@ -1,0 +1,301 @@
+//! The lights of the frame.
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DVec3, DVec4, Vec3};
+use smallvec::SmallVec;
+
+use super::depth_bounds::DepthBounds;
+use super::light_volume::LightVolume;
+use super::scissor::ScissorRect;
+use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
+use crate::scene::{Light, LightError, LightKind, LightSelection, light};
+
+/// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct FrameLights {
+    /// All usable lights, ascending by entity.
+    pub lights: Vec<FrameLight>,
+    /// All lights that cannot shine now, ascending by entity.
+    pub skipped: Vec<SkippedLight>,
+    /// Those of them that could the frame before, or were not there, or failed for another reason: to be reported.
+    pub newly_skipped: Vec<SkippedLight>,
+    /// Increases when the list of lights changed its members: indices into `lights` change their meaning.
+    pub generation: u64,
+    candidates: Vec<Candidate>,
+    previous: Vec<FrameLight>,
+}
+
+/// A light that cannot shine, and why.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SkippedLight {
+    /// Entity of the light.
+    pub entity: Entity,
+    /// What is wrong with it.
+    pub error: LightError,
+}
+
+/// One light of the frame: where it is, and its sets by dense object index.
+#[derive(Clone, Debug)]
+pub struct FrameLight {
+    /// Entity of the light.
+    pub entity: Entity,
+    /// Copy of the component.
+    pub light: Light,
+    /// Where the light is.
+    pub world_from_light: GlobalTransform,
+    /// World space: the position with `w = 1`, or the unit direction towards a directional light with `w = 0`.
+    pub point_world: DVec4,
+    /// The point and how far the light extends around it.
+    pub emitter: Emitter,
+    /// Unit direction in which it shines, world space; −Z for a point or sphere whose transform has none.
+    pub direction: Vec3,
+    /// Copy of the component.
+    pub selection: LightSelection,
+    /// Whether place, shape, range or selection changed in this frame. Colour and intensity do not count.
+    pub moved: bool,
+    /// The space that it reaches.
+    pub volume: LightVolume,
+    /// Objects within the volume, occluded from the light or not.
+    pub reach: FixedBitSet,
+    /// Set L: objects of `reach` that are not occluded from the light.
+    pub l: FixedBitSet,
+    /// Set I: objects that the light pass draws. Empty: the light is skipped.
+    pub i: FixedBitSet,
+    /// Objects of V within reach that were left out of I because the light sees nothing of what is seen of them.
+    pub dark: FixedBitSet,
+    /// Set S: casters whose shadow can reach a receiver of I.
+    pub s: FixedBitSet,
+    /// Convex hull of light and view frustum; of the last frame in which I was not empty.
+    pub hull: LightHull,
+    /// Convex hull of light and the receivers of I within its volume; likewise.
+    pub receiver_hull: LightHull,
+    /// Whether all of the light lies within the view frustum.
+    pub inside_frustum: bool,
+    /// Pixels that it can reach; `None` if it is skipped.
+    pub scissor: Option<ScissorRect>,
+    /// View depths that it can reach; `None` if it is skipped.
+    pub depth_bounds: Option<DepthBounds>,
+    /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the volume.
+    pub lit_receivers: Vec<Aabb>,
+    /// Bounds of the receivers of I, each cut by the box of the volume.
+    pub receiver_bounds: Aabb,
+    /// Words in which `reach` may not be 0, and so L, I and S neither.
+    pub(in crate::sets) touched: FixedBitSet,
+    /// Whether I and what follows from it are to be computed in this frame.
+    pub(in crate::sets) stale: bool,
+    /// Casters of S that some receiver needs; scratch.
+    pub(in crate::sets) kept: FixedBitSet,
+    /// Whether `reach`, or where its objects are, may have changed in this frame.
+    pub(in crate::sets) reach_written: bool,
+    /// What was done for it in this frame.
+    pub(in crate::sets) work: LightWork,
+    /// Kept for their allocations.
+    pub(in crate::sets) found: FixedBitSet,
+    pub(in crate::sets) cutting: PlaneSet,
+    pub(in crate::sets) seen: Option<Seen>,
+}
+
+/// Work for one light, which may have been done on any thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::sets) struct LightWork {
+    pub words: u64,
+    pub projected: u64,
+    pub illuminations: u64,
+    pub shadows: u64,
+}
+
+/// Generations of all that set I of a light depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::sets) struct Seen {
+    pub layout: u64,
+    pub flags: u64,
+    pub view: u64,
+    pub visible: u64,
+}
+
+/// A light as its entity has it in this frame.
+#[derive(Clone, Debug)]
+struct Candidate {
+    entity: Entity,
+    light: Light,
+    world_from_light: GlobalTransform,
+    selection: LightSelection,
+    placed: Placed,
+}
+
+/// What follows from a light and its transform.
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    emitter: Emitter,
+    direction: Vec3,
+    volume: LightVolume,
+}
+
+impl FrameLight {
+    /// Whether the light draws nothing in this frame.
+    pub fn is_skipped(&self) -> bool {
+        self.i.is_clear()
+    }
+
+    fn new(candidate: &Candidate) -> Self {
+        Self {
+            entity: candidate.entity,
+            light: candidate.light.clone(),
+            world_from_light: candidate.world_from_light,
+            point_world: candidate.placed.emitter.point,
+            emitter: candidate.placed.emitter,
+            direction: candidate.placed.direction,
+            selection: candidate.selection,
+            moved: true,
+            volume: candidate.placed.volume,
+            reach: FixedBitSet::new(),
+            l: FixedBitSet::new(),
+            i: FixedBitSet::new(),
+            dark: FixedBitSet::new(),
+            s: FixedBitSet::new(),
+            hull: LightHull::default(),
+            receiver_hull: LightHull::default(),
+            inside_frustum: false,
+            scissor: None,
+            depth_bounds: None,
+            lit_receivers: Vec::new(),
+            receiver_bounds: Aabb::EMPTY,
+            touched: FixedBitSet::new(),
+            stale: true,
+            kept: FixedBitSet::new(),
+            reach_written: true,
+            work: LightWork::default(),
+            found: FixedBitSet::new(),
+            // Two hulls have some ten planes each.
+            cutting: PlaneSet {
+                planes: SmallVec::with_capacity(32),
+            },
+            seen: None,
+        }
+    }
+
+    fn refresh(&mut self, candidate: &Candidate) {
+        let (old, new) = (&self.light, &candidate.light);
+        self.moved = old.kind != new.kind
+            || old.range != new.range
+            || is_dark(old) != is_dark(new)
+            || self.world_from_light != candidate.world_from_light
+            || self.selection != candidate.selection;
+        self.light.clone_from(new);
+        if self.moved {
+            self.world_from_light = candidate.world_from_light;
+            self.selection = candidate.selection;
+            self.point_world = candidate.placed.emitter.point;
+            self.emitter = candidate.placed.emitter;
+            self.direction = candidate.placed.direction;
+            self.volume = candidate.placed.volume;
+        }
+    }
+}
+
+/// Whether a light gives no light at all.
+pub(in crate::sets) fn is_dark(light: &Light) -> bool {
+    light.intensity == 0.0 || light.color == Vec3::ZERO
+}
+
+fn place(light: &Light, world_from_light: &GlobalTransform) -> Result<Placed, LightError> {
+    light.validate()?;
+    let point = light.point_world(world_from_light)?;
+    let direction = light::light_direction(world_from_light);
+    let needs_direction = !matches!(light.kind, LightKind::Point | LightKind::Sphere { .. });
+    let direction = match direction {
+        Some(direction) => direction,
+        None if needs_direction => return Err(LightError::Transform),
+        None => Vec3::NEG_Z,
+    };
+    let mut emitter = Emitter::point(point);
+    match light.kind {
+        LightKind::Sphere { radius } => emitter.radius = f64::from(radius),
+        LightKind::Rect { width, height } => {
+            let affine = world_from_light.affine();
+            let axis = |axis: glam::Vec3A| Vec3::from(axis).as_dvec3().try_normalize();
+            let right: DVec3 = axis(affine.matrix3.x_axis).ok_or(LightError::Transform)?;
+            let up: DVec3 = axis(affine.matrix3.y_axis).ok_or(LightError::Transform)?;
+            emitter.half_sides = [right * f64::from(width) * 0.5, up * f64::from(height) * 0.5];
+        }
+        LightKind::Point | LightKind::Spot { .. } | LightKind::Directional => {}
+    }
+    let extent = emitter.bounding_radius() as f32;
+    let center = point.truncate().as_vec3();
+    Ok(Placed {
+        emitter,
+        direction,
+        volume: LightVolume::new(light.kind, light.range, center, direction, extent),
+    })
+}
+
+/// All that [`collect_frame_lights`] reads of one light.
+type LightItem<'a> = (Entity, &'a Light, &'a GlobalTransform, Option<&'a LightSelection>);
+
+/// Lists the usable lights and compares each with the frame before.
+///
+/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`]; O(lights log lights). Lights stay in
+/// the order of their entities, and keep their sets and allocations as long as they exist.
+pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightItem<'static>>) {
+    let frame = &mut *frame;
+    frame.candidates.clear();
+    frame.newly_skipped.clear();
+    let known = frame.skipped.len();
+    for (entity, light, world_from_light, selection) in &lights {
+        match place(light, world_from_light) {
+            Ok(placed) => frame.candidates.push(Candidate {
+                entity,
+                light: light.clone(),
+                world_from_light: *world_from_light,
+                selection: selection.copied().unwrap_or_default(),
+                placed,
+            }),
+            // The old entries stay in front until all lights are compared with them.
+            Err(error) => {
+                let same = |old: &SkippedLight| {
+                    old.entity == entity
+                        && std::mem::discriminant(&old.error) == std::mem::discriminant(&error)
+                };
+                let skipped = SkippedLight { entity, error };
+                if !frame.skipped[..known].iter().any(same) {
+                    frame.newly_skipped.push(skipped);
+                }
+                frame.skipped.push(skipped);
+            }
+        }
+    }
+    frame.skipped.drain(..known);
+    frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
+    frame.newly_skipped.sort_unstable_by_key(|skipped| skipped.entity);
+    frame
+        .candidates
+        .sort_unstable_by_key(|candidate| candidate.entity);
+    let same_members = frame.candidates.len() == frame.lights.len()
+        && frame
+            .candidates
+            .iter()
+            .zip(&frame.lights)
+            .all(|(new, old)| new.entity == old.entity);
+    if same_members {
+        for (light, candidate) in frame.lights.iter_mut().zip(&frame.candidates) {
+            light.refresh(candidate);
+        }
+        return;
+    }
+    frame.generation += 1;
+    std::mem::swap(&mut frame.lights, &mut frame.previous);
+    let mut old = frame.previous.drain(..).peekable();
+    for candidate in &frame.candidates {
+        while old.next_if(|light| light.entity < candidate.entity).is_some() {}
+        let light = match old.next_if(|light| light.entity == candidate.entity) {
+            Some(mut light) => {
+                light.refresh(candidate);
+                light
+            }
+            None => FrameLight::new(candidate),
+        };
+        frame.lights.push(light);
+    }
+}

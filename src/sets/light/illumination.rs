@@ -1,0 +1,130 @@
+//! Set I of each light, its scissor rectangle and its depth bounds.
+
+use bevy_ecs::prelude::*;
+
+use super::depth_bounds::DepthBounds;
+use super::frame_lights::{FrameLight, FrameLights, is_dark};
+use super::light_occlusion::LightOcclusion;
+use super::reach::each_light;
+use super::scissor::ScissorRect;
+use crate::geometry::Aabb;
+use crate::sets::index::boxes::WORD;
+use crate::sets::index::clusters::for_bits;
+use crate::sets::index::objects::Objects;
+use crate::sets::occlusion::Occluders;
+use crate::sets::view::frame_view::{View, ViewData};
+use crate::sets::view::screen::Projector;
+use crate::sets::view::screen_union::screen_union;
+use crate::sets::view::visible::VisibleSet;
+use crate::sets::view::visible_parts::VisibleParts;
+use crate::sets::work::SetWork;
+
+/// Bits of a word of objects whose layers share a bit with the mask.
+pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -> usize {
+    if objects.common_layers & mask != 0 {
+        return bits;
+    }
+    let mut result = 0;
+    for_bits(bits, |lane| {
+        if objects.layers[word * WORD + lane] & mask != 0 {
+            result |= 1 << lane;
+        }
+    });
+    result
+}
+
+/// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, less objects of which all that is seen is dark,
+/// then the scissor and depth bounds: those of I's
+/// objects, of the light's volume, and of the objects cut by the volume, intersected. If nothing is left the light
+/// is skipped: I is emptied.
+///
+/// Set: `CollectSets`, after `collect_light_occlusion`. Cost: the words that the light touches, eight objects at a time;
+/// only objects that stick out of the bounds so far are projected.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.3.3 and §15.5.
+pub fn collect_illumination(
+    mut frame: ResMut<FrameLights>,
+    mut work: ResMut<SetWork>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    visible: Res<VisibleSet>,
+    parts: Res<VisibleParts>,
+    occlusion: Res<LightOcclusion>,
+    occluders: Res<Occluders>,
+) {
+    let lights = &mut frame.lights;
+    let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
+    each_light(lights, &mut work, pairs, |light| {
+        if !light.stale {
+            return;
+        }
+        light.work.illuminations += 1;
+        (light.scissor, light.depth_bounds) = (None, None);
+        light.receiver_bounds = Aabb::EMPTY;
+        let dark = light.dark.as_mut_slice();
+        light.touched.ones().for_each(|word| dark[word] = 0);
+        let shines = !is_dark(&light.light);
+        let bounds = view.data.as_ref().filter(|_| shines).and_then(|view| {
+            intersect(light, &objects, &visible);
+            parts.cut_illumination(light, occlusion.viewpoint_of(light.entity), &occluders);
+            bound(light, &objects, view, &parts)
+        });
+        match bounds {
+            Some((scissor, depth_bounds)) => {
+                (light.scissor, light.depth_bounds) = (Some(scissor), Some(depth_bounds));
+            }
+            None => {
+                let i = light.i.as_mut_slice();
+                light.touched.ones().for_each(|word| i[word] = 0);
+            }
+        }
+    });
+}
+
+fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
+    let (v, l) = (visible.set.as_slice(), light.l.as_slice());
+    let drawn = objects.drawn.as_slice();
+    let i = light.i.as_mut_slice();
+    for word in light.touched.ones() {
+        let candidates = v[word] & l[word] & drawn[word];
+        i[word] = selected(objects, word, candidates, light.selection.affects);
+    }
+    let (reach, dark) = (light.reach.as_slice(), light.dark.as_mut_slice());
+    for word in light.touched.ones() {
+        let candidates = v[word] & reach[word] & !l[word] & drawn[word];
+        dark[word] = selected(objects, word, candidates, light.selection.affects);
+    }
+}
+
+fn bound(
+    light: &mut FrameLight,
+    objects: &Objects,
+    view: &ViewData,
+    parts: &VisibleParts,
+) -> Option<(ScissorRect, DepthBounds)> {
+    let reach = light.volume.aabb();
+    let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
+    let bounds_of = |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.touched, set, &reach);
+    let lit = bounds_of(&|word| i[word]);
+    if lit.is_empty() {
+        return None;
+    }
+    // Mostly all are receivers, and one pass serves S too.
+    let all_receive = light.touched.ones().all(|word| i[word] & !receivers[word] == 0);
+    light.receiver_bounds = if all_receive {
+        lit
+    } else {
+        bounds_of(&|word| i[word] & receivers[word])
+    };
+    let projector = Projector::new(view);
+    let mut target = light.volume.screen_bounds(&projector);
+    if reach.max.is_finite() && reach.min.is_finite() {
+        let lit = projector.bounds_of_box(lit.center().as_dvec3(), lit.half_size().as_dvec3());
+        target = target.intersection(lit);
+    }
+    let (union, projected) = screen_union(&projector, objects, &light.touched, |word| i[word], target);
+    light.work.projected += projected;
+    let bounds = union.intersection(target);
+    let scissor = ScissorRect::around(&bounds, view.viewport)?;
+    let depth_bounds = DepthBounds::of_screen(&bounds, view.depth)?;
+    Some((scissor, depth_bounds))
+}

@@ -1,0 +1,308 @@
+//! Set L of each light: what it reaches and may see.
+
+use bevy_ecs::prelude::*;
+use bevy_tasks::ComputeTaskPool;
+
+use super::frame_lights::{FrameLight, FrameLights};
+use crate::geometry::Aabb;
+use crate::scene::{ShadowedLight, tasks};
+use crate::sets::index::objects::Objects;
+use crate::sets::occlusion::light_views::light_views;
+use crate::sets::occlusion::viewpoint::Blocks;
+use crate::sets::occlusion::{
+    Cells, Occluders, OcclusionSettings, Rasterizer, Sightings, Standpoint, Viewpoint,
+};
+use crate::sets::work::SetWork;
+
+/// What stands before each light. Written by [`collect_light_occlusion`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct LightOcclusion {
+    /// One for each light of [`FrameLights`], in its order.
+    lights: Vec<Entry>,
+    previous: Vec<Entry>,
+    frame_lights: u64,
+    /// One a piece of the lights.
+    pieces: Vec<Piece>,
+}
+
+/// What one thread needs for its lights, and has done.
+#[derive(Clone, Debug, Default)]
+struct Piece {
+    rasterizer: Rasterizer,
+    depth_buffers: u64,
+    occlusion_tests: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Entry {
+    light: Entity,
+    viewpoint: Viewpoint,
+    sightings: Sightings,
+    seen: Option<Seen>,
+}
+
+/// What all lights are tested against.
+struct Scene<'a> {
+    objects: &'a Objects,
+    occluders: &'a Occluders,
+    cells: &'a Cells,
+    settings: &'a OcclusionSettings,
+}
+
+/// All that occlusion from a light depends on beside the light and what moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    occluders: u64,
+    cells: u64,
+    settings: OcclusionSettings,
+    is_shadowed: bool,
+}
+
+impl LightOcclusion {
+    /// What stands before the light at this index of [`FrameLights`].
+    pub fn viewpoint(&self, light: usize) -> Option<&Viewpoint> {
+        Some(&self.lights.get(light)?.viewpoint)
+    }
+
+    /// What stands before a light of [`FrameLights`].
+    pub(in crate::sets) fn viewpoint_of(&self, light: Entity) -> Option<&Viewpoint> {
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
+        Some(&self.lights[at].viewpoint)
+    }
+
+    /// Keeps what is known of lights that are still there.
+    fn follow(&mut self, frame: &FrameLights) {
+        if self.frame_lights == frame.generation && self.lights.len() == frame.lights.len() {
+            return;
+        }
+        self.frame_lights = frame.generation;
+        std::mem::swap(&mut self.lights, &mut self.previous);
+        let mut old = self.previous.drain(..).peekable();
+        for light in &frame.lights {
+            while old.next_if(|entry| entry.light < light.entity).is_some() {}
+            let known = old.next_if(|entry| entry.light == light.entity);
+            self.lights.push(known.unwrap_or_else(|| Entry {
+                light: light.entity,
+                viewpoint: Viewpoint::default(),
+                sightings: Sightings::default(),
+                seen: None,
+            }));
+        }
+    }
+}
+
+/// L = reach less what no portal shows to the light, less what is hidden in its depth buffers.
+///
+/// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
+/// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
+/// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
+/// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
+/// then computed anew. Lights are spread over the threads of the [`ComputeTaskPool`].
+///
+/// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
+pub fn collect_light_occlusion(
+    mut frame: ResMut<FrameLights>,
+    mut occlusion: ResMut<LightOcclusion>,
+    mut work: ResMut<SetWork>,
+    objects: Res<Objects>,
+    occluders: Res<Occluders>,
+    cells: Res<Cells>,
+    settings: Res<OcclusionSettings>,
+    shadowed: Query<(), With<ShadowedLight>>,
+) {
+    let occlusion = &mut *occlusion;
+    occlusion.follow(&frame);
+    let LightOcclusion { lights, pieces, .. } = occlusion;
+    let now = |light: &FrameLight| Seen {
+        occluders: occluders.generation,
+        cells: cells.generation,
+        settings: *settings,
+        is_shadowed: shadowed.contains(light.entity),
+    };
+    let pairs = || frame.lights.iter().zip(&*lights);
+    let awake = pairs().filter(|(light, entry)| light.reach_written || is_new(light, entry, &now(light)));
+    let parallel = awake.take(2).count() > 1;
+    let threads = ComputeTaskPool::try_get().map_or(1, |pool| pool.thread_num());
+    // Smaller than a thread's share, since neighbouring lights may be the costly ones.
+    let piece_count = if parallel { 4 * threads.max(1) } else { 1 };
+    let size = frame.lights.len().div_ceil(piece_count).max(1);
+    if pieces.len() < piece_count {
+        pieces.resize_with(piece_count, Piece::default);
+    }
+    let scene = Scene {
+        objects: &objects,
+        occluders: &occluders,
+        cells: &cells,
+        settings: &settings,
+    };
+    let chunks = frame.lights.chunks_mut(size).zip(lights.chunks_mut(size));
+    tasks::for_each(
+        chunks.zip(&mut *pieces),
+        parallel,
+        |((lights, entries), piece)| {
+            for (light, entry) in lights.iter_mut().zip(entries) {
+                let now = now(light);
+                find_seen(light, entry, now, piece, &scene);
+            }
+        },
+    );
+    for piece in pieces {
+        work.depth_buffers += std::mem::take(&mut piece.depth_buffers);
+        work.occlusion_tests += std::mem::take(&mut piece.occlusion_tests);
+    }
+}
+
+/// Whether all of the light's reach must be tested.
+fn is_new(light: &FrameLight, entry: &Entry, now: &Seen) -> bool {
+    light.moved || entry.seen.as_ref() != Some(now)
+}
+
+/// Set L of one light.
+fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut Piece, scene: &Scene) {
+    let Scene {
+        objects,
+        occluders,
+        cells,
+        settings,
+    } = *scene;
+    let anew = is_new(light, entry, &now);
+    if !anew && !light.reach_written {
+        return;
+    }
+    entry.seen = Some(now);
+    if !(settings.from_lights && now.is_shadowed) {
+        entry.viewpoint.clear();
+        entry.sightings.forget();
+        light.stale |= anew;
+        see_all(light);
+        return;
+    }
+    if anew {
+        look_around(&mut entry.sightings, light, cells);
+    }
+    let unseen = |entry: &Entry, object: usize| {
+        !entry.sightings.sees(cells, objects, object) || entry.viewpoint.hides(objects, object)
+    };
+    if anew || occluder_moved(light, &entry.viewpoint, objects, occluders) {
+        draw(
+            light,
+            &mut entry.viewpoint,
+            &mut piece.rasterizer,
+            objects,
+            occluders,
+            settings,
+        );
+        piece.depth_buffers += entry.viewpoint.buffers().len() as u64;
+        see_all(light);
+        for object in light.reach.intersection(&occluders.shadeable) {
+            piece.occlusion_tests += 1;
+            if unseen(entry, object) {
+                light.l.remove(object);
+            }
+        }
+        // Even where L is as before, what is seen of its objects may have become lit or dark.
+        light.stale = true;
+        return;
+    }
+    for word in objects.moved_words.ones() {
+        let moved = objects.moved.as_slice()[word];
+        let bits = &mut light.l.as_mut_slice()[word];
+        *bits = *bits & !moved | light.reach.as_slice()[word] & moved;
+    }
+    for object in objects.moved.intersection(&occluders.shadeable) {
+        if light.l.contains(object) {
+            piece.occlusion_tests += 1;
+            if unseen(entry, object) {
+                light.l.remove(object);
+            }
+        }
+    }
+}
+
+/// L = reach. Words that the light no longer touches were cleared with those of `reach`.
+fn see_all(light: &mut FrameLight) {
+    let (l, reach) = (light.l.as_mut_slice(), light.reach.as_slice());
+    light.touched.ones().for_each(|word| l[word] = reach[word]);
+}
+
+/// Looks through the portals from the light's cells, as far as it reaches. Not for directional lights, which stand
+/// nowhere, nor where the cells' walls do not cast for the light. An area light looks from all of itself: through all
+/// portals that are connected, without clipping.
+fn look_around(sightings: &mut Sightings, light: &FrameLight, cells: &Cells) {
+    sightings.forget();
+    if cells.is_empty() || light.point_world.w == 0.0 || !cells.cast_for(light.selection.casts_for) {
+        return;
+    }
+    let eye = light.point_world.truncate();
+    let extent = light.emitter.bounding_radius();
+    let corner = |i: u8| {
+        let sign = |bit: u8| if i & bit == 0 { -extent } else { extent };
+        eye + glam::DVec3::new(sign(1), sign(2), sign(4))
+    };
+    let standpoint = Standpoint {
+        eye,
+        points: if extent > 0.0 {
+            (0..8).map(corner).collect()
+        } else {
+            [eye].into_iter().collect()
+        },
+        reach: extent + 1e-4 + 1e-6 * eye.abs().max_element(),
+        corners: Default::default(),
+        clips: extent == 0.0,
+        range: f64::from(light.light.range),
+    };
+    sightings.flood(cells, &standpoint);
+}
+
+/// Whether an object may hide others from this light.
+fn hides_from(light: &FrameLight, objects: &Objects, occluders: &Occluders, object: usize) -> bool {
+    occluders.light.contains(object) && objects.layers[object] & light.selection.casts_for != 0
+}
+
+/// Whether an occluder that was drawn moved, or one that reaches the light's volume.
+fn occluder_moved(
+    light: &FrameLight,
+    viewpoint: &Viewpoint,
+    objects: &Objects,
+    occluders: &Occluders,
+) -> bool {
+    occluders.moved.ones().any(|object| {
+        hides_from(light, objects, occluders, object)
+            && (light.reach.contains(object) || viewpoint.drawn.contains(object))
+    })
+}
+
+fn draw(
+    light: &FrameLight,
+    viewpoint: &mut Viewpoint,
+    rasterizer: &mut Rasterizer,
+    objects: &Objects,
+    occluders: &Occluders,
+    settings: &OcclusionSettings,
+) {
+    let candidates = || {
+        let within = light.reach.intersection(&occluders.light);
+        within.filter(|&object| hides_from(light, objects, occluders, object))
+    };
+    if candidates().next().is_none() {
+        viewpoint.clear();
+        return;
+    }
+    let bounds = light.reach.ones().fold(Aabb::EMPTY, |bounds, object| {
+        bounds.union(objects.boxes.get(object))
+    });
+    let views = light_views(light, &bounds, settings.light_texels.clamp(16, 1024));
+    viewpoint.draw(
+        rasterizer,
+        &views,
+        candidates(),
+        objects,
+        occluders,
+        settings,
+        Blocks::Light,
+    );
+}

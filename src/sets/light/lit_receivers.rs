@@ -1,0 +1,88 @@
+//! Where the receivers of a light are that are seen, as a list of boxes: what casters are asked against.
+
+use glam::Vec3;
+
+use super::frame_lights::FrameLight;
+use crate::geometry::{Aabb, LightHull};
+use crate::sets::index::objects::{Objects, resize};
+use crate::sets::view::visible_parts::VisibleParts;
+
+/// Receivers that are listed one by one whatever it costs.
+const FEW: usize = 64;
+
+/// Receivers that are listed one by one at most.
+const MANY: usize = 256;
+
+/// Tests of a word of casters against a receiver that one light may cost; beyond, and beyond [`FEW`], receivers are joined.
+const MAX_TESTS: usize = 1024;
+
+/// They are joined by the cells of a grid over them, this many along each axis.
+const GRID: usize = 4;
+
+/// Lists boxes that hold every visible point of the light's receivers within the box of its volume: a box a receiver,
+/// or, of many, a box a cell of a grid. None of them is empty.
+pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
+    let mut boxes = std::mem::take(&mut light.lit_receivers);
+    boxes.clear();
+    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    let reach = light.volume.aabb();
+    let receivers = || light.i.intersection(&objects.receivers);
+    let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
+    let count = receivers().count();
+    if count <= FEW || (count <= MANY && count * words <= MAX_TESTS) {
+        // In two steps, so that frames soon allocate nothing.
+        boxes.reserve(if count <= FEW { FEW } else { MANY });
+        boxes.extend(lit.filter(|part| !part.is_empty()));
+    } else if parts.in_use() {
+        join(lit, &light.receiver_bounds, &mut boxes);
+    } else {
+        // Neighbours share a word, and a box.
+        let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
+        let words = light
+            .touched
+            .ones()
+            .filter(|&word| i[word] & receivers[word] != 0);
+        let lit = words.map(|word| objects.clusters.words.get(word).intersection(reach));
+        join(lit, &light.receiver_bounds, &mut boxes);
+    }
+    light.lit_receivers = boxes;
+}
+
+/// Joins boxes that have their centres in one cell of a grid over `bounds`.
+fn join(boxes: impl Iterator<Item = Aabb>, bounds: &Aabb, joined: &mut Vec<Aabb>) {
+    joined.resize(GRID.pow(3), Aabb::EMPTY);
+    let size = (bounds.max - bounds.min).max(Vec3::splat(1e-6));
+    for part in boxes.filter(|part| !part.is_empty()) {
+        let cell = (part.center() - bounds.min) / size * GRID as f32;
+        let [x, y, z] = cell
+            .clamp(Vec3::ZERO, Vec3::splat(GRID as f32 - 1.0))
+            .to_array()
+            .map(|at| at as usize);
+        let cell = &mut joined[(x * GRID + y) * GRID + z];
+        *cell = cell.union(part);
+    }
+    joined.retain(|cell| !cell.is_empty());
+}
+
+/// Takes casters out of S that stand between the light and none of the listed boxes.
+///
+/// Only where something occludes: in open scenes receivers see the light from all around, and the hulls cost more than
+/// they spare.
+pub(in crate::sets) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
+    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    if !parts.in_use() || light.lit_receivers.len() * words > 4 * MAX_TESTS {
+        return;
+    }
+    resize(&mut light.kept, light.s.len());
+    let (s, kept) = (light.s.as_slice(), &mut light.kept);
+    for part in &light.lit_receivers {
+        let hull = LightHull::of_aabb(part, &light.emitter);
+        for (word, (s, kept)) in s.iter().zip(kept.as_mut_slice()).enumerate() {
+            let open = s & !*kept;
+            if open != 0 {
+                *kept |= objects.boxes.touching_planes(word, open, &hull.planes);
+            }
+        }
+    }
+    light.s.intersect_with(&light.kept);
+}

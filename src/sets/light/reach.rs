@@ -1,0 +1,156 @@
+//! What each light reaches: the objects within its volume, occluded from it or not.
+
+use bevy_ecs::prelude::*;
+
+use super::frame_lights::{FrameLight, FrameLights, LightWork, Seen};
+use crate::scene::tasks;
+use crate::sets::index::objects::{Objects, resize};
+use crate::sets::view::frame_view::View;
+use crate::sets::view::visible::VisibleSet;
+use crate::sets::work::SetWork;
+
+/// Words that a frame has for each light and each light that needs them, from which threads are worth waking.
+const PARALLEL: usize = 4096;
+
+/// Computes [`FrameLight::reach`] of every light: all of it if the light or the layout changed, else words in which
+/// something moved. Lights are independent, and are computed on all threads.
+///
+/// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. Cost: per light the blocks
+/// of 4096 objects, then what the light touches; nothing at rest. Point lights ask with their ball, without projection.
+/// Source: McGuire 2004, GPU Gems ch. 9, §9.5.2: boxes against the range's ball or the cone; O'Rorke 2004, ch. 15,
+/// §15.4.2: no projection.
+pub fn collect_light_sets(
+    mut frame: ResMut<FrameLights>,
+    mut work: ResMut<SetWork>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    visible: Res<VisibleSet>,
+) {
+    let now = Seen {
+        layout: objects.layout_generation,
+        flags: objects.flags_generation,
+        view: view.generation,
+        visible: visible.generation,
+    };
+    let any_moved = objects.any_moved();
+    let lights = &mut frame.lights;
+    let busy = lights
+        .iter()
+        .filter(|light| any_moved || light.moved || light.seen != Some(now));
+    let pairs = busy.count() * objects.boxes.words();
+    each_light(lights, &mut work, pairs, |light| {
+        collect_reach(light, &objects, now, any_moved)
+    });
+}
+
+/// Calls `collect` for every light, on all threads if there is enough to do, and sums up what was done.
+/// `pairs`: words of the lights that need something.
+pub(in crate::sets) fn each_light(
+    lights: &mut [FrameLight],
+    work: &mut SetWork,
+    pairs: usize,
+    collect: impl Fn(&mut FrameLight) + Sync,
+) {
+    let parallel = pairs > PARALLEL && lights.len() > 1;
+    // Small, since neighbouring lights may be the costly ones.
+    let chunk = if parallel {
+        lights.len().div_ceil(32)
+    } else {
+        usize::MAX
+    };
+    tasks::for_each(lights.chunks_mut(chunk), parallel, |lights| {
+        lights.iter_mut().for_each(&collect)
+    });
+    for light in lights {
+        let done = std::mem::take(&mut light.work);
+        work.light_words += done.words;
+        work.objects_projected += done.projected;
+        work.illuminations += done.illuminations;
+        work.shadows += done.shadows;
+    }
+}
+
+/// Brings `reach` up to date and says whether I must follow.
+fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved: bool) {
+    let new_layout = light.seen.map(|seen| seen.layout) != Some(now.layout);
+    let everything = light.moved || new_layout;
+    light.stale = everything || light.seen != Some(now);
+    light.reach_written = everything;
+    light.seen = Some(now);
+    if new_layout {
+        let words = objects.boxes.words();
+        for set in [
+            &mut light.reach,
+            &mut light.l,
+            &mut light.i,
+            &mut light.s,
+            &mut light.dark,
+        ] {
+            resize(set, objects.len());
+        }
+        resize(&mut light.touched, words);
+        resize(&mut light.found, words);
+    }
+    if everything || any_moved {
+        find(light, objects, everything);
+    }
+}
+
+fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
+    let FrameLight {
+        volume,
+        reach,
+        touched,
+        found,
+        work: LightWork { words: tested, .. },
+        ..
+    } = light;
+    let (present, moved) = (objects.present.as_slice(), objects.moved.as_slice());
+    let reach = reach.as_mut_slice();
+    let among = (!everything).then_some(&objects.moved_words);
+    let mut changed = false;
+    found.clear();
+    objects.clusters.find(
+        among,
+        |boxes, word, candidates| volume.clusters_touching(boxes, word, candidates),
+        |at| {
+            let bits = if at.inside {
+                present[at.word]
+            } else {
+                *tested += 1;
+                volume.touching(&objects.boxes, at.word, present[at.word])
+            };
+            // What moved within reach, out of it or into it changes I or S.
+            changed |= (reach[at.word] | bits) & moved[at.word] != 0;
+            reach[at.word] = bits;
+            if bits != 0 {
+                found.insert(at.word);
+            }
+        },
+    );
+    // Words that were asked for and not found are left behind.
+    let mut sets = [
+        light.l.as_mut_slice(),
+        light.i.as_mut_slice(),
+        light.s.as_mut_slice(),
+        light.dark.as_mut_slice(),
+    ];
+    let asked = |block: usize| among.map_or(usize::MAX, |words| words.as_slice()[block]);
+    for (block, (touched, found)) in touched
+        .as_mut_slice()
+        .iter_mut()
+        .zip(found.as_slice())
+        .enumerate()
+    {
+        let left = *touched & asked(block) & !found;
+        crate::sets::index::clusters::for_bits(left, |bit| {
+            let word = block * crate::sets::index::boxes::WORD + bit;
+            changed |= reach[word] & moved[word] != 0;
+            reach[word] = 0;
+            sets.iter_mut().for_each(|set| set[word] = 0);
+        });
+        *touched = (*touched & !left) | found;
+    }
+    light.stale |= changed;
+    light.reach_written |= changed;
+}

@@ -1,0 +1,167 @@
+//! Set S of each light: casters whose shadow can reach what the light lights in view.
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use smallvec::SmallVec;
+
+use super::frame_lights::{FrameLight, FrameLights};
+use super::illumination::selected;
+use super::light_volume::LightVolume;
+use super::lit_receivers::{cut_casters, list_lit_receivers};
+use super::reach::each_light;
+use crate::geometry::{LightHull, Plane, Sphere};
+use crate::scene::LocalBounds;
+use crate::sets::index::boxes::WORD;
+use crate::sets::index::clusters::for_bits;
+use crate::sets::index::objects::Objects;
+use crate::sets::occlusion::OcclusionSettings;
+use crate::sets::view::frame_view::{View, ViewData};
+use crate::sets::view::frustum::FrustumSet;
+use crate::sets::view::visible_parts::VisibleParts;
+use crate::sets::work::SetWork;
+
+/// Computes S of every light that needs it.
+///
+/// Candidates are the casters of L that cast for this light. If all of the light is inside the frustum, those in F stay;
+/// else those that touch the convex hull of light and frustum. Of these, only those stay that touch the convex hull of
+/// light and the bounds of I's receivers within the light's volume, and, where something occludes, the hull of light and
+/// one of these. Without receivers S is empty. Casters whose world bounds touch a point light's ball, but whose local
+/// bounds, as they stand in the world, do not, are left out.
+///
+/// [`OcclusionSettings::of_shadows`] off leaves S at all casters of L that cast for the light.
+///
+/// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
+/// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light. Cost: the
+/// clusters that the light touches; the objects of those that a plane of the hulls cuts, against those planes alone.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second and third hull are ours.
+pub fn collect_shadow_sets(
+    mut frame: ResMut<FrameLights>,
+    mut work: ResMut<SetWork>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    frustum_set: Res<FrustumSet>,
+    placed: Query<Placed>,
+    settings: Res<OcclusionSettings>,
+    parts: Res<VisibleParts>,
+) {
+    let lights = &mut frame.lights;
+    let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
+    each_light(lights, &mut work, pairs, |light| {
+        if !light.stale {
+            return;
+        }
+        light.inside_frustum = false;
+        match &view.data {
+            Some(view) if light.scissor.is_some() => {
+                light.work.shadows += 1;
+                collect(light, &objects, view, &frustum_set, &placed);
+                list_lit_receivers(light, &parts, &objects);
+                if settings.of_shadows {
+                    cut_casters(light, &parts, &objects);
+                } else if !light.receiver_bounds.is_empty() {
+                    all_casters(light, &objects);
+                }
+            }
+            _ => clear(light),
+        }
+    });
+}
+
+/// S as it is without a shadow set: whatever of L casts for the light.
+fn all_casters(light: &mut FrameLight, objects: &Objects) {
+    let (l, casters) = (light.l.as_slice(), objects.casters.as_slice());
+    let s = light.s.as_mut_slice();
+    for word in light.touched.ones() {
+        s[word] = selected(objects, word, l[word] & casters[word], light.selection.casts_for);
+    }
+}
+
+fn clear(light: &mut FrameLight) {
+    let s = light.s.as_mut_slice();
+    light.touched.ones().for_each(|word| s[word] = 0);
+    light.lit_receivers.clear();
+}
+
+/// Where the local bounds of a caster are.
+type Placed = (&'static LocalBounds, &'static GlobalTransform);
+
+fn collect(
+    light: &mut FrameLight,
+    objects: &Objects,
+    view: &ViewData,
+    frustum_set: &FrustumSet,
+    placed: &Query<Placed>,
+) {
+    light.hull = LightHull::of_frustum(&view.frustum, &light.emitter);
+    light.inside_frustum = light.hull.inside;
+    if light.receiver_bounds.is_empty() {
+        light.receiver_hull = LightHull::default();
+        clear(light);
+        return;
+    }
+    light.receiver_hull = LightHull::of_aabb(&light.receiver_bounds, &light.emitter);
+    // Inside the frustum F has asked the first hull's planes already.
+    let view_planes: &[Plane] = if light.inside_frustum {
+        &[]
+    } else {
+        &light.hull.planes.planes
+    };
+    let (l, f) = (light.l.as_slice(), frustum_set.set.as_slice());
+    let casters = objects.casters.as_slice();
+    let words = light.s.as_mut_slice();
+    let cutting = &mut light.cutting;
+    for word in light.touched.ones() {
+        let mut s = l[word] & casters[word];
+        if light.inside_frustum {
+            s &= f[word];
+        }
+        if s != 0 {
+            let planes = view_planes.iter().chain(&light.receiver_hull.planes.planes);
+            s = match cut(objects, word, planes, &mut cutting.planes) {
+                false => 0,
+                true if cutting.planes.is_empty() => s,
+                true => objects.boxes.touching_planes(word, s, cutting),
+            };
+        }
+        s = selected(objects, word, s, light.selection.casts_for);
+        if let (LightVolume::Ball(ball), true) = (light.volume, s != 0) {
+            s &= !beyond(&ball, objects, word, s, placed);
+        }
+        words[word] = s;
+    }
+}
+
+/// Bits of the casters of a word that the ball excludes as they stand; only those centred beyond its range are asked.
+fn beyond(ball: &Sphere, objects: &Objects, word: usize, s: usize, placed: &Query<Placed>) -> usize {
+    let mut beyond = 0;
+    for_bits(objects.boxes.centered_beyond(word, s, ball), |bit| {
+        if let Ok((local, transform)) = placed.get(objects.entities[word * WORD + bit])
+            && ball.excludes_oriented(&local.0, &transform.affine())
+        {
+            beyond |= 1 << bit;
+        }
+    });
+    beyond
+}
+
+/// Collects the planes that leave a part of the word's cluster outside; `false` if one leaves all of it outside.
+fn cut<'a>(
+    objects: &Objects,
+    word: usize,
+    planes: impl Iterator<Item = &'a Plane>,
+    cutting: &mut SmallVec<[Plane; 16]>,
+) -> bool {
+    cutting.clear();
+    let (center, half) = objects.clusters.words.load(word);
+    for plane in planes {
+        let distance = plane.distance(center);
+        let reach = plane.normal.abs().dot(half);
+        if distance + reach < 0.0 {
+            return false;
+        }
+        if distance - reach < 0.0 {
+            cutting.push(*plane);
+        }
+    }
+    true
+}

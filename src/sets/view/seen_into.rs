@@ -1,0 +1,78 @@
+//! Objects that the camera may look into.
+
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+
+use crate::geometry::Aabb;
+use crate::scene::{SceneMaterials, SceneMesh};
+use crate::sets::index::objects::resize;
+use crate::sets::{Objects, Touch, View};
+
+/// Objects, by dense index, inside of which a visible point may lie: the near rectangle touches their bounds, or they
+/// are not opaque throughout, or not drawn at all. Written by [`collect_seen_into`].
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct SeenInto(pub FixedBitSet);
+
+/// What depends on materials alone: see-through objects, and two-sided ones.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
+pub struct SeeThrough {
+    /// By dense index.
+    pub objects: FixedBitSet,
+    /// Objects of which every surface is drawn from both sides, whatever
+    /// [`FaceCulling`](crate::scene::FaceCulling) says; by dense index.
+    pub two_sided: FixedBitSet,
+    generation: Option<(u64, u64)>,
+}
+
+/// Collects [`SeeThrough`] and [`SeenInto`].
+///
+/// Set: `CollectSets`, after the objects and the view. Cost: the clusters, nothing at rest.
+pub fn collect_seen_into(
+    mut seen_into: ResMut<SeenInto>,
+    mut see_through: ResMut<SeeThrough>,
+    objects: Res<Objects>,
+    view: Res<View>,
+    appearance: Query<(&SceneMesh, &SceneMaterials)>,
+    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    mut last_view: Local<Option<u64>>,
+) {
+    let generation = Some((objects.layout_generation, objects.flags_generation));
+    let rebuilt = see_through.generation != generation || !exchanged.is_empty();
+    if !rebuilt && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
+        return; // nothing that it depends on changed
+    }
+    *last_view = Some(view.generation);
+    if rebuilt {
+        see_through.generation = generation;
+        resize(&mut see_through.objects, objects.len());
+        resize(&mut see_through.two_sided, objects.len());
+        for (object, &entity) in objects.entities.iter().enumerate() {
+            let (opaque, two_sided) = appearance
+                .get(entity)
+                .map_or((false, false), |(mesh, materials)| {
+                    let two_sided = materials.0.iter().all(|material| material.double_sided);
+                    (materials.are_opaque(&mesh.0), two_sided)
+                });
+            see_through.objects.set(object, !opaque);
+            see_through.two_sided.set(object, two_sided);
+        }
+    }
+    seen_into.0.clone_from(&see_through.objects);
+    let Some(view) = &view.data else {
+        return;
+    };
+    // Padded like the boxes, so that rounding of its corners loses nothing.
+    let near = Aabb::from_points(view.near_corners.map(|corner| corner.as_vec3())).padded();
+    let words = seen_into.0.as_mut_slice();
+    objects.clusters.find(
+        None,
+        |boxes, word, candidates| Touch {
+            touching: boxes.touching_box(word, candidates, &near),
+            inside: 0,
+        },
+        |found| {
+            let present = objects.present.as_slice()[found.word];
+            words[found.word] |= objects.boxes.touching_box(found.word, present, &near);
+        },
+    );
+}

@@ -1,0 +1,71 @@
+//! A light's map as the shader has it, and with it how far a comparison is lenient.
+
+use glam::DVec3;
+
+use crate::render::pools::gpu_types;
+use crate::techniques::maps::face::FaceProjection;
+use crate::techniques::maps::light_map::LightMap;
+use crate::techniques::maps::packing::{FOUR_BYTES_STEP, TWO_BYTES_STEP};
+use crate::techniques::maps::request::MapShape;
+use crate::techniques::maps::settings::{MapBias, MapFilter, MapFormat};
+
+/// Share of a texel by which a plane is raised, and half of it for each texel of the filter's radius: enough for surfaces
+/// that bend by some 8° between neighbouring texels, too little to part a shadow from its caster. Found by
+/// `tests/maps/contacts.rs`.
+const RAISED_TEXELS: f32 = 0.15;
+
+/// The shader's view of one light's map.
+pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gpu_types::MapLight {
+    let request = &map.request;
+    let mut constants = gpu_types::MapLight::default();
+    let mut radius_texels: f32 = 0.0;
+    let softness = request.filter.softness().unwrap_or(0.0);
+    for (out, state) in constants.faces.iter_mut().zip(&map.faces) {
+        let [x, y, z] = state.face.rows_from_relative(eye);
+        let texel = state.face.texel_metres(map.resolution) as f32;
+        let (a, b) = match state.face.projection {
+            FaceProjection::Perspective { tangent, near } => (tangent, near),
+            FaceProjection::Parallel { half, length } => (half, length),
+        };
+        *out = gpu_types::MapFace {
+            row_x: x.to_array(),
+            row_y: y.to_array(),
+            row_z: z.to_array(),
+            projection: [a as f32, b as f32, texel, 0.0],
+        };
+        radius_texels = radius_texels.max(softness / texel);
+    }
+    if matches!(request.filter, MapFilter::Brute4x4 | MapFilter::Dithered4) {
+        radius_texels = 2.0;
+    }
+    let (raised, metres, share) = match request.bias {
+        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0, 0.0),
+        MapBias::Manual {
+            normal_texels,
+            depth_metres,
+            distance_share,
+        } => (normal_texels, depth_metres, distance_share),
+    };
+    let squared = |share: f32| 1.0 - (1.0 - share) * (1.0 - share);
+    // A few roundings of f32 on both sides of the comparison; squares have twice the share.
+    let parallel = request.shape == MapShape::Cascades;
+    let (relative, absolute) = match request.format {
+        MapFormat::Depth if parallel => (0.0, 2e-6),
+        // Depth goes with 1 / distance.
+        MapFormat::Depth => (4e-6 + share / (1.0 - share), 0.0),
+        MapFormat::R32Float => (8e-6 + squared(share), 0.0),
+        MapFormat::Rgba8TwoBytes => (8e-6 + squared(share), TWO_BYTES_STEP),
+        MapFormat::Rgba8FourBytes => (8e-6 + squared(share), FOUR_BYTES_STEP),
+    };
+    let resolution = map.resolution as f32;
+    constants.size = [resolution, resolution.recip(), softness, 0.0];
+    constants.bias = [raised, relative, absolute, metres];
+    let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
+    constants.limits = [
+        depth_bounds.0,
+        depth_bounds.1,
+        inverse_reach_sq,
+        request.cascades.blend,
+    ];
+    constants
+}

@@ -1,0 +1,200 @@
+//! Draws of casters into faces: equal meshes become one instanced draw, whatever their opaque materials.
+
+use std::ops::Range;
+
+use bevy_ecs::prelude::World;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DMat4, Mat4};
+
+use super::pipelines::{Key, MapPipelines};
+use crate::render::pools::gpu_types;
+use crate::render::pools::materials::MaterialPool;
+use crate::render::pools::meshes::MeshPool;
+use crate::render::pools::objects::NO_MESH;
+use crate::render::recorder::PrepareInput;
+use crate::scene::{AlphaMode, SceneMaterials};
+use crate::sets::Objects;
+use crate::techniques::maps::face::MapFace;
+
+/// One draw call, or one for each submesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapDraw {
+    /// The material whose alpha cuts holes; `None`: solid.
+    pub material: Option<u32>,
+    /// Index into the mesh pool.
+    pub mesh: u32,
+    /// Index into the mesh's submeshes; `None`: all.
+    pub submesh: Option<u32>,
+    /// Range of [`MapDraws::casters`].
+    pub casters: Range<u32>,
+}
+
+/// A caster in a face, or a part of one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Part {
+    material: Option<u32>,
+    mesh: u32,
+    submesh: Option<u32>,
+    object: u32,
+}
+
+/// The draws of a frame; their memory is kept.
+#[derive(Debug, Default)]
+pub struct MapDraws {
+    /// All draws.
+    pub draws: Vec<MapDraw>,
+    /// Their matrices.
+    pub casters: Vec<gpu_types::MapCaster>,
+    parts: Vec<Part>,
+}
+
+impl MapDraws {
+    /// Forgets the last frame's.
+    pub fn clear(&mut self) {
+        self.draws.clear();
+        self.casters.clear();
+    }
+
+    /// Adds the draws of a set of objects into a face; their range.
+    pub fn push(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        objects: &Objects,
+        face: &MapFace,
+        set: &FixedBitSet,
+    ) -> Range<usize> {
+        self.parts.clear();
+        for object in set.ones() {
+            self.push_parts(world, input, objects, object);
+        }
+        self.parts.sort_unstable();
+        let first = self.draws.len();
+        let clip_from_world = face.clip_from_world();
+        for part in &self.parts {
+            let transform = world.get::<GlobalTransform>(objects.entities[part.object as usize]);
+            let world_from_local =
+                transform.map_or(DMat4::ZERO, |transform| Mat4::from(transform.affine()).as_dmat4());
+            let at = self.casters.len() as u32;
+            self.casters.push(gpu_types::MapCaster {
+                clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
+            });
+            if let Some(last) = self.draws[first..].last_mut()
+                && (last.material, last.mesh, last.submesh) == (part.material, part.mesh, part.submesh)
+            {
+                last.casters.end = at + 1;
+            } else {
+                self.draws.push(MapDraw {
+                    material: part.material,
+                    mesh: part.mesh,
+                    submesh: part.submesh,
+                    casters: at..at + 1,
+                });
+            }
+        }
+        first..self.draws.len()
+    }
+
+    fn push_parts(&mut self, world: &World, input: &PrepareInput, objects: &Objects, object: usize) {
+        let mesh = input.table.mesh[object];
+        if mesh == NO_MESH || input.table.handedness[object] == 0.0 {
+            return;
+        }
+        let object_index = object as u32;
+        let materials = world.get::<SceneMaterials>(objects.entities[object]);
+        let is_masked = |submesh: usize| {
+            let material = materials.and_then(|materials| materials.0.get(submesh));
+            material.is_some_and(|material| matches!(material.alpha_mode, AlphaMode::Mask(_)))
+        };
+        let submeshes = input.meshes.get(mesh).map_or(0, |mesh| mesh.submeshes.len());
+        if !(0..submeshes).any(is_masked) {
+            self.parts.push(Part {
+                material: None,
+                mesh,
+                submesh: None,
+                object: object_index,
+            });
+            return;
+        }
+        for submesh in 0..submeshes {
+            let items = input.table.items_of(object);
+            let item = items.iter().find(|item| item.submesh as usize == submesh);
+            self.parts.push(Part {
+                material: item.filter(|_| is_masked(submesh)).map(|item| item.material),
+                mesh,
+                submesh: Some(submesh as u32),
+                object: object_index,
+            });
+        }
+    }
+
+    /// Makes the pipelines of a range of draws.
+    pub fn require(
+        &self,
+        range: Range<usize>,
+        peel: bool,
+        input: &PrepareInput,
+        pipelines: &mut MapPipelines,
+    ) {
+        for draw in &self.draws[range] {
+            let masked = draw.material.is_some();
+            pipelines.require(input.context, Key::Caster { masked, peel });
+        }
+    }
+
+    /// Records a range of draws; groups 0 and 1 are set.
+    pub fn record(
+        &self,
+        range: Range<usize>,
+        peel: bool,
+        pass: &mut wgpu::RenderPass,
+        pipelines: &MapPipelines,
+        meshes: &MeshPool,
+        materials: &MaterialPool,
+    ) {
+        let mut last_masked = None;
+        for draw in &self.draws[range] {
+            let Some(mesh) = meshes.get(draw.mesh) else {
+                continue;
+            };
+            let masked = draw.material.is_some();
+            if last_masked != Some(masked) {
+                let Some(pipeline) = pipelines.get(Key::Caster { masked, peel }) else {
+                    continue;
+                };
+                pass.set_pipeline(pipeline);
+                last_masked = Some(masked);
+            }
+            if let Some(material) = draw.material {
+                let Some(material) = materials.get(material) else {
+                    continue;
+                };
+                pass.set_bind_group(2, &material.bind_group, &[]);
+                pass.set_vertex_buffer(1, mesh.surface.slice(..));
+            }
+            pass.set_vertex_buffer(0, mesh.positions.slice(..));
+            pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+            let submeshes = match draw.submesh {
+                Some(submesh) => &mesh.submeshes[submesh as usize..=submesh as usize],
+                None => &mesh.submeshes[..],
+            };
+            // Submeshes that follow one another are one draw.
+            let mut indices = 0..0;
+            for submesh in submeshes {
+                let next = submesh.first_index..submesh.first_index + submesh.index_count;
+                if next.start == indices.end && !indices.is_empty() {
+                    indices.end = next.end;
+                    continue;
+                }
+                if !indices.is_empty() {
+                    pass.draw_indexed(indices, 0, draw.casters.clone());
+                }
+                indices = next;
+            }
+            if !indices.is_empty() {
+                pass.draw_indexed(indices, 0, draw.casters.clone());
+            }
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! The passes of one light's map: casters into faces, the copy under what moves, the conversion, the lookup.
+//!
+//! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
+
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+use super::pipelines::Key;
+use super::pool::MapTextures;
+use super::recorder::{FacePlan, LightPlan, MapNode, STRIDE};
+use crate::render::RenderContext;
+use crate::render::gpu::bind_groups::bind_in_order;
+use crate::render::recorder::ResolveInput;
+use crate::techniques::maps::request::MapShape;
+use crate::techniques::maps::settings::{MapFormat, MapSurface};
+
+impl MapNode {
+    /// Records what one face needs.
+    pub(in crate::techniques::maps) fn draw_face(
+        &self,
+        slot: usize,
+        plan: &LightPlan,
+        face: &FacePlan,
+        textures: &MapTextures,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &ResolveInput,
+    ) {
+        let layer = face.face;
+        if let Some(range) = &face.still {
+            let view = &textures.still.layers[layer];
+            self.draw_casters(encoder, input, view, true, std::slice::from_ref(range), None);
+        }
+        if let (Some(range), Some(moving)) = (&face.moving, &textures.moving) {
+            copy_layer(encoder, &textures.still.texture, &moving.texture, layer);
+            if !range.is_empty() {
+                self.draw_casters(
+                    encoder,
+                    input,
+                    &moving.layers[layer],
+                    false,
+                    std::slice::from_ref(range),
+                    None,
+                );
+            }
+        }
+        if let Some(shown) = &textures.shown {
+            let first = &textures.all_casters().layers[layer];
+            let mut second = first;
+            if plan.request.surface != MapSurface::Nearest
+                && let Some(scratch) = self.pool.second(plan.key.side)
+            {
+                let group = bind_depths(input.context, &self.pipelines.layouts.first, &[first]);
+                self.draw_casters(encoder, input, scratch, true, &face.peeled, Some(&group));
+                second = scratch;
+            }
+            let group = bind_depths(input.context, &self.pipelines.layouts.surfaces, &[first, second]);
+            self.convert(slot, plan, layer, &shown.layers[layer], &group, encoder, input);
+        }
+        let record = &textures.records[layer];
+        record.still.store(face.still_revision, Ordering::Relaxed);
+        record.shown.store(face.revision, Ordering::Relaxed);
+    }
+
+    fn draw_casters(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &ResolveInput,
+        target: &wgpu::TextureView,
+        clear: bool,
+        ranges: &[Range<usize>],
+        peel: Option<&wgpu::BindGroup>,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("map"),
+            color_attachments: &[],
+            depth_stencil_attachment: Some(depth_attachment(target, clear)),
+            timestamp_writes: pass_timer(input, "map"),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.caster_group, &[]);
+        if let Some(group) = peel {
+            pass.set_bind_group(1, group, &[]);
+        }
+        for range in ranges {
+            self.draws.record(
+                range.clone(),
+                peel.is_some(),
+                &mut pass,
+                &self.pipelines,
+                input.record.meshes,
+                input.record.materials,
+            );
+        }
+    }
+
+    fn convert(
+        &self,
+        slot: usize,
+        plan: &LightPlan,
+        face: usize,
+        target: &wgpu::TextureView,
+        surfaces: &wgpu::BindGroup,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &ResolveInput,
+    ) {
+        let (format, surface) = (plan.request.format, plan.request.surface);
+        let parallel = plan.request.shape == MapShape::Cascades;
+        let key = Key::Convert {
+            format,
+            surface,
+            parallel,
+        };
+        let Some(pipeline) = self.pipelines.get(key) else {
+            return;
+        };
+        let is_depth = format == MapFormat::Depth;
+        let color = [Some(wgpu::RenderPassColorAttachment {
+            view: target,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                store: wgpu::StoreOp::Store,
+            },
+        })];
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("map conversion"),
+            color_attachments: if is_depth { &[] } else { &color },
+            depth_stencil_attachment: is_depth.then(|| depth_attachment(target, true)),
+            timestamp_writes: pass_timer(input, "map conversion"),
+            ..Default::default()
+        });
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(1, surfaces, &[]);
+        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
+        pass.draw(0..3, face as u32..face as u32 + 1);
+    }
+
+    /// Looks every pixel of the scissor up.
+    pub(in crate::techniques::maps) fn look_up(
+        &self,
+        slot: usize,
+        textures: &MapTextures,
+        pipeline: &wgpu::RenderPipeline,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &ResolveInput,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("map lookup"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &input.masks.mask_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Load,
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            timestamp_writes: pass_timer(input, "map lookup"),
+            ..Default::default()
+        });
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, input.record.view, &[]);
+        pass.set_bind_group(1, &input.masks.receiver_group, &[]);
+        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
+        pass.set_bind_group(3, &textures.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+/// A name is made only where somebody looks at it.
+fn pass_timer<'a>(input: &'a ResolveInput, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
+    let is_active = input.timings.is_active();
+    is_active.then(|| input.timings.pass(&format!("{}/{pass}", input.label)))?
+}
+
+fn depth_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment {
+        view,
+        depth_ops: Some(wgpu::Operations {
+            load: if clear {
+                wgpu::LoadOp::Clear(crate::conventions::DEPTH_INFINITY)
+            } else {
+                wgpu::LoadOp::Load
+            },
+            store: wgpu::StoreOp::Store,
+        }),
+        stencil_ops: None,
+    }
+}
+
+fn copy_layer(encoder: &mut wgpu::CommandEncoder, from: &wgpu::Texture, to: &wgpu::Texture, layer: usize) {
+    let at = |texture| wgpu::TexelCopyTextureInfo {
+        texture,
+        mip_level: 0,
+        origin: wgpu::Origin3d {
+            x: 0,
+            y: 0,
+            z: layer as u32,
+        },
+        aspect: wgpu::TextureAspect::All,
+    };
+    let size = wgpu::Extent3d {
+        depth_or_array_layers: 1,
+        ..from.size()
+    };
+    encoder.copy_texture_to_texture(at(from), at(to), size);
+}
+
+fn bind_depths(
+    context: &RenderContext,
+    layout: &wgpu::BindGroupLayout,
+    views: &[&wgpu::TextureView],
+) -> wgpu::BindGroup {
+    let views = views.iter().map(|view| wgpu::BindingResource::TextureView(view));
+    bind_in_order(&context.device, "map surfaces", layout, views)
+}

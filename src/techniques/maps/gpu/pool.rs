@@ -1,0 +1,298 @@
+//! The textures of maps: those that are kept, one set a light; those that lights share; and what both are made through.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bevy_ecs::prelude::Entity;
+
+use super::layouts::MapLayouts;
+use super::pipelines::{MAP_DEPTH, texture_format};
+use crate::render::RenderContext;
+use crate::render::gpu::bind_groups::bind_in_order;
+use crate::techniques::maps::request::MapRequest;
+use crate::techniques::maps::settings::{MapFormat, MapSurface};
+
+/// An array of faces and the views of each.
+#[derive(Debug)]
+pub struct FaceArray {
+    /// The texture.
+    pub texture: wgpu::Texture,
+    /// Each layer.
+    pub layers: Vec<wgpu::TextureView>,
+}
+
+impl FaceArray {
+    /// Faces of a square side.
+    pub fn new(
+        context: &RenderContext,
+        label: &str,
+        side: u32,
+        layers: u32,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: side,
+                height: side,
+                depth_or_array_layers: layers,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let layers = (0..layers)
+            .map(|layer| {
+                texture.create_view(&wgpu::TextureViewDescriptor {
+                    dimension: Some(wgpu::TextureViewDimension::D2),
+                    base_array_layer: layer,
+                    array_layer_count: Some(1),
+                    ..Default::default()
+                })
+            })
+            .collect();
+        Self { texture, layers }
+    }
+
+    fn array_view(&self) -> wgpu::TextureView {
+        self.texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2Array),
+            ..Default::default()
+        })
+    }
+}
+
+/// Which revisions of a face the textures hold; 0: nothing.
+#[derive(Debug, Default)]
+pub struct FaceRecord {
+    /// Of the still layer.
+    pub still: AtomicU64,
+    /// Of what is looked up.
+    pub shown: AtomicU64,
+}
+
+/// What tells two sets of textures apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MapTexturesKey {
+    /// The light whose map this is; `None`: shared.
+    pub entity: Option<Entity>,
+    /// Texels.
+    pub side: u32,
+    /// Faces.
+    pub layers: u32,
+    /// What is looked up.
+    pub format: MapFormat,
+    /// Which surface.
+    pub surface: MapSurface,
+    /// There is a layer for casters that move.
+    pub moving: bool,
+}
+
+impl MapTexturesKey {
+    /// The key of a request; `entity` is `None` for a shared map.
+    pub fn new(entity: Option<Entity>, request: &MapRequest, side: u32, moving: bool) -> Self {
+        Self {
+            entity,
+            side,
+            layers: request.face_count(),
+            format: request.format,
+            surface: request.surface,
+            moving,
+        }
+    }
+
+    fn has_final(&self) -> bool {
+        self.format != MapFormat::Depth || self.surface != MapSurface::Nearest
+    }
+}
+
+/// The textures of one map.
+#[derive(Debug)]
+pub struct MapTextures {
+    /// What they are for.
+    pub key: MapTexturesKey,
+    /// Depth of still casters; of all, if there is no other.
+    pub still: FaceArray,
+    /// Depth of all casters, if some move.
+    pub moving: Option<FaceArray>,
+    /// What is looked up, if it is not one of these.
+    pub shown: Option<FaceArray>,
+    /// Group 3 of the lookup.
+    pub group: wgpu::BindGroup,
+    /// What the faces hold.
+    pub records: Vec<FaceRecord>,
+    in_use: bool,
+}
+
+/// Bytes that a texture holds.
+fn bytes(texture: &wgpu::Texture) -> u64 {
+    let size = texture.size();
+    u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers) * 4
+}
+
+impl MapTextures {
+    /// All of its textures.
+    pub fn bytes(&self) -> u64 {
+        let more = [&self.moving, &self.shown];
+        let more = more.into_iter().flatten().map(|array| bytes(&array.texture));
+        bytes(&self.still.texture) + more.sum::<u64>()
+    }
+
+    /// Depths with all casters.
+    pub fn all_casters(&self) -> &FaceArray {
+        self.moving.as_ref().unwrap_or(&self.still)
+    }
+}
+
+/// One face that maps are made through: depths of a first and a second surface.
+#[derive(Debug)]
+struct Scratch {
+    side: u32,
+    second: FaceArray,
+    in_use: bool,
+}
+
+/// All textures.
+#[derive(Debug)]
+pub struct MapPool {
+    maps: Vec<MapTextures>,
+    scratches: Vec<Scratch>,
+    no_depth: wgpu::TextureView,
+    no_distance: wgpu::TextureView,
+}
+
+impl MapPool {
+    /// An empty pool.
+    pub fn new(context: &RenderContext) -> Self {
+        let dummy = |format| FaceArray::new(context, "no map", 1, 1, format).array_view();
+        Self {
+            maps: Vec::new(),
+            scratches: Vec::new(),
+            no_depth: dummy(MAP_DEPTH),
+            no_distance: dummy(wgpu::TextureFormat::R32Float),
+        }
+    }
+
+    /// Begins a count of what is in use.
+    pub fn begin(&mut self) {
+        for map in &mut self.maps {
+            map.in_use = false;
+        }
+        for scratch in &mut self.scratches {
+            scratch.in_use = false;
+        }
+    }
+
+    /// Frees what was not asked for since [`MapPool::begin`].
+    pub fn end(&mut self) {
+        self.maps.retain(|map| map.in_use);
+        self.scratches.retain(|scratch| scratch.in_use);
+    }
+
+    /// Bytes of all textures.
+    pub fn bytes(&self) -> u64 {
+        let scratches = self
+            .scratches
+            .iter()
+            .map(|scratch| bytes(&scratch.second.texture));
+        self.maps.iter().map(MapTextures::bytes).sum::<u64>() + scratches.sum::<u64>()
+    }
+
+    /// The textures of a key, if they were asked for.
+    pub fn get(&self, key: &MapTexturesKey) -> Option<&MapTextures> {
+        self.maps.iter().find(|map| map.key == *key)
+    }
+
+    /// Second surface of a side, if it was asked for.
+    pub fn second(&self, side: u32) -> Option<&wgpu::TextureView> {
+        let scratch = self.scratches.iter().find(|scratch| scratch.side == side)?;
+        Some(&scratch.second.layers[0])
+    }
+
+    /// Keeps the textures of a key if there are some.
+    pub fn keep(&mut self, key: &MapTexturesKey) {
+        for map in self.maps.iter_mut().filter(|map| map.key == *key) {
+            map.in_use = true;
+        }
+    }
+
+    /// Makes the textures of a key if there are none.
+    pub fn require(&mut self, context: &RenderContext, layouts: &MapLayouts, key: MapTexturesKey) {
+        if key.has_final() {
+            match self.scratches.iter_mut().find(|scratch| scratch.side == key.side) {
+                Some(scratch) => scratch.in_use = true,
+                None => self.scratches.push(Scratch {
+                    side: key.side,
+                    second: FaceArray::new(context, "second surface", key.side, 1, MAP_DEPTH),
+                    in_use: true,
+                }),
+            }
+        }
+        if let Some(map) = self.maps.iter_mut().find(|map| map.key == key) {
+            map.in_use = true;
+            return;
+        }
+        let array = |label: &str, format| FaceArray::new(context, label, key.side, key.layers, format);
+        let mut records: Vec<FaceRecord> = (0..key.layers).map(|_| FaceRecord::default()).collect();
+        // What stands still is the same with and without a layer for what moves.
+        let twin = MapTexturesKey {
+            moving: !key.moving,
+            ..key
+        };
+        let twin = self
+            .maps
+            .iter()
+            .position(|map| key.entity.is_some() && map.key == twin);
+        let still = match twin.map(|at| self.maps.swap_remove(at)) {
+            Some(twin) => {
+                for (record, old) in records.iter_mut().zip(&twin.records) {
+                    *record.still.get_mut() = old.still.load(Ordering::Relaxed);
+                }
+                twin.still
+            }
+            None => array("map", MAP_DEPTH),
+        };
+        let moving = key.moving.then(|| array("map with what moves", MAP_DEPTH));
+        let shown = key
+            .has_final()
+            .then(|| array("map as looked up", texture_format(key.format)));
+        let looked_up = shown.as_ref().or(moving.as_ref()).unwrap_or(&still).array_view();
+        let (depth, distance) = if key.format == MapFormat::Depth {
+            (&looked_up, &self.no_distance)
+        } else {
+            (&self.no_depth, &looked_up)
+        };
+        let group = bind_textures(context, layouts, depth, distance);
+        self.maps.push(MapTextures {
+            key,
+            still,
+            moving,
+            shown,
+            group,
+            records,
+            in_use: true,
+        });
+    }
+}
+
+fn bind_textures(
+    context: &RenderContext,
+    layouts: &MapLayouts,
+    depth: &wgpu::TextureView,
+    distance: &wgpu::TextureView,
+) -> wgpu::BindGroup {
+    bind_in_order(
+        &context.device,
+        "map textures",
+        &layouts.textures,
+        [
+            wgpu::BindingResource::TextureView(depth),
+            wgpu::BindingResource::TextureView(distance),
+        ],
+    )
+}

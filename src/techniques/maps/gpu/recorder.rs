@@ -1,0 +1,364 @@
+//! Draws the maps that changed and looks them up into the mask.
+//!
+//! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
+//! Groups  casters: 0 casters, 1 first surface, 2 material; conversion: 1 surfaces, 2 map; lookup: 0 view, 1 receiver,
+//!         2 map, 3 textures
+//! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
+//! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
+//!
+//! Each face: still casters into their layer; a copy of it, and over it what moves; from that, where depth of the nearest
+//! surface is not what is looked up, the second surface and a conversion. Each step is left out while its revision is
+//! that of the last time.
+
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+use bevy_ecs::prelude::*;
+use glam::{DMat4, DVec3};
+
+use super::constants::map_constants;
+use super::draws::MapDraws;
+use super::layouts::jitter_texture;
+use super::pipelines::{Key, MapPipelines, filter_constant};
+use super::pool::{MapPool, MapTexturesKey};
+use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::render::gpu::buffers::GrowingBuffer;
+use crate::render::pools::gpu_types;
+use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use crate::render::{RenderContext, RenderError, Shaders};
+use crate::sets::{FrameLights, Objects, View, ViewData};
+use crate::techniques::maps::build_maps::Maps;
+use crate::techniques::maps::face::FaceProjection;
+use crate::techniques::maps::face_state::FaceState;
+use crate::techniques::maps::light_map::LightMap;
+use crate::techniques::maps::request::{MapComponent, MapRequest, MapShape};
+use crate::techniques::maps::settings::{MapSettings, MapSurface};
+
+/// Bytes between the constants of lights.
+pub(in crate::techniques::maps) const STRIDE: usize = 512;
+
+/// What is to be drawn of one face.
+#[derive(Debug)]
+pub(in crate::techniques::maps) struct FacePlan {
+    pub face: usize,
+    pub still: Option<Range<usize>>,
+    /// Over a copy of the still layer.
+    pub moving: Option<Range<usize>>,
+    /// All casters, for the second surface; empty for the nearest.
+    pub peeled: [Range<usize>; 2],
+    pub still_revision: u64,
+    pub revision: u64,
+}
+
+/// What is to be done for one light.
+#[derive(Debug)]
+pub(in crate::techniques::maps) struct LightPlan {
+    pub light: usize,
+    pub request: MapRequest,
+    pub key: MapTexturesKey,
+    pub lookup: Key,
+    pub faces: Range<usize>,
+    pub draw_count: usize,
+    /// Matrices of the debug view.
+    pub frusta: Range<u32>,
+}
+
+/// The recorder of one of the two components.
+#[derive(Debug)]
+pub struct MapNode {
+    component: MapComponent,
+    pub(in crate::techniques::maps) pipelines: MapPipelines,
+    pub(in crate::techniques::maps) pool: MapPool,
+    pub(in crate::techniques::maps) draws: MapDraws,
+    casters: GrowingBuffer,
+    pub(in crate::techniques::maps) caster_group: wgpu::BindGroup,
+    constants: GrowingBuffer,
+    constant_bytes: Vec<u8>,
+    compare: wgpu::Sampler,
+    jitter: wgpu::TextureView,
+    pub(in crate::techniques::maps) map_group: wgpu::BindGroup,
+    lights: Vec<LightPlan>,
+    faces: Vec<FacePlan>,
+}
+
+impl MapComponent {
+    /// Name of the technique.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Shadow => "shadow_map",
+            Self::Omni => "omni_map",
+        }
+    }
+}
+
+impl MapNode {
+    /// Compiles the shaders; pipelines and textures come when a frame needs them.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn new(
+        component: MapComponent,
+        context: &RenderContext,
+        shaders: &Shaders,
+        layouts: &BindGroupLayouts,
+    ) -> Result<Self, RenderError> {
+        let pipelines = MapPipelines::new(context, shaders, layouts)?;
+        let casters = GrowingBuffer::new(context, "map casters", wgpu::BufferUsages::STORAGE);
+        let constants = GrowingBuffer::new(context, "maps", wgpu::BufferUsages::UNIFORM);
+        let compare = context.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("map comparison"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            // Depth is reversed: lit where the receiver's is not less than the map's.
+            compare: Some(wgpu::CompareFunction::GreaterEqual),
+            ..Default::default()
+        });
+        let jitter = jitter_texture(context);
+        Ok(Self {
+            component,
+            caster_group: pipelines.layouts.bind_casters(context, &casters.buffer),
+            map_group: pipelines
+                .layouts
+                .bind_map(context, &constants.buffer, &compare, &jitter),
+            pool: MapPool::new(context),
+            draws: MapDraws::default(),
+            constant_bytes: Vec::new(),
+            lights: Vec::new(),
+            faces: Vec::new(),
+            pipelines,
+            casters,
+            constants,
+            compare,
+            jitter,
+        })
+    }
+
+    /// Bytes of all its textures.
+    pub fn texture_bytes(&self) -> u64 {
+        self.pool.bytes()
+    }
+
+    fn plan_of(&self, light: usize) -> Option<(usize, &LightPlan)> {
+        let at = self.lights.binary_search_by_key(&light, |plan| plan.light).ok()?;
+        Some((at, &self.lights[at]))
+    }
+
+    /// Plans the draws of one face; `None` if it is as it should be.
+    fn plan_face(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        map: &LightMap,
+        face: usize,
+        key: &MapTexturesKey,
+    ) -> Option<FacePlan> {
+        let objects = world.resource::<Objects>();
+        let state: &FaceState = &map.faces[face];
+        let record = &self.pool.get(key)?.records[face];
+        let has = |at: &std::sync::atomic::AtomicU64| at.load(Ordering::Relaxed);
+        let draw_still = !map.cached || has(&record.still) != state.still_revision;
+        let refresh = draw_still || has(&record.shown) != state.revision;
+        if !refresh {
+            return None;
+        }
+        let mut push = |set| self.draws.push(world, input, objects, &state.face, set);
+        // A map that is not kept has one layer, with all its casters.
+        let own = if map.cached { &state.still } else { &state.moving };
+        let still = draw_still.then(|| push(own));
+        let moving = key.moving.then(|| push(&state.moving));
+        let peeled = if map.request.surface == MapSurface::Nearest {
+            [0..0, 0..0]
+        } else {
+            let over = moving.clone().unwrap_or(0..0);
+            [still.clone().unwrap_or_else(|| push(own)), over]
+        };
+        for (range, peel) in [(&still, false), (&moving, false)] {
+            self.draws
+                .require(range.clone().unwrap_or(0..0), peel, input, &mut self.pipelines);
+        }
+        for range in &peeled {
+            self.draws
+                .require(range.clone(), true, input, &mut self.pipelines);
+        }
+        Some(FacePlan {
+            face,
+            still,
+            moving,
+            peeled,
+            still_revision: state.still_revision,
+            revision: state.revision,
+        })
+    }
+
+    /// Matrices from each face's clip space to the view's, for the debug view.
+    fn plan_frusta(&mut self, map: &LightMap, input: &PrepareInput, view: &ViewData) -> Range<u32> {
+        let first = self.draws.casters.len() as u32;
+        if !input.debug_view {
+            return first..first;
+        }
+        self.pipelines.require(input.context, Key::Frustum);
+        for state in &map.faces {
+            // Reversed depth reaches infinity, where no edge would end.
+            let (far, length) = match state.face.projection {
+                FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
+                FaceProjection::Parallel { .. } => (0.0, 1.0),
+            };
+            let cut =
+                DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));
+            let clip = view.clip_from_world * state.face.clip_from_world().inverse() * cut;
+            self.draws.casters.push(gpu_types::MapCaster {
+                clip_from_local: clip.as_mat4().to_cols_array_2d(),
+            });
+        }
+        first..self.draws.casters.len() as u32
+    }
+
+    fn plan_light(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        map: &LightMap,
+        view: &ViewData,
+        show_taps: bool,
+    ) {
+        let moving = map.has_moving();
+        let key = MapTexturesKey::new(
+            map.cached.then_some(map.entity),
+            &map.request,
+            map.resolution,
+            moving,
+        );
+        self.pool.require(input.context, &self.pipelines.layouts, key);
+        let first_face = self.faces.len();
+        let first_draw = self.draws.draws.len();
+        for face in 0..map.faces.len() {
+            let plan = self.plan_face(world, input, map, face, &key);
+            self.faces.extend(plan);
+        }
+        let request = map.request;
+        let parallel = request.shape == MapShape::Cascades;
+        if request.has_final() {
+            let (format, surface) = (request.format, request.surface);
+            let convert = Key::Convert {
+                format,
+                surface,
+                parallel,
+            };
+            self.pipelines.require(input.context, convert);
+        }
+        let lookup = Key::Resolve {
+            filter: filter_constant(request.filter),
+            shape: request.shape,
+            cascade_count: if parallel { request.face_count() } else { 1 },
+            format: request.format,
+            show_taps,
+        };
+        self.pipelines.require(input.context, lookup);
+        let lights = world.resource::<FrameLights>();
+        let bounds = lights.lights[map.light].depth_bounds;
+        let bounds = bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min));
+        let at = self.constant_bytes.len();
+        self.constant_bytes.resize(at + STRIDE, 0);
+        let constants = map_constants(map, view.eye, bounds);
+        self.constant_bytes[at..at + size_of::<gpu_types::MapLight>()]
+            .copy_from_slice(bytemuck::bytes_of(&constants));
+        let draw_count = self.draws.draws.len() - first_draw;
+        let frusta = self.plan_frusta(map, input, view);
+        self.lights.push(LightPlan {
+            light: map.light,
+            request,
+            key,
+            lookup,
+            faces: first_face..self.faces.len(),
+            draw_count,
+            frusta,
+        });
+    }
+}
+
+impl Recorder for MapNode {
+    fn name(&self) -> &'static str {
+        self.component.name()
+    }
+
+    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
+        self.lights.clear();
+        self.faces.clear();
+        self.draws.clear();
+        self.constant_bytes.clear();
+        let (Some(maps), Some(settings)) =
+            (world.get_resource::<Maps>(), world.get_resource::<MapSettings>())
+        else {
+            return Ok(());
+        };
+        let Some(view) = world.get_resource::<View>().and_then(|view| view.data.as_ref()) else {
+            return Ok(());
+        };
+        self.pool.begin();
+        for map in &maps.lights {
+            if map.request.component != self.component {
+                continue;
+            }
+            if map.active {
+                self.plan_light(world, input, map, view, settings.show_taps);
+            } else if map.cached {
+                let moving = map.has_moving();
+                let key = MapTexturesKey::new(Some(map.entity), &map.request, map.resolution, moving);
+                self.pool.keep(&key);
+            }
+        }
+        self.pool.end();
+        let context = input.context;
+        if self
+            .casters
+            .write(context, bytemuck::cast_slice(&self.draws.casters))
+        {
+            self.caster_group = self.pipelines.layouts.bind_casters(context, &self.casters.buffer);
+        }
+        if self.constants.write(context, &self.constant_bytes) {
+            let buffer = &self.constants.buffer;
+            self.map_group = self
+                .pipelines
+                .layouts
+                .bind_map(context, buffer, &self.compare, &self.jitter);
+        }
+        Ok(())
+    }
+
+    fn visibility(&self, light: usize) -> Option<Leaves> {
+        self.plan_of(light).map(|_| Leaves::Mask)
+    }
+
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        let Some((slot, plan)) = self.plan_of(light) else {
+            return;
+        };
+        let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
+        else {
+            return;
+        };
+        for face in &self.faces[plan.faces.clone()] {
+            self.draw_face(slot, plan, face, textures, encoder, input);
+        }
+        self.look_up(slot, textures, pipeline, encoder, input);
+    }
+
+    fn reads_planes(&self) -> bool {
+        true
+    }
+
+    /// Draws the edges of what the faces show.
+    fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, _input: &RecordInput) {
+        let pipeline = self.pipelines.get(Key::Frustum);
+        if let (Some((_, plan)), Some(pipeline)) = (self.plan_of(light), pipeline) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &self.caster_group, &[]);
+            pass.draw(0..24, plan.frusta.clone());
+        }
+    }
+
+    /// Draws of casters; the lookup is one more, of one triangle.
+    fn batch_count(&self, light: usize) -> usize {
+        self.plan_of(light).map_or(0, |(_, plan)| plan.draw_count)
+    }
+}

@@ -1,0 +1,10 @@
+//! From the silhouette of one caster to wedges: pure functions on flat arrays.
+
+pub(crate) mod clip;
+pub(crate) mod ends;
+pub(crate) mod patches;
+pub mod records;
+pub(crate) mod shell;
+pub(crate) mod sight;
+pub mod silhouette_layers;
+pub(crate) mod topology;

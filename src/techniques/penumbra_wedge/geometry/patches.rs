@@ -1,0 +1,190 @@
+//! Patches of a caster: connected triangles of one [layer](super::silhouette_layers) that look the same way.
+//!
+//! Section 5.1 combines the coverage of silhouette loops. A loop alone has no shadow that could be counted away from the
+//! viewer: it takes a surface that the loop bounds. The patches are those surfaces. Most have one loop; where one has
+//! more, the others are its holes, whose coverage is negative: a hole is nothing to combine with its rim, their sum is.
+
+use glam::Vec3;
+
+use crate::conventions::CLUSTER_TRIANGLES;
+use crate::geometry::edge_mesh::EdgeMesh;
+use crate::silhouettes::FacingBits;
+
+/// The patch of every triangle. Buffers are reused.
+#[derive(Clone, Debug, Default)]
+pub struct Patches {
+    /// By slot: first a forest, then the number of the patch.
+    of_slot: Vec<u32>,
+    count: u32,
+}
+
+impl Patches {
+    /// How many there are.
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+
+    /// The patch that a triangle belongs to.
+    pub fn of_slot(&self, slot: usize) -> u32 {
+        self.of_slot[slot]
+    }
+
+    /// Finds the patches; `layers_of` gives the layers of a slot, 0 for triangles that are not part of the shadow.
+    /// Cost: all edges. Numbers ascend with the lowest slot.
+    pub fn find(&mut self, mesh: &EdgeMesh, facing: &FacingBits, layers_of: impl Fn(usize) -> u32) {
+        let slots = mesh.clusters().len() * CLUSTER_TRIANGLES;
+        self.of_slot.clear();
+        self.of_slot.extend(0..slots as u32);
+        let parents = &mut self.of_slot;
+        let mut join = |a: usize, b: usize| {
+            let layers = layers_of(a);
+            if layers != 0 && layers == layers_of(b) && facing.is_facing(a) == facing.is_facing(b) {
+                let (a, b) = (root(parents, a as u32), root(parents, b as u32));
+                parents[a.max(b) as usize] = a.min(b);
+            }
+        };
+        for (index, cluster) in mesh.clusters().iter().enumerate() {
+            let first = index * CLUSTER_TRIANGLES;
+            for edge in &mesh.inner_edges()[cluster.inner()] {
+                join(first + edge.side.lane(), first + usize::from(edge.other_lane));
+            }
+            let sides = mesh.seam_sides()[cluster.seams()].iter();
+            for (side, &slot) in sides.zip(&mesh.seam_slots()[cluster.seams()]) {
+                join(first + side.lane(), slot as usize);
+            }
+        }
+        for edge in 0..mesh.irregular_vertices().len() {
+            let sides = mesh.irregular_sides(edge);
+            for (i, a) in sides.iter().enumerate() {
+                for b in &sides[i + 1..] {
+                    join(a.slot() as usize, b.slot() as usize);
+                }
+            }
+        }
+        // Roots are the lowest of their patch, so their numbers are known before they are asked for.
+        self.count = 0;
+        for slot in 0..slots {
+            let parent = self.of_slot[slot] as usize;
+            if parent == slot {
+                self.of_slot[slot] = if layers_of(slot) == 0 {
+                    u32::MAX
+                } else {
+                    self.count
+                };
+                self.count += u32::from(layers_of(slot) != 0);
+            } else {
+                self.of_slot[slot] = self.of_slot[parent];
+            }
+        }
+    }
+}
+
+fn root(parents: &mut [u32], mut slot: u32) -> u32 {
+    while parents[slot as usize] != slot {
+        let grandparent = parents[parents[slot as usize] as usize];
+        parents[slot as usize] = grandparent;
+        slot = grandparent;
+    }
+    slot
+}
+
+/// Directions from a light's centre that a shadow with its penumbra lies in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShadowCone {
+    /// Unit vector, light space.
+    pub axis: Vec3,
+    /// Half angle, radians.
+    pub angle: f32,
+}
+
+impl ShadowCone {
+    /// Everywhere.
+    pub const ALL: Self = Self {
+        axis: Vec3::Y,
+        angle: std::f32::consts::PI,
+    };
+
+    /// Around the edges between `points` for a light within `radius` of the origin: a point that sees the light past a
+    /// point at distance `d` lies within `asin(radius / d)` of it.
+    pub fn around(points: impl Iterator<Item = Vec3> + Clone, radius: f32) -> Self {
+        let axis: Vec3 = points.clone().map(Vec3::normalize_or_zero).sum();
+        let Some(axis) = axis.try_normalize() else {
+            return Self::ALL;
+        };
+        let angle = points.fold(0.0f32, |angle, point| {
+            let distance = point.length();
+            if distance > radius {
+                angle.max(axis.angle_between(point) + (radius / distance).asin())
+            } else {
+                std::f32::consts::PI
+            }
+        });
+        Self { axis, angle }
+    }
+
+    /// Whether two shadows may meet.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.axis.angle_between(other.axis) <= self.angle + other.angle
+    }
+}
+
+/// Patches of one light that are summed before they are combined: as many sums as patches that meet, up to this number.
+/// Beyond, a patch joins the sum where it meets the fewest.
+pub const MAX_SUMS: usize = 16;
+
+/// Gives every shadow a sum such that shadows of one sum do not meet, as far as [`MAX_SUMS`] allows; returns how many
+/// there are. Greedy, in order. O(n²).
+pub fn share_sums(cones: &[ShadowCone], sums: &mut Vec<u32>) -> u32 {
+    sums.clear();
+    for (index, cone) in cones.iter().enumerate() {
+        let mut met = [0u32; MAX_SUMS];
+        for (other, &sum) in cones[..index].iter().zip(sums.iter()) {
+            met[sum as usize] += u32::from(other.meets(cone));
+        }
+        let best = (0..MAX_SUMS).min_by_key(|&sum| met[sum]).unwrap_or(0);
+        sums.push(best as u32);
+    }
+    sums.iter().max().map_or(0, |last| last + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cone(degrees: f32, angle: f32) -> ShadowCone {
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        ShadowCone {
+            axis: Vec3::new(sin, cos, 0.0),
+            angle: angle.to_radians(),
+        }
+    }
+
+    #[test]
+    fn shadows_that_meet_have_sums_of_their_own() {
+        let cones = [cone(0.0, 5.0), cone(20.0, 5.0), cone(8.0, 5.0), cone(10.0, 40.0)];
+        let mut sums = Vec::new();
+        assert_eq!(share_sums(&cones, &mut sums), 3);
+        assert_eq!(sums, [0, 0, 1, 2]);
+    }
+
+    #[test]
+    fn more_than_there_are_sums_share_them() {
+        let cones = vec![cone(0.0, 10.0); MAX_SUMS + 3];
+        let mut sums = Vec::new();
+        assert_eq!(share_sums(&cones, &mut sums), MAX_SUMS as u32);
+        assert_eq!(sums[MAX_SUMS..], [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_cone_holds_its_points_and_their_penumbra() {
+        let points = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(1.0, -2.0, 0.0)];
+        let narrow = ShadowCone::around(points.into_iter(), 0.0);
+        let wide = ShadowCone::around(points.into_iter(), 0.5);
+        assert!((narrow.angle - 0.5 * 0.5f32.atan()).abs() < 1e-5);
+        assert!((wide.angle - narrow.angle - 0.25f32.asin()).abs() < 1e-5);
+        assert_eq!(
+            ShadowCone::around(points.into_iter(), 3.0).angle,
+            std::f32::consts::PI
+        );
+    }
+}

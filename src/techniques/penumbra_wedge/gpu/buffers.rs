@@ -1,0 +1,244 @@
+//! Textures that visibility is summed in, by form, of the frame's size; and the report of overflow.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
+
+use glam::UVec2;
+
+use super::form::Form;
+use super::pipelines::COMBINED_FORMAT;
+use crate::render::frame::targets::create_target;
+use crate::render::{RenderContext, RenderError};
+
+/// The textures of one form.
+#[derive(Debug)]
+pub struct Sums {
+    /// What they are for.
+    pub form: Form,
+    /// One or two a layer: facing, averted; or one for both.
+    pub views: Vec<wgpu::TextureView>,
+    /// Group 3 of the resolve: reading either combined texture.
+    pub groups: [wgpu::BindGroup; 2],
+}
+
+/// All textures of one frame size.
+#[derive(Debug)]
+pub struct SumTextures {
+    size: UVec2,
+    all: Vec<Sums>,
+    combined: Option<[wgpu::TextureView; 2]>,
+    layout: wgpu::BindGroupLayout,
+    overflow: OverflowReport,
+}
+
+impl SumTextures {
+    /// None yet.
+    pub fn new(context: &RenderContext) -> Self {
+        let texture = |binding| wgpu::BindGroupLayoutEntry {
+            binding,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        };
+        let storage = wgpu::BufferBindingType::Storage { read_only: false };
+        let layout = context
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("visibility sums"),
+                entries: &[
+                    texture(0),
+                    texture(1),
+                    texture(2),
+                    texture(4),
+                    texture(5),
+                    crate::render::gpu::bind_groups::buffer_entry(
+                        3,
+                        wgpu::ShaderStages::FRAGMENT,
+                        storage,
+                        false,
+                        4,
+                    ),
+                ],
+            });
+        Self {
+            size: UVec2::ZERO,
+            all: Vec::new(),
+            combined: None,
+            layout,
+            overflow: OverflowReport::new(context),
+        }
+    }
+
+    /// Layout of [`Sums::groups`].
+    pub fn layout(&self) -> &wgpu::BindGroupLayout {
+        &self.layout
+    }
+
+    /// The report of overflow.
+    pub fn overflow(&self) -> &OverflowReport {
+        &self.overflow
+    }
+
+    /// The textures, if [`SumTextures::require`] has made them.
+    pub fn get(&self, form: Form) -> Option<&Sums> {
+        self.all.iter().find(|sums| sums.form == form)
+    }
+
+    /// Two textures that take turns to hold the combined coverage.
+    pub fn combined(&self) -> Option<&[wgpu::TextureView; 2]> {
+        self.combined.as_ref()
+    }
+
+    /// Makes what is missing at this size; frees what was of another.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] beyond the device's largest texture.
+    pub fn require(&mut self, context: &RenderContext, size: UVec2, form: Form) -> Result<(), RenderError> {
+        if size != self.size {
+            self.all.clear();
+            self.combined = None;
+            self.size = size;
+        }
+        if self.get(form).is_some() {
+            return Ok(());
+        }
+        let view = |label, format| -> Result<_, RenderError> {
+            let texture = create_target(context, label, size, format)?;
+            Ok(texture.create_view(&Default::default()))
+        };
+        if self.combined.is_none() {
+            self.combined = Some([
+                view("combined coverage", COMBINED_FORMAT)?,
+                view("combined coverage", COMBINED_FORMAT)?,
+            ]);
+        }
+        let views = form
+            .formats()
+            .iter()
+            .map(|&format| view("visibility sums", format))
+            .collect::<Result<Vec<_>, _>>()?;
+        let Some(combined) = &self.combined else {
+            return Ok(());
+        };
+        // A form with one layer is read as both; one of one texture a layer has no second.
+        let (averted, second) = (views.len() / 2, usize::from(views.len() > 2));
+        let groups = [0, 1].map(|source: usize| {
+            let texture = |binding, view| wgpu::BindGroupEntry {
+                binding,
+                resource: wgpu::BindingResource::TextureView(view),
+            };
+            context.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("visibility sums"),
+                layout: &self.layout,
+                entries: &[
+                    texture(0, &views[0]),
+                    texture(1, &views[second]),
+                    texture(4, &views[averted]),
+                    texture(5, &views[averted + second]),
+                    texture(2, &combined[source]),
+                    wgpu::BindGroupEntry {
+                        binding: 3,
+                        resource: self.overflow.counter.as_entire_binding(),
+                    },
+                ],
+            })
+        });
+        self.all.push(Sums { form, views, groups });
+        Ok(())
+    }
+}
+
+/// Counts pixels whose bytes ran full, and brings the count back some frames later without waiting.
+#[derive(Debug)]
+pub struct OverflowReport {
+    counter: wgpu::Buffer,
+    staging: wgpu::Buffer,
+    state: Mutex<State>,
+    mapped: Arc<AtomicU32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Idle,
+    Copied,
+    Mapping,
+}
+
+const WAITING: u32 = 0;
+const READY: u32 = 1;
+const FAILED: u32 = 2;
+
+impl OverflowReport {
+    fn new(context: &RenderContext) -> Self {
+        let buffer = |label, usage| {
+            context.device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: 4,
+                usage,
+                mapped_at_creation: false,
+            })
+        };
+        use wgpu::BufferUsages as Usage;
+        Self {
+            counter: buffer(
+                "overflowing pixels",
+                Usage::STORAGE | Usage::COPY_SRC | Usage::COPY_DST,
+            ),
+            staging: buffer("overflowing pixels, read", Usage::MAP_READ | Usage::COPY_DST),
+            state: Mutex::new(State::Idle),
+            mapped: Arc::new(AtomicU32::new(WAITING)),
+        }
+    }
+
+    fn state(&self) -> std::sync::MutexGuard<'_, State> {
+        self.state
+            .lock()
+            .unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
+    /// Records the copy of the frame's count, if the last one was read, and begins to count anew.
+    pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut state = self.state();
+        if *state == State::Idle {
+            encoder.copy_buffer_to_buffer(&self.counter, 0, &self.staging, 0, 4);
+            encoder.clear_buffer(&self.counter, 0, None);
+            *state = State::Copied;
+        }
+    }
+
+    /// The count of an earlier frame, when it has arrived. Before the frame is recorded, once a frame.
+    pub fn take(&self) -> Option<u32> {
+        let mut state = self.state();
+        match *state {
+            State::Idle => None,
+            State::Copied => {
+                let mapped = self.mapped.clone();
+                mapped.store(WAITING, Ordering::Release);
+                self.staging
+                    .slice(..)
+                    .map_async(wgpu::MapMode::Read, move |result| {
+                        mapped.store(if result.is_ok() { READY } else { FAILED }, Ordering::Release);
+                    });
+                *state = State::Mapping;
+                None
+            }
+            State::Mapping => match self.mapped.load(Ordering::Acquire) {
+                READY => {
+                    let count = bytemuck::pod_read_unaligned(&self.staging.slice(..).get_mapped_range());
+                    self.staging.unmap();
+                    *state = State::Idle;
+                    Some(count)
+                }
+                FAILED => {
+                    *state = State::Idle;
+                    None
+                }
+                _ => None,
+            },
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! How far shadow volumes reach where depth ends: in orthographic views.
+//!
+//! A perspective view draws to infinity, in whose depth a vertex with `w = 0` has a place. The depth of an orthographic view
+//! is linear and ends; what is cut off there is not counted at the surfaces before it. So volumes end too, beyond all
+//! that receives the light in view, and the view is given a depth that holds them ([`DepthReach`]).
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
+
+use crate::geometry::edge_mesh::EdgeMesh;
+use crate::geometry::{Aabb, distance_to_triangle};
+use crate::scene::{PosedMesh, SceneMesh};
+use crate::sets::{DepthReach, FrameLight, Projector, ViewData};
+use crate::silhouettes::CasterEdges;
+
+/// What the volumes of a light must reach beyond.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FiniteReach {
+    light: DVec4,
+    receivers: Aabb,
+}
+
+/// Volumes end by this share beyond what they must reach, so that rounding does not matter.
+const SLACK: f64 = 1.002;
+
+/// From this factor on it is worth to know a caster better than by its bounds; by eye.
+const COSTLY: f64 = 16.0;
+
+/// Largest factor on the distance from the light. A surface so near to a light that it would take more shadows less far.
+const LARGEST: f64 = 1e4;
+
+impl FiniteReach {
+    /// That of a light, or of a part of one around `point_world`; `None` in a perspective view, which needs none.
+    pub fn new(view: &ViewData, light: &FrameLight, point_world: DVec4) -> Option<Self> {
+        view.frustum.far()?;
+        let seen = Aabb::from_points(view.frustum.corners.map(|corner| corner.truncate())).padded();
+        Some(Self {
+            light: point_world,
+            receivers: light.receiver_bounds.intersection(seen),
+        })
+    }
+
+    /// Metres from the light, for a directional one along its light from the world's origin, within which all receivers
+    /// are.
+    pub fn distance(&self) -> f64 {
+        let corners = self.receivers.corners().map(|corner| corner.as_dvec3());
+        let light = self.light.truncate();
+        let distance = |corner: DVec3| match self.light.w {
+            0.0 => -light.dot(corner),
+            _ => light.distance(corner),
+        };
+        corners
+            .into_iter()
+            .map(distance)
+            .fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The [extrusion](super::extrude::far_position) of a caster, in steps of ∜2 so that it mostly stays
+    /// as it is; `None` for one that is beyond all receivers. `nearest_surface`: metres from the light to the nearest of
+    /// the caster's triangles, asked for where the light is within its bounds or near them.
+    pub fn extrusion(&self, caster: &Aabb, nearest_surface: impl FnOnce() -> Option<f64>) -> Option<f32> {
+        if self.receivers.is_empty() || caster.is_empty() {
+            return None;
+        }
+        let light = self.light.truncate();
+        let farthest = self.distance() * SLACK;
+        let needed = if self.light.w == 0.0 {
+            let corners = caster.corners().map(|corner| -light.dot(corner.as_dvec3()));
+            let length = farthest - corners.into_iter().fold(f64::INFINITY, f64::min);
+            let size = (caster.half_size() + self.receivers.half_size()).length();
+            (length > 0.0).then_some(length + f64::from(size) * (SLACK - 1.0))?
+        } else {
+            let (min, max) = (caster.min.as_dvec3(), caster.max.as_dvec3());
+            let mut nearest = light.distance(light.clamp(min, max));
+            if nearest > farthest {
+                return None;
+            }
+            if farthest > nearest * COSTLY {
+                nearest = nearest_surface().unwrap_or(nearest);
+            }
+            (farthest / nearest).clamp(1.0, LARGEST)
+        };
+        let step = (needed.log2() * 4.0).ceil() / 4.0;
+        Some(step.exp2() as f32)
+    }
+}
+
+/// Tells the view how deep the hull of these points reaches.
+pub fn include_points(reach: &mut DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
+    let projector = Projector::new(view);
+    for point in points {
+        reach.include(projector.depth(point.truncate().as_dvec3()));
+    }
+}
+
+/// Tells the view how deep rays of this length from anywhere in a box may reach.
+pub fn include_rays(reach: &mut DepthReach, view: &ViewData, from: &Aabb, length: f32) {
+    let projector = Projector::new(view);
+    let gradient = projector.depth_gradient();
+    let deepest = projector.depth(from.center().as_dvec3()) + gradient.abs().dot(from.half_size().as_dvec3());
+    reach.include(deepest + gradient.length() * f64::from(length));
+}
+
+/// A caster as it stands in the world.
+pub type PlacedCaster<'a> = (
+    &'a CasterEdges,
+    &'a SceneMesh,
+    &'a GlobalTransform,
+    Option<&'a PosedMesh>,
+);
+
+/// Distances of lights from the surfaces of casters whose bounds they are in: kept while neither changes.
+#[derive(Clone, Debug, Default)]
+pub struct NearestSurfaces {
+    /// Ascending by light and caster.
+    known: Vec<Known>,
+    frame: u64,
+}
+
+#[derive(Clone, Debug)]
+struct Known {
+    /// Light, number of its part, caster.
+    key: (Entity, u32, Entity),
+    /// Of the light's silhouette of the caster.
+    revision: u64,
+    point: DVec4,
+    world_from_local: GlobalTransform,
+    distance: f64,
+    last_used: u64,
+}
+
+/// Frames that a distance outlives its last use; as of silhouettes.
+const KEPT_FRAMES: u64 = 120;
+
+impl NearestSurfaces {
+    /// Another frame begins.
+    pub fn begin_frame(&mut self) {
+        self.frame += 1;
+        let frame = self.frame;
+        self.known.retain(|known| known.last_used + KEPT_FRAMES >= frame);
+    }
+
+    /// Metres from a position of a light to the nearest triangle of a caster. Cost: the triangles, unless known; kept
+    /// until the `revision` of the light's silhouette of the caster is another one, or one of the two moved.
+    pub fn get(
+        &mut self,
+        key: (Entity, u32, Entity),
+        revision: u64,
+        point: DVec4,
+        caster: PlacedCaster,
+    ) -> Option<f64> {
+        let (edges, mesh, &world_from_local, posed) = caster;
+        let at = self.known.binary_search_by_key(&key, |known| known.key);
+        if let Ok(at) = at {
+            let known = &mut self.known[at];
+            known.last_used = self.frame;
+            let now = (revision, point, world_from_local);
+            if (known.revision, known.point, known.world_from_local) == now {
+                return Some(known.distance);
+            }
+        }
+        let positions = posed.map_or(&mesh.0.positions, |posed| &posed.positions);
+        let matrix = Mat4::from(world_from_local.affine()).as_dmat4();
+        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, positions, &matrix)?;
+        let entry = Known {
+            key,
+            revision,
+            point,
+            world_from_local,
+            distance,
+            last_used: self.frame,
+        };
+        match at {
+            Ok(at) => self.known[at] = entry,
+            Err(at) => self.known.insert(at, entry),
+        }
+        Some(distance)
+    }
+}
+
+fn distance_to_mesh(
+    point: DVec3,
+    edges: &EdgeMesh,
+    positions: &[glam::Vec3],
+    world_from_local: &DMat4,
+) -> Option<f64> {
+    let place = |vertex: u32| {
+        let local = positions.get(vertex as usize)?.as_dvec3();
+        Some(world_from_local.transform_point3(local))
+    };
+    let mut nearest = f64::INFINITY;
+    for [a, b, c] in edges.corners() {
+        let corners = [place(*a)?, place(*b)?, place(*c)?];
+        nearest = nearest.min(distance_to_triangle(point, corners));
+    }
+    nearest.is_finite().then_some(nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn cube(center: Vec3, half: f32) -> Aabb {
+        Aabb::around(center, Vec3::splat(half))
+    }
+
+    #[test]
+    fn volumes_end_beyond_all_receivers() {
+        let receivers = cube(Vec3::ZERO, 10.0);
+        let sun = FiniteReach {
+            light: DVec4::new(0.0, 1.0, 0.0, 0.0),
+            receivers,
+        };
+        let length = sun.extrusion(&cube(Vec3::Y * 8.0, 1.0), || None).unwrap();
+        assert!(7.0 - length < -10.0 && length < 30.0, "{length}");
+        assert_eq!(sun.extrusion(&cube(Vec3::Y * -15.0, 1.0), || None), None);
+
+        let lamp = FiniteReach {
+            light: DVec4::new(0.0, 8.0, 0.0, 1.0),
+            receivers,
+        };
+        let factor = lamp.extrusion(&cube(Vec3::Y * 4.0, 1.0), || None).unwrap();
+        assert!(
+            f64::from(factor) * 3.0 > lamp.distance() && factor < 12.0,
+            "{factor}"
+        );
+        // Within the bounds of what is a metre away.
+        let around = lamp.extrusion(&cube(Vec3::ZERO, 10.0), || Some(1.0)).unwrap();
+        assert!(f64::from(around) > lamp.distance(), "{around}");
+    }
+}

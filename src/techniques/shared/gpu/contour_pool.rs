@@ -1,0 +1,293 @@
+//! Silhouettes on the GPU: edges and caps of all kept (light, caster) pairs in two buffers.
+
+use bevy_ecs::prelude::*;
+use offset_allocator::{Allocation, Allocator};
+
+use crate::render::gpu::buffers::GrowingBuffer;
+use crate::render::{RenderContext, RenderError};
+use crate::silhouettes::{Contour, Silhouettes};
+
+/// Where one silhouette stands in the pool.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PooledContour {
+    /// First edge.
+    pub first_edge: u32,
+    /// Edges that count once.
+    pub single_count: u32,
+    /// Edges after them, that count twice.
+    pub double_count: u32,
+    /// First index of the caps.
+    pub first_cap: u32,
+    /// Indices of the caps.
+    pub cap_count: u32,
+    /// How many of them are wound towards the light.
+    pub caps_away_start: u32,
+}
+
+impl PooledContour {
+    /// Whether two silhouettes have equal counts, wherever they stand.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let counts = |contour: &Self| {
+            (
+                contour.single_count,
+                contour.double_count,
+                contour.cap_count,
+                contour.caps_away_start,
+            )
+        };
+        counts(self) == counts(other)
+    }
+}
+
+/// Bytes of an edge: two vertices.
+const EDGE_SIZE: u64 = 8;
+
+#[derive(Default)]
+struct Slot {
+    revision: u64,
+    place: PooledContour,
+    edges: Option<Allocation>,
+    caps: Option<Allocation>,
+}
+
+struct LightSlots {
+    light: Entity,
+    slots: Vec<Slot>,
+}
+
+/// The pool. Uploads what changed, frees what was forgotten, and grows to what is kept.
+pub struct ContourPool {
+    lights: Vec<LightSlots>,
+    edges: Arena,
+    caps: Arena,
+    uploads: u64,
+}
+
+impl std::fmt::Debug for ContourPool {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ContourPool")
+            .field("uploads", &self.uploads)
+            .finish_non_exhaustive()
+    }
+}
+
+/// A buffer of elements that are given out in ranges.
+struct Arena {
+    buffer: GrowingBuffer,
+    allocator: Allocator,
+    capacity: u32,
+    element_size: u64,
+}
+
+impl Arena {
+    const FIRST_CAPACITY: u32 = 1 << 14;
+
+    fn new(
+        context: &RenderContext,
+        label: &'static str,
+        usage: wgpu::BufferUsages,
+        element_size: u64,
+    ) -> Self {
+        let mut buffer = GrowingBuffer::new(context, label, usage);
+        buffer.reserve(context, u64::from(Self::FIRST_CAPACITY) * element_size, false);
+        Self {
+            buffer,
+            allocator: Allocator::new(Self::FIRST_CAPACITY),
+            capacity: Self::FIRST_CAPACITY,
+            element_size,
+        }
+    }
+
+    fn free(&mut self, allocation: Option<Allocation>) {
+        if let Some(allocation) = allocation {
+            self.allocator.free(allocation);
+        }
+    }
+
+    /// Writes elements to a new place, one part after the other; `None` if there is no room for them.
+    fn put<T: bytemuck::Pod>(
+        &mut self,
+        context: &RenderContext,
+        parts: [&[T]; 2],
+    ) -> Option<Option<Allocation>> {
+        let count = parts[0].len() + parts[1].len();
+        if count == 0 {
+            return Some(None);
+        }
+        let allocation = self.allocator.allocate(u32::try_from(count).ok()?)?;
+        let mut offset = u64::from(allocation.offset) * self.element_size;
+        for part in parts.into_iter().filter(|part| !part.is_empty()) {
+            let bytes: &[u8] = bytemuck::cast_slice(part);
+            context.queue.write_buffer(&self.buffer.buffer, offset, bytes);
+            offset += bytes.len() as u64;
+        }
+        Some(Some(allocation))
+    }
+
+    /// Empties the arena and gives it room for `elements`.
+    fn reset(&mut self, context: &RenderContext, elements: u64) -> Result<(), RenderError> {
+        let limits = context.device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        // Twice what is needed: the allocator rounds sizes up, and frees later what it fragments now.
+        let capacity = (2 * elements).next_power_of_two().max(u64::from(self.capacity));
+        let capacity = capacity.min(limit / self.element_size);
+        if elements > capacity {
+            return Err(RenderError::Limit {
+                what: "silhouettes of all lights",
+                needed: elements * self.element_size,
+                limit,
+            });
+        }
+        self.capacity = capacity as u32;
+        self.buffer.reserve(context, capacity * self.element_size, false);
+        self.allocator = Allocator::new(self.capacity);
+        Ok(())
+    }
+}
+
+impl ContourPool {
+    /// An empty pool.
+    pub fn new(context: &RenderContext) -> Self {
+        Self {
+            lights: Vec::new(),
+            edges: Arena::new(
+                context,
+                "silhouette edges",
+                wgpu::BufferUsages::STORAGE,
+                EDGE_SIZE,
+            ),
+            caps: Arena::new(context, "caps", wgpu::BufferUsages::INDEX, 4),
+            uploads: 0,
+        }
+    }
+
+    /// Storage buffer of edges, two vertices each.
+    pub fn edges(&self) -> &wgpu::Buffer {
+        &self.edges.buffer.buffer
+    }
+
+    /// Index buffer of caps.
+    pub fn caps(&self) -> &wgpu::Buffer {
+        &self.caps.buffer.buffer
+    }
+
+    /// Silhouettes uploaded so far; does not grow while nothing moves.
+    pub fn uploads(&self) -> u64 {
+        self.uploads
+    }
+
+    /// Where the silhouette in a light's slot stands.
+    pub fn get(&self, light: Entity, slot: usize) -> Option<PooledContour> {
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |entry| entry.light)
+            .ok()?;
+        let slot = self.lights[at].slots.get(slot)?;
+        (slot.revision != 0).then_some(slot.place)
+    }
+
+    /// Brings the pool up to date; whether a buffer was exchanged.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] if the device cannot hold all silhouettes.
+    pub fn update(
+        &mut self,
+        context: &RenderContext,
+        silhouettes: &Silhouettes,
+    ) -> Result<bool, RenderError> {
+        self.forget_lights(silhouettes);
+        if self.upload(context, silhouettes) {
+            return Ok(false);
+        }
+        // Out of room: place everything anew in larger buffers.
+        let (mut edges, mut caps) = (0, 0);
+        for silhouette in silhouettes.lights().iter().flat_map(|light| &light.slots) {
+            let contour = &silhouette.contour;
+            edges += (contour.edges.len() + contour.double_edges.len()) as u64;
+            caps += silhouette.contour.caps.len() as u64;
+        }
+        self.lights.clear();
+        self.edges.reset(context, edges)?;
+        self.caps.reset(context, caps)?;
+        self.forget_lights(silhouettes);
+        if self.upload(context, silhouettes) {
+            return Ok(true);
+        }
+        Err(RenderError::Limit {
+            what: "silhouettes of all lights",
+            needed: edges * EDGE_SIZE + caps * 4,
+            limit: context.device.limits().max_storage_buffer_binding_size,
+        })
+    }
+
+    /// Makes the list of lights that of the silhouettes, freeing those that are gone.
+    fn forget_lights(&mut self, silhouettes: &Silhouettes) {
+        let known = silhouettes.lights();
+        let (edges, caps) = (&mut self.edges, &mut self.caps);
+        self.lights.retain_mut(|entry| {
+            let kept = known
+                .binary_search_by_key(&entry.light, |light| light.light)
+                .is_ok();
+            if !kept {
+                for slot in &mut entry.slots {
+                    edges.free(slot.edges.take());
+                    caps.free(slot.caps.take());
+                }
+            }
+            kept
+        });
+        for light in known {
+            if let Err(at) = self
+                .lights
+                .binary_search_by_key(&light.light, |entry| entry.light)
+            {
+                self.lights.insert(
+                    at,
+                    LightSlots {
+                        light: light.light,
+                        slots: Vec::new(),
+                    },
+                );
+            }
+        }
+    }
+
+    /// Uploads all stale silhouettes; `false` when there is no room.
+    fn upload(&mut self, context: &RenderContext, silhouettes: &Silhouettes) -> bool {
+        for (entry, light) in self.lights.iter_mut().zip(silhouettes.lights()) {
+            entry.slots.resize_with(light.slots.len(), Slot::default);
+            for (slot, silhouette) in entry.slots.iter_mut().zip(&light.slots) {
+                if slot.revision == silhouette.revision {
+                    continue;
+                }
+                self.edges.free(slot.edges.take());
+                self.caps.free(slot.caps.take());
+                slot.revision = 0;
+                if silhouette.revision == 0 {
+                    continue;
+                }
+                let contour: &Contour = &silhouette.contour;
+                let Some(edges) = self.edges.put(context, [&contour.edges, &contour.double_edges]) else {
+                    return false;
+                };
+                let Some(caps) = self.caps.put(context, [&contour.caps, &[]]) else {
+                    self.edges.free(edges);
+                    return false;
+                };
+                slot.place = PooledContour {
+                    first_edge: edges.map_or(0, |edges| edges.offset),
+                    single_count: contour.edges.len() as u32,
+                    double_count: contour.double_edges.len() as u32,
+                    first_cap: caps.map_or(0, |caps| caps.offset),
+                    cap_count: contour.caps.len() as u32,
+                    caps_away_start: contour.caps_away_start as u32,
+                };
+                slot.edges = edges;
+                slot.caps = caps;
+                slot.revision = silhouette.revision;
+                self.uploads += 1;
+            }
+        }
+        true
+    }
+}

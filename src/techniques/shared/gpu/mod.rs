@@ -1,0 +1,3 @@
+//! Silhouettes of casters on the GPU.
+
+pub(crate) mod contour_pool;

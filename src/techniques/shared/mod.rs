@@ -1,0 +1,8 @@
+//! Geometry that several techniques share: extrusion, near caps, the reach of finite volumes, silhouettes on the GPU.
+
+pub(crate) mod extrude;
+pub(crate) mod finite_reach;
+#[cfg(feature = "render")]
+pub(crate) mod gpu;
+pub(crate) mod inside_test;
+pub(crate) mod near_caps;

@@ -1,0 +1,5 @@
+//! The recorder of stencil volumes.
+
+pub(crate) mod pipelines;
+mod quads;
+pub(crate) mod recorder;
