@@ -25,6 +25,7 @@
 //! | --- | --- |
 //! | [`conventions`] | handedness, depth, units, and the constants that WGSL has too |
 //! | [`geometry`] | mathematics on `glam`: bounds, planes, frustum, light hull, edge meshes; no ECS |
+//! | [`reports`] | what is refused, skipped or short, with the entity and what to do about it |
 //! | [`scene`] | components that a user spawns; glTF import, poses, animation |
 //! | [`sets`] | who is seen, lit and casts: F, V, L, I, S, scissors, depth bounds |
 //! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
@@ -60,6 +61,7 @@ pub mod plugin;
 pub mod reference;
 #[cfg(feature = "render")]
 pub mod render;
+pub mod reports;
 pub mod scene;
 pub mod schedule;
 pub mod sets;

@@ -7,9 +7,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Layers in order. A file may use its own layer and earlier ones.
-const LAYERS: [&str; 10] = [
+const LAYERS: [&str; 11] = [
     "conventions",
     "geometry",
+    "reports",
     "scene",
     "sets",
     "silhouettes",

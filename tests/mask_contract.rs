@@ -39,8 +39,8 @@ impl Recorder for FlatTechnique {
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Visibility> {
-        self.lights.contains(&light).then_some(Visibility::Mask)
+    fn visibility(&self, light: usize) -> Option<Leaves> {
+        self.lights.contains(&light).then_some(Leaves::Mask)
     }
 
     fn resolve(&self, _: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
