@@ -95,6 +95,7 @@ pub mod insides {
 /// What most users name.
 pub mod prelude {
     pub use super::plugin::AntumbraPlugin;
+    #[cfg(feature = "render")]
     pub use super::render::frame::record::FrameOutputs;
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};

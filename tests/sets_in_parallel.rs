@@ -1,5 +1,6 @@
 //! One thread or many: the same sets, bit for bit. Alone in its file, since the pool of threads is the process's.
 
+#[path = "core/sets_harness/mod.rs"]
 mod sets_harness;
 
 use std::sync::Arc;
