@@ -19,7 +19,7 @@
 //!
 //! # The map
 //!
-//! Arrows point one way: a later folder may use an earlier one, never back (`tests/layers.rs` holds it).
+//! Arrows point one way: a later folder may use an earlier one, never back (`tests/core/layers.rs` holds it).
 //!
 //! | folder | holds |
 //! | --- | --- |

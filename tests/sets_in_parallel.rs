@@ -7,9 +7,7 @@ use std::sync::Arc;
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::{MeshData, SceneMaterials, SceneMesh};
-use antumbra::scene::{
-    Light, LocalBounds, Material, ShadowedLight, update_local_bounds, update_world_bounds,
-};
+use antumbra::scene::{Light, LocalBounds, Material, ShadowedLight, update_world_bounds};
 use antumbra::sets::{FrameLights, FrustumSet, Objects, SetWork, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;

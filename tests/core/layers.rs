@@ -140,8 +140,25 @@ fn the_checker_finds_what_it_must() {
     )));
 }
 
-/// The layer of a file: the first part of its path. `None` for `lib.rs`, which names all.
+/// Above all layers beside `lib.rs`: what a game names, from wherever it is. Holds nothing but re-exports.
+const PRELUDE: &str = "bevy_adapter/prelude.rs";
+
+#[test]
+fn the_prelude_holds_re_exports_only() {
+    let only_exports = |text: &str| {
+        let mut statements = text.split(';').map(str::trim).filter(|text| !text.is_empty());
+        statements.all(|statement| statement.starts_with("pub use "))
+    };
+    let text = sources().into_iter().find(|(file, _)| file == Path::new(PRELUDE));
+    assert!(only_exports(&text.expect("the prelude is there").1));
+    assert!(!only_exports("pub use crate::a::B;\nfn f() {}"));
+}
+
+/// The layer of a file: the first part of its path. `None` for `lib.rs` and [`PRELUDE`], which name all.
 fn layer_of(file: &Path) -> Option<String> {
+    if file == Path::new(PRELUDE) {
+        return None;
+    }
     let first = file.components().next()?.as_os_str().to_string_lossy();
     let first = first.strip_suffix(".rs").unwrap_or(&first);
     (first != "lib").then(|| first.to_owned())
