@@ -1,5 +1,5 @@
 //! The conventions of the whole crate, written once. `shaders/common/conventions.wgsl` mirrors the
-//! constants that WGSL needs too (`tests/gpu/layout_contract.rs` holds the two equal).
+//! constants that WGSL needs too (`tests/layout_contract.rs` holds the two equal).
 //!
 //! - **Space**: right-handed, Y up, cameras and lights look along local −Z. Metres, radians.
 //! - **Matrices** are named `b_from_a` and multiply column vectors; points carry their space in their name

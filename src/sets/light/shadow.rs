@@ -31,7 +31,7 @@ use crate::sets::work::SetWork;
 /// [`OcclusionSettings::of_shadows`] off leaves S at all casters of L that cast for the light.
 ///
 /// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
-/// (`tests/core/sets_never_drop.rs` holds it against brute force), not even for one point of an area light. Cost: the
+/// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light. Cost: the
 /// clusters that the light touches; the objects of those that a plane of the hulls cuts, against those planes alone.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second and third hull are ours.
 pub fn collect_shadow_sets(

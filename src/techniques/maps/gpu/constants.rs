@@ -11,7 +11,7 @@ use crate::techniques::maps::settings::{MapBias, MapFilter, MapFormat};
 
 /// Share of a texel by which a plane is raised, and half of it for each texel of the filter's radius: enough for surfaces
 /// that bend by some 8° between neighbouring texels, too little to part a shadow from its caster. Found by
-/// `tests/gpu/maps/contacts.rs`.
+/// `tests/maps/contacts.rs`.
 const RAISED_TEXELS: f32 = 0.15;
 
 /// The shader's view of one light's map.

@@ -1,5 +1,5 @@
 //! What the GPU reads of wedges, and how the record of an edge is made. Mirrors of the structs of the same names in
-//! `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl` (`tests/gpu/layout_contract.rs`).
+//! `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl` (`tests/layout_contract.rs`).
 
 use glam::{DMat4, DVec3, Vec3, Vec4};
 
