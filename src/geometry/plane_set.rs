@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
 
-use super::{Aabb, Sphere};
+use super::Aabb;
 
 /// A half-space: the points with `normal · p + offset ≥ 0` are inside. `normal` has unit length.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,13 +52,6 @@ impl PlaneSet {
     /// volume near its corners, never `true` for a box that touches it.
     pub fn excludes_aabb(&self, aabb: &Aabb) -> bool {
         self.planes.iter().any(|plane| plane.farthest_inside(aabb) < 0.0)
-    }
-
-    /// Whether the sphere lies wholly outside of one plane; conservative in the same way.
-    pub fn excludes_sphere(&self, sphere: &Sphere) -> bool {
-        self.planes
-            .iter()
-            .any(|plane| plane.distance(sphere.center) < -sphere.radius)
     }
 
     /// Whether all homogeneous points (a convex hull's corners) lie outside of one plane.

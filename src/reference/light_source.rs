@@ -141,11 +141,6 @@ impl LightSource {
         Ok(Self::new(light, transform, selection)?)
     }
 
-    /// Whether its visibility varies between 0 and 1: it is sampled rather than a single point.
-    pub fn is_area(&self) -> bool {
-        matches!(self.shape, LightShape::Rect { .. } | LightShape::Sphere { .. })
-    }
-
     /// Whether visibility is defined at the surface point: it faces the light's centre and lies within range,
     /// cone, and the lit side of a rectangle. The margins are those of `tools/truth.py`.
     pub fn reaches(&self, surface: &SurfaceHit) -> bool {

@@ -45,11 +45,6 @@ impl FacingBits {
         self.states.iter().filter(|&&state| state == MIXED).count()
     }
 
-    /// Clusters whose bounds did not decide, so that every triangle was tested.
-    pub fn tested_cluster_count(&self) -> usize {
-        self.tested.len()
-    }
-
     /// Bits chosen by the caller, a word a cluster of `mesh`. The contour is closed for any choice.
     pub fn from_words(mesh: &EdgeMesh, words: impl IntoIterator<Item = u64>) -> Self {
         let mut bits = Self::default();

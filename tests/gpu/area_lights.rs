@@ -1,7 +1,6 @@
 //! Rectangles and spheres shed the light that numerical integration over them gives.
 
 use crate::harness::strict_context;
-use antumbra::prelude::*;
 use antumbra::render::Shaders;
 use antumbra::render::readback::read_buffer;
 use glam::{DVec3, Vec3, Vec4};
@@ -97,7 +96,7 @@ fn integrated(case: &Case) -> [f64; 2] {
 }
 
 fn on_gpu(cases: &[Case]) -> Vec<[f32; 2]> {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let device = &context.device;
     let module = Shaders::new()
         .expect("the common files compose")

@@ -33,10 +33,7 @@ fn stage(pane_heights: &[f32], panes: Panes) -> Stage {
     let mut stage = Stage::empty(SIZE, camera, view);
     stage.world.insert_resource(FaceCulling::None);
     stage
-        .add_renderer(
-            strict_context(RequestedFeatures::default()),
-            RenderSettings::default(),
-        )
+        .add_renderer(strict_context(), RenderSettings::default())
         .expect("shaders compose");
     let matte = Arc::new(Material::matte(Vec3::splat(0.7)));
     let glass = Arc::new(Material {

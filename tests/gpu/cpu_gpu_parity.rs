@@ -253,7 +253,7 @@ fn differing(cases: &[Case], got: &[Vec4]) -> Vec<usize> {
 
 #[test]
 fn extrude_equals_its_twin() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let cases = cases();
     let exact = cases.iter().filter(|case| case.tolerance() == Vec4::ZERO).count();
     assert!(exact > 5000, "too few cases are compared bit by bit");
@@ -273,7 +273,7 @@ fn extrude_equals_its_twin() {
 
 #[test]
 fn parity_fails_when_one_vertex_moves() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut cases = cases();
     let got = on_gpu(&context, &cases, str::to_owned);
     for index in [0, 1, 2, 777] {
@@ -288,7 +288,7 @@ fn parity_fails_when_one_vertex_moves() {
 
 #[test]
 fn parity_fails_when_the_shader_changes() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let cases = cases();
     for (from, to) in [
         ("* caster.light_local.w", ""),

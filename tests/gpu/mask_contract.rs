@@ -82,10 +82,7 @@ fn render(first: Shadow, second: Shadow, plane_receives: bool) -> Rendered {
     };
     let mut stage = Stage::empty(UVec2::new(64, 32), camera, view);
     stage
-        .add_renderer(
-            strict_context(RequestedFeatures::default()),
-            RenderSettings::default(),
-        )
+        .add_renderer(strict_context(), RenderSettings::default())
         .expect("shaders compose");
     stage
         .world

@@ -2,12 +2,11 @@
 //! all lights are counted, and pictures with and without occlusion compared bit for bit. They are drawn small and with
 //! some of the lights, for the software driver's sake.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::harness::support::stats::Batches;
 use crate::harness::support::table::{Row, Walked, rows};
-use crate::harness::{models_folder, strict_context};
+use crate::harness::{model, strict_context};
 use antumbra::prelude::*;
 use antumbra::scene::Occluder;
 use bevy_ecs::prelude::*;
@@ -40,16 +39,12 @@ fn differing(a: &[Vec<u8>], b: &[Vec<u8>]) -> Vec<(usize, usize)> {
     (0..a.len()).flat_map(pixels).collect()
 }
 
-fn walked(test: &str, file: &str, shines: fn(usize) -> bool) -> Option<Walked> {
-    let path: PathBuf = models_folder(test)?.join(file);
-    let context = strict_context(RequestedFeatures::default());
-    Some(Walked::new(&path, &context, SIZE, FRAMES, shines).expect("the scene loads"))
+fn walked(file: &str, shines: fn(usize) -> bool) -> Walked {
+    Walked::new(&model(file), &strict_context(), SIZE, FRAMES, shines).expect("the scene loads")
 }
 
-fn count_batches(test: &str, file: &str) {
-    let Some(mut walked) = walked(test, file, |_| true) else {
-        return;
-    };
+fn count_batches(file: &str) {
+    let mut walked = walked(file, |_| true);
     let totals = rows().map(|row| {
         walked.set_row(&row);
         let mut sum = Batches::default();
@@ -71,10 +66,8 @@ fn count_batches(test: &str, file: &str) {
     assert!(after * 10 <= before * 4, "{after} of {before} batches are left");
 }
 
-fn compare_pictures(test: &str, file: &str, shines: fn(usize) -> bool) {
-    let Some(mut walked) = walked(test, file, shines) else {
-        return;
-    };
+fn compare_pictures(file: &str, shines: fn(usize) -> bool) {
+    let mut walked = walked(file, shines);
     let [frustum, .., all] = rows();
     let without = pictures(&mut walked, &frustum, 0..FRAMES);
     let with = pictures(&mut walked, &all, 0..FRAMES);
@@ -89,40 +82,30 @@ fn compare_pictures(test: &str, file: &str, shines: fn(usize) -> bool) {
 }
 
 #[test]
+#[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn dungeon_has_fewer_batches() {
-    count_batches("dungeon_has_fewer_batches", "look/d-scenes/dungeon_A.glb");
+    count_batches("dungeon_A.glb");
 }
 
 #[test]
 fn interior_has_fewer_batches() {
-    count_batches("interior_has_fewer_batches", "copy/d-scenes/interior.glb");
+    count_batches("interior.glb");
 }
 
 #[test]
+#[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn dungeon_pictures_are_equal() {
-    compare_pictures(
-        "dungeon_pictures_are_equal",
-        "look/d-scenes/dungeon_A.glb",
-        |light| light % 6 == 0,
-    );
+    compare_pictures("dungeon_A.glb", |light| light % 6 == 0);
 }
 
 #[test]
 fn interior_pictures_are_equal() {
-    compare_pictures(
-        "interior_pictures_are_equal",
-        "copy/d-scenes/interior.glb",
-        |light| light % 4 == 0,
-    );
+    compare_pictures("interior.glb", |light| light % 4 == 0);
 }
 
 #[test]
 fn a_lying_occluder_shows() {
-    let Some(mut walked) = walked("a_lying_occluder_shows", "copy/d-scenes/interior.glb", |light| {
-        light == 0
-    }) else {
-        return;
-    };
+    let mut walked = walked("interior.glb", |light| light == 0);
     let [frustum, .., all] = rows();
     let frames = || (0..FRAMES).step_by(20);
     let without = pictures(&mut walked, &frustum, frames());

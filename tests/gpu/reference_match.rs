@@ -12,10 +12,8 @@ const ALLOWED: f64 = 0.001;
 
 #[test]
 fn stencil_equals_ray_cast_on_every_model() {
-    let Some(folder) = models_folder("stencil_equals_ray_cast_on_every_model") else {
-        return;
-    };
-    let context = strict_context(RequestedFeatures::default());
+    let folder = models_folder();
+    let context = strict_context();
     let mut failures = Vec::new();
     for path in models_below(&folder) {
         let name = file_name(&path);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::harness::support::stage::Stage;
-use crate::harness::{judge, strict_context};
+use crate::harness::{judge, own_context, strict_context};
 use antumbra::prelude::*;
 use antumbra::reference::{HardError, RayScene};
 use antumbra::scene::Submesh;
@@ -90,7 +90,7 @@ fn relight(stage: &mut Stage, light: Light, place: Transform) {
 
 #[test]
 fn boxes_and_spheres_have_no_wrong_pixel() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = boxes_and_spheres(&context);
     let eyes = [
         (Vec3::new(3.0, 3.0, 6.0), Vec3::ZERO),
@@ -185,7 +185,7 @@ fn jack_o_lantern() -> MeshData {
 
 #[test]
 fn light_inside_a_jack_o_lantern_is_exact() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = stage(&context);
     let mesh = jack_o_lantern();
     let edges = antumbra::silhouettes::CasterMeshes::default()
@@ -221,7 +221,7 @@ fn light_inside_a_jack_o_lantern_is_exact() {
 
 #[test]
 fn the_judge_finds_a_missing_caster() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = boxes_and_spheres(&context);
     relight(
         &mut stage,
@@ -249,7 +249,7 @@ fn mirrored_views_and_baseline_devices_are_as_exact() {
         (RequestedFeatures::BASELINE, false),
         (RequestedFeatures::BASELINE, true),
     ] {
-        let context = strict_context(requested);
+        let context = own_context(requested);
         if requested == RequestedFeatures::BASELINE {
             assert!(context.device.features().is_empty(), "nothing is asked for");
             assert_eq!(context.device.limits(), wgpu::Limits::default());

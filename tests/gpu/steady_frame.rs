@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use crate::harness::strict_context;
 use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::{own_context, strict_context};
 use antumbra::prelude::*;
 use antumbra::silhouettes::Silhouettes;
 use bevy_transform::prelude::Transform;
@@ -17,7 +17,7 @@ fn scene() -> Stage {
         ..Default::default()
     };
     let mut stage = Stage::empty(UVec2::new(128, 64), camera, view);
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     stage
         .add_renderer(context, RenderSettings::default())
         .expect("shaders compose");
@@ -165,7 +165,7 @@ fn the_debug_view_colours_volumes_by_how_they_are_counted() {
 #[test]
 fn one_pass_for_all_lights_draws_what_a_pass_each_draws() {
     let mut stage = scene();
-    let context = strict_context(RequestedFeatures {
+    let context = own_context(RequestedFeatures {
         timestamps: false,
         ..Default::default()
     });

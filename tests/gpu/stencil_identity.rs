@@ -60,10 +60,8 @@ fn differing(counts: &[bool], a: &[f32], b: &[f32]) -> usize {
 
 #[test]
 fn counting_extent_and_bounds_change_no_mask() {
-    let Some(folder) = models_folder("counting_extent_and_bounds_change_no_mask") else {
-        return;
-    };
-    let context = strict_context(RequestedFeatures::default());
+    let folder = models_folder();
+    let context = strict_context();
     let mut differences = Vec::new();
     let (mut pixels, mut rounded, mut depth_pass, mut finite) = (0, 0, 0, 0);
     for path in models_below(&folder) {

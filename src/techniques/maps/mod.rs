@@ -31,6 +31,7 @@ pub(crate) mod face;
 pub(crate) mod face_state;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
+#[cfg(feature = "render")]
 pub(crate) mod jitter;
 pub(crate) mod light_map;
 pub(crate) mod members;

@@ -6,7 +6,7 @@ use super::*;
 
 #[test]
 fn device_loss_is_survived() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = own_context(RequestedFeatures::default());
     let mut stage = box_on_plane(&context);
     let usual = render(&mut stage);
     assert!(!context.is_lost());
@@ -37,7 +37,7 @@ fn device_loss_is_survived() {
     assert!(stage.render().is_err());
 
     stage.world.insert_resource(ViewportSize(SIZE));
-    let fresh = strict_context(RequestedFeatures::default());
+    let fresh = own_context(RequestedFeatures::default());
     stage
         .add_renderer(fresh, RenderSettings::default())
         .expect("a new device draws");

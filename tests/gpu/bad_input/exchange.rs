@@ -36,7 +36,7 @@ fn assert_same_as_from_the_start(context: &RenderContext, what: &str, change: im
 
 #[test]
 fn exchanged_meshes_and_materials_show() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let check = |what: &str, change: &dyn Fn(&mut Stage, Entity)| {
         assert_same_as_from_the_start(&context, what, change);
     };
@@ -68,7 +68,7 @@ fn exchanged_meshes_and_materials_show() {
 
 #[test]
 fn removed_components_show() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let check = |what: &str, change: &dyn Fn(&mut Stage, Entity)| {
         assert_same_as_from_the_start(&context, what, change);
     };
@@ -98,7 +98,7 @@ fn removed_components_show() {
 
 #[test]
 fn lights_come_and_go() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let one = render(&mut stage);
     // Before and behind the first in any order of entities.
@@ -121,7 +121,7 @@ fn lights_come_and_go() {
 
 #[test]
 fn a_renderer_is_taken_away_and_another_comes() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let usual = render(&mut stage);
     stage.world.remove_resource::<Renderer>();

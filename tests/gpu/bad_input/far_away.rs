@@ -37,7 +37,7 @@ fn differing(a: &Rendered, b: &Rendered) -> usize {
 
 #[test]
 fn a_scene_far_from_the_origin_is_that_at_the_origin() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut near = stage_at(&context, Vec3::ZERO);
     let mut far = stage_at(&context, FAR);
     let (at_origin, far_away) = (render(&mut near), render(&mut far));

@@ -32,7 +32,7 @@ fn with(context: &RenderContext, materials: &[Arc<Material>]) -> Stage {
 
 #[test]
 fn submeshes_without_a_material_are_not_drawn_and_cast_all_the_same() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let both = render(&mut with(&context, &[matte(), matte()]));
     let many = render(&mut with(&context, &[matte(), matte(), matte()]));
     assert!(same(&both, &many), "a material too many is ignored");
@@ -71,7 +71,7 @@ fn of(context: &RenderContext, material: Material) -> Rendered {
 
 #[test]
 fn textures_of_the_wrong_size_are_ignored() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let plain = of(&context, Material::matte(Vec3::ONE));
     let textured = |slot: TextureSlot| {
         let mut material = Material::matte(Vec3::ONE);
@@ -106,7 +106,7 @@ fn textures_of_the_wrong_size_are_ignored() {
 
 #[test]
 fn numbers_that_are_not_finite_do_not_reach_the_gpu() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let spoilers: [(&str, fn(&mut Material, f32)); 8] = [
         ("base colour", |m, x| m.base_color = Vec4::splat(x)),
         ("metallic", |m, x| m.metallic = x),

@@ -38,7 +38,7 @@ fn with(context: &RenderContext, extra: MeshData) -> Stage {
 
 #[test]
 fn meshes_without_area_change_nothing() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let without = render(&mut box_on_plane(&context));
     let (o, x, nan) = (Vec3::ZERO, Vec3::X, Vec3::NAN);
     for (what, bad) in [
@@ -58,7 +58,7 @@ fn meshes_without_area_change_nothing() {
 
 #[test]
 fn one_triangle_casts_and_receives() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let without = render(&mut box_on_plane(&context));
     let corners = [Vec3::ZERO, Vec3::X, Vec3::new(0.2, 0.3, 1.0)];
     for indices in [[0, 1, 2], [0, 2, 1]] {
@@ -81,7 +81,7 @@ fn spoilt_cuboid(vertex: Vec3, indices: [u32; 3]) -> MeshData {
 
 #[test]
 fn a_broken_triangle_is_left_out_and_the_rest_is_drawn_and_casts() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let whole = render(&mut with(&context, cuboid()));
     let last = cuboid().positions.len() as u32;
     for (what, vertex) in [
@@ -99,7 +99,7 @@ fn a_broken_triangle_is_left_out_and_the_rest_is_drawn_and_casts() {
 
 #[test]
 fn a_vertex_that_is_not_there_is_counted_and_draws_no_garbage() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let whole = render(&mut with(&context, cuboid()));
     let last = cuboid().positions.len() as u32;
     for index in [last + 1, 1 << 20, u32::MAX] {
@@ -129,7 +129,7 @@ fn a_vertex_that_is_not_there_is_counted_and_draws_no_garbage() {
 
 #[test]
 fn indices_and_submeshes_that_do_not_fit_are_cut() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let whole = render(&mut with(&context, cuboid()));
     let spoilt = |spoil: fn(&mut MeshData)| {
         let mut mesh = cuboid();
@@ -155,7 +155,7 @@ fn indices_and_submeshes_that_do_not_fit_are_cut() {
 
 #[test]
 fn streams_that_are_missing_or_too_short_or_not_finite_have_defaults() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let lit_as = |spoil: &dyn Fn(&mut MeshData)| {
         let mut mesh = cuboid();
         spoil(&mut mesh);

@@ -15,7 +15,7 @@ mod transforms;
 use std::sync::Arc;
 
 use crate::harness::support::stage::{Rendered, Stage};
-use crate::harness::{judge, strict_context};
+use crate::harness::{judge, own_context, strict_context};
 use antumbra::prelude::*;
 use antumbra::reference::{HardError, RayScene};
 use bevy_ecs::prelude::*;
@@ -114,7 +114,7 @@ fn assert_true(stage: &mut Stage, rendered: &Rendered) -> HardError {
 
 #[test]
 fn the_usual_scene_is_right_and_comparison_finds_a_hair() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let first = render(&mut stage);
     assert!(assert_true(&mut stage, &first).inner > 1000, "enough is judged");

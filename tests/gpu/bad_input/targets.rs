@@ -10,7 +10,7 @@ fn resize(stage: &mut Stage, size: UVec2) {
 
 #[test]
 fn a_picture_without_pixels_draws_nothing() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let usual = render(&mut stage);
     for size in [UVec2::ZERO, UVec2::new(96, 0), UVec2::new(0, 64)] {
@@ -30,7 +30,7 @@ fn a_picture_without_pixels_draws_nothing() {
 
 #[test]
 fn a_picture_of_one_pixel_is_drawn() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     for size in [UVec2::ONE, UVec2::new(1, 64), UVec2::new(96, 1)] {
         resize(&mut stage, size);
@@ -43,7 +43,7 @@ fn a_picture_of_one_pixel_is_drawn() {
 
 #[test]
 fn a_picture_beyond_the_device_is_an_error_for_its_frame_only() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let usual = render(&mut stage);
     resize(&mut stage, UVec2::new(1 << 20, 4));
@@ -70,7 +70,7 @@ fn a_picture_beyond_the_device_is_an_error_for_its_frame_only() {
 
 #[test]
 fn without_a_usable_camera_nothing_is_drawn() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let usual = render(&mut stage);
     let nan = f32::NAN;
@@ -123,7 +123,7 @@ fn without_a_usable_camera_nothing_is_drawn() {
 
 #[test]
 fn settings_that_are_not_finite_do_not_reach_the_gpu() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let bad = RenderSettings {
         ambient: Vec3::new(f32::NAN, 0.1, f32::INFINITY),

@@ -30,7 +30,7 @@ fn left_out(stage: &Stage) -> usize {
 
 #[test]
 fn unusable_transforms_are_left_out_and_counted() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let without = render(&mut stage);
     assert_eq!(left_out(&stage), 0);
@@ -57,7 +57,7 @@ fn unusable_transforms_are_left_out_and_counted() {
 
 #[test]
 fn children_of_an_unusable_parent_are_left_out() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = box_on_plane(&context);
     let without = render(&mut stage);
     let parent = stage.world.spawn(Transform::from_scale(Vec3::ZERO)).id();
@@ -72,7 +72,7 @@ fn children_of_an_unusable_parent_are_left_out() {
 
 #[test]
 fn tiny_and_huge_objects_are_drawn_and_cast() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for exponent in [-6, 6] {
         let unit = 10f32.powi(exponent);
         let mut stage = empty_stage(&context);

@@ -8,7 +8,7 @@ pub mod cases;
 pub mod maps;
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::*;
@@ -22,8 +22,14 @@ use support::model::Model;
 pub use support::solid::make_alpha_solid;
 use support::stage::Stage;
 
-/// A device that panics on any wgpu error: silent validation is part of every test.
-pub fn strict_context(requested: RequestedFeatures) -> RenderContext {
+/// The device that tests of a program share. It panics on any wgpu error: silent validation is part of every test.
+pub fn strict_context() -> RenderContext {
+    static SHARED: LazyLock<RenderContext> = LazyLock::new(|| own_context(RequestedFeatures::default()));
+    SHARED.clone()
+}
+
+/// A device for one test alone: it is to be lost, or has other features. It panics on any wgpu error, too.
+pub fn own_context(requested: RequestedFeatures) -> RenderContext {
     let context = pollster::block_on(RenderContext::headless(requested)).expect("a GPU adapter is needed");
     context
         .device
@@ -31,13 +37,25 @@ pub fn strict_context(requested: RequestedFeatures) -> RenderContext {
     context
 }
 
-/// Folder of the models named by `ANTUMBRA_MODELS`; says that the caller's test is skipped when it is not set.
-pub fn models_folder(test: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("ANTUMBRA_MODELS").map(PathBuf::from);
-    if folder.is_none() {
-        eprintln!("{test}: skipped, ANTUMBRA_MODELS does not name the folder of the models");
-    }
-    folder
+/// Folder of the models: what `ANTUMBRA_MODELS` names, else the few that are bundled.
+pub fn models_folder() -> PathBuf {
+    std::env::var_os("ANTUMBRA_MODELS").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/models"),
+        PathBuf::from,
+    )
+}
+
+/// A model by its file name, somewhere below [`models_folder`]. A test that asks for one which is not bundled is marked
+/// `#[ignore]`, so that the summary counts it where the model is missing.
+pub fn model(name: &str) -> PathBuf {
+    let folder = models_folder();
+    let mut all = models_below(&folder).into_iter();
+    all.find(|path| path.ends_with(name)).unwrap_or_else(|| {
+        panic!(
+            "{}: {name} is not there; ANTUMBRA_MODELS names the folder",
+            folder.display()
+        )
+    })
 }
 
 /// All glTF files below a folder, sorted. Fails if there are none.

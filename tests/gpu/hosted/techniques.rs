@@ -9,7 +9,7 @@ use crate::harness::strict_context;
 
 /// In perspective, and in an orthographic view.
 fn compare(name: &str, kind: LightKind, shadow: impl Bundle + Clone, tolerance: f32) {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for camera in [camera(), parallel()] {
         let mut stage = stage(&context, camera);
         light_at(&mut stage, kind, shadow.clone());
@@ -24,7 +24,7 @@ fn compare(name: &str, kind: LightKind, shadow: impl Bundle + Clone, tolerance: 
 
 #[test]
 fn another_light_differs() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut pictures = [LightKind::Point, LightKind::Directional].map(|kind| {
         let mut stage = stage(&context, camera());
         light_at(&mut stage, kind, StencilVolume::default());

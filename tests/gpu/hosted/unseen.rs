@@ -14,7 +14,7 @@ use crate::harness::{judge, strict_context};
 /// its shadow.
 #[test]
 fn what_the_host_does_not_show_still_casts() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let view = alone(&camera());
     let mut stage = stage(&context, camera());
     light_at(&mut stage, LightKind::Point, StencilVolume::default());
@@ -44,7 +44,7 @@ fn what_the_host_does_not_show_still_casts() {
 
 #[test]
 fn what_the_light_does_not_see_stays_dark() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = dark_tiles(&context);
     let [own, hosted] = both(&context, &mut stage, alone(&camera()));
     let lights = stage.world.resource::<FrameLights>();

@@ -12,7 +12,7 @@ use crate::harness::{judge, strict_context};
 
 #[test]
 fn hosted_shadows_are_the_ray_casters() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for (name, camera, project) in [
         ("as ours", camera(), None),
         (
@@ -65,7 +65,7 @@ fn hosted_shadows_are_the_ray_casters() {
 
 #[test]
 fn a_view_in_a_part_of_larger_targets() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let camera = camera();
     let rect = LightKind::Rect {
         width: 0.6,
@@ -100,7 +100,7 @@ fn a_view_in_a_part_of_larger_targets() {
 
 #[test]
 fn an_oblique_near_plane_cuts_the_picture_alone() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let camera = camera();
     let mut stage = stage(&context, camera);
     light_at(&mut stage, LightKind::Point, StencilVolume::default());
@@ -116,7 +116,7 @@ fn an_oblique_near_plane_cuts_the_picture_alone() {
 
 #[test]
 fn a_view_outside_of_its_targets_is_refused() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = stage(&context, camera());
     let view = HostView {
         viewport_origin: UVec2::new(1, 0),

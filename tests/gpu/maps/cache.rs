@@ -25,10 +25,7 @@ fn stage() -> Stage {
     let view = Transform::from_xyz(2.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y);
     let mut stage = Stage::empty(SIZE, camera, view);
     stage
-        .add_renderer(
-            strict_context(RequestedFeatures::default()),
-            RenderSettings::default(),
-        )
+        .add_renderer(strict_context(), RenderSettings::default())
         .expect("shaders compose");
     spawn(&mut stage, MeshData::plane(5.0), Vec3::ZERO);
     for i in 0..5 {

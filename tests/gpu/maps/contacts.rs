@@ -161,7 +161,7 @@ fn dump(name: &str, got: &[f32], truth: &[f32]) {
 
 #[test]
 fn no_acne_no_leak_and_contacts_within_a_texel() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let scenes = scenes::all();
     assert!(scenes.len() >= 20);
     // One world for all, so that every map is also one that took in another scene.
@@ -193,7 +193,7 @@ fn no_acne_no_leak_and_contacts_within_a_texel() {
 
 #[test]
 fn the_judge_finds_acne_leaks_and_parted_shadows() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let scenes = scenes::all();
     let scene = &scenes[0]; // its shadow falls beside it
     let (mut stage, rays) = scene.stage(&context);
@@ -242,7 +242,7 @@ fn the_judge_finds_acne_leaks_and_parted_shadows() {
 
 #[test]
 fn the_debug_view_changes_the_picture_and_no_shadow() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let scenes = scenes::all();
     for kind in [Kind::Spot, Kind::Sun, Kind::Omni(MapFormat::Depth)] {
         let (mut stage, _) = scenes[0].stage(&context);

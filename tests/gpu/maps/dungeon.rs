@@ -11,18 +11,13 @@ use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
 use crate::harness::support::stage::Stage;
-use crate::harness::{ModelStage, models_below, models_folder, strict_context};
+use crate::harness::{ModelStage, model, strict_context};
 
 const SIZE: UVec2 = UVec2::new(128, 72);
 
-fn dungeon() -> Option<ModelStage> {
-    let folder = models_folder("dungeon")?;
-    let path = models_below(&folder)
-        .into_iter()
-        .find(|path| path.ends_with("dungeon_A.glb"))
-        .expect("the models have a dungeon");
-    let context = strict_context(RequestedFeatures::default());
-    let mut model = ModelStage::new(&path, &context, SIZE).expect("it has triangles");
+fn dungeon() -> ModelStage {
+    let mut model =
+        ModelStage::new(&model("dungeon_A.glb"), &strict_context(), SIZE).expect("it has triangles");
     let bounds = model.bounds;
     let size = bounds.half_size() * 2.0;
     // An 8×8 grid over the ground plan, each light reaching some rooms.
@@ -43,7 +38,7 @@ fn dungeon() -> Option<ModelStage> {
     let view = Transform::from_translation(eye).looking_at(bounds.center(), Vec3::Y);
     let entity = model.stage.camera;
     model.stage.world.entity_mut(entity).insert((camera, view));
-    Some(model)
+    model
 }
 
 /// Runs and records a frame; draws of casters by light of the frame.
@@ -58,10 +53,9 @@ fn frame(stage: &mut Stage) -> Vec<usize> {
 }
 
 #[test]
+#[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
-    let Some(mut model) = dungeon() else {
-        return;
-    };
+    let mut model = dungeon();
     let stage = &mut model.stage;
     stage.world.resource_mut::<MapSettings>().face_updates = 64;
     let mut warm_up = Vec::new();

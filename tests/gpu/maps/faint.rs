@@ -14,7 +14,7 @@ const ALLOWED: usize = 2;
 
 #[test]
 fn lit_even_surfaces_are_not_even_faintly_dark() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let names = [
         "cube on floor",
         "cube, light at 8°",

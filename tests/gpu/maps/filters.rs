@@ -8,8 +8,8 @@ use glam::DVec2;
 use super::contacts::{Kind, filters};
 use super::scenes;
 use crate::harness::maps::Judge;
-use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
 
 /// Samples along a side of the footprint.
 const SIDE: i32 = 8;
@@ -70,7 +70,7 @@ fn taps(stage: &Stage, judge: &Judge) -> f64 {
 
 #[test]
 fn table_of_filters() {
-    let context = strict_context(RequestedFeatures {
+    let context = own_context(RequestedFeatures {
         timestamps: true,
         ..Default::default()
     });
@@ -156,7 +156,7 @@ fn table_of_filters() {
 
 #[test]
 fn packed_maps_agree_with_floats() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for scene in scenes::all().iter().take(8) {
         let mut pictures = Vec::new();
         for format in [

@@ -58,10 +58,7 @@ fn render(card_is_masked: bool, upside_down: bool, shadow: impl Bundle, kind: Li
     let view = Transform::from_xyz(0.0, 0.9, 3.5).looking_at(Vec3::new(0.0, 0.0, 0.5), Vec3::Y);
     let mut stage = Stage::empty(SIZE, camera, view);
     stage
-        .add_renderer(
-            strict_context(RequestedFeatures::default()),
-            RenderSettings::default(),
-        )
+        .add_renderer(strict_context(), RenderSettings::default())
         .expect("shaders compose");
     let matte = || SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into());
     stage.world.spawn((

@@ -14,10 +14,8 @@ const ALLOWED: f64 = 0.005;
 
 #[test]
 fn maps_equal_ray_cast_on_every_model_up_to_a_texel() {
-    let Some(folder) = models_folder("maps_equal_ray_cast_on_every_model_up_to_a_texel") else {
-        return;
-    };
-    let context = strict_context(RequestedFeatures::default());
+    let folder = models_folder();
+    let context = strict_context();
     let resolution = MapResolution::Fixed(1024);
     let mut failures = Vec::new();
     for path in models_below(&folder) {

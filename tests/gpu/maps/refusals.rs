@@ -10,8 +10,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
-use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
 
 const SIZE: UVec2 = UVec2::new(64, 36);
 
@@ -76,7 +76,7 @@ fn render(stage: &mut Stage, light: Light, shadow: impl Bundle) -> (usize, Vec<M
 
 #[test]
 fn unusable_settings_are_refused_by_name() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = stage(&context, true);
     let map = ShadowMap::default();
     let omni = OmniMap::default();
@@ -231,7 +231,7 @@ fn unusable_settings_are_refused_by_name() {
 
 #[test]
 fn odd_settings_are_drawn_with() {
-    let context = strict_context(RequestedFeatures::BASELINE);
+    let context = own_context(RequestedFeatures::BASELINE);
     let mut stage = stage(&context, true);
     let fixed = |resolution| MapResolution::Fixed(resolution);
     let wide = |outer_angle| LightKind::Spot {
@@ -337,7 +337,7 @@ fn odd_settings_are_drawn_with() {
 
 #[test]
 fn maps_beyond_the_limit_are_as_large_as_it_allows_and_reported() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = stage(&context, true);
     stage.world.resource_mut::<MapSettings>().largest = 128;
     let resolution = MapResolution::Fixed(100_000);
@@ -369,7 +369,7 @@ fn maps_beyond_the_limit_are_as_large_as_it_allows_and_reported() {
 
 #[test]
 fn without_casters_nothing_is_looked_up() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = stage(&context, false);
     for cached in [true, false] {
         let map = ShadowMap {

@@ -10,7 +10,7 @@ use crate::harness::strict_context;
 
 #[test]
 fn other_surfaces_shadow_the_same_pixels() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let closed = [
         "cube on floor",
         "sphere contact",

@@ -46,7 +46,7 @@ fn draw(stage: &mut Stage, kind: LightKind, range: f32, from: Vec3) -> Vec<f32> 
 
 #[test]
 fn maps_differ_from_the_ray_caster_by_texels() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let (mut stage, scene) = scene(&context);
     for ((name, kind, range), from) in MAPS.into_iter().flat_map(|map| FROM.map(|from| (map, from))) {
         let visibility = draw(&mut stage, kind, range, from);
@@ -62,7 +62,7 @@ fn maps_differ_from_the_ray_caster_by_texels() {
 /// Shadows of a light 20 cm beside, none at all, and those of the same view in perspective: each is told.
 #[test]
 fn wrong_pictures_are_told() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let (mut stage, scene) = scene(&context);
     for (name, kind, range) in MAPS {
         let moved = draw(&mut stage, kind, range, FROM[1] + Vec3::X * 0.2);

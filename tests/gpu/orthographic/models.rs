@@ -7,18 +7,14 @@ use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
 use crate::harness::cases::{Case, PLACEMENTS, Placement};
-use crate::harness::{ModelStage, file_name, judge, models_folder, strict_context};
+use crate::harness::{ModelStage, file_name, judge, strict_context};
 
 const SIZE: UVec2 = UVec2::new(160, 90);
 
 /// Share of wrong pixels outside of the edge band; as in `reference_match`.
 const ALLOWED: f64 = 0.001;
 
-const MODELS: [&str; 3] = [
-    "look/d-scenes/many_cubes.glb",
-    "copy/d-scenes/interior.glb",
-    "look/c-animated/fox.glb",
-];
+const MODELS: [&str; 3] = ["many_cubes.glb", "interior.glb", "fox.glb"];
 
 /// The same light from an orthographic view with the same axis: wide, or a part of the picture; its near plane before,
 /// within or behind the model.
@@ -77,14 +73,12 @@ impl Judged {
 }
 
 #[test]
+#[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn stencil_volumes_equal_the_ray_caster() {
-    let Some(folder) = models_folder("stencil_volumes_equal_the_ray_caster") else {
-        return;
-    };
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut failures = Vec::new();
     for name in MODELS {
-        let path = folder.join(name);
+        let path = crate::harness::model(name);
         let mut model = ModelStage::new(&path, &context, SIZE).expect("triangles");
         let mut judged = Judged::default();
         for (at, (label, case)) in model.cases().into_iter().enumerate() {
@@ -112,12 +106,10 @@ fn stencil_volumes_equal_the_ray_caster() {
 
 /// The judge tells an orthographic picture from a perspective one.
 #[test]
+#[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn the_judge_sees_the_projection() {
-    let Some(folder) = models_folder("the_judge_sees_the_projection") else {
-        return;
-    };
-    let context = strict_context(RequestedFeatures::default());
-    let mut model = ModelStage::new(&folder.join(MODELS[0]), &context, SIZE).expect("triangles");
+    let context = strict_context();
+    let mut model = ModelStage::new(&crate::harness::model(MODELS[0]), &context, SIZE).expect("triangles");
     let (_, case) = model.cases().swap_remove(0);
     model.set(&case, StencilVolume::default());
     let perspective = model.stage.render().expect("the frame renders");
@@ -130,12 +122,10 @@ fn the_judge_sees_the_projection() {
 
 /// Lights along the lines of sight, from before and from behind, and across them: volumes that never leave the picture.
 #[test]
+#[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn lights_along_the_view_cast_as_others() {
-    let Some(folder) = models_folder("lights_along_the_view_cast_as_others") else {
-        return;
-    };
-    let context = strict_context(RequestedFeatures::default());
-    let mut model = ModelStage::new(&folder.join(MODELS[0]), &context, SIZE).expect("triangles");
+    let context = strict_context();
+    let mut model = ModelStage::new(&crate::harness::model(MODELS[0]), &context, SIZE).expect("triangles");
     let (_, case) = model.cases().swap_remove(2);
     let case = orthographic(&model, &case, Placement::Outside);
     let view = case.view;

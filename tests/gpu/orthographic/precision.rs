@@ -20,7 +20,7 @@ fn far(stage: &crate::harness::support::stage::Stage) -> f64 {
 /// follows what there is.
 #[test]
 fn the_far_plane_does_not_matter() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut pictures = Vec::new();
     for (near, end) in [(-2.0, 30.0), (-100.0, 1000.0), (0.0, 1e5)] {
         let mut stage = ground(&context, 3.6, near, end);
@@ -52,7 +52,7 @@ fn the_far_plane_does_not_matter() {
 /// the room ends beyond all that the light reaches.
 #[test]
 fn lights_in_a_room_shine_on_its_walls_alone() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for (at, kind) in [
         (Vec3::new(0.5, 2.0, 0.3), LightKind::Point),
         (Vec3::new(0.5, 2.9, 0.3), LightKind::Point),

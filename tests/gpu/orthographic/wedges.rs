@@ -36,7 +36,7 @@ fn error(stage: &mut Stage, truth: &VisibilityImage) -> SoftError {
 
 #[test]
 fn area_lights_cast_the_penumbrae_of_truth() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let rect = LightKind::Rect {
         width: 0.8,
         height: 0.5,
@@ -76,7 +76,7 @@ fn area_lights_cast_the_penumbrae_of_truth() {
 
 #[test]
 fn a_light_that_moved_is_found_wrong() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let ball = LightKind::Sphere { radius: 0.3 };
     let mut stage = ground(&context, 3.6, -2.0, 30.0);
     let above = Vec3::new(0.6, 4.5, 0.8);
@@ -95,7 +95,7 @@ fn a_light_that_moved_is_found_wrong() {
 
 #[test]
 fn a_sun_with_wedges_has_hard_shadows() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, 3.6, 0.0, 30.0);
     let from = Vec3::new(1.0, 2.0, 0.7);
     light(

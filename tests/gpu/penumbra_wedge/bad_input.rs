@@ -32,7 +32,7 @@ fn shines(context: &RenderContext, name: &str, kind: LightKind, from: Vec3, mesh
 
 #[test]
 fn lights_and_casters_may_meet() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let cube = || MeshData::cuboid(Vec3::splat(0.5));
     for kind in [rect(0.6, 0.4), sphere(0.3), rect(0.6, 0.0)] {
         let inside = shines(&context, "inside", kind, Vec3::new(0.0, 1.0, 0.0), cube());
@@ -64,7 +64,7 @@ fn lights_and_casters_may_meet() {
 
 #[test]
 fn degenerate_and_many_edges_do_no_harm() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let sliver = MeshData::from_triangles(
         "sliver",
         vec![
@@ -153,7 +153,7 @@ fn casters_beyond_a_binding_are_refused() {
 #[test]
 fn wedges_beyond_a_binding_are_drawn_from_several() {
     const BYTES: u64 = 2 << 20;
-    let pictures = [strict_context(RequestedFeatures::default()), small_context(BYTES)].map(|context| {
+    let pictures = [strict_context(), small_context(BYTES)].map(|context| {
         let mut stage = ground(&context, Vec3::new(2.5, 3.0, 4.5), Vec3::ZERO);
         spawn(&mut stage, leaves(), Transform::from_xyz(0.0, 1.0, 0.0));
         light(

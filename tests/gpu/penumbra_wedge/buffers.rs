@@ -14,7 +14,7 @@ use crate::harness::support::stage::Stage;
 
 #[test]
 fn buffers_and_cullings_agree() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let additive = PenumbraWedge {
         overlap: Overlap::Additive,
         ..Default::default()
@@ -72,7 +72,7 @@ fn buffers_and_cullings_agree() {
 #[test]
 fn one_edge_differs_by_a_step_of_twelve_bits() {
     // A huge square whose one edge crosses the picture.
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     spawn(
         &mut stage,
@@ -96,7 +96,7 @@ fn one_edge_differs_by_a_step_of_twelve_bits() {
 
 #[test]
 fn overflow_of_bytes_is_reported() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     let wedge = PenumbraWedge {
         buffer: VisibilityBuffer::Split8,
@@ -119,7 +119,7 @@ fn overflow_of_bytes_is_reported() {
 
 #[test]
 fn counting_towards_the_viewer_and_away_agree() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for kind in [rect(0.9, 0.9), rect(2.4, 0.3), sphere(0.4)] {
         let mut stage = ground(&context, EYE, Vec3::ZERO);
         stage

@@ -67,7 +67,7 @@ impl Changes {
 }
 
 fn flicker(casters: &[(MeshData, Vec3)], wedge: PenumbraWedge) -> Flicker {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     for (mesh, place) in casters {
         spawn(&mut stage, mesh.clone(), Transform::from_translation(*place));

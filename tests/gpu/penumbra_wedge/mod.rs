@@ -79,7 +79,7 @@ fn all_settings() -> Vec<(String, PenumbraWedge)> {
 
 #[test]
 fn a_box_throws_the_shadow_of_truth() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for (name, kind) in SHAPES {
         let mut stage = box_stage(&context, kind, PenumbraWedge::default());
         let truth = truth(&mut stage, 0, SAMPLES);
@@ -95,7 +95,7 @@ fn a_box_throws_the_shadow_of_truth() {
 
 #[test]
 fn balls_throw_the_shadow_of_truth() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     // From no two places of the light is the silhouette the same, least of all that of the coarse ball.
     let squeezed = Vec3::new(-1.0, 0.5, 1.2);
     // Turned so that no pixel's centre lies on an edge, where rays and rasterizer may see different surfaces.

@@ -45,7 +45,7 @@ fn stage_of(context: &RenderContext, name: &str) -> (ModelStage, impl Fn(f32) ->
 
 #[test]
 fn models_err_little_and_split_lights_less() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for name in ["deer", "suzanne", "generic_hand_left"] {
         let (mut model, _) = stage_of(&context, name);
         let stage = &mut model.stage;
@@ -69,7 +69,7 @@ fn models_err_little_and_split_lights_less() {
 /// Where surfaces touch at less than the rasterizer's steps, a pixel may jump: seldom.
 #[test]
 fn under_a_slowly_moving_light_pixels_of_models_seldom_jump() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for name in ["deer", "suzanne", "generic_hand_left"] {
         let (mut model, place) = stage_of(&context, name);
         let stage = &mut model.stage;

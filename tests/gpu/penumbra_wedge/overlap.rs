@@ -15,7 +15,7 @@ use crate::harness::strict_context;
 
 #[test]
 fn both_orders_of_casters_give_one_picture() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for buffer in [VisibilityBuffer::Float, VisibilityBuffer::Split8] {
         let wedge = PenumbraWedge {
             buffer,
@@ -122,7 +122,7 @@ fn heights(stage: &mut crate::harness::support::stage::Stage) -> Vec<f32> {
 
 #[test]
 fn equation_1_combines_the_loops_of_one_caster() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let [first, second] = [0, 1].map(|i| shadow_of(&context, boxes(&SLABS[i..=i]), Overlap::Additive).0);
     let (paper, height) = shadow_of(&context, boxes(&SLABS), Overlap::Paper);
     let (additive, _) = shadow_of(&context, boxes(&SLABS), Overlap::Additive);
@@ -142,7 +142,7 @@ fn equation_1_combines_the_loops_of_one_caster() {
 
 #[test]
 fn loops_of_one_piece_are_told_apart() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     spawn(&mut stage, spool(false), Transform::IDENTITY);
     light(&mut stage, &above(Overlap::Paper));
@@ -166,7 +166,7 @@ fn loops_of_one_piece_are_told_apart() {
 
 #[test]
 fn inside_out_pieces_cast_as_open_ones() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     spawn(&mut stage, spool(true), Transform::IDENTITY);
     let entity = light(&mut stage, &above(Overlap::Additive));
@@ -184,7 +184,7 @@ fn inside_out_pieces_cast_as_open_ones() {
 
 #[test]
 fn sampled_overlaps_err_least() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for kind in [rect(1.0, 1.0), sphere(0.5)] {
         let mut stage = ground(&context, EYE, Vec3::ZERO);
         spawn(&mut stage, boxes(&SLABS), Transform::IDENTITY);
@@ -211,7 +211,7 @@ fn sampled_overlaps_err_least() {
 
 #[test]
 fn places_change_little_where_nothing_overlaps() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for kind in [rect(1.0, 1.0), sphere(0.5)] {
         let mut stage = ground(&context, EYE, Vec3::ZERO);
         spawn(&mut stage, boxes(&SLABS[..1]), Transform::IDENTITY);
@@ -240,7 +240,7 @@ fn places_change_little_where_nothing_overlaps() {
 
 #[test]
 fn a_split_sphere_is_nearly_the_sphere() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     spawn(&mut stage, boxes(&SLABS[..1]), Transform::IDENTITY);
     let kind = sphere(0.5);
@@ -270,7 +270,7 @@ fn a_split_sphere_is_nearly_the_sphere() {
 
 #[test]
 fn split_lights_err_less() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for overlap in [Overlap::Sampled, Overlap::Additive] {
         let mut stage = crowd(&context, false);
         light(&mut stage, &lit(rect(1.0, 1.0), PenumbraWedge::default()));

@@ -12,7 +12,7 @@ use crate::harness::strict_context;
 
 #[test]
 fn without_extent_the_shadow_is_that_of_stencil_volumes() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for kind in [
         rect(0.0, 0.0),
         sphere(0.0),
@@ -41,7 +41,7 @@ fn without_extent_the_shadow_is_that_of_stencil_volumes() {
 
 #[test]
 fn the_camera_may_stand_in_shadow_and_wedge() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for (name, eye) in [
         ("umbra", Vec3::new(0.0, 0.25, 0.1)),
         ("wedge", Vec3::new(0.95, 0.5, 0.2)),
@@ -75,7 +75,7 @@ fn the_camera_may_stand_in_shadow_and_wedge() {
 
 #[test]
 fn contact_leaks_nothing() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for kind in [rect(0.5, 0.5), sphere(0.25)] {
         let mut stage = ground(&context, EYE, Vec3::new(0.0, 0.2, 0.0));
         // A sliver into the ground.
@@ -106,7 +106,7 @@ fn contact_leaks_nothing() {
 
 #[test]
 fn the_debug_view_shows_wedges() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     for kind in [rect(0.8, 0.5), sphere(0.4), LightKind::Point] {
         let mut stage = crowd(&context, false);
         light(&mut stage, &lit(kind, PenumbraWedge::default()));

@@ -145,31 +145,6 @@ pub fn judge(stage: &mut Stage, truth: &VisibilityImage, name: &str) -> SoftErro
     error
 }
 
-/// What the frame that ran last drew, for a person.
-#[allow(dead_code, reason = "called while something is sought")]
-pub fn describe(stage: &Stage) {
-    let wedges = stage.world.resource::<antumbra::techniques::PenumbraWedges>();
-    let renderer = stage.world.resource::<Renderer>();
-    println!(
-        "{} lights, {} parts, {} groups {:?}, {} casters, {} wedges, {} caps",
-        wedges.lights.len(),
-        wedges.parts.len(),
-        wedges.groups.len(),
-        wedges.groups.first(),
-        wedges.casters.len(),
-        wedges.wedges.len(),
-        wedges.caps.len()
-    );
-    for light in &renderer.frame().lights {
-        println!(
-            "{} {:?} {}",
-            renderer.technique_name(light),
-            light,
-            renderer.shadow_batch_count(light)
-        );
-    }
-}
-
 /// Where the camera stands.
 pub const EYE: Vec3 = Vec3::new(2.5, 3.0, 4.5);
 

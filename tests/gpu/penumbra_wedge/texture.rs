@@ -13,7 +13,7 @@ use crate::harness::support::stage::Stage;
 
 #[test]
 fn a_textured_rectangle_is_covered_by_colour() {
-    let context = strict_context(RequestedFeatures::default());
+    let context = strict_context();
     let mut stage = ground(&context, EYE, Vec3::ZERO);
     spawn(
         &mut stage,

@@ -7,4 +7,5 @@ pub mod records;
 pub(crate) mod shell;
 pub(crate) mod sight;
 pub mod silhouette_layers;
+#[cfg(feature = "render")]
 pub(crate) mod topology;
