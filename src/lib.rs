@@ -84,12 +84,26 @@ pub mod insides {
     pub use crate::render::shaders::{COMMON, PASSES};
     pub use crate::sets::index::boxes::WORD;
     pub use crate::techniques::maps::packing::*;
-    pub use crate::techniques::maps::request::MapRequest;
+    pub use crate::techniques::maps::request::{MapRequest, MapShape};
     pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;
     pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
     pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
     pub use crate::techniques::shadow_map::cascades::split_depths;
     pub use crate::techniques::shared::extrude::*;
+
+    /// Constants that shaders have too.
+    #[cfg(feature = "render")]
+    pub mod constants {
+        pub use crate::render::nodes::receiver_plane::NO_PLANE;
+        pub use crate::techniques::maps::gpu::pipelines::filter_constant;
+        pub use crate::techniques::maps::jitter::{DEPTH, RIM, TILE};
+        pub use crate::techniques::penumbra_wedge::geometry::shell::RIM as RIM_POINTS;
+        pub use crate::techniques::penumbra_wedge::geometry::topology::{
+            END, FAR_END, FAR_START, FIRST_APEX, FIRST_RIM,
+        };
+        pub use crate::techniques::penumbra_wedge::tables::lookup::{ANGLE_STEPS, SECTOR_STEPS};
+        pub use crate::techniques::penumbra_wedge::tables::texture::{BORDER_STEPS, NODES};
+    }
 }
 
 /// What most users name.

@@ -22,10 +22,10 @@ struct MapLight {                   // mirror: render::gpu_types::MapLight
 @group(2) @binding(0) var<uniform> map_light: MapLight;
 
 // Formats: techniques::maps::MapFormat in its order.
-const FORMAT_DEPTH: u32 = 0u;
-const FORMAT_FLOAT: u32 = 1u;
-const FORMAT_TWO_BYTES: u32 = 2u;
-const FORMAT_FOUR_BYTES: u32 = 3u;
+const FORMAT_DEPTH: u32 = 0u;       // mirror: techniques::maps::MapFormat::Depth
+const FORMAT_FLOAT: u32 = 1u;       // mirror: techniques::maps::MapFormat::R32Float
+const FORMAT_TWO_BYTES: u32 = 2u;   // mirror: techniques::maps::MapFormat::Rgba8TwoBytes
+const FORMAT_FOUR_BYTES: u32 = 3u;  // mirror: techniques::maps::MapFormat::Rgba8FourBytes
 
 // A share of the squared reach that is beyond all casters.
 const NOTHING: f32 = 1e30;

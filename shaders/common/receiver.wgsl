@@ -9,7 +9,7 @@
 @group(1) @binding(1) var receiver_plane: texture_2d<u32>;
 
 // What stands in the plane's texture where nothing was drawn: no normal packs to it, for -32768 is no snorm.
-const NO_PLANE: u32 = 0x80008000u;
+const NO_PLANE: u32 = 0x80008000u;  // mirror: render::nodes::receiver_plane::NO_PLANE
 
 struct Receiver {
     depth: f32,                     // 0: nothing is there

@@ -34,8 +34,8 @@ struct Maths {
     is_textured: bool,
 }
 
-const ANGLE_STEPS: u32 = 1024u;
-const SECTOR_STEPS: u32 = 256u;
+const ANGLE_STEPS: u32 = 1024u;     // mirror: techniques::penumbra_wedge::tables::lookup::ANGLE_STEPS
+const SECTOR_STEPS: u32 = 256u;     // mirror: techniques::penumbra_wedge::tables::lookup::SECTOR_STEPS
 
 // Turns, 0..1.
 fn table_angle(direction: vec2f) -> f32 {
@@ -65,8 +65,8 @@ fn table_disc_coverage(edge: Projected) -> f32 {
     return select(0.0, max(min(between, 1.0 - between) - triangle, 0.0), edge.is_visible);
 }
 
-const BORDER_STEPS: f32 = 256.0;
-const NODES: u32 = 16u;
+const BORDER_STEPS: f32 = 256.0;    // mirror: techniques::penumbra_wedge::tables::texture::BORDER_STEPS
+const NODES: u32 = 16u;             // mirror: techniques::penumbra_wedge::tables::texture::NODES
 
 // The texture's integral from the border's start to a place on it.
 fn sector_to(table: u32, place: f32) -> vec3f {
@@ -275,6 +275,9 @@ const DISC_Y = mat3x3f(
 // lets none jump. Wider places see less of what is thin: both by trial over the models.
 const PLACE_WIDTH: f32 = 0.2;
 const PLACE_STEPS: f32 = 8.0;
+
+// Steps of coverage in 1 where it is split over four bytes.
+const SPLIT_STEPS: f32 = 4096.0;
 
 // What a hard shadow counts beside shares, which sum up to less than half of it.
 const HARD_SHADOW: f32 = 64.0;

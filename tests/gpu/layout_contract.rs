@@ -1,12 +1,13 @@
-//! What Rust writes into GPU buffers is what WGSL reads: structs by name, offset and size, and shared constants.
+//! What Rust writes into GPU buffers is what WGSL reads: structs by name, offset and size, and shared constants by value.
 
+use std::collections::HashMap;
 use std::mem::offset_of;
 
 use antumbra::conventions;
-use antumbra::insides::gpu_types;
-use antumbra::insides::records;
-use antumbra::insides::{COMMON, PASSES};
+use antumbra::insides::constants as mirrored;
+use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers};
 use antumbra::render::Shaders;
+use antumbra::techniques::maps::{MapFilter, MapFormat, MapSurface};
 use wgpu::naga;
 
 /// A `#[repr(C)]` struct as Rust lays it out.
@@ -213,6 +214,9 @@ fn every_mirror_is_compared() {
             let Some((_, path_of_mirror)) = line.split_once("mirror: ") else {
                 continue;
             };
+            if line.starts_with("const ") {
+                continue; // see `every_mirrored_constant_is_compared`
+            }
             let (_, name) = path_of_mirror.trim_end().rsplit_once("::").expect("a path");
             assert!(known.contains(&name), "{path}: {name} is not compared");
             assert!(
@@ -227,6 +231,204 @@ fn every_mirror_is_compared() {
     }
 }
 
+/// A constant of a shader, and what Rust has for it.
+struct Constant {
+    /// The shader that declares it.
+    file: &'static str,
+    name: &'static str,
+    value: f64,
+    /// A pass that uses it.
+    pass: &'static str,
+}
+
+fn mirrored_constants() -> Vec<Constant> {
+    let mut all = Vec::new();
+    let mut of = |file, pass, rows: &[(&'static str, f64)]| {
+        all.extend(rows.iter().map(|&(name, value)| Constant {
+            file,
+            name,
+            value,
+            pass,
+        }));
+    };
+    let resolve = "techniques/maps/resolve.wgsl";
+    let filter = |filter| f64::from(mirrored::filter_constant(filter));
+    let jittered = |adaptive| {
+        filter(MapFilter::Jittered {
+            softness: 0.0,
+            adaptive,
+        })
+    };
+    of(
+        resolve,
+        resolve,
+        &[
+            ("BILINEAR", filter(MapFilter::Bilinear)),
+            ("BRUTE", filter(MapFilter::Brute4x4)),
+            ("DITHERED", filter(MapFilter::Dithered4)),
+            ("JITTERED", jittered(false)),
+            ("SOFT", filter(MapFilter::Soft4 { softness: 0.0 })),
+            ("ADAPTIVE", jittered(true)),
+            ("SPOT", f64::from(MapShape::Spot as u32)),
+            ("CUBE", f64::from(MapShape::Cube as u32)),
+            ("CASCADES", f64::from(MapShape::Cascades as u32)),
+            ("TILE", f64::from(mirrored::TILE)),
+            ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
+            ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
+        ],
+    );
+    let map = "common/map.wgsl";
+    of(
+        map,
+        resolve,
+        &[
+            ("FORMAT_DEPTH", f64::from(MapFormat::Depth as u32)),
+            ("FORMAT_FLOAT", f64::from(MapFormat::R32Float as u32)),
+            ("FORMAT_TWO_BYTES", f64::from(MapFormat::Rgba8TwoBytes as u32)),
+        ],
+    );
+    let convert = "techniques/maps/convert.wgsl";
+    of(
+        map,
+        convert,
+        &[("FORMAT_FOUR_BYTES", f64::from(MapFormat::Rgba8FourBytes as u32))],
+    );
+    of(
+        convert,
+        convert,
+        &[
+            ("NEAREST", f64::from(MapSurface::Nearest as u32)),
+            ("MIDPOINT", f64::from(MapSurface::Midpoint as u32)),
+        ],
+    );
+    of(
+        "common/receiver.wgsl",
+        resolve,
+        &[("NO_PLANE", f64::from(mirrored::NO_PLANE))],
+    );
+    let wedge = "techniques/penumbra_wedge/wedge.wgsl";
+    of(
+        "common/wedge_light.wgsl",
+        wedge,
+        &[
+            ("ANGLE_STEPS", mirrored::ANGLE_STEPS as f64),
+            ("SECTOR_STEPS", mirrored::SECTOR_STEPS as f64),
+            ("BORDER_STEPS", mirrored::BORDER_STEPS as f64),
+            ("NODES", mirrored::NODES as f64),
+        ],
+    );
+    of(
+        wedge,
+        wedge,
+        &[
+            ("HARD", f64::from(records::HARD)),
+            ("PIECE", f64::from(records::PIECE)),
+            ("SOFT", f64::from(records::SOFT)),
+            ("ONLY_OUTER", f64::from(records::ONLY_OUTER)),
+            ("ONLY_INNER", f64::from(records::ONLY_INNER)),
+            ("CLOSED", f64::from(records::CLOSED)),
+            ("LAYERS_SHIFT", f64::from(records::LAYERS_SHIFT)),
+            ("SOFT_LAYERS_SHIFT", f64::from(records::SOFT_LAYERS_SHIFT)),
+            ("FACING", f64::from(silhouette_layers::FACING)),
+            ("AVERTED", f64::from(silhouette_layers::AVERTED)),
+            ("END", f64::from(mirrored::END)),
+            ("FAR_START", f64::from(mirrored::FAR_START)),
+            ("FAR_END", f64::from(mirrored::FAR_END)),
+            ("FIRST_RIM", f64::from(mirrored::FIRST_RIM)),
+            ("FIRST_APEX", f64::from(mirrored::FIRST_APEX)),
+            ("RIM", mirrored::RIM_POINTS as f64),
+        ],
+    );
+    all
+}
+
+/// Rows that a composed module has otherwise or not at all.
+fn wrong_constants(rows: &[Constant], module: impl Fn(&str) -> naga::Module) -> Vec<String> {
+    let mut modules: HashMap<&str, Vec<(String, f64)>> = HashMap::new();
+    let mut wrong = Vec::new();
+    for row in rows {
+        let constants = modules
+            .entry(row.pass)
+            .or_insert_with(|| constants_of(&module(row.pass)));
+        let imported = format!("{}X_naga_oil_mod_", row.name); // what the composer makes of an imported name
+        let mut same = constants
+            .iter()
+            .filter(|(name, _)| name == row.name || name.starts_with(&imported));
+        match (same.next(), same.next()) {
+            (None, _) => wrong.push(format!("{}: {} has none", row.name, row.pass)),
+            (Some(_), Some(_)) => wrong.push(format!("{}: {} has two", row.name, row.pass)),
+            (Some((_, value)), None) if *value != row.value => {
+                wrong.push(format!(
+                    "{}: {} in {}, {} in Rust",
+                    row.name, value, row.pass, row.value
+                ));
+            }
+            _ => {}
+        }
+    }
+    wrong
+}
+
+#[test]
+fn constants_are_equal() {
+    let rows = mirrored_constants();
+    assert!(rows.len() >= 38, "{} constants are compared", rows.len());
+    assert_eq!(wrong_constants(&rows, compose), Vec::<String>::new());
+}
+
+#[test]
+fn comparison_finds_a_constant_that_changes_in_either_language() {
+    let mut rows = mirrored_constants();
+    let at = |name: &str| {
+        rows.iter()
+            .position(|row| row.name == name)
+            .expect("it is compared")
+    };
+    let (nodes, flag, gone) = (at("NODES"), at("CLOSED"), at("RIM"));
+    rows[nodes].value = 17.0;
+    rows[flag].value = 256.0;
+    rows[gone].name = "RIMS";
+    let wrong = wrong_constants(&rows, compose);
+    assert_eq!(wrong.len(), 3, "{wrong:?}");
+    for (name, wrong) in ["NODES: 16", "CLOSED: 512", "RIMS"].iter().zip(&wrong) {
+        assert!(wrong.starts_with(name), "{wrong}");
+    }
+
+    let edited = |path: &str| {
+        let (_, source) = PASSES
+            .iter()
+            .find(|(name, _)| *name == path)
+            .expect("it is listed");
+        let source = source.replace("const TILE: u32 = 16u;", "const TILE: u32 = 8u;");
+        let shaders = Shaders::new().expect("the common files compose");
+        shaders.compose(path, &source).expect("the pass composes")
+    };
+    let wrong = wrong_constants(&mirrored_constants(), edited);
+    assert_eq!(wrong, ["TILE: 8 in techniques/maps/resolve.wgsl, 16 in Rust"]);
+}
+
+/// Every constant that a shader says is mirrored is compared, and the other way round.
+#[test]
+fn every_mirrored_constant_is_compared() {
+    let mut said = Vec::new();
+    for &(file, source) in COMMON.iter().chain(&PASSES) {
+        let constants = source
+            .lines()
+            .filter(|line| line.starts_with("const ") && line.contains("mirror: "));
+        said.extend(constants.map(|line| {
+            let name = line["const ".len()..].split(':').next().expect("a name");
+            (file, name)
+        }));
+    }
+    let mut compared: Vec<_> = mirrored_constants()
+        .iter()
+        .map(|row| (row.file, row.name))
+        .collect();
+    said.sort_unstable();
+    compared.sort_unstable();
+    assert_eq!(said, compared);
+}
+
 /// Name and value of the scalar constants of a file without imports.
 fn constants(source: &str) -> Vec<(String, f64)> {
     let plain: String = source
@@ -234,23 +436,24 @@ fn constants(source: &str) -> Vec<(String, f64)> {
         .filter(|line| !line.starts_with('#')) // the composer's lines
         .map(|line| format!("{line}\n"))
         .collect();
-    let module = naga::front::wgsl::parse_str(&plain).expect("conventions.wgsl parses");
-    module
-        .constants
-        .iter()
-        .map(|(_, constant)| {
-            let naga::Expression::Literal(literal) = module.global_expressions[constant.init] else {
-                panic!("{constant:?} is no literal");
-            };
-            let value = match literal {
-                naga::Literal::F32(value) => f64::from(value),
-                naga::Literal::U32(value) => f64::from(value),
-                naga::Literal::I32(value) => f64::from(value),
-                other => panic!("{constant:?}: {other:?}"),
-            };
-            (constant.name.clone().unwrap_or_default(), value)
-        })
-        .collect()
+    constants_of(&naga::front::wgsl::parse_str(&plain).expect("the file parses"))
+}
+
+/// Name and value of the scalar constants of a module.
+fn constants_of(module: &naga::Module) -> Vec<(String, f64)> {
+    let constants = module.constants.iter().filter_map(|(_, constant)| {
+        let naga::Expression::Literal(literal) = module.global_expressions[constant.init] else {
+            return None;
+        };
+        let value = match literal {
+            naga::Literal::F32(value) => f64::from(value),
+            naga::Literal::U32(value) => f64::from(value),
+            naga::Literal::I32(value) => f64::from(value),
+            _ => return None,
+        };
+        Some((constant.name.clone()?, value))
+    });
+    constants.collect()
 }
 
 /// What Rust has for a constant of `conventions.wgsl`.
@@ -280,7 +483,11 @@ fn unequal(source: &str) -> Vec<String> {
 fn conventions_are_equal() {
     let (path, source) = COMMON[0];
     assert_eq!(path, "common/conventions.wgsl");
-    assert!(constants(source).len() >= 3, "too few constants were read");
+    let written = source.lines().filter(|line| line.starts_with("const ")).count();
+    assert!(
+        written >= 3 && constants(source).len() == written,
+        "not all constants were read"
+    );
     assert_eq!(unequal(source), Vec::<String>::new());
     // The depth of the near plane and of infinity are also what the projection gives.
     let clip_from_view = antumbra::scene::Camera::default().clip_from_view();

@@ -8,8 +8,11 @@
 @group(1) @binding(1) var second_depth: texture_depth_2d;
 
 override FORMAT: u32 = 1u;
-override SURFACE: u32 = 0u;          // techniques::maps::MapSurface in its order
+override SURFACE: u32 = 0u;
 override PARALLEL: bool = false;
+
+const NEAREST: u32 = 0u;            // mirror: techniques::maps::MapSurface::Nearest
+const MIDPOINT: u32 = 2u;           // mirror: techniques::maps::MapSurface::Midpoint
 
 struct Corner {
     @builtin(position) position_clip: vec4f,
@@ -31,8 +34,8 @@ fn chosen(in: Corner) -> f32 {
     second = select(second, first, second == 0.0);
     // Halfway in distance: depth is its reciprocal, or falls with it.
     let halfway = select(2.0 / (1.0 / max(first, 1e-30) + 1.0 / max(second, 1e-30)), 0.5 * (first + second), PARALLEL);
-    let beyond = select(second, halfway, SURFACE == 2u);
-    return select(select(beyond, first, SURFACE == 0u), 0.0, first == 0.0);
+    let beyond = select(second, halfway, SURFACE == MIDPOINT);
+    return select(select(beyond, first, SURFACE == NEAREST), 0.0, first == 0.0);
 }
 
 @fragment

@@ -6,7 +6,7 @@
 // A pixel is compared with the plane of its own triangle, traced along each texel's ray: on a flat surface the texel's
 // depth and the plane's are of one point. The plane is raised by a share of a texel for what is not flat.
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes}
+#import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
 
 @group(2) @binding(1) var compare: sampler_comparison;
@@ -15,17 +15,17 @@
 @group(3) @binding(1) var distance_map: texture_2d_array<f32>;
 
 // techniques::maps::MapFilter in its order; the adaptive one last.
-const BILINEAR: u32 = 0u;
-const BRUTE: u32 = 1u;
-const DITHERED: u32 = 2u;
-const JITTERED: u32 = 3u;
-const SOFT: u32 = 4u;
-const ADAPTIVE: u32 = 5u;
+const BILINEAR: u32 = 0u;           // mirror: techniques::maps::MapFilter::Bilinear
+const BRUTE: u32 = 1u;              // mirror: techniques::maps::MapFilter::Brute4x4
+const DITHERED: u32 = 2u;           // mirror: techniques::maps::MapFilter::Dithered4
+const JITTERED: u32 = 3u;           // mirror: techniques::maps::MapFilter::Jittered
+const SOFT: u32 = 4u;               // mirror: techniques::maps::MapFilter::Soft4
+const ADAPTIVE: u32 = 5u;           // mirror: techniques::maps::MapFilter::Jittered, adaptive
 
 // techniques::maps::request::MapShape in its order.
-const SPOT: u32 = 0u;
-const CUBE: u32 = 1u;
-const CASCADES: u32 = 2u;
+const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
+const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
+const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
 
 override FILTER: u32 = 0u;
 override SHAPE: u32 = 0u;
@@ -34,9 +34,9 @@ override CASCADE_COUNT: u32 = 1u;
 override SHOW_TAPS: bool = false;
 
 // Pixels along a side of the jitter's tile, and its texels of two samples each: techniques::maps::jitter.
-const TILE: u32 = 16u;
-const RIM_TEXELS: i32 = 4;
-const JITTER_TEXELS: i32 = 32;
+const TILE: u32 = 16u;              // mirror: techniques::maps::jitter::TILE
+const RIM_TEXELS: i32 = 4;          // mirror: techniques::maps::jitter::RIM / 2
+const JITTER_TEXELS: i32 = 32;      // mirror: techniques::maps::jitter::DEPTH
 
 // Texels of depth, for each texel sideways, that a plane may lead away from the light; by eye: beyond, it is seen edge-on.
 const STEEPEST: f32 = 32.0;
@@ -81,7 +81,7 @@ fn unpacked(texel: vec4f) -> f32 {
     }
     // The largest value stands for nothing.
     let share = select(unpack_four_bytes(texel), unpack_two_bytes(texel), FORMAT == FORMAT_TWO_BYTES);
-    return select(share, 1e30, texel.r >= 1.0);
+    return select(share, NOTHING, texel.r >= 1.0);
 }
 
 // 1 where the plane is nearer than what a texel of squared distances shows.

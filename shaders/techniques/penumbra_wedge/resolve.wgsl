@@ -2,7 +2,7 @@
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, SPLIT_STEPS}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
@@ -32,7 +32,7 @@ fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
 
 fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     if IS_SPLIT {
-        let weights = vec4f(512.0, 64.0, 8.0, 1.0) * (255.0 / 4096.0);
+        let weights = vec4f(512.0, 64.0, 8.0, 1.0) * (255.0 / SPLIT_STEPS);
         // A byte that is full may have lost a carry.
         if any(max(added, subtracted) >= vec4f(1.0)) {
             atomicAdd(&overflow, 1u);

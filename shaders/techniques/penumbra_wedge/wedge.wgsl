@@ -5,7 +5,7 @@
 //         end before.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW, SPLIT_STEPS}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -20,7 +20,7 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
-    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on, ONLY_*, CLOSED
+    flags: u32,                     // HARD, PIECE, SOFT; layers of the hard shadow and of the penumbra by their shifts, ONLY_*, CLOSED
     start_light: vec3f,
     padding_a: u32,
     end_light: vec3f,
@@ -32,12 +32,28 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
 @group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
 @group(2) @binding(1) var<storage, read> wedges: array<Wedge>;
 
-const HARD: u32 = 1u;
-const PIECE: u32 = 2u;
-const SOFT: u32 = 4u;
-const ONLY_OUTER: u32 = 128u;       // all of the shell is in this half, without a separator
-const ONLY_INNER: u32 = 256u;
-const CLOSED: u32 = 512u;           // both layers are what is averted
+const HARD: u32 = 1u;               // mirror: techniques::penumbra_wedge::geometry::records::HARD
+const PIECE: u32 = 2u;              // mirror: techniques::penumbra_wedge::geometry::records::PIECE
+const SOFT: u32 = 4u;               // mirror: techniques::penumbra_wedge::geometry::records::SOFT
+// All of the shell is in this half, without a separator.
+const ONLY_OUTER: u32 = 128u;       // mirror: techniques::penumbra_wedge::geometry::records::ONLY_OUTER
+const ONLY_INNER: u32 = 256u;       // mirror: techniques::penumbra_wedge::geometry::records::ONLY_INNER
+// Both layers are what is averted.
+const CLOSED: u32 = 512u;           // mirror: techniques::penumbra_wedge::geometry::records::CLOSED
+const LAYERS_SHIFT: u32 = 3u;       // mirror: techniques::penumbra_wedge::geometry::records::LAYERS_SHIFT
+const SOFT_LAYERS_SHIFT: u32 = 5u;  // mirror: techniques::penumbra_wedge::geometry::records::SOFT_LAYERS_SHIFT
+
+// Bits of layers.
+const FACING: u32 = 1u;             // mirror: techniques::penumbra_wedge::geometry::silhouette_layers::FACING
+const AVERTED: u32 = 2u;            // mirror: techniques::penumbra_wedge::geometry::silhouette_layers::AVERTED
+
+// Vertices of a wedge, after its start; rim points of a half.
+const END: u32 = 1u;                // mirror: techniques::penumbra_wedge::geometry::topology::END
+const FAR_START: u32 = 2u;          // mirror: techniques::penumbra_wedge::geometry::topology::FAR_START
+const FAR_END: u32 = 3u;            // mirror: techniques::penumbra_wedge::geometry::topology::FAR_END
+const FIRST_RIM: u32 = 4u;          // mirror: techniques::penumbra_wedge::geometry::topology::FIRST_RIM
+const FIRST_APEX: u32 = 16u;        // mirror: techniques::penumbra_wedge::geometry::topology::FIRST_APEX
+const RIM: u32 = 6u;                // mirror: techniques::penumbra_wedge::geometry::shell::RIM
 
 // The light is a sphere, else a rectangle.
 override IS_SPHERE: bool = false;
@@ -93,15 +109,15 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     let flags = wedges[instance].flags;
     let clip_from_light = light.clip_from_light;
     let only = flags & (ONLY_OUTER | ONLY_INNER);
-    let is_far = vertex == 2u || vertex == 3u;
+    let is_far = vertex == FAR_START || vertex == FAR_END;
     // Without a separator, the far ends of the rays that both rims share are in its place.
-    let shared_ray = select(0u, 5u, vertex == 3u);
-    let rim_index = select(shared_ray, (vertex - 4u) % 12u, vertex >= 4u);
+    let shared_ray = select(0u, RIM - 1u, vertex == FAR_END);
+    let rim_index = select(shared_ray, (vertex - FIRST_RIM) % (2u * RIM), vertex >= FIRST_RIM);
     let rim = wedges[instance].rims[rim_index];
     let start_light = wedges[instance].start_light;
     let end_light = wedges[instance].end_light;
     let is_shared = is_far && only != 0u;
-    let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u || is_shared);
+    let is_end = select(vertex == END || vertex == FAR_END, rim.w > 0.5, vertex >= FIRST_RIM || is_shared);
     let position_local = select(wedges[instance].start_local, wedges[instance].end_local, is_end);
     let position_light = select(start_light, end_light, is_end);
     let is_piece = (flags & PIECE) != 0u;
@@ -114,12 +130,12 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     let along_ray = vec4f(position_light + rim.xyz * light.reach, 1.0);
     let ray = clip_from_light * select(end_of(caster.end_light, position_light, rim.xyz), along_ray, is_finite);
     var out: Corner;
-    let is_ray = ((vertex >= 4u && vertex < 16u) || is_shared) && is_soft;
+    let is_ray = ((vertex >= FIRST_RIM && vertex < FIRST_APEX) || is_shared) && is_soft;
     out.position_clip = select(select(near, far, is_far), ray, is_ray);
     out.start_light = start_light;
     out.end_light = end_light;
-    out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
-    let is_inner = (rim_index >= 6u || only == ONLY_INNER) && only != ONLY_OUTER;
+    out.hard = select(0.0, f32(flags & HARD), vertex < FIRST_RIM);
+    let is_inner = (rim_index >= RIM || only == ONLY_INNER) && only != ONLY_OUTER;
     out.soft = select(0.0, select(-1.0, 1.0, is_inner), is_soft);
     out.flags = flags;
     out.side = wedges[instance].sides[0];
@@ -207,7 +223,7 @@ struct Layers {
 }
 
 fn layered(value: vec4f, layers: u32) -> Layers {
-    return Layers(value * f32(layers & 1u), value * f32(layers >> 1u & 1u));
+    return Layers(value * f32(layers & FACING), value * f32((layers & AVERTED) >> 1u));
 }
 
 // What of the part lies behind the edge, at the surface that the pixel shows, as often as the edge is one of the
@@ -224,7 +240,7 @@ fn coverage(in: Corner) -> Layers {
     let foot = foot_of(receiver, p);
     let by_layer = faces(in.side, foot) - faces(in.other_side, foot);
     let is_closed = (in.flags & CLOSED) != 0u;
-    let times = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> 5u & 1u), f32(in.flags >> 6u & 1u));
+    let times = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> SOFT_LAYERS_SHIFT & 1u), f32(in.flags >> (SOFT_LAYERS_SHIFT + 1u) & 1u));
     if all(times == vec2f(0.0)) {
         return Layers(vec4f(0.0), vec4f(0.0));
     }
@@ -248,14 +264,14 @@ fn shell_value(in: Corner) -> Layers {
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> Layers {
-    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.flags >> 3u);
+    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.flags >> LAYERS_SHIFT);
     let soft = coverage(in);
     let sum = Layers(2.0 * soft.facing - hard.facing, 2.0 * soft.averted - hard.averted);
     return scaled(sum, FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> Layers {
-    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.flags >> 3u);
+    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.flags >> LAYERS_SHIFT);
 }
 
 fn cap_value(position: vec4f, front_facing: bool) -> Layers {
@@ -313,7 +329,7 @@ struct Split {
 }
 
 fn digits(value: f32) -> vec4f {
-    let steps = u32(round(max(value, 0.0) * 4096.0));
+    let steps = u32(round(max(value, 0.0) * SPLIT_STEPS));
     return vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
 }
 

@@ -13,6 +13,6 @@ pub(crate) mod constants;
 mod draws;
 mod layouts;
 mod passes;
-mod pipelines;
+pub(crate) mod pipelines;
 mod pool;
 pub(crate) mod recorder;
