@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, DVec4, Vec4};
 use smallvec::SmallVec;
 
-use super::light_hull::{HalfSpace, SolidEdge};
+use super::convex_solid::{HalfSpace, SolidEdge};
 use super::{Plane, PlaneSet};
 
 /// What a view sees, as a camera says it: world space, `f64` so that a camera far from the origin keeps its shape. The three axes need neither unit length nor right angles; a left-handed triple is a
@@ -217,23 +217,5 @@ impl Frustum {
     /// The corners relative to the eye.
     pub(super) fn corners_eye(&self) -> &[DVec4; 8] {
         &self.corners_eye
-    }
-}
-
-impl HalfSpace {
-    /// This half-space, given relative to `origin`, as a plane of world space in `f32`, moved outward by what
-    /// rounding can lose.
-    ///
-    /// A test `n·c + |n|·h + d ≥ 0` in `f32` errs by less than nine roundings (2⁻²⁴ each) of the sum of its terms'
-    /// magnitudes: the normal's own rounding, the products, the additions. Eight epsilons (2⁻²³ each) of `d` are
-    /// given here, eight of the box's coordinates by [`Aabb::padded`](super::Aabb::padded). The second term covers
-    /// the `f64` construction, whose planes lean by at most 1e-11 rad.
-    pub(super) fn to_world(self, origin: DVec3) -> Plane {
-        let offset = self.offset - self.normal.dot(origin);
-        let slack = 8.0 * f64::from(f32::EPSILON) * offset.abs() + 1e-10 * origin.abs().max_element();
-        Plane {
-            normal: self.normal.as_vec3(),
-            offset: (offset + slack) as f32,
-        }
     }
 }

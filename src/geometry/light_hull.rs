@@ -2,40 +2,8 @@
 
 use glam::{DVec3, DVec4};
 
+use super::convex_solid::{HalfSpace, SolidEdge};
 use super::{Aabb, Frustum, PlaneSet};
-
-/// A half-space in `f64`, relative to some origin near the solid: inside is `normal · p + offset ≥ 0`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct HalfSpace {
-    pub(super) normal: DVec3,
-    pub(super) offset: f64,
-}
-
-impl HalfSpace {
-    /// Signed distance of a point (`w = 1`), slope of a direction (`w = 0`).
-    pub(super) fn side(&self, point: DVec4) -> f64 {
-        self.normal.dot(point.truncate()) + self.offset * point.w
-    }
-}
-
-/// An edge of a convex solid: from its first corner to its second it runs counter-clockwise around its first plane
-/// seen from outside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SolidEdge {
-    /// Indices of the two ends.
-    pub corners: [usize; 2],
-    /// Indices of the two planes that meet here.
-    pub planes: [usize; 2],
-}
-
-impl SolidEdge {
-    pub(super) const fn new(from: usize, to: usize, left: usize, right: usize) -> Self {
-        Self {
-            corners: [from, to],
-            planes: [left, right],
-        }
-    }
-}
 
 /// Where light comes from: a homogeneous point, and how far the light extends around it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,38 +1,12 @@
-//! Where objects are: boxes in local and world space.
+//! Where objects are: the systems that write their boxes.
 
 use bevy_ecs::change_detection::{ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
 use super::changes::{Since, bits};
-use super::churn::count_churn;
-use super::{PosedMesh, SceneMesh, tasks};
+use super::{LocalBounds, PosedMesh, SceneMesh, WorldBounds, tasks};
 use crate::geometry::Aabb;
-
-/// Bounds of the mesh as posed, local space. Empty for a mesh without triangles or finite positions.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub struct LocalBounds(pub Aabb);
-
-impl Default for LocalBounds {
-    fn default() -> Self {
-        Self(Aabb::EMPTY)
-    }
-}
-
-/// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not
-/// finite or singular.
-///
-/// Its change stands for the object having moved: [`update_world_bounds`] marks it whenever the transform or the local
-/// bounds changed, whether or not the box came out the same.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[component(on_add = count_churn, on_remove = count_churn)]
-pub struct WorldBounds(pub Aabb);
-
-impl Default for WorldBounds {
-    fn default() -> Self {
-        Self(Aabb::EMPTY)
-    }
-}
 
 /// Whether a transform can be drawn with: finite, and it keeps volume.
 pub fn is_usable_transform(transform: &GlobalTransform) -> bool {

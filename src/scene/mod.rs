@@ -16,6 +16,7 @@
 
 pub(crate) mod animation;
 pub(crate) mod bounds;
+pub(crate) mod bounds_components;
 pub(crate) mod camera;
 pub(crate) mod caster;
 pub(crate) mod cell;
@@ -31,7 +32,8 @@ pub(crate) mod pose;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
-pub use bounds::{LocalBounds, WorldBounds, update_local_bounds, update_world_bounds};
+pub use bounds::{update_local_bounds, update_world_bounds};
+pub use bounds_components::{LocalBounds, WorldBounds};
 pub use camera::{Camera, Orthographic};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};

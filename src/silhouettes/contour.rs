@@ -1,9 +1,7 @@
-//! What a shadow volume is made of, and its caps.
+//! What a shadow volume is made of.
 
-use super::edges::extract_edges;
-use super::facing::{FacingBits, HAS_BACK, HAS_FACING};
-use crate::conventions::CLUSTER_TRIANGLES;
-use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
+use super::facing::FacingBits;
+use crate::geometry::edge_mesh::EdgeMesh;
 
 /// Which triangles of a caster stand for it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -59,62 +57,7 @@ impl Contour {
     }
 }
 
-/// Extracts edges and caps; the order is that of the mesh, so the same bits give the same contour.
-///
-/// With bits of another mesh, or none, it is empty. Vertices are named, so that one contour serves whatever pose its
-/// bits are of.
-pub fn extract_contour(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
-    extract_edges(mesh, facing, mode, contour);
-    extract_caps(mesh, facing, mode, contour);
-}
-
-/// The half of [`extract_contour`] that fills the caps.
-pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
-    contour.caps.clear();
-    contour.caps_away_start = 0;
-    if !fits(mesh, facing) {
-        return;
-    }
-    let first_facing = match mode {
-        CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
-        CapMode::AllTriangles => 0,
-    };
-    let (words, states) = (facing.words(), facing.states());
-    for (i, cluster) in mesh.clusters().iter().enumerate().skip(first_facing) {
-        push_caps(
-            mesh,
-            cluster,
-            words[i],
-            states[i] & HAS_FACING != 0,
-            &mut contour.caps,
-        );
-    }
-    contour.caps_away_start = contour.caps.len();
-    for (i, cluster) in mesh.clusters().iter().enumerate() {
-        let word = !words[i] & cluster.full_word();
-        push_caps(mesh, cluster, word, states[i] & HAS_BACK != 0, &mut contour.caps);
-    }
-}
-
-/// Pushes the triangles of a cluster whose bits are set: whole clusters by one copy.
-fn push_caps(mesh: &EdgeMesh, cluster: &Cluster, word: u64, is_any_set: bool, caps: &mut Vec<u32>) {
-    if !is_any_set {
-        return;
-    }
-    let corners = &mesh.corners()[cluster.triangles()];
-    if word == cluster.full_word() {
-        caps.extend_from_slice(corners.as_flattened());
-        return;
-    }
-    let mut kept = [[0u32; 3]; CLUSTER_TRIANGLES];
-    let mut count = 0;
-    for (lane, &corners) in corners.iter().enumerate() {
-        kept[count % CLUSTER_TRIANGLES] = corners;
-        count += (word >> lane & 1) as usize;
-    }
-    caps.extend_from_slice(kept[..count].as_flattened());
-}
-
+/// Whether bits are of this mesh.
 pub(super) fn fits(mesh: &EdgeMesh, facing: &FacingBits) -> bool {
     facing.words().len() == mesh.clusters().len()
 }

@@ -12,11 +12,13 @@
 //! | `planes` | a plane a triangle and bounds a cluster |
 //! | `facing` | a bit a triangle, 64 at a time |
 //! | `turning` | a bit a triangle: whether its plane cuts the light |
-//! | `contour` | what a volume is made of; cap triangles |
+//! | `contour` | what a volume is made of |
+//! | `caps` | cap triangles |
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
 
 pub(crate) mod cache;
+mod caps;
 pub(crate) mod casters;
 mod contour;
 mod edges;
@@ -26,8 +28,9 @@ mod planes;
 mod turning;
 
 pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
+pub use caps::{extract_caps, extract_contour};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
-pub use contour::{CapMode, Contour, extract_caps, extract_contour};
+pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use loops::{LoopError, Loops, link_loops};

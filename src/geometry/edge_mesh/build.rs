@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::half_edges::{HalfEdge, edges_of, sorted_half_edges};
 use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};
 use super::order::{Item, cluster_order};
 use super::pieces::closed_triangles;
@@ -22,25 +23,6 @@ pub struct EdgeMeshInput<'a> {
     /// this width, metres: a whole vertex moves to where the lowest of them is, so caps may leave the surface
     /// that is drawn by up to √3 of it.
     pub weld_epsilon: Option<f32>,
-}
-
-/// A triangle's edge, turned to run from its lower to its higher vertex.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct HalfEdge {
-    low: u32,
-    high: u32,
-    /// Triangle · 2 + whether it traverses the edge from high to low.
-    side: u32,
-}
-
-impl HalfEdge {
-    pub(super) fn triangle(self) -> u32 {
-        self.side >> 1
-    }
-
-    pub(super) fn is_reversed(self) -> bool {
-        self.side & 1 != 0
-    }
 }
 
 impl EdgeMesh {
@@ -250,26 +232,6 @@ fn welded_triangles(input: &EdgeMeshInput<'_>) -> (Vec<[u32; 3]>, EdgeMeshReport
         triangles.push([a, b, c]);
     }
     (triangles, report)
-}
-
-fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
-    let mut half_edges: Vec<HalfEdge> = (0u32..)
-        .zip(triangles)
-        .flat_map(|(triangle, &[a, b, c])| {
-            [(a, b), (b, c), (c, a)].map(|(from, to)| HalfEdge {
-                low: from.min(to),
-                high: from.max(to),
-                side: triangle << 1 | u32::from(from > to),
-            })
-        })
-        .collect();
-    half_edges.sort_unstable();
-    half_edges
-}
-
-/// The half edges of each edge in turn.
-pub(super) fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
-    half_edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high))
 }
 
 fn directed([low, high]: [u32; 2], reversed: bool) -> [u32; 2] {

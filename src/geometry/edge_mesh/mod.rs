@@ -11,6 +11,7 @@
 //! | --- | --- |
 //! | `mesh` | [`EdgeMesh`] and its parts |
 //! | `build` | [`EdgeMesh::build`] |
+//! | `half_edges` | edges of triangles, sorted |
 //! | `pieces` | which triangles hang together, and which pieces are closed |
 //! | `weld` | which vertices are one |
 //! | `order` | which triangles share a cluster |
@@ -18,6 +19,7 @@
 
 mod build;
 mod error;
+mod half_edges;
 mod mesh;
 mod order;
 mod pieces;

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::build::{HalfEdge, edges_of};
+use super::half_edges::{HalfEdge, edges_of};
 
 /// Whether each triangle's piece is closed: triangles connected over edges, each edge traversed as often in one
 /// direction as in the other, around a volume that is positive.

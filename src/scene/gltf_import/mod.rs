@@ -8,7 +8,7 @@
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | materials, textures | `material.rs`, `texture.rs` |
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs` |
-//! | cells, portals, occluders in extras | `cells.rs` |
+//! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
 //! | entities | `spawn.rs` |
 //!
@@ -17,6 +17,7 @@
 
 mod accessors;
 mod buffers;
+mod cell_extras;
 mod cells;
 mod clips;
 mod container;
@@ -34,7 +35,7 @@ mod vertices;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use cells::{GltfPortal, GltfVisibility};
+pub use cell_extras::{GltfPortal, GltfVisibility};
 pub use container::SUPPORTED_EXTENSIONS;
 pub use error::GltfError;
 pub use mesh::GltfMesh;
@@ -120,7 +121,8 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let materials = material::load(&accessors, &mut textures, &mut report)?;
     let meshes = mesh::load(&accessors, &materials, &mut report)?;
     let skins = nodes::load_skins(&accessors, &mut report)?;
-    let nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
+    let mut nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
+    cells::load(&accessors, &mut nodes, &mut report);
     let (scenes, default_scene) = nodes::load_scenes(&accessors, &nodes)?;
     let lights = nodes::load_lights(&accessors, &mut report);
     let cameras = nodes::load_cameras(&accessors, &mut report);

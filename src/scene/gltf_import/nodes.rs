@@ -9,8 +9,7 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
-use super::cells;
-use super::cells::GltfVisibility;
+use super::cell_extras::GltfVisibility;
 use super::mesh::GltfMesh;
 use super::transforms::transform_of;
 use super::{Element, GltfError, Report, SkipKind};
@@ -122,7 +121,6 @@ pub(super) fn load(
         });
     }
     check_forest(accessors, &nodes)?;
-    cells::load(accessors, &mut nodes, report);
     Ok(nodes)
 }
 

@@ -27,7 +27,7 @@ use fixedbitset::FixedBitSet;
 
 use super::box_tests::Touch;
 use super::boxes::{Boxes, Group, WORD};
-use super::lit_bounds::word_bounds;
+use super::word_bounds::word_bounds;
 use crate::geometry::Aabb;
 
 /// Share of the coordinates by which a cluster grows: thrice what tests of its objects may lose by rounding, so that none

@@ -1,12 +1,12 @@
 //! Bounds of many boxes at once: those of a set, each cut by a box.
 
 use fixedbitset::FixedBitSet;
-use glam::Vec3;
 use wide::f32x8;
 
 use super::box_tests::splat;
 use super::boxes::{Boxes, Group, LANES, lane_mask};
 use super::clusters::Clusters;
+use super::word_bounds::reduce;
 use crate::geometry::Aabb;
 
 /// The box around the parts of a set's boxes that lie in `cut`; `words` has every word of the set that is not 0.
@@ -57,28 +57,4 @@ fn cut_bounds(groups: &[Group], bits: usize, cut: &Aabb) -> Aabb {
         }
     }
     reduce(min, max)
-}
-
-/// The box around the boxes of a word; empty if all are absent.
-pub(in crate::sets) fn word_bounds(groups: &[Group]) -> Aabb {
-    let mut min = [f32x8::splat(f32::INFINITY); 3];
-    let mut max = [f32x8::splat(f32::NEG_INFINITY); 3];
-    for group in groups {
-        for axis in 0..3 {
-            // Absent boxes are inside out, and leave both as they are unless nothing else is there.
-            min[axis] = min[axis].fast_min(group.center[axis] - group.half[axis]);
-            max[axis] = max[axis].fast_max(group.center[axis] + group.half[axis]);
-        }
-    }
-    reduce(min, max)
-}
-
-fn reduce(min: [f32x8; 3], max: [f32x8; 3]) -> Aabb {
-    let fold = |lanes: [f32x8; 3], f: fn(f32, f32) -> f32| {
-        Vec3::from_array(lanes.map(|v| v.to_array().into_iter().reduce(f).unwrap_or(f32::NAN)))
-    };
-    Aabb {
-        min: fold(min, f32::min),
-        max: fold(max, f32::max),
-    }
 }

@@ -7,3 +7,4 @@ pub(crate) mod collect_objects;
 pub(crate) mod lit_bounds;
 pub(crate) mod objects;
 mod spatial_order;
+mod word_bounds;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::geometry::{Aabb, Emitter};
 use crate::sets::view::frame_view::ViewData;
 use crate::sets::view::screen::{Projector, ScreenBounds};
-use crate::sets::view::view_depth::ViewDepth;
+use crate::sets::view::stored_depth::ViewDepth;
 
 /// A range of view depth. A pixel whose surface lies outside is neither lit nor shadowed.
 #[derive(Clone, Copy, Debug, PartialEq)]

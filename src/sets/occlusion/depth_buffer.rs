@@ -157,7 +157,7 @@ impl DepthBuffer {
         }
         let texels = |(low, high): (f64, f64), count: u32| {
             let last = f64::from(count) - 1.0;
-            let slack = f64::from(super::raster::SLACK);
+            let slack = f64::from(super::projection::SLACK);
             let first = (low - slack).floor().clamp(0.0, last);
             (first as usize, (high + slack).floor().clamp(0.0, last) as usize)
         };
@@ -268,7 +268,7 @@ impl Search<'_> {
     }
 
     fn beam(&self, columns: (usize, usize), rows: (usize, usize)) -> Beam {
-        let slack = f64::from(super::raster::SLACK);
+        let slack = f64::from(super::projection::SLACK);
         let range = |(first, last): (usize, usize)| (first as f64 - slack, last as f64 + 1.0 + slack);
         self.beams.beam(range(columns), range(rows))
     }

@@ -5,6 +5,10 @@ use glam::{DMat4, DVec3, DVec4, UVec2, Vec3};
 use crate::geometry::Aabb;
 use crate::sets::ViewData;
 
+/// Boundary edges of occluders reach this much farther than they are, texels: more than our coordinates and those of a GPU (snapped
+/// to 1/256 of a pixel) can differ.
+pub const SLACK: f32 = 1.0 / 16.0;
+
 /// A homogeneous point of a depth buffer's picture: `x / w` and `y / w` in −1..=1 are inside, and `key / w` orders by
 /// depth: the greater, the nearer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -278,7 +282,7 @@ impl Projection {
                 }
             }
         }
-        let slack = f64::from(super::raster::SLACK);
+        let slack = f64::from(SLACK);
         let inside = image.x.1 >= -slack
             && image.x.0 <= f64::from(self.size.x) + slack
             && image.y.1 >= -slack

@@ -7,12 +7,8 @@ use wide::f32x8;
 use super::clip::{clip_segment, clip_triangle, outside};
 use super::depth_buffer::DepthBuffer;
 use super::occluder_mesh::OccluderMesh;
-use super::projection::{ClipPoint, Projection};
+use super::projection::{ClipPoint, Projection, SLACK};
 use super::texel_layers::{Interval, Layers};
-
-/// Boundary edges reach this much farther than they are, texels: more than our coordinates and those of a GPU (snapped
-/// to 1/256 of a pixel) can differ.
-pub const SLACK: f32 = 1.0 / 16.0;
 
 /// A triangle covers a centre that is at most this far outside, texels; boundary edges, which reach [`SLACK`] farther,
 /// are what makes this harmless.

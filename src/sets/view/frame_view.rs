@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, UVec2};
 
-use super::view_depth::ViewDepth;
+use super::stored_depth::ViewDepth;
 use crate::geometry::{Frustum, FrustumShape};
 use crate::scene::Camera;
 use crate::sets::work::SetWork;

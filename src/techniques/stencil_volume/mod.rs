@@ -14,11 +14,13 @@
 //!
 //! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9.
 
+pub(crate) mod caster_volume;
 mod component;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
 pub(crate) mod volume_parts;
 pub(crate) mod volumes;
 
+pub use caster_volume::CasterVolume;
 pub use component::{Counting, Extent, StencilVolume};
-pub use volumes::{CasterVolume, LightVolumes, StencilVolumes};
+pub use volumes::{LightVolumes, StencilVolumes};

@@ -12,7 +12,7 @@
 
 use glam::{DVec3, Vec4};
 
-use super::volumes::CasterVolume;
+use super::caster_volume::CasterVolume;
 use crate::geometry::{Aabb, excludes_points};
 use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::occlusion::Viewpoint;

@@ -4,8 +4,8 @@
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
-use glam::Vec4;
 
+use super::caster_volume::CasterVolume;
 use super::component::{Counting, Extent, StencilVolume};
 use super::volume_parts::PartCulling;
 use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
@@ -14,27 +14,6 @@ use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_c
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
-
-/// The volume of one caster in one light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CasterVolume {
-    /// Dense index of the caster.
-    pub object: u32,
-    /// Slot of its silhouette in the light's [`LightSilhouettes`](crate::silhouettes::LightSilhouettes).
-    pub slot: u32,
-    /// The light in the caster's space.
-    pub light_local: Vec4,
-    /// See [`far_position`](crate::techniques::shared::extrude::far_position).
-    pub extrusion: f32,
-    /// Counted towards the viewer (depth-pass); else away from it (depth-fail).
-    pub depth_pass: bool,
-    /// The sides are drawn.
-    pub sides: bool,
-    /// The near cap is drawn.
-    pub near_cap: bool,
-    /// The far cap is drawn.
-    pub far_cap: bool,
-}
 
 /// The volumes in one light.
 #[derive(Clone, Debug, PartialEq)]

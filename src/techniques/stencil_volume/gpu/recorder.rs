@@ -26,7 +26,8 @@ use crate::sets::FrameLights;
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
 use crate::techniques::shared::extrude::TO_INFINITY;
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
-use crate::techniques::stencil_volume::volumes::{CasterVolume, StencilVolumes};
+use crate::techniques::stencil_volume::caster_volume::CasterVolume;
+use crate::techniques::stencil_volume::volumes::StencilVolumes;
 
 /// Name of the technique.
 pub const NAME: &str = "stencil_volume";
