@@ -141,7 +141,7 @@ fn the_checker_finds_what_it_must() {
 }
 
 /// Above all layers beside `lib.rs`: what a game names, from wherever it is. Holds nothing but re-exports.
-const PRELUDE: &str = "bevy_adapter/prelude.rs";
+pub(super) const PRELUDE: &str = "bevy_adapter/prelude.rs";
 
 #[test]
 fn the_prelude_holds_re_exports_only() {
@@ -195,7 +195,7 @@ fn may_name_wgpu(file: &Path) -> bool {
 }
 
 /// Every source file, path relative to `src/`, with comments and strings blanked.
-fn sources() -> Vec<(PathBuf, String)> {
+pub(super) fn sources() -> Vec<(PathBuf, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut open = vec![root.clone()];
     let mut found = Vec::new();
@@ -269,7 +269,7 @@ fn first_names(rest: &str, found: &mut Vec<String>) {
     }
 }
 
-fn identifier(text: &str) -> Option<String> {
+pub(super) fn identifier(text: &str) -> Option<String> {
     let end = text.find(|c: char| !is_word(c)).unwrap_or(text.len());
     (end > 0).then(|| text[..end].to_owned())
 }
@@ -282,7 +282,7 @@ fn has_word(text: &str, word: &str) -> bool {
     !word_starts(text, word).is_empty()
 }
 
-fn word_starts(text: &str, word: &str) -> Vec<usize> {
+pub(super) fn word_starts(text: &str, word: &str) -> Vec<usize> {
     text.match_indices(word)
         .map(|(at, _)| at)
         .filter(|&at| {

@@ -1,5 +1,6 @@
 //! Geometry, sets, silhouettes, schedule and the ray caster: everything that needs neither a GPU nor a file.
 
+mod import_circles;
 mod layers;
 mod light_hull;
 #[cfg(feature = "reference")]

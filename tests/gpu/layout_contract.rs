@@ -237,21 +237,13 @@ struct Constant {
     file: &'static str,
     name: &'static str,
     value: f64,
-    /// A pass that uses it.
-    pass: &'static str,
 }
 
 fn mirrored_constants() -> Vec<Constant> {
     let mut all = Vec::new();
-    let mut of = |file, pass, rows: &[(&'static str, f64)]| {
-        all.extend(rows.iter().map(|&(name, value)| Constant {
-            file,
-            name,
-            value,
-            pass,
-        }));
+    let mut of = |file, rows: &[(&'static str, f64)]| {
+        all.extend(rows.iter().map(|&(name, value)| Constant { file, name, value }));
     };
-    let resolve = "techniques/maps/resolve.wgsl";
     let filter = |filter| f64::from(mirrored::filter_constant(filter));
     let jittered = |adaptive| {
         filter(MapFilter::Jittered {
@@ -260,8 +252,7 @@ fn mirrored_constants() -> Vec<Constant> {
         })
     };
     of(
-        resolve,
-        resolve,
+        "techniques/maps/resolve.wgsl",
         &[
             ("BILINEAR", filter(MapFilter::Bilinear)),
             ("BRUTE", filter(MapFilter::Brute4x4)),
@@ -277,25 +268,17 @@ fn mirrored_constants() -> Vec<Constant> {
             ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
         ],
     );
-    let map = "common/map.wgsl";
     of(
-        map,
-        resolve,
+        "common/map.wgsl",
         &[
             ("FORMAT_DEPTH", f64::from(MapFormat::Depth as u32)),
             ("FORMAT_FLOAT", f64::from(MapFormat::R32Float as u32)),
             ("FORMAT_TWO_BYTES", f64::from(MapFormat::Rgba8TwoBytes as u32)),
+            ("FORMAT_FOUR_BYTES", f64::from(MapFormat::Rgba8FourBytes as u32)),
         ],
     );
-    let convert = "techniques/maps/convert.wgsl";
     of(
-        map,
-        convert,
-        &[("FORMAT_FOUR_BYTES", f64::from(MapFormat::Rgba8FourBytes as u32))],
-    );
-    of(
-        convert,
-        convert,
+        "techniques/maps/convert.wgsl",
         &[
             ("NEAREST", f64::from(MapSurface::Nearest as u32)),
             ("MIDPOINT", f64::from(MapSurface::Midpoint as u32)),
@@ -303,13 +286,10 @@ fn mirrored_constants() -> Vec<Constant> {
     );
     of(
         "common/receiver.wgsl",
-        resolve,
         &[("NO_PLANE", f64::from(mirrored::NO_PLANE))],
     );
-    let wedge = "techniques/penumbra_wedge/wedge.wgsl";
     of(
         "common/wedge_light.wgsl",
-        wedge,
         &[
             ("ANGLE_STEPS", mirrored::ANGLE_STEPS as f64),
             ("SECTOR_STEPS", mirrored::SECTOR_STEPS as f64),
@@ -318,8 +298,7 @@ fn mirrored_constants() -> Vec<Constant> {
         ],
     );
     of(
-        wedge,
-        wedge,
+        "techniques/penumbra_wedge/wedge.wgsl",
         &[
             ("HARD", f64::from(records::HARD)),
             ("PIECE", f64::from(records::PIECE)),
@@ -342,28 +321,46 @@ fn mirrored_constants() -> Vec<Constant> {
     all
 }
 
-/// Rows that a composed module has otherwise or not at all.
-fn wrong_constants(rows: &[Constant], module: impl Fn(&str) -> naga::Module) -> Vec<String> {
-    let mut modules: HashMap<&str, Vec<(String, f64)>> = HashMap::new();
+/// Rows that the composed module has otherwise or not at all; `edit` changes the shaders before.
+fn wrong_constants(rows: &[Constant], edit: impl Fn(&str) -> String) -> Vec<String> {
+    let shaders = Shaders::new().expect("the common files compose");
+    let mut composed = HashMap::new();
     let mut wrong = Vec::new();
     for row in rows {
-        let constants = modules
-            .entry(row.pass)
-            .or_insert_with(|| constants_of(&module(row.pass)));
+        let listed = |list: &[(&'static str, &'static str)]| {
+            list.iter()
+                .find(|(file, _)| *file == row.file)
+                .map(|(_, source)| *source)
+        };
+        // Of what a pass imports, only what is left after folding keeps its name. A variable keeps all.
+        let source = listed(&PASSES).map_or_else(
+            || {
+                let source = listed(&COMMON).expect("the file is listed");
+                let path = source
+                    .lines()
+                    .find_map(|line| line.strip_prefix("#define_import_path "));
+                let path = path.expect("it can be imported");
+                let name = row.name;
+                format!("#import {path}::{name}\nfn probe() {{ var value = {name}; }}\n")
+            },
+            &edit,
+        );
+        let constants = composed.entry(source).or_insert_with_key(|source| {
+            constants_of(&shaders.compose(row.file, source).expect("it composes"))
+        });
         let imported = format!("{}X_naga_oil_mod_", row.name); // what the composer makes of an imported name
-        let mut same = constants
+        let found = constants
             .iter()
-            .filter(|(name, _)| name == row.name || name.starts_with(&imported));
-        match (same.next(), same.next()) {
-            (None, _) => wrong.push(format!("{}: {} has none", row.name, row.pass)),
-            (Some(_), Some(_)) => wrong.push(format!("{}: {} has two", row.name, row.pass)),
-            (Some((_, value)), None) if *value != row.value => {
+            .find(|(name, _)| name == row.name || name.starts_with(&imported));
+        match found {
+            None => wrong.push(format!("{}: {} has none", row.name, row.file)),
+            Some((_, value)) if *value != row.value => {
                 wrong.push(format!(
-                    "{}: {} in {}, {} in Rust",
-                    row.name, value, row.pass, row.value
+                    "{}: {value} in {}, {} in Rust",
+                    row.name, row.file, row.value
                 ));
             }
-            _ => {}
+            Some(_) => {}
         }
     }
     wrong
@@ -373,7 +370,7 @@ fn wrong_constants(rows: &[Constant], module: impl Fn(&str) -> naga::Module) -> 
 fn constants_are_equal() {
     let rows = mirrored_constants();
     assert!(rows.len() >= 38, "{} constants are compared", rows.len());
-    assert_eq!(wrong_constants(&rows, compose), Vec::<String>::new());
+    assert_eq!(wrong_constants(&rows, str::to_owned), Vec::<String>::new());
 }
 
 #[test]
@@ -388,23 +385,16 @@ fn comparison_finds_a_constant_that_changes_in_either_language() {
     rows[nodes].value = 17.0;
     rows[flag].value = 256.0;
     rows[gone].name = "RIMS";
-    let wrong = wrong_constants(&rows, compose);
+    let wrong = wrong_constants(&rows, str::to_owned);
     assert_eq!(wrong.len(), 3, "{wrong:?}");
     for (name, wrong) in ["NODES: 16", "CLOSED: 512", "RIMS"].iter().zip(&wrong) {
         assert!(wrong.starts_with(name), "{wrong}");
     }
-
-    let edited = |path: &str| {
-        let (_, source) = PASSES
-            .iter()
-            .find(|(name, _)| *name == path)
-            .expect("it is listed");
-        let source = source.replace("const TILE: u32 = 16u;", "const TILE: u32 = 8u;");
-        let shaders = Shaders::new().expect("the common files compose");
-        shaders.compose(path, &source).expect("the pass composes")
-    };
-    let wrong = wrong_constants(&mirrored_constants(), edited);
-    assert_eq!(wrong, ["TILE: 8 in techniques/maps/resolve.wgsl, 16 in Rust"]);
+    let edit = |source: &str| source.replace("const TILE: u32 = 16u;", "const TILE: u32 = 8u;");
+    assert_eq!(
+        wrong_constants(&mirrored_constants(), edit),
+        ["TILE: 8 in techniques/maps/resolve.wgsl, 16 in Rust"]
+    );
 }
 
 /// Every constant that a shader says is mirrored is compared, and the other way round.
