@@ -104,7 +104,8 @@ impl Graph {
                 if path.is_export {
                     exports.insert((module.clone(), path.name), absolute.clone());
                 }
-                if !names_all && !(path.is_export && file.ends_with("mod.rs")) {
+                let passes_on = path.is_export && file.ends_with("mod.rs");
+                if !(names_all || passes_on) {
                     paths.push((file.clone(), absolute));
                 }
             }

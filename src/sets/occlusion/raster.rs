@@ -120,7 +120,7 @@ impl Rasterizer {
 
     /// Projects all vertices; whether any of them may be in the picture.
     fn project(&mut self, projection: &Projection, mesh: &OccluderMesh, world_from_local: &DMat4) -> bool {
-        let local = projection.from_local(world_from_local);
+        let local = projection.of_local(world_from_local);
         self.points.clear();
         self.outside.clear();
         self.vertices.clear();
