@@ -23,19 +23,16 @@ use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-use super::techniques::{AddShadowTechnique, Techniques, TouchedLights};
+use super::techniques::Reflected;
 use crate::scene::LightSelection;
-use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+use crate::techniques::add_builtin;
 
 /// Installs the adapter if the app has Bevy's renderer; `false` if it does not.
 pub fn install(app: &mut App) -> bool {
     app.register_type::<AntumbraCamera>()
-        .register_type::<StencilVolume>()
-        .register_type::<PenumbraWedge>()
-        .register_type::<ShadowMap>()
-        .register_type::<OmniMap>()
         .register_type::<LightSelection>();
     if app.get_sub_app(RenderApp).is_none() {
+        add_builtin(&mut Reflected(app));
         app.add_systems(Last, warn_without_renderer); // where nothing of the core runs
         return false;
     }
@@ -52,10 +49,7 @@ pub fn install(app: &mut App) -> bool {
                 .in_set(AntumbraMainSystems::CollectMeshes)
                 .after(AssetEventSystems),
         );
-    app.add_shadow_technique::<StencilVolume>(|_, _| ())
-        .add_shadow_technique::<PenumbraWedge>(|_, _| ())
-        .add_shadow_technique::<ShadowMap>(|_, _| ())
-        .add_shadow_technique::<OmniMap>(|_, _| ());
+    add_builtin(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
     render_app
@@ -63,8 +57,6 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Mirrors>()
         .init_resource::<RefusedMeshes>()
         .init_resource::<Surfaces>()
-        .init_resource::<Techniques>()
-        .init_resource::<TouchedLights>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),

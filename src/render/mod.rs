@@ -15,6 +15,7 @@ pub(crate) mod gpu;
 pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
+pub(crate) mod recorders;
 pub(crate) mod renderer;
 pub(crate) mod settings;
 pub(crate) mod shaders;
@@ -28,8 +29,9 @@ pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
 pub use nodes::pipelines::VISIBILITY_FORMAT;
 pub use recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+pub use recorders::Recorders;
 pub use renderer::Renderer;
 pub use settings::RenderSettings;
-pub use shaders::Shaders;
+pub use shaders::{ShaderFile, Shaders};
 /// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
 pub use wgpu;

@@ -1,5 +1,5 @@
-//! How a shadow technique joins the frame. A third party implements [`Recorder`] and hands it to
-//! [`Renderer::add_technique`](super::Renderer::add_technique); nothing here knows the techniques by name.
+//! How a shadow technique joins the frame: the GPU side of a [`Technique`](crate::techniques::Technique). Nothing here knows
+//! the techniques by name.
 
 use bevy_ecs::prelude::World;
 use fixedbitset::FixedBitSet;
@@ -93,9 +93,6 @@ pub struct ResolveInput<'a> {
 
 /// The GPU side of a shadow technique.
 pub trait Recorder: Send + Sync + 'static {
-    /// For labels and statistics, in snake case.
-    fn name(&self) -> &'static str;
-
     /// Uploads what the frame's lights need. The world holds the sets, silhouettes and the technique's own data.
     ///
     /// # Errors
@@ -113,11 +110,6 @@ pub trait Recorder: Send + Sync + 'static {
     /// For [`Leaves::Mask`]: records passes that leave the mask of one light, at every pixel of its scissor whose
     /// depth is in range.
     fn resolve(&self, _light: usize, _encoder: &mut wgpu::CommandEncoder, _input: &ResolveInput) {}
-
-    /// Whether [`Recorder::resolve`] reads the receivers' planes, which are then drawn before.
-    fn reads_planes(&self) -> bool {
-        false
-    }
 
     /// Draws the technique's geometry over the picture: its debug view.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);

@@ -77,12 +77,6 @@ impl Default for LightSelection {
     }
 }
 
-/// Every receiver that the light does not see is dark in it, so that it need not be drawn for the light: what a shadow
-/// technique says of its light by requiring this component, and takes back when it is removed. Without it nothing is
-/// occluded from the light.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShadowedLight;
-
 /// Why a light cannot shine.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

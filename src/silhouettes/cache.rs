@@ -9,11 +9,7 @@ use glam::{DMat4, DVec4, Mat4, Vec4};
 use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
 use super::{CapMode, Contour, FacingBits, classify, extract_contour};
 use crate::scene::PosedMesh;
-use crate::sets::{FrameLights, Objects, SeenInto};
-
-/// Marks lights whose technique is built on silhouettes.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NeedsSilhouettes;
+use crate::sets::{FrameLights, NeededSilhouettes, Objects, SeenInto};
 
 /// Frames that a pair's silhouette outlives its last use: a light that flickers in and out of view does not pay each
 /// time, and memory follows what is looked at. By eye.
@@ -158,7 +154,8 @@ type CasterItem<'a> = (
     Option<(&'a PosedMesh, &'a PosedPlanes)>,
 );
 
-/// Extracts the silhouettes of every light's set S that are not known yet or are stale.
+/// Extracts the silhouettes that the technique of each light needs, of set S or of all casters that the light reaches
+/// ([`NeededSilhouettes`]), where they are not known yet or are stale.
 ///
 /// Set: `BuildSilhouettes`. Reads [`FrameLights`], [`Objects`], [`SeenInto`]; writes [`Silhouettes`].
 ///
@@ -170,7 +167,6 @@ pub fn build_silhouettes(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     seen_into: Res<SeenInto>,
-    wanting: Query<(), With<NeedsSilhouettes>>,
     casters: Query<CasterItem<'static>>,
 ) {
     let Silhouettes {
@@ -183,7 +179,8 @@ pub fn build_silhouettes(
     *frame += 1;
     *extracted = 0;
     for light in &lights.lights {
-        if !wanting.contains(light.entity) {
+        let needed = light.needs().silhouettes;
+        if needed == NeededSilhouettes::None {
             continue;
         }
         let at = kept
@@ -203,7 +200,13 @@ pub fn build_silhouettes(
             });
         let entry = &mut kept[at];
         entry.remap(&objects);
-        for object in light.s.ones() {
+        let shadowing = (needed == NeededSilhouettes::Shadowing).then(|| light.s.ones());
+        let reached = (needed == NeededSilhouettes::Reached).then(|| light.reached_casters(&objects));
+        for object in shadowing
+            .into_iter()
+            .flatten()
+            .chain(reached.into_iter().flatten())
+        {
             let entity = objects.entities[object];
             let Ok((edges, transform, posed)) = casters.get(entity) else {
                 continue;
@@ -248,8 +251,12 @@ pub fn build_silhouettes(
         }
         entry.forget_unused(*frame, &objects);
     }
-    // Lights that are gone take their silhouettes with them.
-    kept.retain(|entry| wanting.contains(entry.light));
+    // Lights that are gone, and those whose technique needs none any more, take their silhouettes with them.
+    kept.retain(|entry| {
+        lights
+            .of_entity(entry.light)
+            .is_some_and(|light| light.needs().silhouettes != NeededSilhouettes::None)
+    });
 }
 
 /// Back-facing triangles suffice for a caster unless the camera or the light may be inside of it: then all count.

@@ -25,7 +25,7 @@ mod loops;
 mod planes;
 mod turning;
 
-pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
+pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
 pub use contour::{CapMode, Contour, extract_caps, extract_contour};
 pub use edges::extract_edges;

@@ -9,6 +9,7 @@ use glam::UVec2;
 use super::draw_list::Batch;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::recorder::Leaves;
+use crate::sets::LightTechnique;
 
 /// The part of the targets that the view has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -42,7 +43,9 @@ pub struct ActiveLight {
     pub light: usize,
     /// Slot of the light's constants.
     pub slot: usize,
-    /// Index of its technique and what that leaves; `None`: unshadowed.
+    /// Its technique; `None`: unshadowed.
+    pub technique: Option<LightTechnique>,
+    /// Index of the recorder of its technique and what that leaves; `None`: unshadowed.
     pub shadow: Option<(usize, Leaves)>,
     /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
@@ -63,6 +66,14 @@ impl ActiveLight {
     /// Whether its technique leaves a mask.
     pub fn has_mask(&self) -> bool {
         matches!(self.shadow, Some((_, Leaves::Mask)))
+    }
+
+    /// Whether its technique leaves a mask that is made from the planes of the receivers.
+    pub fn reads_planes(&self) -> bool {
+        self.has_mask()
+            && self
+                .technique
+                .is_some_and(|technique| technique.needs.receiver_planes)
     }
 }
 

@@ -186,11 +186,7 @@ impl Renderer {
 
     /// Whether a technique of the frame's lights with masks reads the receivers' planes.
     pub(in crate::render) fn reads_planes(&self) -> bool {
-        let reads = |light: &ActiveLight| match light.shadow {
-            Some((technique, Leaves::Mask)) => self.techniques[technique].reads_planes(),
-            _ => false,
-        };
-        self.frame.lights.iter().any(reads)
+        self.frame.lights.iter().any(ActiveLight::reads_planes)
     }
 
     /// Lets the technique of a light leave its mask, if it does.

@@ -5,7 +5,7 @@ use bevy_tasks::ComputeTaskPool;
 
 use super::frame_lights::{FrameLight, FrameLights};
 use crate::geometry::Aabb;
-use crate::scene::{ShadowedLight, tasks};
+use crate::scene::tasks;
 use crate::sets::index::objects::Objects;
 use crate::sets::occlusion::light_views::light_views;
 use crate::sets::occlusion::viewpoint::Blocks;
@@ -55,7 +55,7 @@ struct Seen {
     occluders: u64,
     cells: u64,
     settings: OcclusionSettings,
-    is_shadowed: bool,
+    wants_occlusion: bool,
 }
 
 impl LightOcclusion {
@@ -98,7 +98,7 @@ impl LightOcclusion {
 ///
 /// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
 /// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
-/// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
+/// whose technique does not ask for it ([`Needs::light_occlusion`](super::technique::Needs)), and from lights with an extent. A light's buffers are drawn when it, or an occluder within
 /// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
 /// then computed anew. Lights are spread over the threads of the [`ComputeTaskPool`].
 ///
@@ -112,7 +112,6 @@ pub fn collect_light_occlusion(
     occluders: Res<Occluders>,
     cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
-    shadowed: Query<(), With<ShadowedLight>>,
 ) {
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
@@ -121,7 +120,7 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
-        is_shadowed: shadowed.contains(light.entity),
+        wants_occlusion: light.needs().light_occlusion,
     };
     let pairs = || frame.lights.iter().zip(&*lights);
     let awake = pairs().filter(|(light, entry)| light.reach_written || is_new(light, entry, &now(light)));
@@ -174,7 +173,7 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         return;
     }
     entry.seen = Some(now);
-    if !(settings.from_lights && now.is_shadowed) {
+    if !(settings.from_lights && now.wants_occlusion) {
         entry.viewpoint.clear();
         entry.sightings.forget();
         light.stale |= anew;

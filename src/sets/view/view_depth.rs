@@ -1,5 +1,7 @@
 //! How the depth of a view is stored, and how far it reaches.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bevy_ecs::prelude::*;
 
 use super::frame_view::View;
@@ -61,23 +63,33 @@ impl ViewDepth {
 
 /// How far techniques draw into the depth of an orthographic view. Shadow volumes end there at a finite depth, and none
 /// may be cut off: it counts at surfaces before it. Perspective views reach infinity, and have no use for this.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+///
+/// Techniques share it while they run, in any order: the greatest depth is the same whoever comes first.
+#[derive(Resource, Debug, Default)]
 pub struct DepthReach {
-    farthest: f64,
+    /// Bits of the farthest depth, an `f64`, at least 0. Such numbers order as their bits do.
+    farthest: AtomicU64,
 }
 
 impl DepthReach {
     /// Something of this frame is drawn so deep.
-    pub fn include(&mut self, depth: f64) {
-        self.farthest = self.farthest.max(depth);
+    pub fn include(&self, depth: f64) {
+        if depth > 0.0 {
+            self.farthest.fetch_max(depth.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// The farthest depth that something is drawn at; 0 if there is none.
+    pub fn farthest(&self) -> f64 {
+        f64::from_bits(self.farthest.load(Ordering::Relaxed))
     }
 }
 
 /// Nothing has been drawn yet.
 ///
 /// Set: `CollectSets`, first.
-pub fn begin_depth_reach(mut reach: ResMut<DepthReach>) {
-    reach.set_if_neq(DepthReach::default());
+pub fn begin_depth_reach(reach: Res<DepthReach>) {
+    reach.farthest.store(0, Ordering::Relaxed);
 }
 
 /// Gives an orthographic view the depth that all reaches which is drawn in this frame: visible objects up to the far
@@ -114,7 +126,7 @@ pub fn fit_view_depth(
             projector.depth(center) + gradient.dot(half)
         })
         .fold(near, f64::max);
-    let needed = deepest.min(plane).max(reach.farthest);
+    let needed = deepest.min(plane).max(reach.farthest());
     // A little more, so that the end itself is told from what is behind it.
     let length = ((needed - near) * 1.001)
         .max(1e-3 * (plane - near))

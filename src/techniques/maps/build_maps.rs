@@ -13,11 +13,10 @@ use super::light_map::LightMap;
 use super::members::{Scene, expected_faces, farthest, fill_casters, lit_faces, split_members};
 use super::movers::{Movers, Remap};
 use super::plan::{Grant, Want, share_out, total_bytes};
-use super::request::{MapRequest, MapShape};
+use super::request::{MapRequests, MapShape};
 use super::settings::{MapError, MapResolution, MapSettings};
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View};
-use crate::techniques::{OmniMap, ShadowMap};
 
 /// What is wrong with a light's map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +32,7 @@ pub struct MapReport {
 pub struct Maps {
     /// All lights with a usable map, ascending by light; those out of view too, for their maps are kept.
     pub lights: Vec<LightMap>,
-    /// Lights whose map is refused, or less than was asked for; ascending by light.
+    /// Lights whose map is less than was asked for; ascending by light.
     pub reports: Vec<MapReport>,
     /// Those that the frame before did not have.
     pub newly_reported: Vec<MapReport>,
@@ -74,36 +73,19 @@ impl Maps {
     }
 
     /// Lists the lights, each with its state of the frame before.
-    fn collect_lights(
-        &mut self,
-        lights: &FrameLights,
-        shadow_maps: &Query<&ShadowMap>,
-        omni_maps: &Query<&OmniMap>,
-    ) {
+    fn collect_lights(&mut self, lights: &FrameLights, requests: &mut MapRequests) {
         std::mem::swap(&mut self.lights, &mut self.previous);
         self.lights.clear();
         std::mem::swap(&mut self.reports, &mut self.previous_reports);
         self.reports.clear();
         let mut old = self.previous.drain(..).peekable();
-        for (index, light) in lights.lights.iter().enumerate() {
-            let request = match (shadow_maps.get(light.entity), omni_maps.get(light.entity)) {
-                (Ok(map), _) => MapRequest::of_shadow_map(map, &light.light),
-                (_, Ok(map)) => MapRequest::of_omni_map(map, &light.light),
-                _ => continue,
-            };
+        for (index, request) in requests.drain() {
+            let light = &lights.lights[index];
             while old.next_if(|map| map.entity < light.entity).is_some() {}
             let known = old.next_if(|map| map.entity == light.entity);
-            match request {
-                Ok(request) => {
-                    let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
-                    map.begin(index, light, request);
-                    self.lights.push(map);
-                }
-                Err(error) => self.reports.push(MapReport {
-                    entity: light.entity,
-                    error,
-                }),
-            }
+            let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
+            map.begin(index, light, request);
+            self.lights.push(map);
         }
     }
 
@@ -280,16 +262,15 @@ impl Maps {
 
 /// Shares the memory for maps among the lights, finds what each face shows, and takes in what changed.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], the components of the lights; writes [`Maps`].
+/// Set: `BuildTechniques`. Reads [`MapRequests`], [`FrameLights`], [`Objects`], [`View`]; writes [`Maps`].
 /// With nothing changed it compares keys, O(lights); a light whose casters changed costs O(casters × faces).
 pub fn build_maps(
     mut maps: ResMut<Maps>,
+    mut requests: ResMut<MapRequests>,
     settings: Res<MapSettings>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
-    shadow_maps: Query<&ShadowMap>,
-    omni_maps: Query<&OmniMap>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
 ) {
     let maps = &mut *maps;
@@ -301,7 +282,7 @@ pub fn build_maps(
     if let Some(remap) = remap {
         maps.remap(&remap);
     }
-    maps.collect_lights(&lights, &shadow_maps, &omni_maps);
+    maps.collect_lights(&lights, &mut requests);
     let Some(data) = &view.data else {
         for map in &mut maps.lights {
             map.active = false;

@@ -4,14 +4,14 @@ use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::cascades::{even_splits, fit, split_depths};
+use super::cube::{GUARD_TEXELS, cube_faces, faces_of_cone};
 use super::face::{FaceProjection, MapFace};
 use super::light_map::LightMap;
 use super::movers::Movers;
 use super::request::MapShape;
 use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects, ViewData};
-use crate::techniques::omni_map::cube::{GUARD_TEXELS, cube_faces, faces_of_cone};
-use crate::techniques::shadow_map::cascades::{even_splits, fit, split_depths};
 
 /// What faces are made from, beside the light.
 #[derive(Clone, Copy, Debug)]

@@ -10,9 +10,11 @@
 //! | --- | --- |
 //! | [`settings`] | filters, formats, resolutions, biases; the limits of all maps; what can be wrong with them |
 //! | [`request`] | what a light asks for, and what is refused |
+//! | [`systems`] | what all techniques with maps bring into the frame |
 //! | [`plan`] | who gets how much of the memory |
 //! | [`face`] | one picture: its place, its projection, what it can see |
 //! | [`movers`] | which casters move, and since when they stand still |
+//! | [`cube`], [`cascades`] | the six faces around a light; the boxes that a directional light's maps show |
 //! | [`members`] | the faces of a light, and the casters of each |
 //! | [`light_map`], [`face_state`] | the map of one light, and what each of its faces shows |
 //! | [`cache`] | which faces are drawn anew: the frame's [`Maps`] |
@@ -27,6 +29,8 @@
 //! Mapping: GPU-based Tips and Techniques", for the receiver's plane.
 
 pub(crate) mod build_maps;
+pub(crate) mod cascades;
+pub(crate) mod cube;
 pub(crate) mod face;
 pub(crate) mod face_state;
 #[cfg(feature = "render")]
@@ -39,8 +43,20 @@ pub(crate) mod packing;
 pub(crate) mod plan;
 pub(crate) mod request;
 pub(crate) mod settings;
+pub(crate) mod systems;
 
 pub use build_maps::{MapReport, Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
 pub use light_map::LightMap;
-pub use settings::{MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface};
+pub use settings::{
+    Cascades, MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface,
+};
+
+use crate::sets::Needs;
+
+/// What techniques with maps need. Nothing is occluded from their lights: a kept map shows all of set L, and would change
+/// with every occluder that moves.
+pub(crate) const NEEDS: Needs = Needs {
+    receiver_planes: true,
+    ..Needs::NOTHING
+};

@@ -11,13 +11,20 @@ use bevy_reflect::prelude::ReflectDefault;
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapFilter {
     /// The four nearest texels, weighted by the position between them: one tap, in hardware where the format allows.
     #[default]
     Bilinear,
     /// The mean of 16 such taps over 4×4 texels. Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.3.
+    #[cfg_attr(feature = "serde", serde(rename = "brute_4x4"))]
     Brute4x4,
     /// Four of the 16, which ones by the pixel. Source: the same, §11.4.
+    #[cfg_attr(feature = "serde", serde(rename = "dithered_4"))]
     Dithered4,
     /// 64 taps jittered over a disc. Source: Uralsky & Ahmad 2004, "Soft Shadows" (NVIDIA SDK white paper).
     Jittered {
@@ -28,6 +35,7 @@ pub enum MapFilter {
         adaptive: bool,
     },
     /// Four taps around the point. Source: Gerasimov 2004, GPU Gems ch. 12, listing 12-3.
+    #[cfg_attr(feature = "serde", serde(rename = "soft_4"))]
     Soft4 {
         /// How far off they are, as for [`MapFilter::Jittered`].
         softness: f32,
@@ -61,6 +69,11 @@ impl MapFilter {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq, Hash)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapFormat {
     /// Depth, compared in hardware.
     #[default]
@@ -81,6 +94,11 @@ pub enum MapFormat {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq, Hash)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapSurface {
     /// The one nearest to the light.
     #[default]
@@ -98,6 +116,7 @@ pub enum MapSurface {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(from = "ManualBias"))]
 pub enum MapBias {
     /// What the map's texel and the surface ask for.
     #[default]
@@ -114,12 +133,41 @@ pub enum MapBias {
     },
 }
 
+/// A bias as a file has it: [`MapBias::Auto`] is no bias in the file.
+#[cfg(feature = "serde")]
+#[derive(Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct ManualBias {
+    normal_texels: f32,
+    depth_metres: f32,
+    distance_share: f32,
+}
+
+#[cfg(feature = "serde")]
+impl From<ManualBias> for MapBias {
+    fn from(bias: ManualBias) -> Self {
+        Self::Manual {
+            normal_texels: bias.normal_texels,
+            depth_metres: bias.depth_metres,
+            distance_share: bias.distance_share,
+        }
+    }
+}
+
 /// Texels along a side of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(
+        untagged,
+        expecting = "texels along a side, or {\"least\": 128, \"most\": 1024}"
+    )
 )]
 pub enum MapResolution {
     /// So many; > 0.
@@ -138,6 +186,40 @@ impl Default for MapResolution {
         Self::Auto {
             least: 128,
             most: 1024,
+        }
+    }
+}
+
+/// How a directional light's maps share the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct Cascades {
+    /// 1 to 4.
+    pub count: u32,
+    /// View depth beyond which nothing is shadowed, metres; infinite: as far as surfaces are seen.
+    pub distance: f32,
+    /// 0: equal parts of the view depth; 1: equal ratios. Source: Zhang et al. 2006, "Parallel-Split Shadow Maps".
+    pub log_share: f32,
+    /// Share of a cascade, at its border, in which it passes into the next; 0 to 0.5.
+    pub blend: f32,
+}
+
+impl Default for Cascades {
+    fn default() -> Self {
+        Self {
+            count: 4,
+            distance: f32::INFINITY,
+            log_share: 0.75, // by eye, between the extremes of the source
+            blend: 0.1,
         }
     }
 }
@@ -170,46 +252,10 @@ impl Default for MapSettings {
     }
 }
 
-/// Why a light with a map has no shadow, or not the one that was asked for.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+/// Why a light's map is less than what was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
-    /// The component does not fit the kind of light.
-    #[error("{component} does not fit a {light} light")]
-    Kind {
-        /// Component.
-        component: &'static str,
-        /// Kind of light.
-        light: &'static str,
-    },
-    /// No texels.
-    #[error("resolution is {0}, it must be greater than 0, and the least at most the most")]
-    Resolution(u32),
-    /// Not usable, or beyond what the light reaches.
-    #[error("near is {near} m, it must be greater than 0 and less than the range, {range} m")]
-    Near {
-        /// Metres.
-        near: f32,
-        /// Metres.
-        range: f32,
-    },
-    /// NaN, infinite or negative.
-    #[error("softness is {0}, it must be finite and at least 0")]
-    Softness(f32),
-    /// NaN, infinite or negative.
-    #[error("bias is {0}, it must be finite and at least 0")]
-    Bias(f32),
-    /// Out of range.
-    #[error("{0} cascades, 1 to 4 are possible")]
-    CascadeCount(u32),
-    /// NaN or not positive, or a share beyond 1.
-    #[error("{what} of the cascades is {value}")]
-    Cascades {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f32,
-    },
     /// The map is larger than [`MapSettings::largest`] or the device allows; it was made as large as that.
     #[error("resolution {wanted} is beyond the limit {limit}; it is {limit} now")]
     Largest {
@@ -232,14 +278,4 @@ pub enum MapError {
         /// Texels.
         given: u32,
     },
-}
-
-impl MapError {
-    /// Whether the light has no shadow at all.
-    pub fn is_fatal(&self) -> bool {
-        !matches!(
-            self,
-            Self::Largest { .. } | Self::Coarser { .. } | Self::Uncached { .. }
-        )
-    }
 }

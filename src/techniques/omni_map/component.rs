@@ -6,7 +6,10 @@ use bevy_ecs::reflect::ReflectComponent;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-use crate::techniques::maps::{MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::scene::{Light, LightKind};
+use crate::techniques::maps::request::{MapRequest, MapShape};
+use crate::techniques::maps::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::techniques::registry::Refusal;
 
 /// Gives a light at a place shadows by a map of all directions. Area lights cast from their centre. Alpha-tested casters
 /// cast the holes of their texture; casters block from both sides.
@@ -15,6 +18,11 @@ use crate::techniques::maps::{MapBias, MapFilter, MapFormat, MapResolution, MapS
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
 )]
 pub struct OmniMap {
     /// Texels along a side of each of the six faces.
@@ -45,5 +53,30 @@ impl Default for OmniMap {
             near: None,
             cached: true,
         }
+    }
+}
+
+impl OmniMap {
+    /// What the component asks for.
+    ///
+    /// # Errors
+    /// The first setting that cannot be drawn with.
+    pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
+        if light.kind == LightKind::Directional {
+            let instead = "it needs a light with a position; use ShadowMap for a directional light";
+            return Err(Refusal::kind(light, instead));
+        }
+        let request = MapRequest {
+            shape: MapShape::Cube,
+            resolution: self.resolution,
+            filter: self.filter,
+            format: self.format,
+            surface: self.surface,
+            bias: self.bias,
+            near: self.near,
+            cached: self.cached,
+            cascades: Cascades::default(),
+        };
+        request.validated(light)
     }
 }

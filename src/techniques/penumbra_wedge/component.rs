@@ -6,8 +6,6 @@ use bevy_ecs::reflect::ReflectComponent;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-use crate::silhouettes::NeedsSilhouettes;
-
 /// Gives a light soft shadows by penumbra wedges: noise-free, from geometry, without a shadow map.
 ///
 /// Rectangles and spheres cast with their extent; points, spots and directional lights, and areas of size 0, cast
@@ -23,10 +21,13 @@ use crate::silhouettes::NeedsSilhouettes;
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
-#[require(NeedsSilhouettes)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PenumbraWedge {
-    /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`] (others are
-    /// clamped). A sphere is split into as many smaller spheres. Section 5.2.
+    /// Parts of a rectangle along its width and height, each a light of its own; 1 to [`MAX_SPLIT`]. A sphere is split into as many smaller spheres. Section 5.2.
     pub split: [u32; 2],
     /// Which edges cast.
     pub silhouette: WedgeSilhouette,
@@ -81,6 +82,11 @@ impl PenumbraWedge {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum WedgeSilhouette {
     /// The silhouette as each receiver sees it: beside the edges of the silhouette from the centre, those of all
     /// triangles whose plane cuts the light, and at each pixel those count that bound what is before the light there.
@@ -98,6 +104,11 @@ pub enum WedgeSilhouette {
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
 pub enum Overlap {
     /// What is hidden is counted at nine places of the light, soft ones, so that none jumps when the light moves; and told
@@ -124,6 +135,11 @@ pub enum Overlap {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum VisibilityBuffer {
     /// A float texture, where the device can blend 32 bits; else [`VisibilityBuffer::Split8`].
     #[default]
@@ -143,6 +159,11 @@ pub enum VisibilityBuffer {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum WedgeBounds {
     /// The convex hull of the penumbra of the light's own shape.
     #[default]
@@ -157,6 +178,11 @@ pub enum WedgeBounds {
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
 pub enum WedgeCulling {
     /// Where a back face of the wedge lies behind the surface; all wedges in one draw.
@@ -174,6 +200,11 @@ pub enum WedgeCulling {
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
 pub enum CoverageMaths {
     /// In the shader.

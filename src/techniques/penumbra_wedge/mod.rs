@@ -43,6 +43,7 @@ pub(crate) mod gpu;
 pub(crate) mod light_parts;
 mod overflow;
 pub(crate) mod tables;
+pub(crate) mod technique;
 pub(crate) mod wedges;
 
 pub use component::{

@@ -161,7 +161,7 @@ impl PenumbraWedges {
 /// Cost: an inverse a caster of S; the edges of what moved.
 pub fn build_penumbra_wedges(
     mut wedges: ResMut<PenumbraWedges>,
-    mut depth_reach: ResMut<DepthReach>,
+    depth_reach: Res<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -186,6 +186,9 @@ pub fn build_penumbra_wedges(
     let around = [near[0], near[1], near[3], near[2]];
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<PenumbraWedge>() {
+            continue;
+        }
         let Ok((settings, texture)) = components.get(light.entity) else {
             continue;
         };
@@ -256,8 +259,8 @@ pub fn build_penumbra_wedges(
                     None => TO_INFINITY,
                     Some(Some(extrusion)) => {
                         let corners = volume_corners(part.point_world, extrusion, &bounds);
-                        include_points(&mut depth_reach, view, corners);
-                        include_rays(&mut depth_reach, view, &bounds, reach);
+                        include_points(&depth_reach, view, corners);
+                        include_rays(&depth_reach, view, &bounds, reach);
                         extrusion
                     }
                     Some(None) => continue, // beyond all that receives the light

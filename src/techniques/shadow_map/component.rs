@@ -6,7 +6,10 @@ use bevy_ecs::reflect::ReflectComponent;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-use crate::techniques::maps::{MapBias, MapFilter, MapResolution, MapSurface};
+use crate::scene::{Light, LightKind};
+use crate::techniques::maps::request::{MapRequest, MapShape};
+use crate::techniques::maps::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::techniques::registry::Refusal;
 
 /// Gives a spot light or a directional light shadows by a map. Alpha-tested casters cast the holes of their texture;
 /// casters block from both sides.
@@ -15,6 +18,11 @@ use crate::techniques::maps::{MapBias, MapFilter, MapResolution, MapSurface};
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
 )]
 pub struct ShadowMap {
     /// Texels along a side, of each cascade.
@@ -47,31 +55,36 @@ impl Default for ShadowMap {
     }
 }
 
-/// How a directional light's maps share the view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "bevy",
-    derive(bevy_reflect::Reflect),
-    reflect(Default, Debug, Clone, PartialEq)
-)]
-pub struct Cascades {
-    /// 1 to 4.
-    pub count: u32,
-    /// View depth beyond which nothing is shadowed, metres; infinite: as far as surfaces are seen.
-    pub distance: f32,
-    /// 0: equal parts of the view depth; 1: equal ratios. Source: Zhang et al. 2006, "Parallel-Split Shadow Maps".
-    pub log_share: f32,
-    /// Share of a cascade, at its border, in which it passes into the next; 0 to 0.5.
-    pub blend: f32,
-}
+/// Half-angle beyond which a spot light's map has the faces of a cube, radians: there a face spends most of its texels
+/// near its rim.
+const WIDEST_SPOT: f32 = 1.05;
 
-impl Default for Cascades {
-    fn default() -> Self {
-        Self {
-            count: 4,
-            distance: f32::INFINITY,
-            log_share: 0.75, // by eye, between the extremes of the source
-            blend: 0.1,
-        }
+impl ShadowMap {
+    /// What the component asks for.
+    ///
+    /// # Errors
+    /// The first setting that cannot be drawn with.
+    pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
+        let shape = match light.kind {
+            LightKind::Directional => MapShape::Cascades,
+            LightKind::Spot { outer_angle, .. } if outer_angle > WIDEST_SPOT => MapShape::Cube,
+            LightKind::Spot { .. } => MapShape::Spot,
+            LightKind::Point | LightKind::Rect { .. } | LightKind::Sphere { .. } => {
+                let instead = "it needs a spot or directional light; use OmniMap for a light with a position";
+                return Err(Refusal::kind(light, instead));
+            }
+        };
+        let request = MapRequest {
+            shape,
+            resolution: self.resolution,
+            filter: self.filter,
+            format: MapFormat::Depth,
+            surface: self.surface,
+            bias: self.bias,
+            near: self.near,
+            cached: self.cached,
+            cascades: self.cascades,
+        };
+        request.validated(light)
     }
 }

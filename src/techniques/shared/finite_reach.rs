@@ -87,7 +87,7 @@ impl FiniteReach {
 }
 
 /// Tells the view how deep the hull of these points reaches.
-pub fn include_points(reach: &mut DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
+pub fn include_points(reach: &DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
     let projector = Projector::new(view);
     for point in points {
         reach.include(projector.depth(point.truncate().as_dvec3()));
@@ -95,7 +95,7 @@ pub fn include_points(reach: &mut DepthReach, view: &ViewData, points: impl Into
 }
 
 /// Tells the view how deep rays of this length from anywhere in a box may reach.
-pub fn include_rays(reach: &mut DepthReach, view: &ViewData, from: &Aabb, length: f32) {
+pub fn include_rays(reach: &DepthReach, view: &ViewData, from: &Aabb, length: f32) {
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient();
     let deepest = projector.depth(from.center().as_dvec3()) + gradient.abs().dot(from.half_size().as_dvec3());

@@ -1,15 +1,10 @@
 //! What a user sets on a light.
 
-use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
 use bevy_ecs::reflect::ReflectComponent;
-use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
-
-use crate::scene::ShadowedLight;
-use crate::silhouettes::NeedsSilhouettes;
 
 /// Gives a light hard shadows by stencil shadow volumes. Area lights cast from their centre.
 ///
@@ -21,21 +16,16 @@ use crate::silhouettes::NeedsSilhouettes;
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
-#[require(NeedsSilhouettes, ShadowedLight)]
-#[component(on_remove = light_up)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct StencilVolume {
     /// Which way intersections with the volumes are counted.
     pub counting: Counting,
     /// How far the volumes reach.
     pub extent: Extent,
-}
-
-/// A light whose technique is taken away lights everything again.
-fn light_up(mut world: DeferredWorld, context: HookContext) {
-    world
-        .commands()
-        .entity(context.entity)
-        .try_remove::<ShadowedLight>();
 }
 
 /// Which way intersections with a shadow volume are counted. The pictures are the same.
@@ -44,6 +34,11 @@ fn light_up(mut world: DeferredWorld, context: HookContext) {
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
 pub enum Counting {
     /// Towards the viewer (depth-pass, no caps) where the caster provably does not shadow the viewport, else away from
@@ -60,6 +55,11 @@ pub enum Counting {
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
 )]
 pub enum Extent {
     /// To just beyond what is seen of the receivers within the light's range, unless the light is within the caster's bounds

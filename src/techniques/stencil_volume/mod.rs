@@ -7,6 +7,7 @@
 //! | [`inside_test`] | whether the viewport may lie in a caster's shadow: depth-fail or depth-pass |
 //! | [`parts`] | which parts of a volume are drawn |
 //! | [`volumes`] | the frame's volumes |
+//! | `technique` | how the component joins the frame |
 //! | `contour_pool` | silhouettes on the GPU (feature `render`) |
 //! | `volume_pipelines` | what tells two draws of volumes apart (feature `render`) |
 //! | `quads` | indices of side quads (feature `render`) |
@@ -17,6 +18,7 @@
 mod component;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
+pub(crate) mod technique;
 pub(crate) mod volume_parts;
 pub(crate) mod volumes;
 

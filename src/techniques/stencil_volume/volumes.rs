@@ -77,7 +77,7 @@ impl StencilVolumes {
 /// In an orthographic view it tells [`DepthReach`] how deep they reach. Cost: one pyramid and one hull test a caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
-    mut depth_reach: ResMut<DepthReach>,
+    depth_reach: Res<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -98,6 +98,9 @@ pub fn build_stencil_volumes(
         return;
     };
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<StencilVolume>() {
+            continue;
+        }
         let Ok(settings) = components.get(light.entity) else {
             continue;
         };
@@ -168,7 +171,7 @@ pub fn build_stencil_volumes(
                 match parts.cull(volume, &corners, &bounds) {
                     Some(volume) => {
                         if finite.is_some() {
-                            include_points(&mut depth_reach, view, corners);
+                            include_points(&depth_reach, view, corners);
                         }
                         entry.casters.push(volume);
                     }

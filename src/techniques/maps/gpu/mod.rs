@@ -12,7 +12,21 @@
 pub(crate) mod constants;
 mod draws;
 mod layouts;
+pub(crate) mod limit;
 mod passes;
 mod pipelines;
 mod pool;
 pub(crate) mod recorder;
+
+pub(crate) use limit::limit_to_device;
+
+use crate::render::shaders::{ShaderFile, shader_files};
+
+/// The WGSL files of maps.
+pub(crate) const SHADERS: &[ShaderFile] = shader_files![
+    "common/map.wgsl",
+    "techniques/maps/caster.wgsl",
+    "techniques/maps/convert.wgsl",
+    "techniques/maps/frustum.wgsl",
+    "techniques/maps/resolve.wgsl",
+];

@@ -31,7 +31,7 @@ use crate::techniques::maps::build_maps::Maps;
 use crate::techniques::maps::face::FaceProjection;
 use crate::techniques::maps::face_state::FaceState;
 use crate::techniques::maps::light_map::LightMap;
-use crate::techniques::maps::request::{MapComponent, MapRequest, MapShape};
+use crate::techniques::maps::request::{MapRequest, MapShape};
 use crate::techniques::maps::settings::{MapSettings, MapSurface};
 
 /// Bytes between the constants of lights.
@@ -63,10 +63,9 @@ pub(in crate::techniques::maps) struct LightPlan {
     pub frusta: Range<u32>,
 }
 
-/// The recorder of one of the two components.
+/// The recorder of all maps.
 #[derive(Debug)]
 pub struct MapNode {
-    component: MapComponent,
     pub(in crate::techniques::maps) pipelines: MapPipelines,
     pub(in crate::techniques::maps) pool: MapPool,
     pub(in crate::techniques::maps) draws: MapDraws,
@@ -81,23 +80,12 @@ pub struct MapNode {
     faces: Vec<FacePlan>,
 }
 
-impl MapComponent {
-    /// Name of the technique.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Shadow => "shadow_map",
-            Self::Omni => "omni_map",
-        }
-    }
-}
-
 impl MapNode {
     /// Compiles the shaders; pipelines and textures come when a frame needs them.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
     pub fn new(
-        component: MapComponent,
         context: &RenderContext,
         shaders: &Shaders,
         layouts: &BindGroupLayouts,
@@ -115,7 +103,6 @@ impl MapNode {
         });
         let jitter = jitter_texture(context);
         Ok(Self {
-            component,
             caster_group: pipelines.layouts.bind_casters(context, &casters.buffer),
             map_group: pipelines
                 .layouts
@@ -277,10 +264,6 @@ impl MapNode {
 }
 
 impl Recorder for MapNode {
-    fn name(&self) -> &'static str {
-        self.component.name()
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.lights.clear();
         self.faces.clear();
@@ -296,9 +279,6 @@ impl Recorder for MapNode {
         };
         self.pool.begin();
         for map in &maps.lights {
-            if map.request.component != self.component {
-                continue;
-            }
             if map.active {
                 self.plan_light(world, input, map, view, settings.show_taps);
             } else if map.cached {
@@ -341,10 +321,6 @@ impl Recorder for MapNode {
             self.draw_face(slot, plan, face, textures, encoder, input);
         }
         self.look_up(slot, textures, pipeline, encoder, input);
-    }
-
-    fn reads_planes(&self) -> bool {
-        true
     }
 
     /// Draws the edges of what the faces show.

@@ -30,9 +30,6 @@ use crate::techniques::penumbra_wedge::overflow::WedgeOverflow;
 use crate::techniques::penumbra_wedge::tables::table_buffer::Tables;
 use crate::techniques::penumbra_wedge::wedges::{Group, LightWedges, PenumbraWedges};
 
-/// Name of the technique.
-pub const NAME: &str = "penumbra_wedge";
-
 /// The recorder.
 #[derive(Debug)]
 pub struct PenumbraWedgeNode {
@@ -251,10 +248,6 @@ fn shared<'a>(
 }
 
 impl Recorder for PenumbraWedgeNode {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.plans.clear();
         self.parts.clear();
@@ -326,10 +319,6 @@ impl Recorder for PenumbraWedgeNode {
             self.plans.push(plan);
         }
         Ok(())
-    }
-
-    fn reads_planes(&self) -> bool {
-        true
     }
 
     fn visibility(&self, light: usize) -> Option<Leaves> {

@@ -28,9 +28,6 @@ use crate::techniques::shared::extrude::TO_INFINITY;
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::volumes::{CasterVolume, StencilVolumes};
 
-/// Name of the technique.
-pub const NAME: &str = "stencil_volume";
-
 /// One draw call: materials do not split it, and casters of one mesh that see the light alike share it.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.2.2, for batches of shadows apart from those of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -293,10 +290,6 @@ fn bind(
 }
 
 impl Recorder for StencilVolumeNode {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.draws.clear();
         self.lights.clear();

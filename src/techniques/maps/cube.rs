@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use super::face::{FaceProjection, MapFace};
 use crate::geometry::Cone;
-use crate::techniques::maps::{FaceProjection, MapFace};
 
 /// What each face looks along, in the order of cube textures; the shader's `cube_face` gives these indices.
 pub const DIRECTIONS: [DVec3; 6] = [

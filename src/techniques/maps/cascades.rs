@@ -9,9 +9,9 @@
 
 use glam::DVec3;
 
-use super::component::Cascades;
+use super::face::{FaceProjection, MapFace};
+use super::settings::Cascades;
 use crate::sets::ViewData;
-use crate::techniques::maps::{FaceProjection, MapFace};
 
 /// Share of a ball's radius by which its box is larger.
 const MARGIN: f64 = 1.0 / 16.0;
