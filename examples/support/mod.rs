@@ -4,8 +4,8 @@
 
 pub mod model;
 pub mod picture;
+#[cfg(feature = "serde")]
 pub mod shadow;
-pub mod shadow_map;
 pub mod shot;
 pub mod solid;
 pub mod spread;

@@ -75,7 +75,7 @@ pub trait AddTechnique {
 }
 
 /// The techniques that a world knows, those of the crate first.
-#[derive(Resource, Debug)]
+#[derive(Resource, Clone, Debug)]
 pub struct Techniques {
     rows: Vec<Row>,
     refused: Vec<RefusedLight>,
@@ -120,7 +120,7 @@ pub fn add_row(row: Row, world: &mut World, schedule: &mut Schedule) {
 impl Techniques {
     /// Adds a row; `false` if the technique is in the list.
     fn add(&mut self, row: Row) -> bool {
-        let is_new = !self.rows.iter().any(|known| known.component() == row.component());
+        let is_new = !self.rows.contains(&row);
         if is_new {
             self.rows.push(row);
         }

@@ -35,6 +35,14 @@ pub struct Row {
     pub(super) gpu: super::gpu::GpuRow,
 }
 
+impl PartialEq for Row {
+    fn eq(&self, other: &Self) -> bool {
+        self.component == other.component
+    }
+}
+
+impl Eq for Row {}
+
 impl std::fmt::Debug for Row {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Row").field(&self.name).finish()
