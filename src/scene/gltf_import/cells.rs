@@ -189,7 +189,7 @@ pub(super) fn spawn(
             world.spawn((Cell { half_size }, place, ChildOf(*entity))).id(),
         );
     }
-    // A name that is not found becomes a placeholder that is no cell. A viewer who looks there sees everything.
+    // A name that is not found becomes a placeholder that is no cell: a viewer who looks there sees all.
     let find = |name: &String| cells.get(name.as_str()).copied().unwrap_or(Entity::PLACEHOLDER);
     for (index, node) in gltf.nodes.iter().enumerate() {
         if let (Some(portal), Some(entity)) = (&node.visibility.portal, entities[index]) {
