@@ -8,8 +8,8 @@ use super::error::ReferenceError;
 use super::primary::SurfaceHit;
 use crate::scene::{Light, LightError, LightKind, LightSelection};
 
-/// Least distance of a surface point in front of the plane of a light's centre, metres, and least distance of
-/// the lit region in front of a rectangle. For directional lights it is the least cosine. Equal to the value
+/// Least distance of a light's centre in front of the surface's plane, metres, and least distance of a
+/// surface point in front of a rectangle. For directional lights it is the least cosine. Equal to the value
 /// in `tools/truth.py`.
 const LEAST_FACING: f64 = 1e-3;
 
