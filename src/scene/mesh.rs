@@ -68,7 +68,7 @@ pub struct MorphTarget {
 pub struct SceneMesh(pub Arc<MeshData>);
 
 impl MeshData {
-    /// Number of triangles of all submeshes.
+    /// Number of triangles in the mesh.
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }

@@ -11,7 +11,7 @@ pub enum GltfError {
     /// The file itself cannot be read.
     #[error("{}: {source}", file.display())]
     Io {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// The error of the operating system.
         source: std::io::Error,
@@ -19,7 +19,7 @@ pub enum GltfError {
     /// The GLB container is broken: wrong magic, version, or a chunk that runs past the end.
     #[error("{}: GLB container: {reason}", file.display())]
     Container {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// What is wrong with the container.
         reason: String,
@@ -27,7 +27,7 @@ pub enum GltfError {
     /// The JSON is malformed or does not follow the glTF schema.
     #[error("{}: JSON: {source}", file.display())]
     Json {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// Where and why parsing stopped.
         source: gltf::json::Error,
@@ -35,7 +35,7 @@ pub enum GltfError {
     /// The file is not glTF 2.
     #[error("{}: asset version {version:?} is not supported, 2.0 is", file.display())]
     Version {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// The value of `asset.minVersion`, or of `asset.version` if that is absent.
         version: String,
@@ -43,7 +43,7 @@ pub enum GltfError {
     /// The file requires an extension that is not supported.
     #[error("{}: required extension {extension} is not supported", file.display())]
     Extension {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// Name of the extension.
         extension: String,
@@ -51,7 +51,7 @@ pub enum GltfError {
     /// An index points past the end of the list that it refers to.
     #[error("{}: {element}: {target} {index} does not exist, the file has {count}", file.display())]
     Reference {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// The element that holds the index.
         element: Element,
@@ -65,7 +65,7 @@ pub enum GltfError {
     /// An element breaks a rule without which it has no meaning.
     #[error("{}: {element}: {reason}", file.display())]
     Invalid {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// The element that breaks the rule.
         element: Element,
@@ -76,7 +76,7 @@ pub enum GltfError {
     #[error("{}: mesh {mesh} primitive {primitive}: index {index} is out of range, it has {vertex_count} vertices",
         file.display())]
     VertexIndex {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// Index of the mesh.
         mesh: usize,
@@ -91,7 +91,7 @@ pub enum GltfError {
     #[error("{}: {element}: decoding it takes {bytes} bytes, {left} are left of the limit for a file of this size",
         file.display())]
     TooLarge {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// The element to decode.
         element: Element,

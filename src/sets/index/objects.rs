@@ -11,7 +11,7 @@ use crate::geometry::Aabb;
 use crate::scene::tasks;
 
 /// Every entity with [`WorldBounds`](crate::scene::WorldBounds), by dense index. Written by
-/// [`collect_objects`](super::collect_objects()).
+/// [`collect_objects`](crate::sets::collect_objects()).
 ///
 /// Indices are in *spatial* order. Each 64 that share a word of the bitsets are neighbours, and ascend by
 /// `Entity` (bevy's own order, which puts younger entities first). So up to 64 objects ascend throughout, but

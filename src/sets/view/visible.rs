@@ -177,8 +177,8 @@ fn draw(
         return;
     }
     let projection = Projection::of_view(view, settings.camera_texels.clamp(16, 2048));
-    // Occluders in front of the near plane hide nothing. A picture with parallel lines of sight is not cut
-    // there, so it leaves them out.
+    // Occluders in front of the near plane hide nothing. An orthographic picture is not clipped there, so
+    // occluders that reach in front of the plane are left out of it.
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient().abs();
     let is_behind_near = |&object: &usize| {
