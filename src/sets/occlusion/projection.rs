@@ -189,7 +189,7 @@ impl Projection {
     }
 
     /// This projection combined with a transform from local space.
-    pub fn from_local(&self, world_from_local: &DMat4) -> LocalProjection {
+    pub fn for_local_space(&self, world_from_local: &DMat4) -> LocalProjection {
         let relative = DMat4::from_translation(-self.origin) * *world_from_local;
         let transposed = relative.transpose();
         LocalProjection {
@@ -343,7 +343,7 @@ mod tests {
                 Vec3::new(1.0, 0.0, -1.0),
                 Vec3::new(0.0, 1.0, -1.0),
             ];
-            let local = projection.from_local(&DMat4::IDENTITY);
+            let local = projection.for_local_space(&DMat4::IDENTITY);
             let [a, b, c] = corners.map(|corner| {
                 let point = local.point(corner);
                 DVec3::new(point.x, point.y, point.w)

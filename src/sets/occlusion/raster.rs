@@ -125,7 +125,7 @@ impl Rasterizer {
 
     /// Projects all vertices. Returns whether any of them may be in the picture.
     fn project(&mut self, projection: &Projection, mesh: &OccluderMesh, world_from_local: &DMat4) -> bool {
-        let local = projection.from_local(world_from_local);
+        let local = projection.for_local_space(world_from_local);
         self.points.clear();
         self.outside.clear();
         self.vertices.clear();
