@@ -21,11 +21,12 @@ const MAX_WAY: usize = 48;
 pub(in crate::sets) struct Standpoint {
     /// The eye of a camera, or the middle of a light.
     pub eye: DVec3,
-    /// All points from which is looked. Each must be in a cell.
+    /// All points from which the viewer looks. Each must be in a cell.
     pub points: SmallVec<[DVec3; 8]>,
     /// Distance, metres, within which the viewer stands in a portal. Such a portal clips nothing.
     pub reach: f64,
-    /// Corners of the convex cone of directions that are looked into. If it is empty, all directions are.
+    /// Corners of the convex cone of directions that the viewer sees. If it is empty, the viewer sees all
+    /// directions.
     pub corners: SmallVec<[DVec3; 4]>,
     /// Whether the viewer is a single point, so that portals clip the view.
     pub clips: bool,

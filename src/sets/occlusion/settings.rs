@@ -1,4 +1,4 @@
-//! Settings of occlusion: which sets leave out hidden objects, and at which cost.
+//! Settings of occlusion: which sets leave out hidden objects, and at what cost.
 
 use bevy_ecs::prelude::*;
 
@@ -13,11 +13,11 @@ use bevy_ecs::prelude::*;
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct OcclusionSettings {
     /// Whether V leaves out objects that are occluded from the camera; default `true`. If off, V = F: the CPU
-    /// saves the camera's depth buffer, and the GPU draws hidden objects.
+    /// draws no depth buffer for the camera and follows no portals, and the GPU draws hidden objects.
     pub from_camera: bool,
     /// Whether L of lights with a shadow technique leaves out objects that are occluded from the light;
-    /// default `true`. If off, L is everything that the light reaches: the CPU saves the lights' depth
-    /// buffers, and lights draw objects that they cannot see.
+    /// default `true`. If off, L is everything that the light reaches: the CPU draws no depth buffers for
+    /// lights and follows no portals, and lights draw objects that they cannot see.
     pub from_lights: bool,
     /// Whether S leaves out casters whose shadow cannot reach anything lit in view; default `true`. If off, S
     /// is all casters of L, and more shadows are drawn.
