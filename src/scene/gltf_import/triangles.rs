@@ -53,8 +53,8 @@ pub(super) fn split_flat(
     }
     let positions = gather(&shared.positions, corners);
     let normals = flat_normals(&positions);
-    // The target's own normals are offsets from smooth normals, which do not exist here. These offsets are
-    // exact at weight 1.
+    // The target's own normals are offsets from smooth normals, which do not exist here. The offsets that are
+    // computed instead are exact at weight 1.
     let flat_target = |target: &MorphTarget| {
         if target.positions.is_empty() {
             return MorphTarget::default();
