@@ -7,7 +7,7 @@ use crate::harness::strict_context;
 use crate::harness::support::stage::{Rendered, Stage};
 use antumbra::prelude::*;
 use antumbra::render::RenderError;
-use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -25,22 +25,7 @@ struct FlatTechnique {
     lights: Vec<usize>,
 }
 
-impl Recorder for FlatTechnique {
-    fn name(&self) -> &'static str {
-        "flat"
-    }
-
-    fn prepare(&mut self, world: &World, _: &PrepareInput) -> Result<(), RenderError> {
-        let lights = &world.resource::<FrameLights>().lights;
-        let claimed = |&index: &usize| world.get::<Flat>(lights[index].entity).is_some();
-        self.lights = (0..lights.len()).filter(claimed).collect();
-        Ok(())
-    }
-
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.lights.contains(&light).then_some(Leaves::Mask)
-    }
-
+impl Resolve for FlatTechnique {
     fn resolve(&self, _: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
         let [r, g, b, a] = MASK;
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -56,6 +41,23 @@ impl Recorder for FlatTechnique {
             })],
             ..Default::default()
         });
+    }
+}
+
+impl Recorder for FlatTechnique {
+    fn name(&self) -> &'static str {
+        "flat"
+    }
+
+    fn prepare(&mut self, world: &World, _: &PrepareInput) -> Result<(), RenderError> {
+        let lights = &world.resource::<FrameLights>().lights;
+        let claimed = |&index: &usize| world.get::<Flat>(lights[index].entity).is_some();
+        self.lights = (0..lights.len()).filter(claimed).collect();
+        Ok(())
+    }
+
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.lights.contains(&light).then_some(Leaves::Mask(self))
     }
 
     fn debug(&self, _: usize, _: &mut wgpu::RenderPass, _: &RecordInput) {}

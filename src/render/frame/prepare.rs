@@ -6,7 +6,7 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
-use super::frame_data::{ActiveLight, FrameData, Viewport};
+use super::frame_data::{ActiveLight, FrameData, LightShadow, TechniqueIndex, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
 use crate::render::gpu::bind_groups::LIGHT_STRIDE;
@@ -213,7 +213,11 @@ pub fn prepare_draws(
             .techniques
             .iter()
             .enumerate()
-            .find_map(|(technique, shadow)| Some((technique, shadow.visibility(index)?)));
+            .find_map(|(technique, shadow)| {
+                let kind = shadow.light(index)?.kind();
+                let technique = TechniqueIndex(technique);
+                Some(LightShadow { technique, kind })
+            });
         let first = frame.batches.len();
         renderer.draw_lists.build(
             &input,

@@ -6,6 +6,7 @@
 //! | `passes` | the passes of one light's map |
 //! | `draws` | casters of a face as draw calls |
 //! | `pipelines`, `layouts` | pipelines and bind groups |
+//! | `recorded` | which faces are drawn, and what a dropped encoder takes back |
 //! | `pool` | textures of kept and shared maps |
 //! | `constants` | what the lookup reads of a light |
 
@@ -15,4 +16,5 @@ mod layouts;
 mod passes;
 mod pipelines;
 mod pool;
+mod recorded;
 pub(crate) mod recorder;

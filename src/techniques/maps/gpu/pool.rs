@@ -1,11 +1,10 @@
 //! The textures of maps: those that are kept, one set a light; those that lights share; and what both are made through.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
 use bevy_ecs::prelude::Entity;
 
 use super::layouts::MapLayouts;
 use super::pipelines::{MAP_DEPTH, texture_format};
+use super::recorded::FaceRecord;
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::techniques::maps::request::MapRequest;
@@ -65,15 +64,6 @@ impl FaceArray {
             ..Default::default()
         })
     }
-}
-
-/// Which revisions of a face the textures hold; 0: nothing.
-#[derive(Debug, Default)]
-pub struct FaceRecord {
-    /// Of the still layer.
-    pub still: AtomicU64,
-    /// Of what is looked up.
-    pub shown: AtomicU64,
 }
 
 /// What tells two sets of textures apart.
@@ -238,7 +228,7 @@ impl MapPool {
             return;
         }
         let array = |label: &str, format| FaceArray::new(context, label, key.side, key.layers, format);
-        let mut records: Vec<FaceRecord> = (0..key.layers).map(|_| FaceRecord::default()).collect();
+        let mut records: Vec<FaceRecord> = (0..key.layers).map(|_| Default::default()).collect();
         // What stands still is the same with and without a layer for what moves.
         let twin = MapTexturesKey {
             moving: !key.moving,
@@ -251,7 +241,7 @@ impl MapPool {
         let still = match twin.map(|at| self.maps.swap_remove(at)) {
             Some(twin) => {
                 for (record, old) in records.iter_mut().zip(&twin.records) {
-                    *record.still.get_mut() = old.still.load(Ordering::Relaxed);
+                    record.still = old.still.clone();
                 }
                 twin.still
             }

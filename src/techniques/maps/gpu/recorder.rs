@@ -6,6 +6,9 @@
 //! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
 //! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
 //!
+//! Faces are drawn by `draw_pictures`, once a frame, before the screen. Only a texture that several lights use in turn is
+//! drawn in their lookups: maps that are not kept, of one size and kind.
+//!
 //! Each face: still casters into their layer; a copy of it, and over it what moves; from that, where depth of the nearest
 //! surface is not what is looked up, the second surface and a conversion. Each step is left out while its revision is
 //! that of the last time.
@@ -21,10 +24,13 @@ use super::draws::MapDraws;
 use super::layouts::jitter_texture;
 use super::pipelines::{Key, MapPipelines, filter_constant};
 use super::pool::{MapPool, MapTexturesKey};
+use super::recorded::Recorded;
 use crate::render::gpu::bind_groups::BindGroupLayouts;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::pools::gpu_types;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use crate::render::recorder::{
+    Leaves, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput,
+};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::maps::build_maps::Maps;
@@ -58,6 +64,8 @@ pub(in crate::techniques::maps) struct LightPlan {
     pub key: MapTexturesKey,
     pub lookup: Key,
     pub faces: Range<usize>,
+    /// Several lights use one texture in turn, as none of them keeps its map: it is drawn just before each lookup.
+    pub takes_turns: bool,
     pub draw_count: usize,
     /// Matrices of the debug view.
     pub frusta: Range<u32>,
@@ -78,7 +86,7 @@ pub struct MapNode {
     jitter: wgpu::TextureView,
     pub(in crate::techniques::maps) map_group: wgpu::BindGroup,
     lights: Vec<LightPlan>,
-    faces: Vec<FacePlan>,
+    pub(in crate::techniques::maps) faces: Vec<FacePlan>,
 }
 
 impl MapComponent {
@@ -213,6 +221,15 @@ impl MapNode {
         first..self.draws.casters.len() as u32
     }
 
+    /// Finds the lights that share a texture, which no light keeps.
+    fn find_turns(&mut self) {
+        for at in 0..self.lights.len() {
+            let key = self.lights[at].key;
+            let shares = |(other, plan): (usize, &LightPlan)| other != at && plan.key == key;
+            self.lights[at].takes_turns = key.entity.is_none() && self.lights.iter().enumerate().any(shares);
+        }
+    }
+
     fn plan_light(
         &mut self,
         world: &World,
@@ -270,9 +287,30 @@ impl MapNode {
             key,
             lookup,
             faces: first_face..self.faces.len(),
+            takes_turns: false,
             draw_count,
             frusta,
         });
+    }
+}
+
+impl Resolve for MapNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        let Some((slot, plan)) = self.plan_of(light) else {
+            return;
+        };
+        if plan.takes_turns {
+            // Another light may have used the texture since, so it is drawn before each lookup.
+            self.draw_faces(slot, plan, encoder, &input.pictures(), &mut Recorded::default());
+        }
+        if let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
+        {
+            self.look_up(slot, textures, pipeline, encoder, input);
+        }
+    }
+
+    fn reads_planes(&self) -> bool {
+        true
     }
 }
 
@@ -308,6 +346,7 @@ impl Recorder for MapNode {
             }
         }
         self.pool.end();
+        self.find_turns();
         let context = input.context;
         if self
             .casters
@@ -325,26 +364,21 @@ impl Recorder for MapNode {
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.plan_of(light).map(|_| Leaves::Mask)
-    }
-
-    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        let Some((slot, plan)) = self.plan_of(light) else {
-            return;
-        };
-        let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
-        else {
-            return;
-        };
-        for face in &self.faces[plan.faces.clone()] {
-            self.draw_face(slot, plan, face, textures, encoder, input);
+    fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {
+        let mut recorded = Recorded::default();
+        for (slot, plan) in self
+            .lights
+            .iter()
+            .enumerate()
+            .filter(|(_, plan)| !plan.takes_turns)
+        {
+            self.draw_faces(slot, plan, encoder, input, &mut recorded);
         }
-        self.look_up(slot, textures, pipeline, encoder, input);
+        recorded.confirm_on_submission(encoder);
     }
 
-    fn reads_planes(&self) -> bool {
-        true
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
     /// Draws the edges of what the faces show.

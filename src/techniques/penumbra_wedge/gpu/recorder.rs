@@ -18,7 +18,7 @@ use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, p
 use super::windows::{Shared, WedgeWindows};
 use crate::render::gpu::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::{View, ViewData};
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
@@ -250,6 +250,16 @@ fn shared<'a>(
     }
 }
 
+impl Resolve for PenumbraWedgeNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        self.record_mask(light, encoder, input);
+    }
+
+    fn reads_planes(&self) -> bool {
+        true
+    }
+}
+
 impl Recorder for PenumbraWedgeNode {
     fn name(&self) -> &'static str {
         NAME
@@ -328,16 +338,8 @@ impl Recorder for PenumbraWedgeNode {
         Ok(())
     }
 
-    fn reads_planes(&self) -> bool {
-        true
-    }
-
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.plan_of(light).map(|_| Leaves::Mask)
-    }
-
-    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        self.record_mask(light, encoder, input);
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {

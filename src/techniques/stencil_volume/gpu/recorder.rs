@@ -20,7 +20,7 @@ use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::gpu::bind_groups::{BindGroupLayouts, STORAGE, bind_in_order, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::pools::gpu_types;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder};
+use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::FrameLights;
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
@@ -292,6 +292,12 @@ fn bind(
     )
 }
 
+impl Mark for StencilVolumeNode {
+    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
+        self.record(self.draws_of(light), Purpose::Count, pass, input);
+    }
+}
+
 impl Recorder for StencilVolumeNode {
     fn name(&self) -> &'static str {
         NAME
@@ -339,15 +345,9 @@ impl Recorder for StencilVolumeNode {
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.lights
-            .binary_search_by_key(&light, |entry| entry.light)
-            .is_ok()
-            .then_some(Leaves::Stencil)
-    }
-
-    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
-        self.record(self.draws_of(light), Purpose::Count, pass, input);
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        let own = self.lights.binary_search_by_key(&light, |entry| entry.light);
+        own.is_ok().then_some(Leaves::Stencil(self))
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
