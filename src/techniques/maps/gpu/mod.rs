@@ -5,9 +5,9 @@
 //! | `recorder` | which draws and lookups a frame needs |
 //! | `passes` | the passes of one light's map |
 //! | `draws` | casters of a face as draw calls |
-//! | `pipelines`, `layouts` | pipelines and bind groups |
+//! | `draws` | casters of a face as draw calls |
 //! | `pool` | textures of kept and shared maps |
-//! | `constants` | what the lookup reads of a light |
+//! | `constants` | the shader's constants of a light's map |
 
 pub(crate) mod constants;
 mod draws;

@@ -1,4 +1,5 @@
-//! The passes of one light's map: casters into faces, the copy under what moves, the conversion, the lookup.
+//! The passes of one light's map: casters into faces, the copy under moving casters, the conversion, the
+//! lookup.
 //!
 //! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
 
@@ -15,7 +16,7 @@ use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFormat, MapSurface};
 
 impl MapNode {
-    /// Records what one face needs.
+    /// Records the passes that one face needs.
     pub(in crate::techniques::maps) fn draw_face(
         &self,
         slot: usize,
@@ -136,7 +137,7 @@ impl MapNode {
         pass.draw(0..3, face as u32..face as u32 + 1);
     }
 
-    /// Looks every pixel of the scissor up.
+    /// Records the lookup, for every pixel of the scissor.
     pub(in crate::techniques::maps) fn look_up(
         &self,
         slot: usize,
@@ -170,7 +171,7 @@ impl MapNode {
     }
 }
 
-/// A name is made only where somebody looks at it.
+/// Returns the timer of a pass. Its label is made only if timings are on.
 fn pass_timer<'a>(input: &'a ResolveInput, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
     let is_active = input.timings.is_active();
     is_active.then(|| input.timings.pass(&format!("{}/{pass}", input.label)))?

@@ -84,7 +84,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Draws one group into the sums; the pass has its scissor.
+    /// Draws one group into the sums. The pass has its scissor already.
     fn record_group(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -222,7 +222,7 @@ impl PenumbraWedgeNode {
     }
 }
 
-/// `<label of the light>/<pass>`, if anybody looks at it.
+/// Returns the pass's label for timings, `<label of the light>/<pass>`, if timings are on.
 fn timestamp(input: &ResolveInput, pass: &str) -> Option<String> {
     input
         .timings
