@@ -1,8 +1,8 @@
 // Bevy's own deferred lighting, without the lights that antumbra adds one by one.
-// Host src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions and bind groups 0
-// and 1
-// Reads Bevy's G-buffer and view
-// Writes radiance of the pixels that Bevy's own deferred lighting would write
+// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions
+// Groups  0 and 1 are Bevy's, 2 managed lights
+// Reads   Bevy's G-buffer and view
+// Writes  radiance of the pixels that Bevy's own deferred lighting would write
 //
 // The overrides replace every call of Bevy's light functions: a light that antumbra manages gives 0 here.
 // Without managed lights each call goes through, and the picture equals Bevy's bit for bit.

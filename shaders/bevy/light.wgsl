@@ -1,8 +1,8 @@
 // One managed light: Bevy's own light function times our visibility, added to the radiance.
-// Host src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions and bind groups 0
-// and 1
-// Reads Bevy's G-buffer and view, the stencil or the mask of the light
-// Writes radiance, blended ONE ONE
+// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions
+// Groups  0 and 1 are Bevy's, 2 the light, 3 its mask
+// Reads   Bevy's G-buffer and view, the stencil or the mask of the light
+// Writes  radiance, blended ONE ONE
 //
 // Variants are made by shader definitions. LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL or LIGHT_RECT is the
 // kind of the light. VISIBILITY_MASK reads visibility from the mask; without it, the stencil test has

@@ -1,9 +1,9 @@
 // The share of a light that lies behind an edge as seen from the light's centre: the sector that the
 // projected edge cuts off.
-// Host src/techniques/penumbra_wedge/
-// Spaces light: origin at the light's centre, a rectangle in the xy plane that shines to −z
-// Source Assarsson et al. 2003, section 4.2: clip the edge in homogeneous coordinates, project, sector minus
-// triangle
+// Host    src/techniques/penumbra_wedge/
+// Spaces  light: origin at the light's centre, a rectangle in the xy plane that shines to −z
+// Source  Assarsson et al. 2003, section 4.2: clip the edge in homogeneous coordinates, project, and subtract
+//         the triangle from the sector
 #define_import_path antumbra::coverage
 
 #import antumbra::conventions::PI
@@ -44,8 +44,8 @@ fn cut_between(a: vec3f, b: vec3f) -> Seen {
 }
 
 // Projects the edge from `p`. With w the share of the way from `p` to the light's plane, an edge point
-// projects to H / w; H and w are linear along the edge. Only points between `p` and the light count: 0 < w <
-// 1.
+// projects to H / w; H and w are linear along the edge. Only points between `p` and the light count, with w
+// in 0..1.
 fn see_on_rect(p: vec3f, start: vec3f, end: vec3f, half_size: vec2f) -> Seen {
     let w = (vec2f(start.z, end.z) - p.z) / -p.z;
     let a = (start.xy - p.xy * (1.0 - w.x)) / half_size;

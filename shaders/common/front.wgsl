@@ -1,6 +1,6 @@
 // The depth of the nearest surfaces, blended ones included: bind group 3 of the passes that skip the nearest
 // surface.
-// Host src/render/nodes/front_layer.rs
+// Host    src/render/nodes/front_layer.rs
 #define_import_path antumbra::front
 
 @group(3) @binding(0) var front_depth: texture_depth_2d;

@@ -1,6 +1,6 @@
 // One light: bind group 1. The light that arrives at a surface, from points, spots, directional lights and
 // areas.
-// Host src/render/pools/light_constants.rs, src/render/pools/gpu_types.rs
+// Host    src/render/pools/light_constants.rs, src/render/pools/gpu_types.rs
 #define_import_path antumbra::light
 
 #import antumbra::area_light::{rect_irradiance, sphere_irradiance, rect_highlight, sphere_highlight}
@@ -26,7 +26,7 @@ struct Incidence {
 
 // Light that arrives at a surface. For points it is the inverse square of the distance, windowed to reach 0
 // at the range, times the spot's cone. For areas it is the integral over the part above the surface's
-// horizon, whose first two terms for a small or distant area are those of a point.
+// horizon; the first two terms of its expansion in the light's size are those of a point.
 // Source: Khronos, KHR_lights_punctual; the window is of Karis 2013, "Real Shading in Unreal Engine 4".
 fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidence {
     var out: Incidence;

@@ -1,9 +1,9 @@
 // One light's map: bind group 2 of the passes that convert it and look it up.
-// Host src/techniques/maps/gpu/constants.rs, src/render/pools/gpu_types.rs
-// Spaces relative: world axes, origin at the eye; face: origin at the light, x right, y up, z away from the
-// light;
-// NDC of a face: y up; texel: row 0 at the top
-// Twin techniques::maps::packing, for the packings
+// Host    src/techniques/maps/gpu/constants.rs, src/render/pools/gpu_types.rs
+// Spaces  relative: world axes, origin at the eye
+//         face: origin at the light, x right, y up, z away from the light
+//         NDC of a face: y up; texel: row 0 at the top
+// Twin    techniques::maps::packing, for the packings
 #define_import_path antumbra::map
 
 struct MapFace {                    // mirror: render::pools::gpu_types::MapFace

@@ -1,5 +1,5 @@
 // The visibility mask of one light: bind group 3 of the passes that read it.
-// Host src/render/gpu/bind_groups.rs, src/render/frame/targets.rs
+// Host    src/render/gpu/bind_groups.rs, src/render/frame/targets.rs
 #define_import_path antumbra::mask
 
 @group(3) @binding(0) var mask: texture_2d<f32>;

@@ -1,6 +1,6 @@
 // The surface that each pixel shows: bind group 1 of passes that resolve a mask.
-// Host src/render/gpu/bind_groups.rs, src/render/frame/targets.rs
-// Spaces relative: world axes, origin at the eye
+// Host    src/render/gpu/bind_groups.rs, src/render/frame/targets.rs
+// Spaces  relative: world axes, origin at the eye
 #define_import_path antumbra::receiver
 
 #import antumbra::view::relative_from_pixel

@@ -1,6 +1,6 @@
 // Drawn surfaces: the vertex stage and the material, shared by the passes that draw them.
-// Host src/render/pools/{meshes,materials,gpu_types}.rs
-// Groups 0 view, 2 material
+// Host    src/render/pools/{meshes,materials,gpu_types}.rs
+// Groups  0 view, 2 material
 #define_import_path antumbra::surface
 
 #import antumbra::view::{clip_position, relative_position, relative_vector, relative_normal}

@@ -1,8 +1,8 @@
 // View and objects: bind group 0 of every scene pass.
-// Host src/render/gpu/bind_groups.rs, src/render/pools/gpu_types.rs
-// Spaces local; relative: world axes, origin at the eye, so that positions stay exact far from the world's
-// origin;
-// clip: reversed depth
+// Host    src/render/gpu/bind_groups.rs, src/render/pools/gpu_types.rs
+// Spaces  local
+//         relative: world axes, origin at the eye, so that positions stay exact far from the world's origin
+//         clip: reversed depth
 #define_import_path antumbra::view
 
 struct View {                       // mirror: render::pools::gpu_types::View

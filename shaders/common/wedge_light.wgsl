@@ -1,8 +1,8 @@
 // A part of a light, for wedges and their resolve: where the receiver is, which part lies above the
 // receiver's horizon, and which part lies behind an edge.
-// Host src/techniques/penumbra_wedge/{geometry/records,gpu/plans,tables/lookup,tables/texture}.rs
-// Groups 2 wedges
-// Spaces light: origin at the part's centre; places on the light: the square from −1 to 1, or the unit disc
+// Host    src/techniques/penumbra_wedge/{geometry/records,gpu/plans,tables/lookup,tables/texture}.rs
+// Groups  2 wedges
+// Spaces  light: origin at the part's centre; places on the light: the square from −1 to 1, or the unit disc
 #define_import_path antumbra::wedge_light
 
 #import antumbra::coverage::{Projected, Seen, border_place, part_of, chord_of}

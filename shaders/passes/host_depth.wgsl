@@ -1,7 +1,7 @@
 // The depth of a host's picture: copied, then replaced by our own wherever the host shows a surface that we
 // know.
-// Host src/render/nodes/host_depth.rs; host_select.rs, which draws the same surfaces into the stencil
-// Groups 0 view, 2 material (not read), 3 the host's depth
+// Host    src/render/nodes/host_depth.rs; host_select.rs, which draws the same surfaces into the stencil
+// Groups  0 view, 2 material (not read), 3 the host's depth
 #import antumbra::view::ndc_from_pixel
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
 

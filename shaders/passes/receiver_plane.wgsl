@@ -1,7 +1,7 @@
 // The plane of the triangle that each pixel shows, for techniques that compare points in that plane. The
 // depth test is "equal", so triangles that were discarded or culled are not drawn.
-// Host src/render/nodes/receiver_plane.rs
-// Groups 0 view, 2 material (not read)
+// Host    src/render/nodes/receiver_plane.rs
+// Groups  0 view, 2 material (not read)
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
 #import antumbra::receiver::{octahedral_from_unit, unit_from_octahedral, NO_PLANE}
 

@@ -1,7 +1,7 @@
 // The visibility that the light pass used, as a picture. The target is cleared to 1. Surfaces of the light's
 // set I then write 0 where the stencil test finds them shadowed, or their mask.
-// Host src/render/nodes/visibility.rs
-// Groups 0 view, 2 material; `masked` also 3 mask
+// Host    src/render/nodes/visibility.rs
+// Groups  0 view, 2 material; `masked` also 3 mask
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
 #import antumbra::mask::visibility
 

@@ -52,7 +52,7 @@ pub struct LightSilhouettes {
     layout_generation: u64,
 }
 
-/// The silhouettes of this frame. Written by [`build_silhouettes`].
+/// The silhouettes of this frame. Written by `build_silhouettes`.
 #[derive(Resource, Debug, Default)]
 pub struct Silhouettes {
     lights: Vec<LightSilhouettes>,

@@ -19,14 +19,14 @@ pub struct CasterMesh {
     pub planes: FacingPlanes,
 }
 
-/// The edge mesh of a caster, written by [`build_caster_edges`].
+/// The edge mesh of a caster, written by `build_caster_edges`.
 ///
 /// A caster whose mesh has no edge mesh does not have this component and casts nothing;
 /// [`CasterMeshes::failures`] says why.
 #[derive(Component, Clone, Debug)]
 pub struct CasterEdges(pub Arc<CasterMesh>);
 
-/// Planes of a posed caster's triangles in this frame's pose. Written by [`update_posed_planes`].
+/// Planes of a posed caster's triangles in this frame's pose. Written by `update_posed_planes`.
 #[derive(Component, Clone, Debug, Default)]
 pub struct PosedPlanes(pub FacingPlanes);
 

@@ -1,4 +1,4 @@
-//! What a shadow volume is made of, and its caps.
+//! The contour of a caster: the edges and caps of which its shadow volume is made.
 
 use super::edges::extract_edges;
 use super::facing::{FacingBits, HAS_BACK, HAS_FACING};

@@ -1,5 +1,5 @@
 // Depth of the casters as one face of a map sees them.
-// Host src/techniques/maps/gpu/pipelines.rs
+// Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 casters, 1 first surface (`peel` alone), 2 material (`masked` alone)
 // Spaces  in: local; out: clip of the face, reversed depth
 #import antumbra::surface::{Fragment, base_color, material}

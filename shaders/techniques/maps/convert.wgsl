@@ -1,6 +1,6 @@
 // One face in the format that is looked up, made from the depths of its first and second surface.
-// Host src/techniques/maps/gpu/pipelines.rs
-// Groups 1 surfaces, 2 map
+// Host    src/techniques/maps/gpu/pipelines.rs
+// Groups  1 surfaces, 2 map
 #import antumbra::map::{map_light, pack_two_bytes, pack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_FLOAT, FORMAT_TWO_BYTES, FORMAT_FOUR_BYTES}
 

@@ -1,6 +1,6 @@
 // Edges of the volumes that a map's faces show, drawn over the picture: the debug view.
-// Host src/techniques/maps/gpu/pipelines.rs
-// Groups 0 casters: for each face, the matrix to the view's clip space from the cube [−1, 1]² × [0, 1]
+// Host    src/techniques/maps/gpu/pipelines.rs
+// Groups  0 casters: for each face, the matrix to the view's clip space from the cube [−1, 1]² × [0, 1]
 struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
     clip_from_local: mat4x4f,
 }

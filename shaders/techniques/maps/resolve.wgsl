@@ -1,7 +1,7 @@
 // Visibility of each pixel, looked up in a map and written into the mask.
-// Host src/techniques/maps/gpu/pipelines.rs
-// Groups 0 view, 1 receiver, 2 map and jitter, 3 textures
-// Spaces as in common/map.wgsl
+// Host    src/techniques/maps/gpu/pipelines.rs
+// Groups  0 view, 1 receiver, 2 map and jitter, 3 textures
+// Spaces  as in common/map.wgsl
 //
 // A pixel is compared with the plane of its own triangle, traced along each texel's ray: on a flat surface,
 // the texel's depth and the plane's depth belong to one point. The plane is raised by a share of a texel for

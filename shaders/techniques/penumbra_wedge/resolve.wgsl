@@ -1,7 +1,7 @@
 // From sums to visibility: adds one part of a light to the mask. The part's share of the light is the blend
 // constant.
-// Host src/techniques/penumbra_wedge/gpu/recorder.rs
-// Groups 0 view, 1 receiver, 2 wedges, 3 the visibility buffer
+// Host    src/techniques/penumbra_wedge/gpu/recorder.rs
+// Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
 #import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW}
 
@@ -66,7 +66,7 @@ fn times_hidden(hard: f32, packed: f32) -> vec3f {
 
 // How often the places on the light are hidden in one layer.
 struct Counts {
-    covered: f32,                   // sum of coverages; overlaps count as often as they are
+    covered: f32,                   // sum of coverages; each overlap counts again
     hidden: mat3x3f,
 }
 

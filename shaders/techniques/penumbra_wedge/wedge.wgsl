@@ -1,9 +1,8 @@
 // Wedges, separators and caps of one part of a light, blended into the visibility buffer.
-// Host src/techniques/penumbra_wedge/gpu/recorder.rs
-// Groups 0 view, 1 receiver, 2 wedges
-// Spaces in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0, depth 0. In
-// orthographic views
-// everything ends before it.
+// Host    src/techniques/penumbra_wedge/gpu/recorder.rs
+// Groups  0 view, 1 receiver, 2 wedges
+// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip
+//         Infinity is w = 0, depth 0. In orthographic views everything ends before it.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW}

@@ -1,10 +1,10 @@
 // Shadow volumes of one light: sides from silhouette edges, near and far caps from the caster's own
 // triangles.
 // The passes write only the stencil; the fragment stage is for the debug view.
-// Host src/techniques/stencil_volume/gpu/recorder.rs
-// Twin techniques::shared::extrude, held equal by tests/cpu_gpu_parity.rs
-// Groups 0 view, 2 casters, 3 positions of the caster's mesh
-// Spaces in: local (position and light); out: clip
+// Host    src/techniques/stencil_volume/gpu/recorder.rs
+// Twin    techniques::shared::extrude, held equal by tests/cpu_gpu_parity.rs
+// Groups  0 view, 2 casters, 3 positions of the caster's mesh
+// Spaces  in: local (position and light); out: clip
 #import antumbra::view::clip_position
 #import antumbra::view::objects
 

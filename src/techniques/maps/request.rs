@@ -38,7 +38,7 @@ pub struct MapRequest {
     pub resolution: MapResolution,
     /// How comparisons are combined.
     pub filter: MapFilter,
-    /// What a texel holds.
+    /// Format of a texel.
     pub format: MapFormat,
     /// Which surface of the casters the map holds.
     pub surface: MapSurface,

@@ -52,7 +52,7 @@ pub enum Key {
         shape: MapShape,
         /// Number of cascades; 1 for other shapes.
         cascade_count: u32,
-        /// What a texel holds.
+        /// Format of a texel.
         format: MapFormat,
         /// Whether it writes the number of taps into the colours.
         show_taps: bool,
