@@ -2,8 +2,8 @@
 //! [`ShadowMap`](super::ShadowMap) and [`OmniMap`](super::OmniMap) share this code.
 //!
 //! ```text
-//! lights with a map ──► request ──► share memory ──► faces ──► casters of a face ──► changes ──► draws,
-//! resolve (components) validated limit f64 still and moving revisions GPU
+//! lights with a map ──► request ──► memory ──► faces ──► casters of a face ──► changes ──► draws, lookup
+//!   (components)        validated    limited    in f64     still and moving     revisions       GPU
 //! ```
 //!
 //! | file | holds |

@@ -25,8 +25,8 @@ use crate::silhouettes::NeedsSilhouettes;
 )]
 #[require(NeedsSilhouettes)]
 pub struct PenumbraWedge {
-    /// Number of parts along a rectangle's width and height, each cast as a light of its own; 1 to
-    /// [`MAX_SPLIT`], other values are clamped. Default: 1, 1.
+    /// Number of parts along a rectangle's width and height, each cast as a light of its own; 1 to 8, other
+    /// values are clamped. Default: 1, 1.
     ///
     /// Higher values separate overlapping casters better, and the time grows with the number of parts. Raise
     /// it for thin or tangled casters. A sphere is split into as many smaller spheres, which do not fill its
@@ -112,8 +112,8 @@ pub enum Overlap {
     /// Estimates how much of the light is hidden from nine soft samples on the light, corrected by the exact
     /// sum of coverages (a control variate). Takes one pass.
     ///
-    /// The error is at most 0.03 where nothing overlaps. Where much overlaps, nine samples and the sum limit
-    /// it. The samples are soft, so none jumps when the light moves.
+    /// The error is at most 0.03 where nothing overlaps. Where much overlaps, it is that of nine samples
+    /// and the sum. The samples are soft, so none jumps when the light moves.
     ///
     /// Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light without texture.
     /// Otherwise [`Overlap::Additive`] is used.

@@ -1,8 +1,8 @@
 //! Soft shadows by penumbra wedges.
 //!
 //! ```text
-//! silhouette edges ──► wedges (parts, shell, records, topology) ──► visibility buffer ──► mask a part of a
-//! light a record per edge, flat arrays gpu/passes gpu/resolve
+//! silhouette edges ──► wedges (parts, shell, records, topology) ──► visibility buffer ──► mask
+//!   a part of a light     one record per edge, flat arrays            recorder, passes      resolve
 //! ```
 //!
 //! Take a surface point `p` and one part of a light. Let `w` be the count of the hard shadow from the part's
@@ -26,7 +26,7 @@
 //! Only the part of the light above the receiver's horizon counts, as in the light pass. Otherwise a convex
 //! caster would darken itself under the silhouette from the centre.
 //!
-//! The sum counts overlapping coverages as often as they overlap. Therefore the same faces, with the same
+//! The sum counts every overlap again. Therefore the same faces, with the same
 //! signs, also count how often each of nine places on the light is hidden. An edge adds 1 where it hides a
 //! place, 0 where it does not, and an intermediate step where it passes close. From both, the resolve
 //! estimates how much is hidden at all ([`Overlap::Sampled`]).
