@@ -1,8 +1,8 @@
 //! Shadow techniques, one folder each: its component, its CPU geometry and systems, its recorder.
 //!
-//! A technique is a component on the light; lights choose separately, and any mix renders in one frame. What a
-//! technique leaves is visibility (1 where a surface point sees the whole light, 0 where it sees none), and the light
-//! pass multiplies by it and knows nothing else about techniques.
+//! A technique is a component on a light. Each light chooses its own, and any mix renders in one frame. A
+//! technique leaves visibility: 1 where a surface point sees the whole light, 0 where it sees none of it. The
+//! light pass multiplies by visibility and knows nothing else about techniques.
 
 pub mod maps;
 pub mod omni_map;
@@ -16,7 +16,7 @@ pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
 pub use shadow_map::ShadowMap;
 pub use stencil_volume::StencilVolume;
 
-/// Holds maps to the size that the device allows.
+/// Limits the resolution of maps to what the device allows.
 ///
 /// Set: `BuildTechniques`, before `build_maps`.
 #[cfg(feature = "render")]
@@ -30,10 +30,10 @@ pub fn limit_maps_to_device(
     }
 }
 
-/// Gives a renderer the crate's own techniques, unless techniques of these names were added to it.
+/// Gives a renderer the crate's own techniques, except those whose names it has already.
 ///
-/// Set: `PrepareGpu`, before `prepare_techniques`. Here and not in the renderer, which knows no technique by name.
-/// Compares names; only the first frame of a renderer does more.
+/// Set: `PrepareGpu`, before `prepare_techniques`. It is here because the renderer knows no technique by
+/// name. It compares names; only the first frame of a renderer does more.
 #[cfg(feature = "render")]
 pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::render::Renderer>) {
     use maps::gpu::recorder::MapNode;

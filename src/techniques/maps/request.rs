@@ -1,4 +1,4 @@
-//! What a light asks for: the components of both kinds of map in one form, with everything refused that cannot be drawn.
+//! What a light asks for: both kinds of component in one form. Settings that cannot be drawn are refused.
 
 use crate::scene::{Light, LightKind};
 use crate::techniques::omni_map::OmniMap;
@@ -7,18 +7,18 @@ use crate::techniques::shadow_map::{Cascades, ShadowMap};
 
 use super::settings::{MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSurface};
 
-/// How the faces of a light's map stand.
+/// Arrangement of the faces of a light's map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapShape {
     /// One face along the axis of a spot light.
     Spot,
     /// Six faces of a cube.
     Cube,
-    /// Boxes behind one another.
+    /// Boxes for consecutive parts of the view depth.
     Cascades,
 }
 
-/// Which component a light has.
+/// The kind of component that a light has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapComponent {
     /// [`ShadowMap`].
@@ -27,33 +27,33 @@ pub enum MapComponent {
     Omni,
 }
 
-/// What a light asks for; all numbers usable.
+/// What a light asks for, with valid numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRequest {
-    /// Its component.
+    /// Component that asks for the map.
     pub component: MapComponent,
-    /// How the faces stand.
+    /// Arrangement of the faces.
     pub shape: MapShape,
     /// Texels along a side.
     pub resolution: MapResolution,
-    /// How comparisons are put together.
+    /// How comparisons are combined.
     pub filter: MapFilter,
-    /// What a texel holds.
+    /// Format of a texel.
     pub format: MapFormat,
-    /// Which surface.
+    /// Which surface of the casters the map holds.
     pub surface: MapSurface,
-    /// What keeps a surface from shadowing itself.
+    /// How a surface is kept from shadowing itself.
     pub bias: MapBias,
-    /// Metres; `None`: a share of the range.
+    /// Distance within which nothing casts, metres; `None`: a share of the range.
     pub near: Option<f32>,
-    /// The map is kept.
+    /// Whether the map is kept from frame to frame.
     pub cached: bool,
-    /// Of a directional light.
+    /// Cascades of a directional light.
     pub cascades: Cascades,
 }
 
-/// Half-angle beyond which a spot light's map has the faces of a cube, radians: there a face spends most of its texels
-/// near its rim.
+/// Half-angle, radians, beyond which a spot light's map has the faces of a cube. A single face would spend
+/// most of its texels near its rim.
 const WIDEST_SPOT: f32 = 1.05;
 
 fn light_name(kind: LightKind) -> &'static str {
@@ -67,10 +67,10 @@ fn light_name(kind: LightKind) -> &'static str {
 }
 
 impl MapRequest {
-    /// What a [`ShadowMap`] asks for.
+    /// Returns what a [`ShadowMap`] asks for.
     ///
     /// # Errors
-    /// The first setting that cannot be drawn with.
+    /// The first setting that cannot be used.
     pub fn of_shadow_map(map: &ShadowMap, light: &Light) -> Result<Self, MapError> {
         let shape = match light.kind {
             LightKind::Directional => MapShape::Cascades,
@@ -98,10 +98,10 @@ impl MapRequest {
         request.validated(light)
     }
 
-    /// What an [`OmniMap`] asks for.
+    /// Returns what an [`OmniMap`] asks for.
     ///
     /// # Errors
-    /// The first setting that cannot be drawn with.
+    /// The first setting that cannot be used.
     pub fn of_omni_map(map: &OmniMap, light: &Light) -> Result<Self, MapError> {
         if light.kind == LightKind::Directional {
             return Err(MapError::Kind {
@@ -186,7 +186,7 @@ impl MapRequest {
         Ok(self)
     }
 
-    /// Faces of the map.
+    /// Returns the number of faces of the map.
     pub fn face_count(&self) -> u32 {
         match self.shape {
             MapShape::Spot => 1,
@@ -195,7 +195,7 @@ impl MapRequest {
         }
     }
 
-    /// Whether the resolved texture is not the depth that casters are drawn into.
+    /// Whether the texture that is looked up differs from the depth into which casters are drawn.
     pub fn has_final(&self) -> bool {
         self.format != MapFormat::Depth || self.surface != MapSurface::Nearest
     }

@@ -1,4 +1,4 @@
-//! What a user sets on a light.
+//! The component that gives a light a shadow map, and the settings of cascades.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
@@ -8,8 +8,9 @@ use bevy_reflect::prelude::ReflectDefault;
 
 use crate::techniques::maps::{MapBias, MapFilter, MapResolution, MapSurface};
 
-/// Gives a spot light or a directional light shadows by a map. Alpha-tested casters cast the holes of their texture;
-/// casters block from both sides.
+/// Gives a spot light or a directional light shadows by a shadow map.
+///
+/// Alpha-tested casters cast the holes of their texture. Casters block from both sides.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -17,19 +18,27 @@ use crate::techniques::maps::{MapBias, MapFilter, MapResolution, MapSurface};
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
 pub struct ShadowMap {
-    /// Texels along a side, of each cascade.
+    /// Texels along a side of the map, or of each cascade. Higher values sharpen edges; each doubling takes
+    /// four times the memory and fill rate. Default: 128 to 1024, by the light's size on the screen; cascades
+    /// take the upper limit.
     pub resolution: MapResolution,
-    /// How comparisons are put together.
+    /// How comparisons with the map are combined: more taps soften or smooth edges and cost texture reads.
+    /// Default: bilinear.
     pub filter: MapFilter,
-    /// Which surface of the casters the map holds.
+    /// Which surface of the casters the map holds. Default: the nearest.
     pub surface: MapSurface,
-    /// What keeps a surface from shadowing itself.
+    /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
-    /// Distance from a spot light before which nothing casts, metres; `None`: a hundred-thousandth of its range.
+    /// Distance from a spot light, metres, within which nothing casts; greater than 0 and less than the
+    /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): a
+    /// hundred-thousandth of the range. Depth is reversed floating point, so a small value costs no
+    /// precision.
     pub near: Option<f32>,
-    /// Keeps the map and draws only what changed.
+    /// Keeps the map from frame to frame and draws only the faces that changed. This takes 4 bytes a texel
+    /// and face, twice that while some casters move. Without it, lights share a map that is drawn every
+    /// frame; that suits lights whose casters all move. Default: true.
     pub cached: bool,
-    /// Of a directional light.
+    /// How a directional light's maps share the view depth. Other lights ignore it.
     pub cascades: Cascades,
 }
 
@@ -47,7 +56,7 @@ impl Default for ShadowMap {
     }
 }
 
-/// How a directional light's maps share the view.
+/// How a directional light's maps share the view depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -55,13 +64,18 @@ impl Default for ShadowMap {
     reflect(Default, Debug, Clone, PartialEq)
 )]
 pub struct Cascades {
-    /// 1 to 4.
+    /// Number of maps, 1 to 4. More give finer texels near the camera; each takes the memory and the draws of
+    /// one map. Default: 4.
     pub count: u32,
-    /// View depth beyond which nothing is shadowed, metres; infinite: as far as surfaces are seen.
+    /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
+    /// nearby. Default: infinite, which reaches as far as surfaces are seen.
     pub distance: f32,
-    /// 0: equal parts of the view depth; 1: equal ratios. Source: Zhang et al. 2006, "Parallel-Split Shadow Maps".
+    /// How depth is divided, 0 to 1. 0 makes equal parts of the view depth; 1 makes equal ratios, which gives
+    /// near surfaces finer texels and far ones coarser. Default: 0.75. Source: Zhang et al. 2006,
+    /// "Parallel-Split Shadow Maps".
     pub log_share: f32,
-    /// Share of a cascade, at its border, in which it passes into the next; 0 to 0.5.
+    /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
+    /// change of resolution better, but more pixels look up two maps. Default: 0.1.
     pub blend: f32,
 }
 

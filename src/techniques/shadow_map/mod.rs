@@ -2,10 +2,10 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | [`component`] | what a user sets on a light |
-//! | [`cascades`] | the boxes that a directional light's maps show |
+//! | `component` | [`ShadowMap`] and [`Cascades`], which a user sets on a light |
+//! | `cascades` | the boxes that a directional light's maps show |
 //!
-//! All else is shared with the maps of point lights, in [`maps`](super::maps).
+//! Everything else is shared with the maps of point lights, in [`maps`](super::maps).
 
 pub(crate) mod cascades;
 pub(crate) mod component;

@@ -8,7 +8,7 @@
 //! | `pipelines`, `layouts` | pipelines and bind groups |
 //! | `recorded` | which faces are drawn, and what a dropped encoder takes back |
 //! | `pool` | textures of kept and shared maps |
-//! | `constants` | what the lookup reads of a light |
+//! | `constants` | the shader's constants of a light's map |
 
 pub(crate) mod constants;
 mod draws;

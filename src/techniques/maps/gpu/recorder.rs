@@ -6,12 +6,12 @@
 //! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
 //! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
 //!
-//! Faces are drawn by `draw_pictures`, once a frame, before the screen. Only a texture that several lights use in turn is
-//! drawn in their lookups: maps that are not kept, of one size and kind.
+//! Faces are drawn by `draw_pictures`, once a frame, before any pass of the screen. Only a texture that several lights use
+//! in turn is drawn just before each lookup: lights whose maps are not kept share textures of equal size and format.
 //!
-//! Each face: still casters into their layer; a copy of it, and over it what moves; from that, where depth of the nearest
-//! surface is not what is looked up, the second surface and a conversion. Each step is left out while its revision is
-//! that of the last time.
+//! The steps of a face are: draw still casters into their layer; copy it and draw moving casters over the
+//! copy; where the lookup needs more than the depth of the nearest surface, draw the second surface and
+//! convert. A step is skipped while its revision is unchanged.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -43,20 +43,20 @@ use crate::techniques::maps::settings::{MapSettings, MapSurface};
 /// Bytes between the constants of lights.
 pub(in crate::techniques::maps) const STRIDE: usize = 512;
 
-/// What is to be drawn of one face.
+/// What must be drawn of one face.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct FacePlan {
     pub face: usize,
     pub still: Option<Range<usize>>,
-    /// Over a copy of the still layer.
+    /// Draws over a copy of the still layer.
     pub moving: Option<Range<usize>>,
-    /// All casters, for the second surface; empty for the nearest.
+    /// Draws of all casters for the second surface; empty for the nearest.
     pub peeled: [Range<usize>; 2],
     pub still_revision: u64,
     pub revision: u64,
 }
 
-/// What is to be done for one light.
+/// What must be recorded for one light.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct LightPlan {
     pub light: usize,
@@ -67,11 +67,11 @@ pub(in crate::techniques::maps) struct LightPlan {
     /// Several lights use one texture in turn, as none of them keeps its map: it is drawn just before each lookup.
     pub takes_turns: bool,
     pub draw_count: usize,
-    /// Matrices of the debug view.
+    /// Range of the matrices of the debug view.
     pub frusta: Range<u32>,
 }
 
-/// The recorder of one of the two components.
+/// The recorder of the maps of one of the two components.
 #[derive(Debug)]
 pub struct MapNode {
     component: MapComponent,
@@ -90,7 +90,7 @@ pub struct MapNode {
 }
 
 impl MapComponent {
-    /// Name of the technique.
+    /// Returns the name of the technique.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Shadow => "shadow_map",
@@ -141,7 +141,7 @@ impl MapNode {
         })
     }
 
-    /// Bytes of all its textures.
+    /// Returns the memory of all its textures, bytes.
     pub fn texture_bytes(&self) -> u64 {
         self.pool.bytes()
     }
@@ -151,7 +151,7 @@ impl MapNode {
         Some((at, &self.lights[at]))
     }
 
-    /// Plans the draws of one face; `None` if it is as it should be.
+    /// Plans the draws of one face; `None` if it is up to date.
     fn plan_face(
         &mut self,
         world: &World,
@@ -170,7 +170,7 @@ impl MapNode {
             return None;
         }
         let mut push = |set| self.draws.push(world, input, objects, &state.face, set);
-        // A map that is not kept has one layer, with all its casters.
+        // A map that is not kept has one layer, which holds all its casters.
         let own = if map.cached { &state.still } else { &state.moving };
         let still = draw_still.then(|| push(own));
         let moving = key.moving.then(|| push(&state.moving));
@@ -198,7 +198,7 @@ impl MapNode {
         })
     }
 
-    /// Matrices from each face's clip space to the view's, for the debug view.
+    /// Adds the matrices from each face's clip space to the view's, for the debug view.
     fn plan_frusta(&mut self, map: &LightMap, input: &PrepareInput, view: &ViewData) -> Range<u32> {
         let first = self.draws.casters.len() as u32;
         if !input.debug_view {
@@ -206,7 +206,7 @@ impl MapNode {
         }
         self.pipelines.require(input.context, Key::Frustum);
         for state in &map.faces {
-            // Reversed depth reaches infinity, where no edge would end.
+            // Reversed depth reaches infinity, where no edge would end, so faces are cut at the reach.
             let (far, length) = match state.face.projection {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
                 FaceProjection::Parallel { .. } => (0.0, 1.0),
@@ -381,7 +381,7 @@ impl Recorder for MapNode {
         self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
-    /// Draws the edges of what the faces show.
+    /// Draws the edges of the volumes that the faces show.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, _input: &RecordInput) {
         let pipeline = self.pipelines.get(Key::Frustum);
         if let (Some((_, plan)), Some(pipeline)) = (self.plan_of(light), pipeline) {
@@ -391,7 +391,7 @@ impl Recorder for MapNode {
         }
     }
 
-    /// Draws of casters; the lookup is one more, of one triangle.
+    /// Returns the number of draws of casters. The lookup is one more, of one triangle.
     fn batch_count(&self, light: usize) -> usize {
         self.plan_of(light).map_or(0, |(_, plan)| plan.draw_count)
     }
