@@ -1,17 +1,16 @@
 //! One thread or many: the same sets, bit for bit. Alone in its file, since the pool of threads is the process's.
 
+#[path = "core/sets_harness/mod.rs"]
 mod sets_harness;
 
 use std::sync::Arc;
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::{MeshData, SceneMaterials, SceneMesh};
-use antumbra::scene::{
-    Light, LocalBounds, Material, update_local_bounds, update_world_bounds,
-};
+use antumbra::scene::{Light, LocalBounds, Material, update_world_bounds};
 use antumbra::sets::{
-    FrameLights, FrustumSet, LightTechnique, Needs, Objects, SetWork, collect_frame_lights, collect_light_sets,
-    collect_sets,
+    FrameLights, FrustumSet, LightTechnique, Needs, Objects, SetWork, collect_frame_lights,
+    collect_light_sets, collect_sets,
 };
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;

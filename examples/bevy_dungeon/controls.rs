@@ -138,9 +138,10 @@ fn tell(
     frame.0 += (now - frame.0) * 0.1;
     let count = |technique| lights.iter().filter(|(_, own)| **own == technique).count();
     let techniques = Technique::all();
-    let by_technique = techniques.iter().enumerate().map(|(at, &technique)| {
-        format!("{} {}: {}", at + 1, technique.name(), count(technique))
-    });
+    let by_technique = techniques
+        .iter()
+        .enumerate()
+        .map(|(at, &technique)| format!("{} {}: {}", at + 1, technique.name(), count(technique)));
     let by_technique: Vec<String> = by_technique.collect();
     let chosen = match chosen.0.and_then(|light| lights.get(light).ok()) {
         Some((light, technique)) => format!("light {light}: {}", technique.name()),

@@ -26,7 +26,10 @@ impl Technique {
     pub fn all() -> Vec<Self> {
         let point = antumbra::scene::Light::point(Vec3::ONE, 1.0, ROOM);
         let techniques = Techniques::default();
-        let fitting = techniques.rows().iter().filter(|row| row.defaults().check(&point).is_ok());
+        let fitting = techniques
+            .rows()
+            .iter()
+            .filter(|row| row.defaults().check(&point).is_ok());
         let ours = fitting.copied().map(Self::Ours);
         ours.chain([Self::Bevy, Self::None]).collect()
     }

@@ -96,7 +96,11 @@ fn passes_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError
             let rest = pass.label.strip_prefix(&label);
             rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
         };
-        let own: Vec<f64> = passes.iter().filter(is_own).map(|pass| pass.milliseconds).collect();
+        let own: Vec<f64> = passes
+            .iter()
+            .filter(is_own)
+            .map(|pass| pass.milliseconds)
+            .collect();
         if !own.is_empty() {
             times.push(own.iter().sum());
         }

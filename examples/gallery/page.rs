@@ -143,20 +143,30 @@ impl Page {
             clear_panes: false,
             background: Vec3::new(0.012, 0.014, 0.018),
             ambient: Vec3::splat(0.02),
-            techniques: Techniques::default().rows().iter().take(1).map(Row::defaults).collect(),
+            techniques: Techniques::default()
+                .rows()
+                .iter()
+                .take(1)
+                .map(Row::defaults)
+                .collect(),
             shots: Vec::new(),
         }
     }
 
     /// Names of the techniques, for the tables.
     pub fn technique_names(&self) -> String {
-        let names = self.techniques.iter().map(|settings| settings.row().name().replace('_', " "));
+        let names = self
+            .techniques
+            .iter()
+            .map(|settings| settings.row().name().replace('_', " "));
         names.collect::<Vec<_>>().join(", ")
     }
 
     /// The technique that fits a light.
     fn technique_of(&self, light: &Light) -> Option<&Settings> {
-        self.techniques.iter().find(|settings| settings.check(light).is_ok())
+        self.techniques
+            .iter()
+            .find(|settings| settings.check(light).is_ok())
     }
 
     /// Builds the page's world.
@@ -179,7 +189,11 @@ impl Page {
             ));
         }
         for named in &self.lights {
-            stage.spawn_shadowed(named.light.clone(), named.transform, self.technique_of(&named.light));
+            stage.spawn_shadowed(
+                named.light.clone(),
+                named.transform,
+                self.technique_of(&named.light),
+            );
             light_names.push(named.name.to_owned());
         }
         stage.schedule.run(&mut stage.world);

@@ -38,10 +38,12 @@ impl ShotShadow {
         let mut track = serde_path_to_error::Track::new();
         let from = serde_path_to_error::Deserializer::new(Value::Object(settings), &mut track);
         let parsed = row.parse(from);
-        parsed.map(Some).map_err(|error| match track.path().to_string().as_str() {
-            "." => format!("shadow: {error}"),
-            path => format!("shadow.{path}: {error}"),
-        })
+        parsed
+            .map(Some)
+            .map_err(|error| match track.path().to_string().as_str() {
+                "." => format!("shadow: {error}"),
+                path => format!("shadow.{path}: {error}"),
+            })
     }
 }
 

@@ -9,9 +9,7 @@ use antumbra::render::VISIBILITY_FORMAT;
 use antumbra::render::create_target;
 use antumbra::render::readback::{TexelRows, read_texture};
 use antumbra::scene::WorldBounds;
-#[cfg(feature = "serde")]
 use antumbra::scene::apply_animation;
-#[cfg(feature = "serde")]
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
 use antumbra::schedule::{init_resources, standalone_schedule};
 use antumbra::techniques::{Settings, Techniques, add_row};
@@ -19,9 +17,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
-#[cfg(feature = "serde")]
 use super::picture;
-#[cfg(feature = "serde")]
 use super::shot::Shot;
 
 /// Format of the picture.
@@ -58,7 +54,6 @@ impl Stage {
     ///
     /// # Errors
     /// One line that names the file and the element.
-    #[cfg(feature = "serde")]
     pub fn of_shot(shot: &Shot) -> Result<Self, String> {
         let file = shot.scene.display();
         let loaded = load_gltf(&shot.scene).map_err(|error| one_line(&error))?;
@@ -107,7 +102,6 @@ impl Stage {
         Ok(stage)
     }
 
-    #[cfg(feature = "serde")]
     fn pose(
         &mut self,
         loaded: &LoadedGltf,
@@ -138,7 +132,12 @@ impl Stage {
     }
 
     /// The same with settings of any technique, which the stage learns if it does not know it.
-    pub fn spawn_shadowed(&mut self, light: Light, transform: Transform, shadow: Option<&Settings>) -> Entity {
+    pub fn spawn_shadowed(
+        &mut self,
+        light: Light,
+        transform: Transform,
+        shadow: Option<&Settings>,
+    ) -> Entity {
         let entity = self.spawn_light(light, transform, None::<()>);
         if let Some(shadow) = shadow {
             self.shadow(entity, shadow);
@@ -173,7 +172,6 @@ impl Stage {
             .fold(Aabb::EMPTY, |all, bounds| all.union(bounds.0))
     }
 
-    #[cfg(feature = "serde")]
     fn choose_camera(
         &mut self,
         loaded: &LoadedGltf,

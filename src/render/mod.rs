@@ -21,14 +21,16 @@ pub(crate) mod settings;
 pub(crate) mod shaders;
 
 pub use context::{RenderContext, RenderError, RequestedFeatures};
-pub use frame::frame_data::{ActiveLight, FrameData, Viewport};
+pub use frame::frame_data::{ActiveLight, FrameData, LightShadow, TechniqueIndex, Viewport};
 pub use frame::hosted::{HostFrame, HostView, stencil_lit};
 pub use frame::record::FrameOutputs;
 pub use frame::targets::{FrameTargets, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target};
 pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
 pub use nodes::pipelines::VISIBILITY_FORMAT;
-pub use recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+pub use recorder::{
+    Leaves, Mark, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput, ShadowKind,
+};
 pub use recorders::Recorders;
 pub use renderer::Renderer;
 pub use settings::RenderSettings;

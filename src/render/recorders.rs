@@ -3,7 +3,8 @@
 use std::any::TypeId;
 use std::ops::Index;
 
-use super::recorder::{Leaves, Recorder};
+use super::frame::frame_data::{LightShadow, TechniqueIndex};
+use super::recorder::Recorder;
 use crate::sets::LightTechnique;
 
 /// The recorders of the world's techniques, one for all techniques whose recorders are of one type.
@@ -27,11 +28,17 @@ impl Recorders {
         self.recorders.len()
     }
 
-    /// Index of the recorder of a light's technique, and what it leaves of the light at `light` in
-    /// [`FrameLights`](crate::sets::FrameLights).
-    pub(super) fn shadow_of(&self, light: usize, technique: &LightTechnique) -> Option<(usize, Leaves)> {
+    /// How the shadow of the light at `light` in [`FrameLights`](crate::sets::FrameLights) is drawn.
+    pub(super) fn shadow_of(&self, light: usize, technique: &LightTechnique) -> Option<LightShadow> {
         let recorder = *self.of_row.get(technique.row)?;
-        Some((recorder, self.recorders[recorder].visibility(light)?))
+        Some(LightShadow {
+            technique: TechniqueIndex(recorder),
+            kind: self.recorders[recorder].light(light)?.kind(),
+        })
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &dyn Recorder> {
+        self.recorders.iter().map(Box::as_ref)
     }
 
     pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Box<dyn Recorder>> {

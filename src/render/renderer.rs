@@ -23,7 +23,7 @@ use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
-use super::recorder::{RecordInput, Recorder};
+use super::recorder::{Leaves, RecordInput, Recorder};
 use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, RenderContext, RenderError, Shaders};
@@ -209,8 +209,8 @@ impl Renderer {
 
     /// Draw calls of the technique of one light of the frame.
     pub fn shadow_batch_count(&self, light: &ActiveLight) -> usize {
-        light.shadow.map_or(0, |(technique, _)| {
-            self.techniques[technique].batch_count(light.light)
+        light.shadow.map_or(0, |shadow| {
+            self.techniques[shadow.technique.0].batch_count(light.light)
         })
     }
 
@@ -294,6 +294,11 @@ impl Renderer {
             materials: &self.materials,
             instances: &self.instances.buffer,
         }
+    }
+
+    /// What the technique of a light leaves of it.
+    pub(super) fn leaves(&self, light: &ActiveLight) -> Option<Leaves<'_>> {
+        self.techniques[light.shadow?.technique.0].light(light.light)
     }
 
     pub(super) fn record_input(&self) -> RecordInput<'_> {

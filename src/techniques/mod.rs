@@ -1,11 +1,11 @@
 //! Shadow techniques, one folder each: its component, its CPU geometry and systems, its recorder.
 //!
-//! A technique is a component on the light; lights choose separately, and any mix renders in one frame. What a
-//! technique leaves is visibility (1 where a surface point sees the whole light, 0 where it sees none), and the light
-//! pass multiplies by it and knows nothing else about techniques.
+//! A technique is a component on a light. Each light chooses its own, and any mix renders in one frame. A
+//! technique leaves visibility: 1 where a surface point sees the whole light, 0 where it sees none of it. The
+//! light pass multiplies by visibility and knows nothing else about techniques.
 //!
-//! [`Technique`] is the trait, and [`add_builtin`] the one list: a new technique is a folder here and a line there. One of
-//! somebody else's is a type and a call ([`AddTechnique`]).
+//! [`Technique`] is the trait, and [`add_builtin`] is the one list: a new technique is a folder here and a line
+//! there. A technique of somebody else is a type and a call ([`AddTechnique`]).
 
 pub mod maps;
 pub mod omni_map;

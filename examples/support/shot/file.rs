@@ -56,7 +56,8 @@ impl Shot {
     /// One line that names the file and the element.
     pub fn load(path: &Path, techniques: Techniques) -> Result<Self, String> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let mut shot = Self::parse(&text, techniques).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut shot =
+            Self::parse(&text, techniques).map_err(|error| format!("{}: {error}", path.display()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         shot.scene = folder.join(&shot.scene);
         for (index, light) in shot.lights.iter_mut().flatten().enumerate() {

@@ -194,7 +194,10 @@ impl ShotLight {
             range: range.unwrap_or(f32::INFINITY),
         };
         light.validate().map_err(|error| error.to_string())?;
-        let shadow = shadow.map(|shadow| shadow.settings(techniques)).transpose()?.flatten();
+        let shadow = shadow
+            .map(|shadow| shadow.settings(techniques))
+            .transpose()?
+            .flatten();
         if let Some(shadow) = &shadow {
             shadow.check(&light).map_err(|error| format!("shadow: {error}"))?;
         }

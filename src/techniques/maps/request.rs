@@ -59,37 +59,37 @@ fn resolution(texels: u32) -> Refusal {
     Refusal::setting("resolution", texels as f32, allowed)
 }
 
-/// How the faces of a light's map stand.
+/// Arrangement of the faces of a light's map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapShape {
     /// One face along the axis of a spot light.
     Spot,
     /// Six faces of a cube.
     Cube,
-    /// Boxes behind one another.
+    /// Boxes for consecutive parts of the view depth.
     Cascades,
 }
 
-/// What a light asks for; all numbers usable.
+/// What a light asks for, with valid numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRequest {
-    /// How the faces stand.
+    /// Arrangement of the faces.
     pub shape: MapShape,
     /// Texels along a side.
     pub resolution: MapResolution,
-    /// How comparisons are put together.
+    /// How comparisons are combined.
     pub filter: MapFilter,
-    /// What a texel holds.
+    /// Format of a texel.
     pub format: MapFormat,
-    /// Which surface.
+    /// Which surface of the casters the map holds.
     pub surface: MapSurface,
-    /// What keeps a surface from shadowing itself.
+    /// How a surface is kept from shadowing itself.
     pub bias: MapBias,
-    /// Metres; `None`: a share of the range.
+    /// Distance within which nothing casts, metres; `None`: a share of the range.
     pub near: Option<f32>,
-    /// The map is kept.
+    /// Whether the map is kept from frame to frame.
     pub cached: bool,
-    /// Of a directional light.
+    /// Cascades of a directional light.
     pub cascades: Cascades,
 }
 
@@ -185,7 +185,7 @@ impl MapRequest {
         Ok(self)
     }
 
-    /// Faces of the map.
+    /// Returns the number of faces of the map.
     pub fn face_count(&self) -> u32 {
         match self.shape {
             MapShape::Spot => 1,
@@ -194,7 +194,7 @@ impl MapRequest {
         }
     }
 
-    /// Whether the resolved texture is not the depth that casters are drawn into.
+    /// Whether the texture that is looked up differs from the depth into which casters are drawn.
     pub fn has_final(&self) -> bool {
         self.format != MapFormat::Depth || self.surface != MapSurface::Nearest
     }

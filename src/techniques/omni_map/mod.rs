@@ -2,10 +2,10 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | [`component`] | what a user sets on a light |
+//! | `component` | [`OmniMap`], which a user sets on a light |
 //! | `technique` | how the component joins the frame |
 //!
-//! All else is shared with the maps of other lights, in [`maps`](super::maps).
+//! Everything else is shared with the maps of other lights, in [`maps`](super::maps).
 //! Source: Gerasimov 2004, "Omnidirectional Shadow Mapping", GPU Gems ch. 12.
 
 pub(crate) mod component;

@@ -2,10 +2,10 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | [`component`] | what a user sets on a light |
+//! | `component` | [`ShadowMap`], which a user sets on a light |
 //! | `technique` | how the component joins the frame |
 //!
-//! All else is shared with the maps of point lights, in [`maps`](super::maps).
+//! Everything else is shared with the maps of point lights, in [`maps`](super::maps).
 
 pub(crate) mod component;
 pub(crate) mod technique;
