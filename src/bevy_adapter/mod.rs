@@ -43,6 +43,9 @@
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
+pub(crate) mod camera_warnings;
+pub(crate) mod deferral;
+pub(crate) mod deferred_views;
 pub(crate) mod entity_map;
 pub(crate) mod install;
 pub(crate) mod light_convert;

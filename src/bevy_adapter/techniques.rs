@@ -1,7 +1,7 @@
 //! Which components make a light managed: the shadow techniques, ours and those of others.
 
 use bevy::app::App;
-use bevy::ecs::component::Mutable;
+use bevy::ecs::component::{ComponentId, Mutable};
 use bevy::ecs::prelude::*;
 use bevy::ecs::world::EntityRef;
 use bevy::render::{Extract, ExtractSchedule, RenderApp};
@@ -27,12 +27,29 @@ struct Technique {
 #[derive(Resource, Default)]
 pub struct TouchedLights(pub Vec<Entity>);
 
+/// The components of all techniques; in the main world.
+#[derive(Resource, Default)]
+pub struct TechniqueComponents(pub Vec<ComponentId>);
+
+/// Techniques that were registered before the app had a renderer; in the main world.
+#[derive(Resource, Default)]
+struct Waiting(Vec<Box<dyn FnOnce(&mut App) + Send + Sync>>);
+
+/// Registers the techniques that waited for a renderer.
+pub(super) fn add_waiting(app: &mut App) {
+    if let Some(waiting) = app.world_mut().remove_resource::<Waiting>() {
+        for add in waiting.0 {
+            add(app);
+        }
+    }
+}
+
 /// Registers shadow techniques.
 pub trait AddShadowTechnique {
     /// A light of Bevy's with the component `T` gets its shadows from us. `set_up` is given the world and the schedule of
     /// each camera's shadow scene: a technique that the crate does not bring adds its systems and its recorder there
     /// ([`AntumbraSystems`](crate::schedule::AntumbraSystems), [`Recorder`](crate::render::recorder::Recorder)).
-    /// Does nothing in an app without a renderer. Before the first frame.
+    /// Does nothing in an app that never gets a renderer. Before the first frame, before or after the plugins.
     fn add_shadow_technique<T>(&mut self, set_up: fn(&mut World, &mut Schedule)) -> &mut Self
     where
         T: Component<Mutability = Mutable> + Clone + PartialEq;
@@ -43,9 +60,17 @@ impl AddShadowTechnique for App {
     where
         T: Component<Mutability = Mutable> + Clone + PartialEq,
     {
-        let Some(render_app) = self.get_sub_app_mut(RenderApp) else {
+        if self.get_sub_app(RenderApp).is_none() {
+            let mut waiting = self.world_mut().get_resource_or_init::<Waiting>();
+            waiting.0.push(Box::new(move |app| {
+                app.add_shadow_technique::<T>(set_up);
+            }));
             return self;
-        };
+        }
+        let component = self.world_mut().register_component::<T>();
+        let mut components = self.world_mut().get_resource_or_init::<TechniqueComponents>();
+        components.0.push(component);
+        let render_app = self.sub_app_mut(RenderApp);
         render_app.init_resource::<Techniques>();
         render_app.init_resource::<TouchedLights>();
         let mut techniques = render_app.world_mut().resource_mut::<Techniques>();
