@@ -41,10 +41,10 @@ impl Forward {
             Self::Chosen => None,
             Self::NoPrepass => Some("its `enable_prepass` is false".to_owned()),
             Self::FragmentShader(shader) => Some(format!(
-                "its fragment shader {shader} has no deferred counterpart; return one from `deferred_fragment_shader`"
+                "its fragment shader{shader} has no deferred counterpart; return one from `deferred_fragment_shader`"
             )),
             Self::VertexShader(shader) => Some(format!(
-                "its vertex shader {shader} has no deferred counterpart; return one from `deferred_vertex_shader`"
+                "its vertex shader{shader} has no deferred counterpart; return one from `deferred_vertex_shader`"
             )),
         }
     }
@@ -122,10 +122,11 @@ impl Deferral {
 
 type ShaderHandle = bevy::asset::Handle<Shader>;
 
+/// A blank and the name of a shader, if it has one.
 fn name_of(shader: Option<&ShaderHandle>) -> String {
     match shader.and_then(ShaderHandle::path) {
-        Some(path) => format!("`{path}`"),
-        None => "(without a path)".to_owned(),
+        Some(path) => format!(" `{path}`"),
+        None => String::new(), // made in code
     }
 }
 

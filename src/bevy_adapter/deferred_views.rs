@@ -34,7 +34,9 @@ use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_phase::{BinnedRenderPhase, BinnedRenderPhaseType, ViewBinnedRenderPhases};
 use bevy::render::render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines};
 use bevy::render::sync_world::MainEntity;
-use bevy::render::view::{ExtractedView, Msaa, RenderVisibilityRanges, RenderVisibleEntities, RetainedViewEntity};
+use bevy::render::view::{
+    ExtractedView, Msaa, RenderVisibilityRanges, RenderVisibleEntities, RetainedViewEntity,
+};
 
 use super::deferral::Deferral;
 use super::mirror::Mirrors;
@@ -61,7 +63,9 @@ pub(super) fn collect_deferred_views(
     let DeferredViews { now, before } = &mut *deferred;
     swap(now, before);
     now.clear();
-    let marked = views.iter().filter(|(_, camera)| mirrors.get(camera.id()).is_some());
+    let marked = views
+        .iter()
+        .filter(|(_, camera)| mirrors.get(camera.id()).is_some());
     now.extend(marked.map(|(view, _)| view.retained_view_entity));
     dirty.views.extend(now.symmetric_difference(before).copied());
 }
