@@ -3,6 +3,7 @@
 use std::any::TypeId;
 
 use bevy::app::App;
+use bevy::ecs::component::ComponentId;
 use bevy::ecs::prelude::*;
 use bevy::ecs::reflect::AppTypeRegistry;
 use bevy::render::{Extract, ExtractSchedule, RenderApp};
@@ -20,12 +21,22 @@ pub struct TouchedLights {
 }
 
 /// Adds a technique to an app with Bevy's renderer: to its list in the render world, from which each camera's mirror takes
-/// it. `false` if the app has no such renderer.
+/// it. Without such a renderer the technique waits for one, and this returns `false`.
 pub fn add_technique<T: Technique>(app: &mut App) -> bool {
     register_type::<T>(app);
-    let Some(render_app) = app.get_sub_app_mut(RenderApp) else {
+    if app.get_sub_app(RenderApp).is_none() {
+        let mut waiting = app.world_mut().get_resource_or_init::<Waiting>();
+        waiting.0.push(Box::new(|app| {
+            add_technique::<T>(app);
+        }));
         return false;
-    };
+    }
+    let component = app.world_mut().register_component::<T>();
+    let mut components = app.world_mut().get_resource_or_init::<TechniqueComponents>();
+    if !components.0.contains(&component) {
+        components.0.push(component);
+    }
+    let render_app = app.sub_app_mut(RenderApp);
     render_app.init_resource::<TouchedLights>();
     let world = render_app.world_mut();
     world.init_resource::<Techniques>();
@@ -37,6 +48,23 @@ pub fn add_technique<T: Technique>(app: &mut App) -> bool {
         render_app.add_systems(ExtractSchedule, collect);
     }
     true
+}
+
+/// The components of all techniques; in the main world.
+#[derive(Resource, Default)]
+pub struct TechniqueComponents(pub Vec<ComponentId>);
+
+/// Techniques that were added before the app had a renderer; in the main world.
+#[derive(Resource, Default)]
+struct Waiting(Vec<Box<dyn FnOnce(&mut App) + Send + Sync>>);
+
+/// Adds the techniques that waited for a renderer.
+pub(super) fn add_waiting(app: &mut App) {
+    if let Some(waiting) = app.world_mut().remove_resource::<Waiting>() {
+        for add in waiting.0 {
+            add(app);
+        }
+    }
 }
 
 fn register_type<T: Technique>(app: &mut App) {

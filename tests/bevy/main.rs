@@ -8,6 +8,7 @@
 mod core_harness;
 
 mod bad_input;
+mod cameras;
 mod depth;
 mod foreign;
 mod harness;
@@ -19,4 +20,5 @@ mod selection;
 mod setup;
 mod shading;
 mod shadows;
+mod stripes;
 mod sync;
