@@ -78,8 +78,13 @@ pub struct Readme;
 pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
+    /// The mirrors of all WGSL structs but those of wedges.
     #[cfg(feature = "render")]
-    pub use crate::render::pools::gpu_types;
+    pub mod gpu_types {
+        pub use crate::render::pools::gpu_types::*;
+        pub use crate::techniques::maps::gpu::gpu_types::*;
+        pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
+    }
     #[cfg(feature = "render")]
     pub use crate::render::shaders::{COMMON, PASSES};
     pub use crate::sets::index::boxes::WORD;

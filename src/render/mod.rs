@@ -16,6 +16,7 @@ pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
 pub(crate) mod renderer;
+pub(crate) mod resident;
 pub(crate) mod settings;
 pub(crate) mod shaders;
 
@@ -24,6 +25,7 @@ pub use frame::frame_data::{ActiveLight, FrameData, LightShadow, TechniqueIndex,
 pub use frame::hosted::{HostFrame, HostView, stencil_lit};
 pub use frame::record::FrameOutputs;
 pub use frame::targets::{FrameTargets, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target};
+pub use gpu::pipeline_cache::{PipelineCache, PipelineDesc, Stage, Variants};
 pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
 pub use nodes::pipelines::VISIBILITY_FORMAT;
@@ -31,6 +33,7 @@ pub use recorder::{
     Leaves, Mark, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput, ShadowKind,
 };
 pub use renderer::Renderer;
+pub use resident::Gpu;
 pub use settings::RenderSettings;
 pub use shaders::Shaders;
 /// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.

@@ -7,13 +7,12 @@ use glam::UVec2;
 
 use super::frame::frame_data::Viewport;
 use super::frame::targets::{FrameTargets, MaskTargets};
-use super::gpu::bind_groups::BindGroupLayouts;
 use super::gpu::timings::Timings;
 use super::nodes::light_begin::LightBegin;
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
-use super::{RenderContext, RenderError, Shaders};
+use super::{Gpu, RenderContext, RenderError};
 
 /// What a technique leaves of one light, and which part of the technique leaves it.
 #[derive(Clone, Copy)]
@@ -57,10 +56,8 @@ impl std::fmt::Debug for Leaves<'_> {
 pub struct PrepareInput<'a> {
     /// The device.
     pub context: &'a RenderContext,
-    /// Shader composition.
-    pub shaders: &'a Shaders,
-    /// The layouts that passes share.
-    pub layouts: &'a BindGroupLayouts,
+    /// What all views share: pipelines, layouts, shaders.
+    pub gpu: &'a Gpu,
     /// Meshes in buffers.
     pub meshes: &'a MeshPool,
     /// Mesh index and handedness by dense object index.

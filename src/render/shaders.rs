@@ -32,9 +32,10 @@ pub const COMMON: [(&str, &str); 12] = sources![
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 15] = sources![
+pub const PASSES: [(&str, &str); 16] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
+    "passes/full_screen.wgsl",
     "passes/host_depth.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",

@@ -40,19 +40,19 @@ pub fn add_builtin_techniques(mut renderer: bevy_ecs::prelude::ResMut<crate::ren
     use maps::request::MapComponent;
     use penumbra_wedge::gpu::recorder as wedge;
     use stencil_volume::gpu::recorder as volume;
-    let (context, shaders, layouts) = (renderer.context(), renderer.shaders(), renderer.layouts());
+    let gpu = renderer.gpu();
     let mut made: Vec<Result<Box<dyn crate::render::recorder::Recorder>, _>> = Vec::new();
     if !renderer.has_technique(volume::NAME) {
-        let node = volume::StencilVolumeNode::new(context, shaders, layouts);
+        let node = volume::StencilVolumeNode::new(gpu);
         made.push(node.map(|node| Box::new(node) as _));
     }
     if !renderer.has_technique(wedge::NAME) {
-        let node = wedge::PenumbraWedgeNode::new(context, shaders, layouts);
+        let node = wedge::PenumbraWedgeNode::new(gpu);
         made.push(node.map(|node| Box::new(node) as _));
     }
     for component in [MapComponent::Shadow, MapComponent::Omni] {
         if !renderer.has_technique(component.name()) {
-            let node = MapNode::new(component, context, shaders, layouts);
+            let node = MapNode::new(component, gpu);
             made.push(node.map(|node| Box::new(node) as _));
         }
     }

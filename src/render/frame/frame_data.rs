@@ -104,8 +104,6 @@ pub struct FrameData {
     pub blended_lights: Vec<BlendedLight>,
     /// Range of `batches`: all blended surfaces.
     pub blended_batches: Range<usize>,
-    /// Bytes of the light constants.
-    pub light_constants: Vec<u8>,
     /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
     pub front_casters: Vec<FixedBitSet>,
     /// Where the view is in the targets.

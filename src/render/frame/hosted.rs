@@ -92,8 +92,8 @@ impl Renderer {
     /// [`RenderError::Shader`].
     pub fn set_host(&mut self, host: Option<HostView>) -> Result<(), RenderError> {
         if host.is_some() && self.host_depth.is_none() {
-            self.host_depth = Some(HostDepth::new(&self.context, &self.shaders, &self.layouts)?);
-            self.host_select = Some(HostSelect::new(&self.context, &self.shaders, &self.layouts)?);
+            self.host_depth = Some(HostDepth::new(&self.gpu)?);
+            self.host_select = Some(HostSelect::new(&self.gpu)?);
         }
         self.host = host;
         Ok(())
@@ -112,7 +112,7 @@ impl Renderer {
         let (Some(targets), Some(host_depth)) = (&self.targets, &self.host_depth) else {
             return;
         };
-        if self.host.is_none() || !self.frame.has_view || self.context.is_lost() {
+        if self.host.is_none() || !self.frame.has_view || self.gpu.context.is_lost() {
             return;
         }
         self.timings.begin_frame();
@@ -126,7 +126,7 @@ impl Renderer {
             encoder,
             targets,
             &canvas.viewport,
-            &host_depth.bind(&self.context, &self.layouts, frame.depth),
+            &host_depth.bind(&self.gpu.context, &self.gpu.layouts, frame.depth),
             &self.view_group,
             &self.frame.batches[self.frame.ambient.clone()],
             &self.surface_resources(),

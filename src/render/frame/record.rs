@@ -4,6 +4,7 @@ use super::canvas::Canvas;
 use super::frame_data::{ActiveLight, LightShadow};
 use super::front_lights::LightSurfaces;
 use super::targets::FrameTargets;
+use crate::render::RenderError;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::nodes::visibility::Shadow;
@@ -26,8 +27,10 @@ impl Renderer {
     ///
     /// [`RenderSettings::exposure`]: crate::render::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
-        self.tonemap
-            .prepare(&self.context, format, self.settings.sanitized().exposure);
+        let exposure = self.settings.sanitized().exposure;
+        if let Err(error) = self.tonemap.prepare(&self.gpu, format, exposure) {
+            self.fail(error);
+        }
     }
 
     /// Records the prepared frame. Without a view, a size or a device it records nothing.
@@ -35,7 +38,7 @@ impl Renderer {
         let (Some(targets), Some((radiance, tonemap_group))) = (&self.targets, &self.radiance) else {
             return;
         };
-        if self.context.is_lost() {
+        if self.gpu.context.is_lost() {
             return;
         }
         self.timings.begin_frame();
@@ -131,7 +134,7 @@ impl Renderer {
     /// Lets the techniques draw their light-space pictures.
     pub(in crate::render) fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder) {
         let input = PictureInput {
-            context: &self.context,
+            context: &self.gpu.context,
             meshes: &self.meshes,
             materials: &self.materials,
             timings: &self.timings,
@@ -220,9 +223,9 @@ impl Renderer {
     ) {
         if let (Some(Leaves::Mask(resolve)), Some(masks)) = (self.leaves(light), &self.masks) {
             let input = ResolveInput {
-                context: &self.context,
+                context: &self.gpu.context,
                 record: surfaces.record_input(self, light),
-                device: &self.context.device,
+                device: &self.gpu.context.device,
                 radiance: canvas.radiance,
                 targets: canvas.targets,
                 masks,
@@ -356,18 +359,20 @@ impl Renderer {
     }
 
     /// Surface passes whose pipelines a frame needs, by batch.
-    pub(in crate::render) fn require_pipelines(&mut self) {
+    pub(in crate::render) fn require_pipelines(&mut self) -> Result<(), RenderError> {
         let reads_planes = self.reads_planes();
         let Self {
             frame,
             pipelines,
-            context,
+            gpu,
             host,
             ..
         } = self;
+        let mut required = Ok(());
         let mut require = |pass, batches: std::ops::Range<usize>| {
             for batch in &frame.batches[batches] {
-                pipelines.require(context, pass, batch.variant);
+                let made = pipelines.require(gpu, pass, batch.variant);
+                required = std::mem::replace(&mut required, Ok(())).and(made);
             }
         };
         let drawn = match host {
@@ -404,5 +409,6 @@ impl Renderer {
         {
             require(pass, frame.blended_batches.clone());
         }
+        required
     }
 }

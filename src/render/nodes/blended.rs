@@ -11,7 +11,8 @@
 use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::render::frame::draw_list::Batch;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
+use crate::render::gpu::strided::Strided;
+use crate::render::pools::gpu_types::Light;
 
 /// One blended object: its batches, and the light slots that reach it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -53,7 +54,7 @@ pub fn record(
         let batch = &batches[draw.batch..=draw.batch];
         draw_batches(pass, SurfacePass::AmbientBlended, batch, resources);
         for light in &blended_lights[draw.lights.clone()] {
-            pass.set_bind_group(1, lights, &[light.slot * LIGHT_STRIDE as u32]);
+            pass.set_bind_group(1, lights, &[Strided::<Light>::offset(light.slot as usize)]);
             let kind = if light.behind_front {
                 SurfacePass::LightBehindFront
             } else {

@@ -12,6 +12,7 @@
 
 pub(crate) mod constants;
 mod draws;
+pub(crate) mod gpu_types;
 mod layouts;
 mod passes;
 mod pipelines;
