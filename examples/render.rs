@@ -7,7 +7,7 @@
 //! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is one
 //! line on stderr that names the file and the element, exit status 1, and nothing is written.
 
-mod support;
+use antumbra_stage as support;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

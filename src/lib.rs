@@ -19,7 +19,7 @@
 //!
 //! # The map
 //!
-//! Arrows point one way: a later folder may use an earlier one, never back (`tests/layers.rs` holds it).
+//! Arrows point one way: a later folder may use an earlier one, never back (`tests/core/layers.rs` holds it).
 //!
 //! | folder | holds |
 //! | --- | --- |
@@ -100,6 +100,7 @@ pub mod insides {
 /// What most users name.
 pub mod prelude {
     pub use super::plugin::AntumbraPlugin;
+    #[cfg(feature = "render")]
     pub use super::render::frame::record::FrameOutputs;
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};

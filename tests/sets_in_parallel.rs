@@ -1,14 +1,13 @@
 //! One thread or many: the same sets, bit for bit. Alone in its file, since the pool of threads is the process's.
 
+#[path = "core/sets_harness/mod.rs"]
 mod sets_harness;
 
 use std::sync::Arc;
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::{MeshData, SceneMaterials, SceneMesh};
-use antumbra::scene::{
-    Light, LocalBounds, Material, ShadowedLight, update_local_bounds, update_world_bounds,
-};
+use antumbra::scene::{Light, LocalBounds, Material, ShadowedLight, update_world_bounds};
 use antumbra::sets::{FrameLights, FrustumSet, Objects, SetWork, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;

@@ -1,5 +1,5 @@
 // Lambertian emitters of an extent: what they shed on a surface in closed form, and where a mirror shows them.
-// Held against numerical integration by tests/area_lights.rs.
+// Held against numerical integration by tests/gpu/area_lights.rs.
 #define_import_path antumbra::area_light
 
 #import antumbra::conventions::PI

@@ -1,7 +1,7 @@
 // Shadow volumes of one light: sides from silhouette edges, near and far caps from the caster's own triangles.
 // Stencil only; the fragment stage is for the debug view.
 // Host    src/techniques/stencil_volume/node.rs
-// Twin    techniques::stencil_volume::extrude, held equal by tests/cpu_gpu_parity.rs
+// Twin    techniques::stencil_volume::extrude, held equal by tests/gpu/cpu_gpu_parity.rs
 // Groups  0 view, 2 casters, 3 positions of the caster's mesh
 // Spaces  in: local (position and light); out: clip
 #import antumbra::view::clip_position
