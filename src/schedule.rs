@@ -139,10 +139,7 @@ pub fn add_systems(schedule: &mut Schedule) {
             .chain()
             .in_set(silhouettes),
         volumes::build_stencil_volumes.in_set(techniques),
-        // Both say how deep they draw.
-        wedges::build_penumbra_wedges
-            .after(volumes::build_stencil_volumes)
-            .in_set(techniques),
+        wedges::build_penumbra_wedges.in_set(techniques),
         build_maps.in_set(techniques),
         sets::fit_view_depth.in_set(prepare),
     ));

@@ -24,7 +24,7 @@ use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
-use super::recorder::{Leaves, RecordInput, Recorder};
+use super::recorder::{Leaves, Recorder};
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
 
@@ -275,17 +275,6 @@ impl Renderer {
     /// What the technique of a light leaves of it.
     pub(super) fn leaves(&self, light: &ActiveLight) -> Option<Leaves<'_>> {
         self.techniques[light.shadow?.technique.0].light(light.light)
-    }
-
-    pub(super) fn record_input(&self) -> RecordInput<'_> {
-        RecordInput {
-            view: &self.view_group,
-            meshes: &self.meshes,
-            materials: &self.materials,
-            table: &self.table,
-            viewport: self.frame.viewport,
-            casters: None,
-        }
     }
 }
 

@@ -17,6 +17,7 @@
 //! | `loops` | the contour as closed loops |
 
 pub(crate) mod cache;
+pub(crate) mod caster_shape;
 pub(crate) mod casters;
 mod contour;
 mod edges;
@@ -26,6 +27,7 @@ mod planes;
 mod turning;
 
 pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
+pub use caster_shape::{CasterShape, CasterShapeItem};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
 pub use contour::{CapMode, Contour, extract_caps, extract_contour};
 pub use edges::extract_edges;

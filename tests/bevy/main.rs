@@ -19,4 +19,5 @@ mod selection;
 mod setup;
 mod shading;
 mod shadows;
+mod shared;
 mod sync;

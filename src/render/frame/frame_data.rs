@@ -37,6 +37,10 @@ impl Viewport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TechniqueIndex(pub usize);
 
+/// The place of a light among those that a frame draws, and of its constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightSlot(pub usize);
+
 /// How the shadow of one light is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightShadow {
@@ -53,8 +57,8 @@ pub struct ActiveLight {
     pub entity: Entity,
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
-    /// Slot of the light's constants.
-    pub slot: usize,
+    /// Where the constants of the light are.
+    pub slot: LightSlot,
     /// The light's shadow; `None` if the light has no technique.
     pub shadow: Option<LightShadow>,
     /// x, y, width, height; pixels of the targets.

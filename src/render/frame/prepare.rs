@@ -6,7 +6,7 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
-use super::frame_data::{ActiveLight, FrameData, LightShadow, TechniqueIndex, Viewport};
+use super::frame_data::{ActiveLight, FrameData, LightShadow, LightSlot, TechniqueIndex, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
@@ -237,7 +237,7 @@ pub fn prepare_draws(
             );
         }
         let unlit = first_unlit..frame.batches.len();
-        let slot = frame.lights.len();
+        let slot = LightSlot(frame.lights.len());
         let constants = light_constants(light, current.eye);
         renderer.lights.constants.push(&constants);
         let bounds = light.depth_bounds.filter(|_| renderer.settings.depth_bounds);
@@ -350,7 +350,7 @@ fn collect_blended(
         for active in &frame.lights {
             if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
                 frame.blended_lights.push(BlendedLight {
-                    slot: active.slot as u32,
+                    slot: active.slot,
                     behind_front: active.shadow.is_some(),
                 });
             }

@@ -6,9 +6,9 @@
 //! Reads   depth.  Writes  receiver depth
 //! Order   after `ambient`, and again after the depth of the front layer; left out when no light has a mask
 
-use crate::render::frame::targets::{DEPTH_COPY_FORMAT, FrameTargets, MaskTargets};
+use crate::render::frame::recording::Recording;
+use crate::render::frame::targets::{DEPTH_COPY_FORMAT, MaskTargets};
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
-use crate::render::gpu::timings::Timings;
 use crate::render::{Gpu, RenderError};
 
 /// The pipeline.
@@ -32,15 +32,9 @@ impl DepthCopy {
         })
     }
 
-    /// Records the copy of the depth of `targets`.
-    pub fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        masks: &MaskTargets,
-        timings: &Timings,
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    /// Records the copy of the depth at hand.
+    pub fn record(&self, frame: &mut Recording, masks: &MaskTargets) {
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("depth copy"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &masks.receiver_depth_view,
@@ -51,11 +45,11 @@ impl DepthCopy {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            timestamp_writes: timings.pass("depth copy"),
+            timestamp_writes: frame.timings.pass("depth copy"),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(3, &targets.depth_group, &[]);
+        pass.set_bind_group(3, &frame.canvas.targets.depth_group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

@@ -16,16 +16,13 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec4;
 
 use super::surface_pass::SurfacePass;
-use super::surfaces::{SurfaceResources, draw_batches};
-use crate::conventions::DEPTH_INFINITY;
+use super::surfaces::draw_batches;
 use crate::render::frame::draw_list::Batch;
-use crate::render::frame::frame_data::Viewport;
 use crate::render::frame::hosted::HostView;
-use crate::render::frame::targets::FrameTargets;
+use crate::render::frame::recording::Recording;
 use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
 use crate::render::gpu::kept::Kept;
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
-use crate::render::gpu::timings::Timings;
 use crate::render::pools::gpu_types;
 use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{ViewData, ViewDepth};
@@ -103,39 +100,19 @@ impl HostDepth {
     }
 
     /// Records the copy, and the draws of the visible set over it.
-    pub fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        viewport: &Viewport,
-        host: &wgpu::BindGroup,
-        view: &wgpu::BindGroup,
-        batches: &[Batch],
-        resources: &SurfaceResources,
-        timings: &Timings,
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    pub fn record(&self, frame: &mut Recording, host: &wgpu::BindGroup, batches: &[Batch]) {
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("host depth"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth_stencil_view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(DEPTH_INFINITY),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store: wgpu::StoreOp::Store,
-                }),
-            }),
-            timestamp_writes: timings.pass("host depth"),
+            depth_stencil_attachment: Some(frame.canvas.targets.cleared()),
+            timestamp_writes: frame.timings.pass("host depth"),
             ..Default::default()
         });
-        viewport.set(&mut pass);
-        pass.set_bind_group(0, view, &[]);
+        frame.canvas.viewport.set(&mut pass);
+        pass.set_bind_group(0, frame.view, &[]);
         pass.set_bind_group(3, host, &[]);
         pass.set_pipeline(&self.copy);
         pass.draw(0..3, 0..1);
-        draw_batches(&mut pass, SurfacePass::HostSurface, batches, resources);
+        draw_batches(&mut pass, SurfacePass::HostSurface, batches, &frame.surfaces);
     }
 }
 

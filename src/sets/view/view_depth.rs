@@ -1,5 +1,7 @@
 //! How the depth of a view is stored, and how far it reaches.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bevy_ecs::prelude::*;
 
 use super::frame_view::View;
@@ -64,23 +66,37 @@ impl ViewDepth {
 /// How deep techniques draw into an orthographic view. Its shadow volumes end at a finite depth, and none may
 /// be cut off there, because its end counts at surfaces in front of it. Perspective views reach infinity and
 /// do not need this.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+///
+/// Every technique reports its own reach, in any order and at the same time: the view takes the greatest.
+#[derive(Resource, Debug, Default)]
 pub struct DepthReach {
-    farthest: f64,
+    /// The bits of the greatest depth: floats that are not negative sort as their bits do.
+    farthest: AtomicU64,
 }
 
 impl DepthReach {
-    /// Records that something is drawn as deep as `depth` in this frame.
-    pub fn include(&mut self, depth: f64) {
-        self.farthest = self.farthest.max(depth);
+    /// Reports that something of this frame is drawn as deep as this.
+    pub fn include(&self, depth: f64) {
+        if depth > 0.0 {
+            self.farthest.fetch_max(depth.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// The greatest depth that was reported in this frame; 0 if none was.
+    pub fn farthest(&self) -> f64 {
+        f64::from_bits(self.farthest.load(Ordering::Relaxed))
+    }
+
+    fn reset(&self) {
+        self.farthest.store(0, Ordering::Relaxed);
     }
 }
 
 /// Resets [`DepthReach`], as nothing is drawn yet.
 ///
 /// Set: `CollectSets`, first.
-pub fn begin_depth_reach(mut reach: ResMut<DepthReach>) {
-    reach.set_if_neq(DepthReach::default());
+pub fn begin_depth_reach(reach: Res<DepthReach>) {
+    reach.reset();
 }
 
 /// Sizes an orthographic view's depth range so that it holds everything drawn this frame: visible objects up
@@ -117,7 +133,7 @@ pub fn fit_view_depth(
             projector.depth(center) + gradient.dot(half)
         })
         .fold(near, f64::max);
-    let needed = deepest.min(plane).max(reach.farthest);
+    let needed = deepest.min(plane).max(reach.farthest());
     // The range is a little longer than needed, so that its end can be distinguished from the background
     // behind it.
     let length = ((needed - near) * 1.001)
@@ -137,5 +153,21 @@ pub fn fit_view_depth(
     }
     for light in &mut lights.bypass_change_detection().lights {
         light.depth_bounds = light.depth_bounds.map(|bounds| bounds.stored_in(depth));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_greatest_reach_counts_in_any_order() {
+        let reach = DepthReach::default();
+        for depth in [3.0, f64::NAN, 70.0, -80.0, 5.0] {
+            reach.include(depth);
+        }
+        assert_eq!(reach.farthest(), 70.0);
+        reach.reset();
+        assert_eq!(reach.farthest(), 0.0);
     }
 }

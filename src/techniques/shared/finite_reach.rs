@@ -10,9 +10,8 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::{DepthReach, FrameLight, Projector, ViewData};
-use crate::silhouettes::CasterEdges;
+use crate::silhouettes::CasterShapeItem;
 
 /// What the volumes of a light must reach beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +86,7 @@ impl FiniteReach {
 }
 
 /// Tells the view how deep the hull of these points reaches.
-pub fn include_points(reach: &mut DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
+pub fn include_points(reach: &DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
     let projector = Projector::new(view);
     for point in points {
         reach.include(projector.depth(point.truncate().as_dvec3()));
@@ -95,20 +94,12 @@ pub fn include_points(reach: &mut DepthReach, view: &ViewData, points: impl Into
 }
 
 /// Tells the view how deep rays of this length from anywhere in a box may reach.
-pub fn include_rays(reach: &mut DepthReach, view: &ViewData, from: &Aabb, length: f32) {
+pub fn include_rays(reach: &DepthReach, view: &ViewData, from: &Aabb, length: f32) {
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient();
     let deepest = projector.depth(from.center().as_dvec3()) + gradient.abs().dot(from.half_size().as_dvec3());
     reach.include(deepest + gradient.length() * f64::from(length));
 }
-
-/// A caster as it stands in the world.
-pub type PlacedCaster<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    &'a GlobalTransform,
-    Option<&'a PosedMesh>,
-);
 
 /// Distances of lights from the surfaces of casters whose bounds they are in: kept while neither changes.
 #[derive(Clone, Debug, Default)]
@@ -148,9 +139,9 @@ impl NearestSurfaces {
         key: (Entity, u32, Entity),
         revision: u64,
         point: DVec4,
-        caster: PlacedCaster,
+        caster: &CasterShapeItem,
     ) -> Option<f64> {
-        let (edges, mesh, &world_from_local, posed) = caster;
+        let (edges, &world_from_local) = (caster.edges, caster.transform);
         let at = self.known.binary_search_by_key(&key, |known| known.key);
         if let Ok(at) = at {
             let known = &mut self.known[at];
@@ -160,9 +151,8 @@ impl NearestSurfaces {
                 return Some(known.distance);
             }
         }
-        let positions = posed.map_or(&mesh.0.positions, |posed| &posed.positions);
         let matrix = Mat4::from(world_from_local.affine()).as_dmat4();
-        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, positions, &matrix)?;
+        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, caster.positions(), &matrix)?;
         let entry = Known {
             key,
             revision,

@@ -1,6 +1,6 @@
 //! Which triangles a wedge is made of: one index list for all wedges.
 //!
-//! A wedge has [`VERTEX_COUNT`] named vertices; the list draws them in four parts that follow one another, all wound
+//! A wedge has named vertices; the list draws them in four parts that follow one another, all wound
 //! with their front outward of the half that they close:
 //!
 //! ```text
@@ -29,8 +29,6 @@ pub const FAR_END: u16 = 3;
 pub const FIRST_RIM: u16 = 4;
 /// First of as many ends, those that the rays of the rim points start from.
 pub const FIRST_APEX: u16 = FIRST_RIM + 2 * RIM as u16;
-/// Vertices of a wedge.
-pub const VERTEX_COUNT: u16 = FIRST_APEX + 2 * RIM as u16;
 
 const SEPARATOR: usize = 6 * 3;
 const SHELL: usize = (2 * (RIM - 1) + RIM) * 3;

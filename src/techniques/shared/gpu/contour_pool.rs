@@ -60,14 +60,11 @@ pub struct ContourPool {
     lights: Vec<LightSlots>,
     edges: Arena,
     caps: Arena,
-    uploads: u64,
 }
 
 impl std::fmt::Debug for ContourPool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ContourPool")
-            .field("uploads", &self.uploads)
-            .finish_non_exhaustive()
+        f.debug_struct("ContourPool").finish_non_exhaustive()
     }
 }
 
@@ -157,7 +154,6 @@ impl ContourPool {
                 EDGE_SIZE,
             ),
             caps: Arena::new(context, "caps", wgpu::BufferUsages::INDEX, 4),
-            uploads: 0,
         }
     }
 
@@ -169,11 +165,6 @@ impl ContourPool {
     /// Index buffer of caps.
     pub fn caps(&self) -> &wgpu::Buffer {
         &self.caps.buffer.buffer
-    }
-
-    /// Silhouettes uploaded so far; does not grow while nothing moves.
-    pub fn uploads(&self) -> u64 {
-        self.uploads
     }
 
     /// Where the silhouette in a light's slot stands.
@@ -285,7 +276,6 @@ impl ContourPool {
                 slot.edges = edges;
                 slot.caps = caps;
                 slot.revision = silhouette.revision;
-                self.uploads += 1;
             }
         }
         true

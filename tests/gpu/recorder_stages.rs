@@ -1,10 +1,6 @@
 //! Light-space pictures are a stage of the frame: each changed face is drawn once, whoever looks it up, and a picture that
 //! was recorded into an encoder that nobody submitted is drawn again.
 
-#![cfg(all(feature = "render", feature = "gltf", feature = "reference"))]
-
-mod harness;
-
 use std::sync::Arc;
 
 use antumbra::prelude::*;
@@ -12,8 +8,9 @@ use antumbra::techniques::maps::MapResolution;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3, Vec4};
-use harness::strict_context;
-use harness::support::stage::Stage;
+
+use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
 
 const SIZE: UVec2 = UVec2::new(96, 54);
 
