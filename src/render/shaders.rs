@@ -50,6 +50,7 @@ pub const FILES: &[ShaderFile] = shader_files![
     "common/front.wgsl",
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
+    "passes/full_screen.wgsl",
     "passes/host_depth.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",

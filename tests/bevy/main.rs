@@ -20,5 +20,6 @@ mod selection;
 mod setup;
 mod shading;
 mod shadows;
+mod shared;
 mod stripes;
 mod sync;

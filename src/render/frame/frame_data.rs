@@ -38,6 +38,10 @@ impl Viewport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TechniqueIndex(pub usize);
 
+/// The place of a light among those that a frame draws, and of its constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightSlot(pub usize);
+
 /// How the shadow of one light is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightShadow {
@@ -55,7 +59,7 @@ pub struct ActiveLight {
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
     /// Slot of the light's constants.
-    pub slot: usize,
+    pub slot: LightSlot,
     /// The technique of the light; `None` if nothing shadows the light.
     pub technique: Option<LightTechnique>,
     /// How the light's shadow is drawn; `None` if nothing shadows the light.
@@ -115,8 +119,6 @@ pub struct FrameData {
     pub blended_lights: Vec<BlendedLight>,
     /// Range of `batches`: all blended surfaces.
     pub blended_batches: Range<usize>,
-    /// Bytes of the light constants.
-    pub light_constants: Vec<u8>,
     /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
     pub front_casters: Vec<FixedBitSet>,
     /// Where the view is in the targets.

@@ -37,7 +37,7 @@ pub(in crate::render) fn collect_front(
         let mut bounds = Aabb::EMPTY;
         for draw in blended.iter() {
             let reached = &blended_lights[draw.lights.clone()];
-            if reached.iter().any(|reached| reached.slot as usize == light.slot) {
+            if reached.iter().any(|reached| reached.slot == light.slot) {
                 let batch = batches[draw.batch].clone();
                 let object = instances[batch.instances.start as usize] as usize;
                 bounds = bounds.union(objects.boxes.get(object).intersection(reach));

@@ -15,6 +15,7 @@
 
 use glam::UVec2;
 
+use crate::conventions::DEPTH_INFINITY;
 use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
 use crate::render::{RenderContext, RenderError};
 
@@ -133,6 +134,32 @@ impl FrameTargets {
             ),
             depth_stencil,
         })
+    }
+}
+
+impl FrameTargets {
+    /// The attachment of a pass that draws the depth of a frame anew.
+    pub fn cleared(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth_stencil_view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(DEPTH_INFINITY),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0),
+                store: wgpu::StoreOp::Store,
+            }),
+        }
+    }
+
+    /// The attachment of a pass that reads depth and stencil.
+    pub fn read_only(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth_stencil_view,
+            depth_ops: None,
+            stencil_ops: None,
+        }
     }
 }
 

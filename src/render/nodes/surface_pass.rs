@@ -41,6 +41,27 @@ impl SurfacePass {
     /// How many there are.
     pub const COUNT: usize = Self::HostSurface as usize + 1;
 
+    /// The name that debuggers show.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Ambient => "ambient",
+            Self::AmbientBlended => "ambient blended",
+            Self::Light => "light",
+            Self::LightMasked => "light masked",
+            Self::LightBlended => "light blended",
+            Self::LightBehindFront => "light behind front",
+            Self::FrontDepth => "front depth",
+            Self::FrontLight => "front light",
+            Self::FrontLightMasked => "front light masked",
+            Self::Visibility => "visibility",
+            Self::VisibilityMasked => "visibility masked",
+            Self::VisibilityFront => "visibility front",
+            Self::Dark => "dark",
+            Self::ReceiverPlane => "receiver plane",
+            Self::HostSurface => "host surface",
+        }
+    }
+
     /// The pass that adds a light whose technique leaves this.
     pub fn light(visibility: Option<ShadowKind>) -> Self {
         match visibility {

@@ -7,28 +7,16 @@ use bevy_ecs::prelude::*;
 
 use super::Techniques;
 use super::technique::Technique;
-use crate::render::gpu::bind_groups::BindGroupLayouts;
 use crate::render::recorder::Recorder;
 use crate::render::shaders::{FILES, ShaderFile};
-use crate::render::{RenderContext, RenderError, Renderer, Shaders};
-
-/// What a recorder is made with.
-#[derive(Clone, Copy, Debug)]
-pub struct RecorderInput<'a> {
-    /// The device.
-    pub context: &'a RenderContext,
-    /// Shader composition.
-    pub shaders: &'a Shaders,
-    /// The layouts that passes share.
-    pub layouts: &'a BindGroupLayouts,
-}
+use crate::render::{Gpu, RenderError, Renderer};
 
 /// The GPU side of a [`Row`](super::Row).
 #[derive(Clone, Copy)]
 pub(super) struct GpuRow {
     kind: TypeId,
     shaders: &'static [ShaderFile],
-    make: fn(&RecorderInput) -> Result<Box<dyn Recorder>, RenderError>,
+    make: fn(&Gpu) -> Result<Box<dyn Recorder>, RenderError>,
 }
 
 impl GpuRow {
@@ -36,7 +24,7 @@ impl GpuRow {
         Self {
             kind: TypeId::of::<T::Recorder>(),
             shaders: T::SHADERS,
-            make: |input| T::recorder(input).map(|recorder| Box::new(recorder) as Box<dyn Recorder>),
+            make: |gpu| T::recorder(gpu).map(|recorder| Box::new(recorder) as Box<dyn Recorder>),
         }
     }
 }
@@ -54,13 +42,9 @@ impl super::Row {
 /// compare two numbers.
 pub fn add_recorders(mut renderer: ResMut<Renderer>, techniques: Res<Techniques>) {
     for row in techniques.rows.iter().skip(renderer.recorders().row_count()) {
-        let made = renderer.add_recorder(row.gpu.kind, |renderer| {
-            renderer.shaders().add(row.gpu.shaders)?;
-            (row.gpu.make)(&RecorderInput {
-                context: renderer.context(),
-                shaders: renderer.shaders(),
-                layouts: renderer.layouts(),
-            })
+        let made = renderer.add_recorder(row.gpu.kind, |gpu| {
+            gpu.shaders.add(row.gpu.shaders)?;
+            (row.gpu.make)(gpu)
         });
         if let Err(error) = made {
             renderer.fail(error);

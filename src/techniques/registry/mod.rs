@@ -28,8 +28,6 @@ mod technique;
 use bevy_ecs::prelude::*;
 
 pub use choose::choose_techniques;
-#[cfg(feature = "render")]
-pub use gpu::RecorderInput;
 pub use refusal::Refusal;
 pub use row::{Row, Settings};
 pub use statistics::{Statistic, Statistics};
