@@ -88,7 +88,7 @@ pub mod insides {
     pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
     pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
     #[cfg(feature = "render")]
-    pub use crate::techniques::registry::gpu::{COMMON, PASSES};
+    pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
 }
 

@@ -81,5 +81,5 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
     /// # Errors
     /// A shader that does not compose, or what the device refuses.
     #[cfg(feature = "render")]
-    fn recorder(input: &super::gpu::RecorderInput) -> Result<Self::Recorder, RenderError>;
+    fn recorder(input: &super::recorder_input::RecorderInput) -> Result<Self::Recorder, RenderError>;
 }

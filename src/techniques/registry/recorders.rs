@@ -1,52 +1,13 @@
-//! The recorders of the techniques.
+//! The recorders and shaders of the techniques.
 
-use std::any::TypeId;
 use std::sync::LazyLock;
 
 use bevy_ecs::prelude::*;
 
-use super::Techniques;
-use super::technique::Technique;
-use crate::render::gpu::bind_groups::BindGroupLayouts;
-use crate::render::recorder::Recorder;
-use crate::render::shaders::{FILES, ShaderFile};
-use crate::render::{RenderContext, RenderError, Renderer, Shaders};
-
-/// What a recorder is made with.
-#[derive(Clone, Copy, Debug)]
-pub struct RecorderInput<'a> {
-    /// The device.
-    pub context: &'a RenderContext,
-    /// Shader composition.
-    pub shaders: &'a Shaders,
-    /// The layouts that passes share.
-    pub layouts: &'a BindGroupLayouts,
-}
-
-/// The GPU side of a [`Row`](super::Row).
-#[derive(Clone, Copy)]
-pub(super) struct GpuRow {
-    kind: TypeId,
-    shaders: &'static [ShaderFile],
-    make: fn(&RecorderInput) -> Result<Box<dyn Recorder>, RenderError>,
-}
-
-impl GpuRow {
-    pub(super) fn of<T: Technique>() -> Self {
-        Self {
-            kind: TypeId::of::<T::Recorder>(),
-            shaders: T::SHADERS,
-            make: |input| T::recorder(input).map(|recorder| Box::new(recorder) as Box<dyn Recorder>),
-        }
-    }
-}
-
-impl super::Row {
-    /// The technique's WGSL files, each after those that it imports.
-    pub fn shaders(&self) -> &'static [ShaderFile] {
-        self.gpu.shaders
-    }
-}
+use super::recorder_input::RecorderInput;
+use super::techniques::Techniques;
+use crate::render::Renderer;
+use crate::render::shaders::FILES;
 
 /// Gives a renderer the recorder of each technique, one for all techniques whose recorders are of one type.
 ///
