@@ -79,7 +79,6 @@ pub struct Readme;
 pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::render::pools::gpu_types;
-    #[cfg(feature = "render")]
     pub use crate::sets::index::boxes::WORD;
     pub use crate::techniques::maps::cascades::split_depths;
     pub use crate::techniques::maps::packing::*;
