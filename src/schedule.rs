@@ -155,7 +155,7 @@ pub fn add_systems(schedule: &mut Schedule) {
         schedule.add_systems(
             (
                 prepare::prepare_objects.after(sets::fit_view_depth),
-                crate::techniques::registry::gpu::add_recorders,
+                crate::techniques::registry::recorders::add_recorders,
                 prepare::prepare_techniques,
                 prepare::prepare_draws,
             )

@@ -2,20 +2,9 @@
 
 use bevy_ecs::prelude::*;
 
-use super::Techniques;
-use super::refusal::Refusal;
+use super::refusal::RefusedLight;
+use super::techniques::Techniques;
 use crate::sets::{FrameLight, FrameLights, LightTechnique};
-
-/// A light that its technique does not shadow, and why.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RefusedLight {
-    /// The light.
-    pub entity: Entity,
-    /// Index of the technique.
-    pub row: usize,
-    /// What is wrong.
-    pub refusal: Refusal,
-}
 
 /// Finds the technique of every light of the frame: the first of the world's list whose component is on the light,
 /// unless it refuses the light ([`Technique::check`](super::Technique::check)).

@@ -1,5 +1,7 @@
 //! Why a technique does not shadow a light.
 
+use bevy_ecs::prelude::Entity;
+
 use crate::scene::{Light, LightKind};
 
 /// Why a technique does not shadow a light that has its component. The light shines without a shadow then.
@@ -59,4 +61,15 @@ impl Refusal {
             Self::Setting { .. } => u32::MAX - 1,
         }
     }
+}
+
+/// A light that its technique does not shadow, and why.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RefusedLight {
+    /// The light.
+    pub entity: Entity,
+    /// Index of the technique.
+    pub row: usize,
+    /// What is wrong.
+    pub refusal: Refusal,
 }

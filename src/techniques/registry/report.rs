@@ -3,8 +3,8 @@
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
 
-use super::Techniques;
 use super::row::Row;
+use super::techniques::Techniques;
 use crate::reports::Reports;
 use crate::scene::Light;
 

@@ -32,7 +32,7 @@ pub struct Row {
     frame_statistics: fn(&World, &mut Statistics),
     report: fn(&World, &mut Round),
     #[cfg(feature = "render")]
-    pub(super) gpu: super::gpu::GpuRow,
+    pub(super) gpu: super::gpu_row::GpuRow,
 }
 
 impl PartialEq for Row {
@@ -72,7 +72,7 @@ impl Row {
             frame_statistics: T::frame_statistics,
             report: T::report,
             #[cfg(feature = "render")]
-            gpu: super::gpu::GpuRow::of::<T>(),
+            gpu: super::gpu_row::GpuRow::of::<T>(),
         }
     }
 
@@ -152,6 +152,12 @@ impl Row {
     /// Sets what the technique knows of the frame.
     pub fn frame_statistics(&self, world: &World, out: &mut Statistics) {
         (self.frame_statistics)(world, out);
+    }
+
+    /// The technique's WGSL files, each after those that it imports.
+    #[cfg(feature = "render")]
+    pub fn shaders(&self) -> &'static [crate::render::ShaderFile] {
+        self.gpu.shaders
     }
 
     /// Raises what the technique cannot do in this frame.

@@ -1,40 +1,12 @@
-//! The recorders of the techniques.
+//! The recorders and shaders of the techniques.
 
-use std::any::TypeId;
 use std::sync::LazyLock;
 
 use bevy_ecs::prelude::*;
 
-use super::Techniques;
-use super::technique::Technique;
-use crate::render::recorder::Recorder;
-use crate::render::shaders::{FILES, ShaderFile};
-use crate::render::{Gpu, RenderError, Renderer};
-
-/// The GPU side of a [`Row`](super::Row).
-#[derive(Clone, Copy)]
-pub(super) struct GpuRow {
-    kind: TypeId,
-    shaders: &'static [ShaderFile],
-    make: fn(&Gpu) -> Result<Box<dyn Recorder>, RenderError>,
-}
-
-impl GpuRow {
-    pub(super) fn of<T: Technique>() -> Self {
-        Self {
-            kind: TypeId::of::<T::Recorder>(),
-            shaders: T::SHADERS,
-            make: |gpu| T::recorder(gpu).map(|recorder| Box::new(recorder) as Box<dyn Recorder>),
-        }
-    }
-}
-
-impl super::Row {
-    /// The technique's WGSL files, each after those that it imports.
-    pub fn shaders(&self) -> &'static [ShaderFile] {
-        self.gpu.shaders
-    }
-}
+use super::techniques::Techniques;
+use crate::render::Renderer;
+use crate::render::shaders::FILES;
 
 /// Gives a renderer the recorder of each technique, one for all techniques whose recorders are of one type.
 ///
