@@ -3,7 +3,8 @@
 // Reads   Bevy's G-buffer and view, the stencil or the mask of the light.  Writes  radiance, blended ONE ONE
 //
 // Variants, by definition: the light's kind (LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_RECT); where visibility
-// comes from: VISIBILITY_MASK reads the mask, else the stencil test has decided; and UNSHADOWED_ONLY, which lights what
+// comes from: VISIBILITY_MASK reads the mask, on surfaces that show no shadows too with MASK_HOLDS_FOR_ALL, else the
+// stencil test has decided; and UNSHADOWED_ONLY, which lights what
 // the stencil test calls shadowed and Bevy says shows no shadows.
 #import bevy_pbr::{
     prepass_utils,
@@ -140,7 +141,11 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 #endif
     var visibility = vec3<f32>(1.0);
 #ifdef VISIBILITY_MASK
-    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, shows_shadows);
+    var reads_mask = shows_shadows;
+#ifdef MASK_HOLDS_FOR_ALL
+    reads_mask = true;
+#endif
+    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, reads_mask);
     if all(visibility == vec3<f32>(0.0)) { discard; }
 #endif
     if is_out_of_reach(surface) { discard; }

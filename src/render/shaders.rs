@@ -32,13 +32,14 @@ pub const COMMON: [(&str, &str); 12] = sources![
 ];
 
 /// Files with entry points.
-pub const PASSES: [(&str, &str); 16] = sources![
+pub const PASSES: [(&str, &str); 17] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
     "passes/full_screen.wgsl",
     "passes/host_depth.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
+    "passes/light_function.wgsl",
     "passes/receiver_plane.wgsl",
     "passes/visibility.wgsl",
     "passes/tonemap.wgsl",

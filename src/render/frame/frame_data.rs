@@ -61,6 +61,8 @@ pub struct ActiveLight {
     pub slot: LightSlot,
     /// The light's shadow; `None` if the light has no technique.
     pub shadow: Option<LightShadow>,
+    /// A [`LightFunction`](crate::render::LightFunction) scales the light, which then has a mask.
+    pub is_scaled: bool,
     /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
@@ -82,8 +84,11 @@ impl ActiveLight {
         self.kind() == Some(ShadowKind::Mask)
     }
 
-    /// What its technique leaves; `None` without one.
+    /// What the light is added by: what its technique leaves, or the mask if a function scales it; `None` without either.
     pub fn kind(&self) -> Option<ShadowKind> {
+        if self.is_scaled {
+            return Some(ShadowKind::Mask);
+        }
         self.shadow.map(|shadow| shadow.kind)
     }
 }

@@ -119,20 +119,7 @@ pub struct MapTextures {
     in_use: bool,
 }
 
-/// Bytes that a texture holds.
-fn bytes(texture: &wgpu::Texture) -> u64 {
-    let size = texture.size();
-    u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers) * 4
-}
-
 impl MapTextures {
-    /// All of its textures.
-    pub fn bytes(&self) -> u64 {
-        let more = [&self.moving, &self.shown];
-        let more = more.into_iter().flatten().map(|array| bytes(&array.texture));
-        bytes(&self.still.texture) + more.sum::<u64>()
-    }
-
     /// Depths with all casters.
     pub fn all_casters(&self) -> &FaceArray {
         self.moving.as_ref().unwrap_or(&self.still)
@@ -182,15 +169,6 @@ impl MapPool {
     pub fn end(&mut self) {
         self.maps.retain(|map| map.in_use);
         self.scratches.retain(|scratch| scratch.in_use);
-    }
-
-    /// Bytes of all textures.
-    pub fn bytes(&self) -> u64 {
-        let scratches = self
-            .scratches
-            .iter()
-            .map(|scratch| bytes(&scratch.second.texture));
-        self.maps.iter().map(MapTextures::bytes).sum::<u64>() + scratches.sum::<u64>()
     }
 
     /// The textures of a key, if they were asked for.
