@@ -86,6 +86,7 @@ pub(super) fn light_view(
             return; // left to Bevy
         };
         let visibility = match light.mask {
+            Some(_) if light.is_scaled => VisibilitySource::Scaled,
             Some(_) => VisibilitySource::Mask,
             None => VisibilitySource::Stencil,
         };

@@ -40,11 +40,13 @@ pub enum VisibilitySource {
     Unshadowed,
     /// A mask, where the stencil test keeps what the light reaches and affects.
     Mask,
+    /// The same, and the mask holds for surfaces that show no shadows too.
+    Scaled,
 }
 
 /// The pipelines of one kind of light in one view, by [`VisibilitySource`].
 #[derive(Clone, Copy, Debug)]
-pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 3]);
+pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 4]);
 
 impl LightPipelines {
     /// That for a kind of visibility, if it was asked for.
@@ -164,7 +166,7 @@ impl AntumbraPipelines {
             &self.shaders.light,
             &self.light_layout,
         );
-        let is_masked = visibility == VisibilitySource::Mask;
+        let is_masked = matches!(visibility, VisibilitySource::Mask | VisibilitySource::Scaled);
         if is_masked {
             descriptor.layout.push(self.mask_layout.clone());
         }
@@ -173,8 +175,8 @@ impl AntumbraPipelines {
             depth_write_enabled: Some(false),
             depth_compare: Some(CompareFunction::Always),
             stencil: match visibility {
-                VisibilitySource::Stencil | VisibilitySource::Mask => hosted::stencil_lit(),
                 VisibilitySource::Unshadowed => hosted::stencil_shadowed(),
+                _ => hosted::stencil_lit(),
             },
             bias: DepthBiasState::default(),
         });
@@ -188,6 +190,10 @@ impl AntumbraPipelines {
             fragment.shader_defs.push(kind.into());
             match visibility {
                 VisibilitySource::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
+                VisibilitySource::Scaled => {
+                    let defs = ["VISIBILITY_MASK", "MASK_HOLDS_FOR_ALL"];
+                    fragment.shader_defs.extend(defs.map(ShaderDefVal::from));
+                }
                 VisibilitySource::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),
                 VisibilitySource::Stencil => {}
             }

@@ -204,6 +204,7 @@ fn prepare_lights(
     let frame = world.resource::<FrameLights>();
     let (objects, visible) = (world.resource::<Objects>(), world.resource::<VisibleSet>());
     view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
+    let has_functions = world.resource::<Renderer>().has_light_functions();
     let mut managed = Managed::zeroed();
     view.draws.clear();
     view.light_draws.clear();
@@ -216,6 +217,7 @@ fn prepare_lights(
                 (VisibilitySource::Stencil, true),
                 (VisibilitySource::Unshadowed, view.unshadowed_in_view),
                 (VisibilitySource::Mask, true),
+                (VisibilitySource::Scaled, has_functions),
             ];
             let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
             if !manage(&mut managed, &mut view.bit_words, host.kind, &draw) {
@@ -317,7 +319,7 @@ fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    wanted: [(VisibilitySource, bool); 3],
+    wanted: [(VisibilitySource, bool); 4],
     gpu: &mut DrawnWith,
 ) -> Option<LightPipelines> {
     let mut ready = true;

@@ -12,6 +12,7 @@
 pub(crate) mod context;
 pub(crate) mod frame;
 pub(crate) mod gpu;
+pub(crate) mod light_function;
 pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
@@ -32,6 +33,7 @@ pub use frame::targets::{
 pub use gpu::pipeline_cache::{PipelineCache, PipelineDesc, Stage, Variants};
 pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
+pub use light_function::{LightFunction, MULTIPLY};
 pub use nodes::pipelines::{SURFACE_BUFFERS, VISIBILITY_FORMAT};
 pub use nodes::surfaces::SurfaceResources;
 pub use recorder::{

@@ -14,10 +14,12 @@ use super::gpu::bind_groups::bind_in_order;
 use super::gpu::buffers::GrowingBuffer;
 use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
+use super::light_function::LightFunction;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
 use super::nodes::light_begin::LightBegin;
+use super::nodes::light_function::StencilToMask;
 use super::nodes::pipelines::SurfacePipelines;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
@@ -52,6 +54,8 @@ pub struct Renderer {
     pub(super) light_group: wgpu::BindGroup,
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Recorders,
+    pub(super) functions: Vec<Box<dyn LightFunction>>,
+    pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
@@ -115,6 +119,8 @@ impl Renderer {
             instances: GrowingBuffer::new(context, "instances", wgpu::BufferUsages::VERTEX),
             draw_lists: DrawListBuilder::default(),
             techniques: Recorders::default(),
+            functions: Vec::new(),
+            stencil_to_mask: None,
             targets: None,
             radiance: None,
             host: None,
@@ -154,6 +160,23 @@ impl Renderer {
         }
         self.techniques.add_row(kind);
         Ok(())
+    }
+
+    /// Adds a function that scales what lights give at each surface. Functions that scale the same light are multiplied.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn add_light_function(&mut self, function: Box<dyn LightFunction>) -> Result<(), RenderError> {
+        if self.stencil_to_mask.is_none() {
+            self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
+        }
+        self.functions.push(function);
+        Ok(())
+    }
+
+    /// Whether a function may scale lights.
+    pub fn has_light_functions(&self) -> bool {
+        !self.functions.is_empty()
     }
 
     /// What this view shares with others: device, shaders, layouts, pipelines, meshes, materials.

@@ -54,6 +54,7 @@ pub const FILES: &[ShaderFile] = shader_files![
     "passes/host_depth.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
+    "passes/light_function.wgsl",
     "passes/receiver_plane.wgsl",
     "passes/visibility.wgsl",
     "passes/tonemap.wgsl",

@@ -16,6 +16,7 @@ mod lifetimes;
 mod minimal;
 mod models;
 mod runs;
+mod scaled;
 mod selection;
 mod setup;
 mod shading;

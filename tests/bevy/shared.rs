@@ -35,7 +35,7 @@ fn two_cameras_share_meshes_and_pipelines() {
     harness::add_light(world);
     let first = harness::marked_camera(world, Vec3::new(2.0, 3.0, 4.0));
     let mut game = Game::start(app);
-    let alone = game.settled(first);
+    let alone = game.run(5).settled(first);
     let gpu = resident(&mut game);
     assert_eq!(gpu.len(), 1);
     let (bytes, pipelines) = (gpu[0].mesh_bytes(), gpu[0].pipeline_count());
@@ -45,7 +45,7 @@ fn two_cameras_share_meshes_and_pipelines() {
     );
 
     let second = harness::marked_camera(game.world(), Vec3::new(-2.0, 3.0, 4.0));
-    let other = game.settled(second);
+    let other = game.run(5).settled(second);
     assert_ne!(alone, other, "the second camera looks from elsewhere");
     assert_eq!(
         alone,
@@ -61,7 +61,7 @@ fn two_cameras_share_meshes_and_pipelines() {
     // A mesh that comes counts once, and one that goes is freed.
     let ball = Sphere::new(0.3).mesh().ico(5).expect("a ball");
     let ball = harness::add_mesh(game.world(), ball, Transform::from_xyz(1.0, 0.4, 0.0));
-    game.settled(first);
+    game.run(5).settled(first);
     let more = shared[0].mesh_bytes();
     assert!(more > bytes, "the ball is there");
     game.world().despawn(ball);

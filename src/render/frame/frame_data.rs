@@ -64,6 +64,8 @@ pub struct ActiveLight {
     pub technique: Option<LightTechnique>,
     /// How the light's shadow is drawn; `None` if nothing shadows the light.
     pub shadow: Option<LightShadow>,
+    /// A [`LightFunction`](crate::render::LightFunction) scales the light, which then has a mask.
+    pub is_scaled: bool,
     /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
@@ -85,8 +87,11 @@ impl ActiveLight {
         self.kind() == Some(ShadowKind::Mask)
     }
 
-    /// What its technique leaves; `None` without one.
+    /// What the light is added by: what its technique leaves, or the mask if a function scales it; `None` without either.
     pub fn kind(&self) -> Option<ShadowKind> {
+        if self.is_scaled {
+            return Some(ShadowKind::Mask);
+        }
         self.shadow.map(|shadow| shadow.kind)
     }
 

@@ -9,7 +9,7 @@ use super::recording::Recording;
 use super::targets::FrameTargets;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
-use crate::render::recorder::{Receivers, RecordInput, ShadowKind};
+use crate::render::recorder::{Receivers, RecordInput};
 use crate::render::renderer::Renderer;
 
 /// Which surfaces a light is added to.
@@ -22,10 +22,12 @@ pub(in crate::render) enum LightSurfaces {
 }
 
 impl LightSurfaces {
-    pub(in crate::render) fn pass(self, visibility: Option<ShadowKind>) -> SurfacePass {
-        match (self, visibility) {
+    pub(in crate::render) fn pass(self, light: &ActiveLight) -> SurfacePass {
+        match (self, light.kind()) {
+            (Self::Opaque, _) if light.is_scaled => SurfacePass::LightScaled,
+            (Self::Front, _) if light.is_scaled => SurfacePass::FrontLightScaled,
             (Self::Front, Some(visibility)) => SurfacePass::front_light(visibility),
-            _ => SurfacePass::light(visibility),
+            (_, visibility) => SurfacePass::light(visibility),
         }
     }
 

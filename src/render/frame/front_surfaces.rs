@@ -29,7 +29,7 @@ pub(in crate::render) fn collect_front(
     for (light, casters) in active.iter_mut().zip(front_casters) {
         let first = batches.len();
         light.front = first..first;
-        if light.shadow.is_none() {
+        if light.kind().is_none() {
             continue;
         }
         let frame_light = &lights.lights[light.light];

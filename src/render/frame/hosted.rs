@@ -55,6 +55,9 @@ pub struct HostedLight<'a> {
     /// For soft shadows and maps: how much of the light reaches each pixel that passes [`stencil_lit`], by colour in rgb, of
     /// the emitter's area in a; [`MASK_FORMAT`](super::targets::MASK_FORMAT). Without it, all of the light does.
     pub mask: Option<&'a wgpu::TextureView>,
+    /// The mask holds for surfaces that show no shadows too, as a [`LightFunction`](crate::render::LightFunction) scales the
+    /// light. Else the host leaves the mask out for such surfaces.
+    pub is_scaled: bool,
 }
 
 /// The stencil test of pixels that a light reaches, affects and, if it has no mask, sees; whatever its technique. The
@@ -155,6 +158,7 @@ impl Renderer {
             entity: light.entity,
             light: light.light,
             scissor: light.scissor,
+            is_scaled: light.is_scaled,
             mask: self
                 .masks
                 .as_ref()

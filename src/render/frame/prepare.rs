@@ -155,6 +155,11 @@ pub fn prepare_techniques(world: &mut World) {
                 renderer.failure.get_or_insert(error);
             }
         }
+        for function in &mut renderer.functions {
+            if let Err(error) = function.prepare(world, &input) {
+                renderer.failure.get_or_insert(error);
+            }
+        }
     });
 }
 
@@ -241,6 +246,7 @@ pub fn prepare_draws(
             slot,
             technique: light.technique.filter(|_| shadow.is_some()),
             shadow,
+            is_scaled: renderer.functions.iter().any(|function| function.scales(index)),
             scissor: frame.viewport.place(if renderer.settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
@@ -346,7 +352,7 @@ fn collect_blended(
             if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
                 frame.blended_lights.push(BlendedLight {
                     slot: active.slot,
-                    behind_front: active.shadow.is_some(),
+                    behind_front: active.kind().is_some(),
                 });
             }
         }

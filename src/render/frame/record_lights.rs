@@ -7,7 +7,7 @@ use super::recording::Recording;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::nodes::visibility::Shadow;
-use crate::render::recorder::{Leaves, ResolveInput};
+use crate::render::recorder::{Leaves, Mark, ResolveInput};
 use crate::render::renderer::Renderer;
 
 impl Renderer {
@@ -84,28 +84,73 @@ impl Renderer {
         self.frame.lights.iter().any(ActiveLight::reads_planes)
     }
 
-    /// Lets the technique of a light leave its mask, if it does.
+    /// Leaves the mask of a light that has one: what its technique resolves, times the functions that scale it.
     pub(in crate::render) fn resolve_mask(
         &self,
         frame: &mut Recording,
         light: &ActiveLight,
         surfaces: LightSurfaces,
     ) {
-        if let (Some(Leaves::Mask(resolve)), Some(masks)) = (self.leaves(light), &self.masks) {
-            let input = ResolveInput {
-                context: &self.gpu.context,
-                record: surfaces.record_input(self, light),
-                radiance: frame.canvas.radiance,
-                targets: frame.canvas.targets,
-                masks,
-                scissor: surfaces.scissor(light),
-                depth_range: light.depth_range,
-                light_begin: &self.light_begin,
-                timings: &self.timings,
-                label: self.label_of(light),
-                labels: &self.labels,
-            };
-            resolve.resolve(light.light, frame.encoder, &input);
+        let Some(masks) = self.masks.as_ref().filter(|_| light.has_mask()) else {
+            return;
+        };
+        let scissor = surfaces.scissor(light);
+        let input = ResolveInput {
+            context: &self.gpu.context,
+            record: surfaces.record_input(self, light),
+            radiance: frame.canvas.radiance,
+            targets: frame.canvas.targets,
+            masks,
+            scissor,
+            depth_range: light.depth_range,
+            light_begin: &self.light_begin,
+            timings: &self.timings,
+            label: self.label_of(light),
+            labels: &self.labels,
+        };
+        match self.leaves(light) {
+            Some(Leaves::Mask(resolve)) => resolve.resolve(light.light, frame.encoder, &input),
+            Some(Leaves::Stencil(mark)) => {
+                self.mark_apart(frame, light, mark, &input);
+                if let Some(stencil_to_mask) = &self.stencil_to_mask {
+                    stencil_to_mask.record(frame, masks, scissor);
+                }
+            }
+            None => nodes::light_function::clear(frame, masks, scissor),
+        }
+        if light.is_scaled {
+            let batches = self.batches(&surfaces.batches(light));
+            nodes::light_function::record_unshadowed(frame, masks, scissor, batches);
+            self.scale_mask(frame, light, &input);
+        }
+    }
+
+    /// Marks the stencil of a light in a pass of its own, before a mask is made of it.
+    fn mark_apart(&self, frame: &mut Recording, light: &ActiveLight, mark: &dyn Mark, input: &ResolveInput) {
+        let mut pass = frame.begin_light_pass(input.label);
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        let (near, far) = light.depth_range;
+        self.light_begin.record(&mut pass, near, far);
+        mark.mark(light.light, &mut pass, &input.record);
+    }
+
+    /// Multiplies the mask of a light by the functions that scale it.
+    fn scale_mask(&self, frame: &mut Recording, light: &ActiveLight, input: &ResolveInput) {
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("light function"),
+            color_attachments: &[Some(input.masks.attachment(wgpu::LoadOp::Load))],
+            timestamp_writes: frame.timings.pass_of(input.label, "light function"),
+            ..Default::default()
+        });
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        for function in self
+            .functions
+            .iter()
+            .filter(|function| function.scales(light.light))
+        {
+            function.draw(light.light, &mut pass, input);
         }
     }
 
@@ -118,7 +163,7 @@ impl Renderer {
     ) {
         let [x, y, width, height] = surfaces.scissor(light);
         pass.set_scissor_rect(x, y, width, height);
-        if let Some(Leaves::Stencil(mark)) = self.leaves(light) {
+        if let (Some(Leaves::Stencil(mark)), false) = (self.leaves(light), light.is_scaled) {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
             mark.mark(light.light, pass, &surfaces.record_input(self, light));
@@ -137,7 +182,7 @@ impl Renderer {
             pass,
             &self.view_group,
             (&self.light_group, light.slot),
-            surfaces.pass(light.kind()),
+            surfaces.pass(light),
             self.mask_of(light),
             self.batches(&surfaces.batches(light)),
             &self.surface_resources(),

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::front_lights::LightSurfaces;
 use crate::render::RenderError;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::renderer::Renderer;
@@ -35,7 +36,11 @@ impl Renderer {
         }
         for light in &frame.lights {
             let visibility = light.kind();
-            require(SurfacePass::light(visibility), light.batches.clone());
+            require(LightSurfaces::Opaque.pass(light), light.batches.clone());
+            if light.is_scaled {
+                require(SurfacePass::WholeMask, light.batches.clone());
+                require(SurfacePass::WholeMask, light.front.clone());
+            }
             if let Some(visibility) = visibility {
                 require(SurfacePass::visibility(visibility), light.batches.clone());
             }
@@ -45,7 +50,7 @@ impl Renderer {
         }
         for light in &frame.lights {
             if let Some(visibility) = light.kind() {
-                require(SurfacePass::front_light(visibility), light.front.clone());
+                require(LightSurfaces::Front.pass(light), light.front.clone());
                 require(SurfacePass::visibility(visibility), light.front.clone());
                 require(SurfacePass::VisibilityFront, light.front.clone());
             }

@@ -185,6 +185,19 @@ pub struct MaskTargets {
 }
 
 impl MaskTargets {
+    /// The mask as an attachment.
+    pub fn attachment(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'_> {
+        wgpu::RenderPassColorAttachment {
+            view: &self.mask_view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            },
+        }
+    }
+
     /// Textures beside `targets`.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use super::surface_pass::SurfacePass;
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::frame::draw_list::{VARIANT_COUNT, Variant};
-use crate::render::frame::targets::{RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
+use crate::render::frame::targets::{MASK_FORMAT, RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
 use crate::render::gpu::pipeline_cache::{ADD, PipelineDesc, Stage};
 use crate::render::pools::gpu_types::SurfaceVertex;
 use crate::render::{Gpu, RenderError};
@@ -209,6 +209,24 @@ impl SurfacePass {
                 groups: Groups::MaskedUnlit,
                 fragment: "masked",
                 ..SEEN
+            },
+            Self::LightScaled => PassState {
+                groups: Groups::Masked,
+                fragment: "masked",
+                unshadowed: "masked",
+                ..LIT
+            },
+            Self::FrontLightScaled => PassState {
+                groups: Groups::Masked,
+                fragment: "masked",
+                unshadowed: "masked",
+                is_blended: true,
+                ..LIT
+            },
+            Self::WholeMask => PassState {
+                fragment: "lit",
+                unshadowed: "lit",
+                ..drawing(VISIBILITY, MASK_FORMAT)
             },
             Self::ReceiverPlane => drawing(RECEIVER_PLANE, RECEIVER_PLANE_FORMAT),
         }

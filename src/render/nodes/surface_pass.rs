@@ -33,6 +33,12 @@ pub enum SurfacePass {
     Dark,
     /// Writes the plane of the triangle.
     ReceiverPlane,
+    /// One light times its mask, on surfaces that show no shadows as well: a function scales it.
+    LightScaled,
+    /// The same on the front layer.
+    FrontLightScaled,
+    /// Writes a mask of 1.
+    WholeMask,
     /// Depth, where a host shows the surface.
     HostSurface,
 }
@@ -58,6 +64,9 @@ impl SurfacePass {
             Self::VisibilityFront => "visibility front",
             Self::Dark => "dark",
             Self::ReceiverPlane => "receiver plane",
+            Self::LightScaled => "light scaled",
+            Self::FrontLightScaled => "front light scaled",
+            Self::WholeMask => "whole mask",
             Self::HostSurface => "host surface",
         }
     }

@@ -3,9 +3,9 @@
 use std::any::TypeId;
 
 use super::technique::Technique;
-use crate::render::{Gpu, RenderError};
 use crate::render::recorder::Recorder;
 use crate::render::shaders::ShaderFile;
+use crate::render::{Gpu, RenderError};
 
 /// The GPU side of a [`Row`](super::Row).
 #[derive(Clone, Copy)]
