@@ -1,11 +1,12 @@
-//! Boxes of objects in local and world space, as components.
+//! Bounding boxes of objects in local and world space, as components.
 
 use bevy_ecs::prelude::*;
 
 use super::churn::count_churn;
 use crate::geometry::Aabb;
 
-/// Bounds of the mesh as posed, local space. Empty for a mesh without triangles or finite positions.
+/// Bounds of the mesh in its current pose, local space. Empty for a mesh without triangles or finite
+/// positions.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct LocalBounds(pub Aabb);
 
@@ -15,11 +16,11 @@ impl Default for LocalBounds {
     }
 }
 
-/// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not
-/// finite or singular.
+/// Bounds of an object in world space. They are empty for an object that is left out because it has no
+/// triangles, or because its transform is singular or not finite.
 ///
-/// Its change stands for the object having moved: [`update_world_bounds`](super::update_world_bounds) marks it whenever the transform or the local
-/// bounds changed, whether or not the box came out the same.
+/// A change of this component means that the object moved: [`update_world_bounds`](super::update_world_bounds) marks it whenever the
+/// transform or the local bounds changed, even if the box came out equal.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct WorldBounds(pub Aabb);

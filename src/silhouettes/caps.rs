@@ -6,16 +6,16 @@ use super::facing::{FacingBits, HAS_BACK, HAS_FACING};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
 
-/// Extracts edges and caps; the order is that of the mesh, so the same bits give the same contour.
+/// Extracts edges and caps. They come in the order of the mesh, so the same bits give the same contour.
 ///
-/// With bits of another mesh, or none, it is empty. Vertices are named, so that one contour serves whatever pose its
-/// bits are of.
+/// The contour is empty if the bits are not those of this mesh. It holds vertex indices, so it serves for the
+/// pose from which its bits were computed.
 pub fn extract_contour(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     extract_edges(mesh, facing, mode, contour);
     extract_caps(mesh, facing, mode, contour);
 }
 
-/// The half of [`extract_contour`] that fills the caps.
+/// Extracts the caps of a contour: one half of [`extract_contour`].
 pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     contour.caps.clear();
     contour.caps_away_start = 0;
@@ -43,7 +43,7 @@ pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour
     }
 }
 
-/// Pushes the triangles of a cluster whose bits are set: whole clusters by one copy.
+/// Pushes the triangles of a cluster whose bits are set. A whole cluster takes one copy.
 fn push_caps(mesh: &EdgeMesh, cluster: &Cluster, word: u64, is_any_set: bool, caps: &mut Vec<u32>) {
     if !is_any_set {
         return;

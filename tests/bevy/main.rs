@@ -8,6 +8,7 @@
 mod core_harness;
 
 mod bad_input;
+mod cameras;
 mod depth;
 mod foreign;
 mod harness;
@@ -15,8 +16,11 @@ mod lifetimes;
 mod minimal;
 mod models;
 mod runs;
+mod scaled;
 mod selection;
 mod setup;
 mod shading;
 mod shadows;
+mod shared;
+mod stripes;
 mod sync;

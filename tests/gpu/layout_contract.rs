@@ -209,7 +209,7 @@ fn comparison_finds_a_moved_renamed_missing_and_grown_field() {
 fn every_mirror_is_compared() {
     let known: Vec<&str> = mirrors().iter().map(|mirror| mirror.name).collect();
     let mut named = Vec::new();
-    for (path, source) in COMMON.iter().chain(&PASSES) {
+    for (path, source) in COMMON.iter().chain(PASSES.iter()) {
         for line in source.lines() {
             let Some((_, path_of_mirror)) = line.split_once("mirror: ") else {
                 continue;
@@ -401,7 +401,7 @@ fn comparison_finds_a_constant_that_changes_in_either_language() {
 #[test]
 fn every_mirrored_constant_is_compared() {
     let mut said = Vec::new();
-    for &(file, source) in COMMON.iter().chain(&PASSES) {
+    for &(file, source) in COMMON.iter().chain(PASSES.iter()) {
         let constants = source
             .lines()
             .filter(|line| line.starts_with("const ") && line.contains("mirror: "));

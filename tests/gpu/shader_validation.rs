@@ -24,7 +24,7 @@ fn compose(path: &str, source: &str) -> Result<naga::Module, String> {
 
 #[test]
 fn every_pass_composes_and_validates() {
-    for (path, source) in PASSES {
+    for &(path, source) in PASSES.iter() {
         let module = compose(path, source).unwrap_or_else(|error| panic!("{error}"));
         assert!(!module.entry_points.is_empty(), "{path} has no entry points");
         validate(&module).unwrap_or_else(|error| panic!("{path}: {error}"));
@@ -56,7 +56,7 @@ fn validation_finds_bad_shaders() {
 
 #[test]
 fn common_files_have_no_entry_points() {
-    for (path, source) in COMMON {
+    for &(path, source) in COMMON.iter() {
         for stage in ["@vertex", "@fragment", "@compute"] {
             assert!(!source.contains(stage), "{path} has {stage}");
         }
@@ -81,34 +81,32 @@ fn every_file_is_listed_once_and_every_listed_file_exists() {
         .collect();
     let listed: Vec<String> = COMMON
         .iter()
-        .chain(&PASSES)
+        .chain(PASSES.iter())
         .map(|(path, _)| (*path).to_owned())
         .collect();
     let set: BTreeSet<String> = listed.iter().cloned().collect();
     assert_eq!(set.len(), listed.len(), "a file is listed twice");
     assert_eq!(there, set);
-    for (path, source) in COMMON.iter().chain(&PASSES) {
+    for (path, source) in COMMON.iter().chain(PASSES.iter()) {
         let now = std::fs::read_to_string(root.join(path)).expect("a listed file is there");
         assert_eq!(now, *source, "{path} is not what was compiled in");
     }
 }
 
-/// Literals `Some("…")` after `entry_point:`, or after `compute_entry:` and the like; and the shader files that
-/// a Rust source names.
+/// Entry points in `Stage::new(file, "…")`, and the shader files that a Rust source names.
 fn named_by(source: &str) -> (Vec<String>, Vec<String>) {
-    let literals = |before: &str| {
-        source
-            .match_indices(before)
-            .filter_map(|(at, _)| source[at + before.len()..].split('"').next())
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
-    };
-    let files = source
-        .split('"')
-        .filter(|text| text.ends_with(".wgsl") && !text.contains(char::is_whitespace))
+    let is_file = |text: &&str| text.ends_with(".wgsl") && !text.contains(char::is_whitespace);
+    let quoted = |text| str::split(text, '"').skip(1).step_by(2).collect::<Vec<_>>();
+    let stage = "Stage::new(";
+    let entries = source
+        .match_indices(stage)
+        .filter_map(|(at, _)| source[at + stage.len()..].split(')').next())
+        .flat_map(quoted)
+        .filter(|text| !is_file(text))
         .map(str::to_owned)
         .collect();
-    (literals("entry_point: Some(\""), files)
+    let files = source.split('"').filter(is_file).map(str::to_owned).collect();
+    (entries, files)
 }
 
 fn entry_points(path: &str) -> Option<Vec<String>> {
@@ -151,7 +149,7 @@ fn rust_names_entry_points_that_exist_and_none_is_unused() {
         named >= 6,
         "only {named} entry points are named: the reader is broken"
     );
-    for (path, _) in PASSES {
+    for &(path, _) in PASSES.iter() {
         for entry in entry_points(path).unwrap_or_default() {
             assert!(
                 sources.contains(&format!("\"{entry}\"")),
@@ -163,15 +161,15 @@ fn rust_names_entry_points_that_exist_and_none_is_unused() {
 
 #[test]
 fn the_reader_of_names_finds_them() {
-    let source = r#"x = shaders.module(d, "passes/a.wgsl")?; y { entry_point: Some("vertex"), } // `b.wgsl`"#;
+    let source = r#"x = shaders.module(d, "passes/a.wgsl")?; y(Stage::new("passes/a.wgsl", "vertex"), Stage::new(FILE, entry)) // `b.wgsl`"#;
     assert_eq!(
         named_by(source),
-        (vec!["vertex".to_owned()], vec!["passes/a.wgsl".to_owned()])
+        (vec!["vertex".to_owned()], vec!["passes/a.wgsl".to_owned(); 2])
     );
     assert_eq!(entry_points("passes/none.wgsl"), None);
     assert_eq!(
         entry_points("passes/tonemap.wgsl"),
-        Some(vec!["vertex".to_owned(), "fragment".to_owned()])
+        Some(vec!["fragment".to_owned()])
     );
 }
 

@@ -1,11 +1,11 @@
 //! The edges of triangles, sorted so that those between the same vertices are neighbours.
 
-/// A triangle's edge, turned to run from its lower to its higher vertex.
+/// One side of a triangle, stored from its lower to its higher vertex.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct HalfEdge {
     pub(super) low: u32,
     pub(super) high: u32,
-    /// Triangle · 2 + whether it traverses the edge from high to low.
+    /// Twice the triangle's number, plus 1 if the triangle traverses the edge from high to low.
     side: u32,
 }
 
@@ -35,7 +35,7 @@ pub(super) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
     half_edges
 }
 
-/// The half edges of each edge in turn.
+/// Yields the half edges of each edge, one edge after another.
 pub(super) fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
     half_edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high))
 }

@@ -1,34 +1,34 @@
-//! What the `extras` of one node say about cells, portals and occluders.
+//! The entries in one node's `extras` about cells, portals and occluders.
 
 use glam::Vec3;
 use gltf::json::Value;
 
-/// What the `extras` of a node say about visibility.
+/// The entries in a node's `extras` that concern visibility.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GltfVisibility {
-    /// The node is a cell of this name.
+    /// Name of the cell, if the node is a cell.
     pub cell: Option<String>,
-    /// The node is a portal.
+    /// The portal, if the node is a portal.
     pub portal: Option<GltfPortal>,
-    /// Half of the size of the cell or portal, metres; `None`: that of the mesh.
+    /// Half of the size of the cell or portal, metres. `None` takes the size of the mesh.
     pub half_size: Option<Vec3>,
     /// Names of the cells that the node's mesh is in.
     pub in_cells: Option<Vec<String>>,
-    /// Whether the node's mesh hides others.
+    /// Whether the node's mesh hides others. `None` leaves it to the default rule.
     pub occluder: Option<bool>,
 }
 
-/// A portal.
+/// A portal between two named cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GltfPortal {
-    /// Names of the two cells.
+    /// Names of the two cells that the portal connects.
     pub joins: [String; 2],
-    /// Seen through.
+    /// Whether the portal can be seen through.
     pub open: bool,
 }
 
 impl GltfVisibility {
-    /// Whether the node's mesh is but the shape of a cell or portal, and not drawn.
+    /// Whether the node's mesh only gives the shape of a cell or portal and is not drawn.
     pub fn takes_mesh(&self) -> bool {
         (self.cell.is_some() || self.portal.is_some()) && self.half_size.is_none()
     }
@@ -83,7 +83,7 @@ fn portal(value: &Value) -> Result<GltfPortal, String> {
     })
 }
 
-/// Two or three positive numbers.
+/// Parses a list of two or three positive numbers. A missing third number is 1.
 fn half_size(value: &Value) -> Result<Vec3, String> {
     let numbers = value.as_array().map(Vec::as_slice).unwrap_or_default();
     let mut size = Vec3::ONE;

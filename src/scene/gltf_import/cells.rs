@@ -7,11 +7,12 @@
 //! {"extras": {"antumbra": {"occluder": false}}}
 //! ```
 //!
-//! A cell is a box around the node's origin, a portal a rectangle in its XY plane. Without `half_size` the node's mesh says
-//! what they are: its bounds for a cell, the convex hull of its vertices for a portal; that mesh is not drawn then.
+//! A cell is a box around the node's origin, a portal a rectangle in the node's XY plane. Without `half_size`
+//! the shape comes from the node's mesh: the bounds of the mesh for a cell, the convex hull of its vertices
+//! for a portal. That mesh is then not drawn.
 //!
-//! A file in which one of these cannot be read, or two cells have one name, has no cells and no portals at all: a portal
-//! left out would hide what should show.
+//! If one of these cannot be read, or two cells share a name, all cells and portals of the file are dropped,
+//! because a missing portal would hide objects that should be visible.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -34,7 +35,7 @@ pub(super) fn load(accessors: &Accessors<'_>, nodes: &mut [GltfNode], report: &m
     let mut sound = true;
     for (index, (json, node)) in accessors.root.nodes.iter().zip(nodes.iter_mut()).enumerate() {
         let Some(extras) = &json.extras else { continue };
-        // Extras of others may be anything.
+        // Extras of other tools may hold anything.
         let Ok(value) = from_str::<Value>(extras.get()) else {
             continue;
         };
@@ -74,7 +75,7 @@ fn check_shape(visibility: GltfVisibility, has_mesh: bool) -> Result<GltfVisibil
     Ok(visibility)
 }
 
-/// Gives the entities of a scene their cells, portals, lists and occluders.
+/// Gives the entities of a scene their cells, portals, cell lists and occluders.
 pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -94,7 +95,7 @@ pub(super) fn spawn(
             world.spawn((Cell { half_size }, place, ChildOf(*entity))).id(),
         );
     }
-    // Whoever is meant is not in this scene; who looks there sees everything.
+    // A name that is not found becomes a placeholder that is no cell: a viewer who looks there sees all.
     let find = |name: &String| cells.get(name.as_str()).copied().unwrap_or(Entity::PLACEHOLDER);
     for (index, node) in gltf.nodes.iter().enumerate() {
         if let (Some(portal), Some(entity)) = (&node.visibility.portal, entities[index]) {
@@ -139,7 +140,7 @@ fn bounds(gltf: &LoadedGltf, node: &GltfNode) -> (Vec3, Vec3) {
     (aabb.center(), aabb.half_size())
 }
 
-/// The vertices of a node's mesh, each place once.
+/// The vertices of a node's mesh, without duplicates.
 fn outline(gltf: &LoadedGltf, node: &GltfNode) -> SmallVec<[Vec3; 4]> {
     let mut outline: SmallVec<[Vec3; 4]> = SmallVec::new();
     for &position in mesh_of(gltf, node).iter().flat_map(|mesh| &mesh.positions) {

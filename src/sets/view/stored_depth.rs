@@ -1,18 +1,19 @@
 //! How the depth of a view is stored.
 
-/// Reversed depth: 1 on the near plane, 0 at the far end.
+/// The mapping from view depth to stored depth. Stored depth is reversed: 1 on the near plane, 0 at the far
+/// end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewDepth {
-    /// `near / depth`: of a perspective view.
+    /// Stored depth is `near / depth`. Perspective views use this.
     Infinite {
-        /// View depth of the near plane, > 0.
+        /// View depth of the near plane, greater than 0.
         near: f64,
     },
-    /// Linear between the two: of an orthographic view.
+    /// Stored depth is linear between `near` and `far`. Orthographic views use this.
     Finite {
         /// View depth that is stored as 1.
         near: f64,
-        /// View depth that is stored as 0; greater.
+        /// View depth that is stored as 0; greater than `near`.
         far: f64,
     },
 }
@@ -25,7 +26,7 @@ impl ViewDepth {
         }
     }
 
-    /// What is stored for a view depth.
+    /// The value that is stored for a view depth.
     pub fn stored(self, depth: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth,
@@ -33,15 +34,16 @@ impl ViewDepth {
         }
     }
 
-    /// By how much stored depth may err, of a surface at a view depth, if `f32` errs by this share.
+    /// Error of the stored depth of a surface at `depth`, if `f32` arithmetic has a relative error of
+    /// `share`.
     pub fn stored_slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth * share,
-            Self::Finite { .. } => share, // of 1, from which the depths are subtracted
+            Self::Finite { .. } => share, // relative to 1, from which the depths are subtracted
         }
     }
 
-    /// The same of a view depth.
+    /// Error of the view depth of a surface at `depth`, if `f32` arithmetic has a relative error of `share`.
     pub fn slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { .. } => depth.abs() * share,

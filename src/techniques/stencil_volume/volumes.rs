@@ -1,6 +1,6 @@
 //! The frame's shadow volumes: which parts of which caster are drawn, and how they are counted.
 //!
-//! What a caster of a light's set S has of them is decided here and in [`parts`](super::volume_parts).
+//! This file and `volume_parts` decide which parts of its volume a caster of a light's set S needs.
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
@@ -9,37 +9,38 @@ use super::caster_volume::CasterVolume;
 use super::component::{Counting, Extent, StencilVolume};
 use super::volume_parts::PartCulling;
 use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::Silhouettes;
+use crate::silhouettes::{CasterShape, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
-use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
+use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
-/// The volumes in one light.
+/// The shadow volumes in one light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightVolumes {
     /// Index into [`FrameLights`].
     pub light: usize,
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// Ascending by object.
+    /// Volumes of the casters, ascending by object.
     pub casters: Vec<CasterVolume>,
-    /// Casters of S whose volume was left out as a whole: it misses the view, or the depths that the light reaches.
+    /// Number of casters of S without a volume, because it misses the view or the depths that the light
+    /// reaches.
     pub culled: usize,
 }
 
 /// The volumes of this frame, for each light with a [`StencilVolume`] that lights something. Written by
-/// [`build_stencil_volumes`].
+/// `build_stencil_volumes`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct StencilVolumes {
-    /// Ascending by light.
+    /// Volumes by light, ascending.
     pub lights: Vec<LightVolumes>,
     spare: Vec<Vec<CasterVolume>>,
     surfaces: NearestSurfaces,
 }
 
 impl StencilVolumes {
-    /// The volumes in a light of [`FrameLights`].
+    /// Returns the volumes in a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightVolumes> {
         let at = self
             .lights
@@ -51,12 +52,12 @@ impl StencilVolumes {
 
 /// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], what stands before the camera; writes
-/// [`StencilVolumes`].
-/// In an orthographic view it tells [`DepthReach`] how deep they reach. Cost: one pyramid and one hull test a caster of S.
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`],
+/// [`CameraOcclusion`]; writes [`StencilVolumes`] and, in an orthographic view, extends [`DepthReach`] to the
+/// volumes. Cost: one pyramid test and one hull test for each caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
-    mut depth_reach: ResMut<DepthReach>,
+    depth_reach: Res<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -64,7 +65,7 @@ pub fn build_stencil_volumes(
     near_caps: NearCaps,
     occlusion: Res<CameraOcclusion>,
     components: Query<&StencilVolume>,
-    casters: Query<PlacedCaster<'static>>,
+    casters: Query<CasterShape>,
 ) {
     let StencilVolumes {
         lights: out,
@@ -77,11 +78,14 @@ pub fn build_stencil_volumes(
         return;
     };
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<StencilVolume>() {
+            continue;
+        }
         let Ok(settings) = components.get(light.entity) else {
             continue;
         };
         if light.scissor.is_none() {
-            continue; // nothing that is visible receives it
+            continue; // no visible surface receives the light
         }
         let mut entry = LightVolumes {
             light: index,
@@ -104,7 +108,11 @@ pub fn build_stencil_volumes(
                     continue;
                 }
                 let caster = casters.get(objects.entities[object]);
-                let is_closed = || caster.is_ok_and(|caster| caster.0.0.edges.is_closed());
+                let is_closed = || {
+                    caster
+                        .as_ref()
+                        .is_ok_and(|caster| caster.edges.0.edges.is_closed())
+                };
                 let hides_cap = near_caps.are_hidden(&objects, object, is_closed);
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
@@ -118,7 +126,7 @@ pub fn build_stencil_volumes(
                             key,
                             silhouette.revision,
                             light.point_world,
-                            casters.get(entity).ok()?,
+                            &casters.get(entity).ok()?,
                         )
                     }),
                     None if settings.extent == Extent::Finite => finite_extrusion(
@@ -147,7 +155,7 @@ pub fn build_stencil_volumes(
                 match parts.cull(volume, &corners, &bounds) {
                     Some(volume) => {
                         if finite.is_some() {
-                            include_points(&mut depth_reach, view, corners);
+                            include_points(&depth_reach, view, corners);
                         }
                         entry.casters.push(volume);
                     }
