@@ -7,7 +7,7 @@ use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
-use bevy::pbr::deferred::{deferred_lighting, prepare_deferred_lighting_pipelines};
+use bevy::pbr::deferred::{DeferredLightingLayout, deferred_lighting, prepare_deferred_lighting_pipelines};
 use bevy::pbr::{
     MeshPipelineSystems, PbrPlugin, queue_material_meshes, queue_prepass_material_meshes,
     screen_space_reflections,
@@ -132,6 +132,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             Render,
             prepare_views
+                .run_if(resource_exists::<DeferredLightingLayout>) // a game may do without
                 .in_set(RenderSystems::PrepareResources)
                 .in_set(AntumbraRenderSystems::Prepare)
                 .before(prepare_deferred_lighting_pipelines),
