@@ -25,7 +25,7 @@ use glam::{Vec3, Vec4};
 #[path = "silhouettes/chapter_9.rs"]
 mod chapter_9;
 #[cfg(feature = "gltf")]
-#[path = "../tests/silhouette_closed/models.rs"]
+#[path = "../tests/core/silhouette_closed/models.rs"]
 mod models;
 #[path = "silhouettes/workload.rs"]
 mod workload;

@@ -7,12 +7,13 @@
 //! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is one
 //! line on stderr that names the file and the element, exit status 1, and nothing is written.
 
-mod support;
+use antumbra_stage as support;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use antumbra::prelude::*;
+use antumbra::techniques::Techniques;
 use clap::Parser;
 use support::shot::Shot;
 use support::stage::{Stage, one_line};
@@ -52,7 +53,7 @@ fn main() -> ExitCode {
 }
 
 fn render(arguments: &Arguments) -> Result<(), String> {
-    let shot = Shot::load(&arguments.shot)?;
+    let shot = Shot::load(&arguments.shot, Techniques::default())?;
     if shot.size.contains(&0) {
         return Err(format!(
             "{}: size: {:?} has no pixels",

@@ -19,7 +19,7 @@
 //!
 //! # The map
 //!
-//! Arrows point one way: a later folder may use an earlier one, never back (`tests/layers.rs` holds it).
+//! Arrows point one way: a later folder may use an earlier one, never back (`tests/core/layers.rs` holds it).
 //!
 //! | folder | holds |
 //! | --- | --- |
@@ -81,29 +81,30 @@ pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::render::pools::gpu_types;
     #[cfg(feature = "render")]
-    pub use crate::render::shaders::{COMMON, PASSES};
     pub use crate::sets::index::boxes::WORD;
+    pub use crate::techniques::maps::cascades::split_depths;
     pub use crate::techniques::maps::packing::*;
     pub use crate::techniques::maps::request::MapRequest;
     pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;
     pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
     pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
-    pub use crate::techniques::shadow_map::cascades::split_depths;
+    #[cfg(feature = "render")]
+    pub use crate::techniques::registry::gpu::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
 }
 
 /// What most users name.
 pub mod prelude {
     pub use super::plugin::AntumbraPlugin;
+    #[cfg(feature = "render")]
     pub use super::render::frame::record::FrameOutputs;
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
         AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
         Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
-        ShadowedLight,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
-    pub use super::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+    pub use super::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
 }

@@ -8,6 +8,7 @@ use bevy_transform::prelude::TransformPlugin;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 
 use crate::schedule::{AntumbraSystems, add_systems, init_resources};
+use crate::techniques::{AddTechnique, Row, Technique, add_row};
 
 /// Adds the systems to an [`App`], in `PostUpdate` after transforms are propagated.
 ///
@@ -115,4 +116,22 @@ fn transform_schedule() -> Schedule {
 
 fn propagate_transforms(world: &mut World) {
     world.run_schedule(PropagateTransforms);
+}
+
+impl AddTechnique for App {
+    /// In an app of Bevy's, lights of Bevy's with the component get their shadows from us; before the first frame.
+    fn add_technique<T: Technique>(&mut self) -> &mut Self {
+        #[cfg(feature = "bevy")]
+        if crate::bevy_adapter::techniques::add_technique::<T>(self) {
+            return self;
+        }
+        let mut schedule = self
+            .world_mut()
+            .resource_mut::<Schedules>()
+            .remove(PostUpdate)
+            .unwrap_or_else(|| Schedule::new(PostUpdate));
+        add_row(Row::of::<T>(), self.world_mut(), &mut schedule);
+        self.world_mut().resource_mut::<Schedules>().insert(schedule);
+        self
+    }
 }

@@ -5,6 +5,7 @@
     reason = "a global allocator that counts cannot be written without"
 )]
 
+#[path = "core/sets_harness/mod.rs"]
 mod sets_harness;
 
 use std::alloc::{GlobalAlloc, Layout, System};

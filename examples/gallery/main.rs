@@ -34,8 +34,7 @@ mod readme;
 mod soft_cost;
 mod soft_pages;
 mod soft_table;
-#[path = "../support/mod.rs"]
-mod support;
+use antumbra_stage as support;
 
 use std::path::PathBuf;
 use std::process::ExitCode;

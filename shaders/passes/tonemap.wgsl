@@ -12,7 +12,7 @@ fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     return vec4f(corner, 0.0, 1.0);
 }
 
-// Keeps hue and the colours of well-lit surfaces, compresses only highlights.
+// Keeps hue and the colours of well-lit surfaces; compresses highlights only.
 // Source: Khronos 2024, "Khronos PBR Neutral Tone Mapper", formula of its specification.
 fn pbr_neutral(radiance: vec3f) -> vec3f {
     let start = 0.8 - 0.04;

@@ -31,9 +31,9 @@ use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-use super::techniques::{AddShadowTechnique, TechniqueComponents, Techniques, TouchedLights, add_waiting};
+use super::techniques::{Reflected, TechniqueComponents, add_waiting};
 use crate::scene::LightSelection;
-use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+use crate::techniques::add_builtin;
 
 /// The app has Bevy's renderer, and the adapter is in it: nothing of the core runs in the main world.
 #[derive(Resource)]
@@ -42,15 +42,12 @@ pub struct Installed;
 /// What the adapter adds to an app whether or not there is a renderer in it.
 pub fn register(app: &mut App) {
     app.register_type::<AntumbraCamera>()
-        .register_type::<StencilVolume>()
-        .register_type::<PenumbraWedge>()
-        .register_type::<ShadowMap>()
-        .register_type::<OmniMap>()
         .register_type::<LightSelection>()
         .add_systems(
             Last,
             warn_without_renderer.run_if(not(resource_exists::<Installed>)),
         );
+    add_builtin(&mut Reflected(app));
 }
 
 /// Installs the adapter once the app has Bevy's renderer of 3D scenes; `false` if it does not have it (yet).
@@ -81,10 +78,7 @@ pub fn install(app: &mut App) -> bool {
                 .in_set(AntumbraMainSystems::CollectMeshes)
                 .after(AssetEventSystems),
         );
-    app.add_shadow_technique::<StencilVolume>(|_, _| ())
-        .add_shadow_technique::<PenumbraWedge>(|_, _| ())
-        .add_shadow_technique::<ShadowMap>(|_, _| ())
-        .add_shadow_technique::<OmniMap>(|_, _| ());
+    add_builtin(app);
     add_waiting(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
@@ -95,8 +89,6 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
         .init_resource::<DeferredViews>()
-        .init_resource::<Techniques>()
-        .init_resource::<TouchedLights>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),

@@ -92,4 +92,3 @@ pub use mirror::{HostBounds, HostEntity, HostLight, Mirror, Mirrors};
 pub use refused::RefusedMeshes;
 pub use settings::AntumbraSettings;
 pub use systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-pub use techniques::AddShadowTechnique;

@@ -1,4 +1,4 @@
-//! Pure mathematics on `glam`: no ECS, no GPU.
+//! Mathematics on `glam` alone, without ECS or GPU.
 
 pub(crate) mod aabb;
 pub(crate) mod box_shadow;

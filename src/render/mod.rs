@@ -15,21 +15,25 @@ pub(crate) mod gpu;
 pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
+pub(crate) mod recorders;
 pub(crate) mod renderer;
 pub(crate) mod settings;
 pub(crate) mod shaders;
 
 pub use context::{RenderContext, RenderError, RequestedFeatures};
-pub use frame::frame_data::{ActiveLight, FrameData, Viewport};
+pub use frame::frame_data::{ActiveLight, FrameData, LightShadow, TechniqueIndex, Viewport};
 pub use frame::hosted::{HostFrame, HostView, stencil_lit};
 pub use frame::record::FrameOutputs;
 pub use frame::targets::{FrameTargets, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target};
 pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
 pub use nodes::pipelines::VISIBILITY_FORMAT;
-pub use recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+pub use recorder::{
+    Leaves, Mark, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput, ShadowKind,
+};
+pub use recorders::Recorders;
 pub use renderer::Renderer;
 pub use settings::RenderSettings;
-pub use shaders::Shaders;
+pub use shaders::{ShaderFile, Shaders};
 /// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
 pub use wgpu;

@@ -1,5 +1,7 @@
 //! What lives long on the GPU.
 
+use std::any::TypeId;
+
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
 
@@ -21,7 +23,8 @@ use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
-use super::recorder::{RecordInput, Recorder};
+use super::recorder::{Leaves, RecordInput, Recorder};
+use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, RenderContext, RenderError, Shaders};
 
@@ -48,7 +51,7 @@ pub struct Renderer {
     pub(super) view_group: wgpu::BindGroup,
     pub(super) light_group: wgpu::BindGroup,
     pub(super) draw_lists: DrawListBuilder,
-    pub(super) techniques: Vec<Box<dyn Recorder>>,
+    pub(super) techniques: Recorders,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
@@ -74,8 +77,7 @@ impl std::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// A renderer. The schedule gives it the crate's own techniques in its first frame
-    /// ([`add_builtin_techniques`](crate::techniques::add_builtin_techniques)).
+    /// A renderer. The schedule gives it the recorders of the world's techniques in its first frame.
     ///
     /// # Errors
     /// [`RenderError::Shader`] if a shader does not compose.
@@ -105,7 +107,7 @@ impl Renderer {
             light_group: bind_lights(&context, &layouts, &light_buffer.buffer),
             instances: GrowingBuffer::new(&context, "instances", wgpu::BufferUsages::VERTEX),
             draw_lists: DrawListBuilder::default(),
-            techniques: Vec::new(),
+            techniques: Recorders::default(),
             targets: None,
             radiance: None,
             host: None,
@@ -128,14 +130,26 @@ impl Renderer {
         })
     }
 
-    /// Adds a technique; lights that it claims are shadowed by it. Earlier ones are asked first.
-    pub fn add_technique(&mut self, technique: Box<dyn Recorder>) {
-        self.techniques.push(technique);
+    /// The recorders of the world's techniques.
+    pub fn recorders(&self) -> &Recorders {
+        &self.techniques
     }
 
-    /// Whether a technique of this name was added.
-    pub fn has_technique(&self, name: &str) -> bool {
-        self.techniques.iter().any(|technique| technique.name() == name)
+    /// Adds the recorder of the next technique of the world's list ([`Recorders`]).
+    ///
+    /// # Errors
+    /// What the recorder could not be made for.
+    pub(crate) fn add_recorder(
+        &mut self,
+        kind: TypeId,
+        make: impl FnOnce(&Self) -> Result<Box<dyn Recorder>, RenderError>,
+    ) -> Result<(), RenderError> {
+        if !self.techniques.knows(kind) {
+            let recorder = make(self)?;
+            self.techniques.push(kind, recorder);
+        }
+        self.techniques.add_row(kind);
+        Ok(())
     }
 
     /// The device.
@@ -190,15 +204,13 @@ impl Renderer {
 
     /// Name of the technique of one light of the frame, `none` without.
     pub fn technique_name(&self, light: &ActiveLight) -> &'static str {
-        light
-            .shadow
-            .map_or("none", |(technique, _)| self.techniques[technique].name())
+        light.technique.map_or("none", |technique| technique.name)
     }
 
     /// Draw calls of the technique of one light of the frame.
     pub fn shadow_batch_count(&self, light: &ActiveLight) -> usize {
-        light.shadow.map_or(0, |(technique, _)| {
-            self.techniques[technique].batch_count(light.light)
+        light.shadow.map_or(0, |shadow| {
+            self.techniques[shadow.technique.0].batch_count(light.light)
         })
     }
 
@@ -282,6 +294,11 @@ impl Renderer {
             materials: &self.materials,
             instances: &self.instances.buffer,
         }
+    }
+
+    /// What the technique of a light leaves of it.
+    pub(super) fn leaves(&self, light: &ActiveLight) -> Option<Leaves<'_>> {
+        self.techniques[light.shadow?.technique.0].light(light.light)
     }
 
     pub(super) fn record_input(&self) -> RecordInput<'_> {

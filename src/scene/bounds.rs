@@ -1,4 +1,4 @@
-//! Where objects are: boxes in local and world space.
+//! Bounding boxes of objects in local and world space.
 
 use bevy_ecs::change_detection::{ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
@@ -9,7 +9,8 @@ use super::churn::count_churn;
 use super::{PosedMesh, SceneMesh, tasks};
 use crate::geometry::Aabb;
 
-/// Bounds of the mesh as posed, local space. Empty for a mesh without triangles or finite positions.
+/// Bounds of the mesh in its current pose, local space. Empty for a mesh without triangles or finite
+/// positions.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct LocalBounds(pub Aabb);
 
@@ -19,11 +20,11 @@ impl Default for LocalBounds {
     }
 }
 
-/// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not
-/// finite or singular.
+/// Bounds of an object in world space. They are empty for an object that is left out because it has no
+/// triangles, or because its transform is singular or not finite.
 ///
-/// Its change stands for the object having moved: [`update_world_bounds`] marks it whenever the transform or the local
-/// bounds changed, whether or not the box came out the same.
+/// A change of this component means that the object moved: [`update_world_bounds`] marks it whenever the
+/// transform or the local bounds changed, even if the box came out equal.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct WorldBounds(pub Aabb);
@@ -34,16 +35,16 @@ impl Default for WorldBounds {
     }
 }
 
-/// Whether a transform can be drawn with: finite, and it keeps volume.
+/// Whether an object with this transform can be drawn: the transform is finite and not singular.
 pub fn is_usable_transform(transform: &GlobalTransform) -> bool {
     let affine = transform.affine();
     let determinant = affine.matrix3.determinant();
     affine.is_finite() && determinant.is_finite() && determinant != 0.0
 }
 
-/// Recomputes [`LocalBounds`] of meshes that were added, exchanged or posed.
+/// Recomputes [`LocalBounds`] of meshes that were added, replaced or posed.
 ///
-/// Set: `UpdateBounds`, after [`pose_meshes`](super::pose::pose_meshes). A mesh that is not posed yet has the
+/// Set: `UpdateBounds`, after [`pose_meshes`](super::pose_meshes). A mesh that is not posed yet has the
 /// bounds of its rest pose. Cost: the vertices of changed meshes.
 #[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn update_local_bounds(
@@ -53,7 +54,7 @@ pub fn update_local_bounds(
     >,
     mut without_mesh: Query<&mut LocalBounds, Without<SceneMesh>>,
 ) {
-    // Its mesh was taken away; the other components stay.
+    // The mesh component was removed; the other components remain.
     for mut bounds in &mut without_mesh {
         bounds.set_if_neq(LocalBounds::default());
     }
@@ -71,14 +72,14 @@ pub fn update_local_bounds(
     }
 }
 
-/// Rows of one task.
+/// Number of rows that one task processes.
 const CHUNK: usize = 4096;
 
 /// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed, and marks them as changed.
 ///
-/// Set: `UpdateBounds`, after [`update_local_bounds`]. Reads whole columns of change ticks, so that objects at rest cost
-/// next to nothing; moved ones are computed on all threads. Which code changed them last (bevy's `track_location`) is
-/// not recorded.
+/// Set: `UpdateBounds`, after [`update_local_bounds`]. The system reads whole columns of change ticks, so
+/// that objects at rest cost next to nothing. The bounds of moved objects are computed on all threads. The
+/// location in code of the last change (bevy's `track_location`) is not recorded.
 pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTransform>, &mut WorldBounds)>) {
     let Ok(tables) = objects.contiguous_iter_mut() else {
         unreachable!("all three are kept in tables");

@@ -4,7 +4,7 @@ use antumbra::bevy_adapter::prelude::*;
 use antumbra::insides::{prepare_objects, prepare_techniques};
 use antumbra::prelude::Renderer;
 use antumbra::render::RenderError;
-use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
 use antumbra::scene::ShadowedLight;
 use antumbra::schedule::AntumbraSystems;
 use antumbra::sets::FrameLights;
@@ -22,23 +22,7 @@ struct Veil {
     lights: Vec<(usize, f32)>,
 }
 
-impl Recorder for Veil {
-    fn name(&self) -> &'static str {
-        "veil"
-    }
-
-    fn prepare(&mut self, world: &World, _: &PrepareInput) -> Result<(), RenderError> {
-        let lights = &world.resource::<FrameLights>().lights;
-        let veil = |light: usize| Some((light, world.get::<Veiled>(lights[light].entity)?.0));
-        self.lights = (0..lights.len()).filter_map(veil).collect();
-        Ok(())
-    }
-
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        let own = self.lights.iter().any(|&(own, _)| own == light);
-        own.then_some(Leaves::Mask)
-    }
-
+impl Resolve for Veil {
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
         let seen = self.lights.iter().find(|&&(own, _)| own == light);
         let seen = f64::from(seen.map_or(1.0, |&(_, seen)| seen));
@@ -60,6 +44,24 @@ impl Recorder for Veil {
             })],
             ..Default::default()
         });
+    }
+}
+
+impl Recorder for Veil {
+    fn name(&self) -> &'static str {
+        "veil"
+    }
+
+    fn prepare(&mut self, world: &World, _: &PrepareInput) -> Result<(), RenderError> {
+        let lights = &world.resource::<FrameLights>().lights;
+        let veil = |light: usize| Some((light, world.get::<Veiled>(lights[light].entity)?.0));
+        self.lights = (0..lights.len()).filter_map(veil).collect();
+        Ok(())
+    }
+
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        let own = self.lights.iter().any(|&(own, _)| own == light);
+        own.then_some(Leaves::Mask(self))
     }
 
     fn debug(&self, _: usize, _: &mut wgpu::RenderPass, _: &RecordInput) {}

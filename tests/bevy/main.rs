@@ -4,7 +4,7 @@
     reason = "the example and the tests each have an app without a window"
 )]
 
-#[path = "../harness/mod.rs"]
+#[path = "../gpu/harness/mod.rs"]
 mod core_harness;
 
 mod bad_input;

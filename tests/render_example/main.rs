@@ -3,7 +3,7 @@
 //! Runs the built example: `cargo test` builds it; with `--test render_example` alone, build it before with
 //! `cargo build --example render` and the same features.
 
-#[path = "../gltf_builder/mod.rs"]
+#[path = "../gltf/gltf_builder/mod.rs"]
 mod gltf_builder;
 
 mod errors;

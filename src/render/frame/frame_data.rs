@@ -8,7 +8,8 @@ use glam::UVec2;
 
 use super::draw_list::Batch;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
-use crate::render::recorder::Leaves;
+use crate::render::recorder::ShadowKind;
+use crate::sets::LightTechnique;
 
 /// The part of the targets that the view has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +34,19 @@ impl Viewport {
     }
 }
 
+/// A recorder of a renderer, by the order in which they were added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TechniqueIndex(pub usize);
+
+/// How the shadow of one light is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightShadow {
+    /// The recorder that draws the shadow.
+    pub technique: TechniqueIndex,
+    /// What the technique leaves of the light.
+    pub kind: ShadowKind,
+}
+
 /// One light of the frame, ready to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveLight {
@@ -42,8 +56,10 @@ pub struct ActiveLight {
     pub light: usize,
     /// Slot of the light's constants.
     pub slot: usize,
-    /// Index of its technique and what that leaves; `None`: unshadowed.
-    pub shadow: Option<(usize, Leaves)>,
+    /// The technique of the light; `None` if nothing shadows the light.
+    pub technique: Option<LightTechnique>,
+    /// How the light's shadow is drawn; `None` if nothing shadows the light.
+    pub shadow: Option<LightShadow>,
     /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
@@ -62,7 +78,20 @@ pub struct ActiveLight {
 impl ActiveLight {
     /// Whether its technique leaves a mask.
     pub fn has_mask(&self) -> bool {
-        matches!(self.shadow, Some((_, Leaves::Mask)))
+        self.kind() == Some(ShadowKind::Mask)
+    }
+
+    /// What its technique leaves; `None` without one.
+    pub fn kind(&self) -> Option<ShadowKind> {
+        self.shadow.map(|shadow| shadow.kind)
+    }
+
+    /// Whether its technique leaves a mask that is made from the planes of the receivers.
+    pub fn reads_planes(&self) -> bool {
+        self.has_mask()
+            && self
+                .technique
+                .is_some_and(|technique| technique.needs.receiver_planes)
     }
 }
 

@@ -9,7 +9,7 @@ use super::record::FrameOutputs;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::nodes::visibility::Shadow;
-use crate::render::recorder::{Leaves, RecordInput};
+use crate::render::recorder::{RecordInput, ShadowKind};
 use crate::render::renderer::Renderer;
 
 /// Which surfaces a light is added to.
@@ -22,7 +22,7 @@ pub(in crate::render) enum LightSurfaces {
 }
 
 impl LightSurfaces {
-    pub(in crate::render) fn pass(self, visibility: Option<Leaves>) -> SurfacePass {
+    pub(in crate::render) fn pass(self, visibility: Option<ShadowKind>) -> SurfacePass {
         match (self, visibility) {
             (Self::Front, Some(visibility)) => SurfacePass::front_light(visibility),
             _ => SurfacePass::light(visibility),
@@ -93,8 +93,7 @@ impl Renderer {
                 let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
                 self.record_light(&mut pass, light, LightSurfaces::Front);
             }
-            if let (Some(target), Some((_, visibility))) = (outputs.visibility.get(light.light), light.shadow)
-            {
+            if let (Some(target), Some(visibility)) = (outputs.visibility.get(light.light), light.kind()) {
                 nodes::visibility::record_front(
                     encoder,
                     target,

@@ -20,7 +20,7 @@ use crate::render::RenderError;
 use crate::render::nodes::host_depth::HostDepth;
 use crate::render::nodes::host_select::HostSelect;
 use crate::render::nodes::pipelines::stencil_test;
-use crate::render::recorder::Leaves;
+use crate::render::recorder::ShadowKind;
 use crate::render::renderer::Renderer;
 
 /// Where and how a host shows the view.
@@ -121,6 +121,7 @@ impl Renderer {
             targets,
             viewport: self.frame.viewport,
         };
+        self.draw_pictures(encoder);
         host_depth.record(
             encoder,
             targets,
@@ -146,7 +147,7 @@ impl Renderer {
     /// Begins the stencil of a light whose technique has not, and leaves nothing lit in it of surfaces that the light does not
     /// affect, or does not see: no caster need shadow these.
     fn select_pixels(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
-        if !matches!(light.shadow, Some((_, Leaves::Stencil))) {
+        if light.kind() != Some(ShadowKind::Stencil) {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
         }

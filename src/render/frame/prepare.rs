@@ -152,7 +152,7 @@ pub fn prepare_techniques(world: &mut World) {
             mirrored_view,
             debug_view: renderer.settings.debug_volumes,
         };
-        for technique in &mut renderer.techniques {
+        for technique in renderer.techniques.iter_mut() {
             if let Err(error) = technique.prepare(world, &input) {
                 renderer.failure.get_or_insert(error);
             }
@@ -209,11 +209,9 @@ pub fn prepare_draws(
         let Some(scissor) = light.scissor else {
             continue; // nothing that is visible receives it
         };
-        let shadow = renderer
-            .techniques
-            .iter()
-            .enumerate()
-            .find_map(|(technique, shadow)| Some((technique, shadow.visibility(index)?)));
+        let shadow = light
+            .technique
+            .and_then(|technique| renderer.techniques.shadow_of(index, &technique));
         let first = frame.batches.len();
         renderer.draw_lists.build(
             &input,
@@ -246,6 +244,7 @@ pub fn prepare_draws(
             entity: light.entity,
             light: index,
             slot,
+            technique: light.technique.filter(|_| shadow.is_some()),
             shadow,
             scissor: frame.viewport.place(if renderer.settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]

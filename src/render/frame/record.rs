@@ -1,13 +1,13 @@
 //! The frame: its passes in order.
 
 use super::canvas::Canvas;
-use super::frame_data::ActiveLight;
+use super::frame_data::{ActiveLight, LightShadow};
 use super::front_lights::LightSurfaces;
 use super::targets::FrameTargets;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::nodes::visibility::Shadow;
-use crate::render::recorder::{Leaves, ResolveInput};
+use crate::render::recorder::{Leaves, PictureInput, ResolveInput};
 use crate::render::renderer::Renderer;
 
 /// Where a frame's results go beside the radiance in the renderer's targets.
@@ -46,7 +46,10 @@ impl Renderer {
             viewport: self.frame.viewport,
         };
 
-        // First, for every later pass tests against its depth.
+        // Before anything of the screen: however many times a light is looked up, its pictures are drawn once.
+        self.draw_pictures(encoder);
+
+        // First of the screen, for every later pass tests against its depth.
         let background = self.settings.sanitized().background.as_dvec3();
         nodes::ambient::record(
             encoder,
@@ -125,6 +128,20 @@ impl Renderer {
         self.timings.end_frame(encoder);
     }
 
+    /// Lets the techniques draw their light-space pictures.
+    pub(in crate::render) fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder) {
+        let input = PictureInput {
+            context: &self.context,
+            meshes: &self.meshes,
+            materials: &self.materials,
+            timings: &self.timings,
+            labels: &self.labels,
+        };
+        for technique in self.techniques.iter() {
+            technique.draw_pictures(encoder, &input);
+        }
+    }
+
     /// The lights in their order, those together that share a pass: with stencils alone, one after the other, unless each is
     /// to be separate.
     pub(in crate::render) fn light_groups(&self, separate: bool) -> impl Iterator<Item = &[ActiveLight]> {
@@ -186,11 +203,7 @@ impl Renderer {
 
     /// Whether a technique of the frame's lights with masks reads the receivers' planes.
     pub(in crate::render) fn reads_planes(&self) -> bool {
-        let reads = |light: &ActiveLight| match light.shadow {
-            Some((technique, Leaves::Mask)) => self.techniques[technique].reads_planes(),
-            _ => false,
-        };
-        self.frame.lights.iter().any(reads)
+        self.frame.lights.iter().any(ActiveLight::reads_planes)
     }
 
     /// Lets the technique of a light leave its mask, if it does.
@@ -201,7 +214,7 @@ impl Renderer {
         light: &ActiveLight,
         surfaces: LightSurfaces,
     ) {
-        if let (Some((technique, Leaves::Mask)), Some(masks)) = (light.shadow, &self.masks) {
+        if let (Some(Leaves::Mask(resolve)), Some(masks)) = (self.leaves(light), &self.masks) {
             let input = ResolveInput {
                 context: &self.context,
                 record: surfaces.record_input(self, light),
@@ -214,8 +227,9 @@ impl Renderer {
                 light_begin: &self.light_begin,
                 timings: &self.timings,
                 label: &self.labels[light.light],
+                labels: &self.labels,
             };
-            self.techniques[technique].resolve(light.light, encoder, &input);
+            resolve.resolve(light.light, encoder, &input);
         }
     }
 
@@ -228,10 +242,10 @@ impl Renderer {
     ) {
         let [x, y, width, height] = surfaces.scissor(light);
         pass.set_scissor_rect(x, y, width, height);
-        if let Some((technique, Leaves::Stencil)) = light.shadow {
+        if let Some(Leaves::Stencil(mark)) = self.leaves(light) {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
-            self.techniques[technique].mark(light.light, pass, &surfaces.record_input(self, light));
+            mark.mark(light.light, pass, &surfaces.record_input(self, light));
         }
     }
 
@@ -248,7 +262,7 @@ impl Renderer {
             &self.view_group,
             &self.light_group,
             light.slot,
-            surfaces.pass(light.shadow.map(|(_, visibility)| visibility)),
+            surfaces.pass(light.kind()),
             self.mask_of(light),
             &self.frame.batches[surfaces.batches(light)],
             &self.surface_resources(),
@@ -276,7 +290,7 @@ impl Renderer {
             target,
             &targets.depth_stencil_view,
             &self.view_group,
-            light.shadow.map(|(_, visibility)| Shadow {
+            light.kind().map(|visibility| Shadow {
                 kind: SurfacePass::visibility(visibility),
                 mask: self.mask_of(light),
                 scissor: light.scissor,
@@ -331,8 +345,8 @@ impl Renderer {
         for light in &self.frame.lights {
             let [x, y, width, height] = light.scissor;
             pass.set_scissor_rect(x, y, width, height);
-            if let Some((technique, _)) = light.shadow {
-                self.techniques[technique].debug(light.light, pass, &self.record_input());
+            if let Some(LightShadow { technique, .. }) = light.shadow {
+                self.techniques[technique.0].debug(light.light, pass, &self.record_input());
             }
         }
     }
@@ -362,7 +376,7 @@ impl Renderer {
             require(SurfacePass::ReceiverPlane, frame.blended_batches.clone());
         }
         for light in &frame.lights {
-            let visibility = light.shadow.map(|(_, visibility)| visibility);
+            let visibility = light.kind();
             require(SurfacePass::light(visibility), light.batches.clone());
             if let Some(visibility) = visibility {
                 require(SurfacePass::visibility(visibility), light.batches.clone());
@@ -372,7 +386,7 @@ impl Renderer {
             require(SurfacePass::Dark, batches.clone());
         }
         for light in &frame.lights {
-            if let Some((_, visibility)) = light.shadow {
+            if let Some(visibility) = light.kind() {
                 require(SurfacePass::front_light(visibility), light.front.clone());
                 require(SurfacePass::visibility(visibility), light.front.clone());
                 require(SurfacePass::VisibilityFront, light.front.clone());

@@ -1,6 +1,6 @@
 //! The passes that draw surfaces.
 
-use crate::render::recorder::Leaves;
+use crate::render::recorder::ShadowKind;
 
 /// A pass that draws surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,26 +42,26 @@ impl SurfacePass {
     pub const COUNT: usize = Self::HostSurface as usize + 1;
 
     /// The pass that adds a light whose technique leaves this.
-    pub fn light(visibility: Option<Leaves>) -> Self {
+    pub fn light(visibility: Option<ShadowKind>) -> Self {
         match visibility {
-            Some(Leaves::Mask) => Self::LightMasked,
-            Some(Leaves::Stencil) | None => Self::Light,
+            Some(ShadowKind::Mask) => Self::LightMasked,
+            Some(ShadowKind::Stencil) | None => Self::Light,
         }
     }
 
     /// The pass that adds such a light to the front layer.
-    pub fn front_light(visibility: Leaves) -> Self {
+    pub fn front_light(visibility: ShadowKind) -> Self {
         match visibility {
-            Leaves::Mask => Self::FrontLightMasked,
-            Leaves::Stencil => Self::FrontLight,
+            ShadowKind::Mask => Self::FrontLightMasked,
+            ShadowKind::Stencil => Self::FrontLight,
         }
     }
 
     /// The pass that shows the visibility of a light whose technique leaves this.
-    pub fn visibility(visibility: Leaves) -> Self {
+    pub fn visibility(visibility: ShadowKind) -> Self {
         match visibility {
-            Leaves::Mask => Self::VisibilityMasked,
-            Leaves::Stencil => Self::Visibility,
+            ShadowKind::Mask => Self::VisibilityMasked,
+            ShadowKind::Stencil => Self::Visibility,
         }
     }
 }

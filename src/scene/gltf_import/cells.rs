@@ -7,11 +7,12 @@
 //! {"extras": {"antumbra": {"occluder": false}}}
 //! ```
 //!
-//! A cell is a box around the node's origin, a portal a rectangle in its XY plane. Without `half_size` the node's mesh says
-//! what they are: its bounds for a cell, the convex hull of its vertices for a portal; that mesh is not drawn then.
+//! A cell is a box around the node's origin, a portal a rectangle in the node's XY plane. Without `half_size`
+//! the shape comes from the node's mesh: the bounds of the mesh for a cell, the convex hull of its vertices
+//! for a portal. That mesh is then not drawn.
 //!
-//! A file in which one of these cannot be read, or two cells have one name, has no cells and no portals at all: a portal
-//! left out would hide what should show.
+//! If one of these cannot be read, or two cells share a name, all cells and portals of the file are dropped,
+//! because a missing portal would hide objects that should be visible.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -28,32 +29,32 @@ use super::{Element, LoadedGltf, Report, SkipKind};
 use crate::geometry::Aabb;
 use crate::scene::{Cell, InCells, MeshData, Occluder, Portal};
 
-/// What the `extras` of a node say about visibility.
+/// The entries in a node's `extras` that concern visibility.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GltfVisibility {
-    /// The node is a cell of this name.
+    /// Name of the cell, if the node is a cell.
     pub cell: Option<String>,
-    /// The node is a portal.
+    /// The portal, if the node is a portal.
     pub portal: Option<GltfPortal>,
-    /// Half of the size of the cell or portal, metres; `None`: that of the mesh.
+    /// Half of the size of the cell or portal, metres. `None` takes the size of the mesh.
     pub half_size: Option<Vec3>,
     /// Names of the cells that the node's mesh is in.
     pub in_cells: Option<Vec<String>>,
-    /// Whether the node's mesh hides others.
+    /// Whether the node's mesh hides others. `None` leaves it to the default rule.
     pub occluder: Option<bool>,
 }
 
-/// A portal.
+/// A portal between two named cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GltfPortal {
-    /// Names of the two cells.
+    /// Names of the two cells that the portal connects.
     pub joins: [String; 2],
-    /// Seen through.
+    /// Whether the portal can be seen through.
     pub open: bool,
 }
 
 impl GltfVisibility {
-    /// Whether the node's mesh is but the shape of a cell or portal, and not drawn.
+    /// Whether the node's mesh only gives the shape of a cell or portal and is not drawn.
     pub fn takes_mesh(&self) -> bool {
         (self.cell.is_some() || self.portal.is_some()) && self.half_size.is_none()
     }
@@ -108,7 +109,7 @@ fn portal(value: &Value) -> Result<GltfPortal, String> {
     })
 }
 
-/// Two or three positive numbers.
+/// Parses a list of two or three positive numbers. A missing third number is 1.
 fn half_size(value: &Value) -> Result<Vec3, String> {
     let numbers = value.as_array().map(Vec::as_slice).unwrap_or_default();
     let mut size = Vec3::ONE;
@@ -128,7 +129,7 @@ pub(super) fn load(accessors: &Accessors<'_>, nodes: &mut [GltfNode], report: &m
     let mut sound = true;
     for (index, (json, node)) in accessors.root.nodes.iter().zip(nodes.iter_mut()).enumerate() {
         let Some(extras) = &json.extras else { continue };
-        // Extras of others may be anything.
+        // Extras of other tools may hold anything.
         let Ok(value) = from_str::<Value>(extras.get()) else {
             continue;
         };
@@ -168,7 +169,7 @@ fn check_shape(visibility: GltfVisibility, has_mesh: bool) -> Result<GltfVisibil
     Ok(visibility)
 }
 
-/// Gives the entities of a scene their cells, portals, lists and occluders.
+/// Gives the entities of a scene their cells, portals, cell lists and occluders.
 pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -188,7 +189,7 @@ pub(super) fn spawn(
             world.spawn((Cell { half_size }, place, ChildOf(*entity))).id(),
         );
     }
-    // Whoever is meant is not in this scene; who looks there sees everything.
+    // A name that is not found becomes a placeholder that is no cell: a viewer who looks there sees all.
     let find = |name: &String| cells.get(name.as_str()).copied().unwrap_or(Entity::PLACEHOLDER);
     for (index, node) in gltf.nodes.iter().enumerate() {
         if let (Some(portal), Some(entity)) = (&node.visibility.portal, entities[index]) {
@@ -233,7 +234,7 @@ fn bounds(gltf: &LoadedGltf, node: &GltfNode) -> (Vec3, Vec3) {
     (aabb.center(), aabb.half_size())
 }
 
-/// The vertices of a node's mesh, each place once.
+/// The vertices of a node's mesh, without duplicates.
 fn outline(gltf: &LoadedGltf, node: &GltfNode) -> SmallVec<[Vec3; 4]> {
     let mut outline: SmallVec<[Vec3; 4]> = SmallVec::new();
     for &position in mesh_of(gltf, node).iter().flat_map(|mesh| &mesh.positions) {

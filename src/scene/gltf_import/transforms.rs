@@ -1,10 +1,10 @@
-//! Transforms of nodes: from the file's matrices and factors to what an entity holds.
+//! Transforms of nodes: from the file's matrices and factors to the transform of an entity.
 
 use bevy_transform::prelude::Transform;
 use glam::{Mat3, Mat4, Quat, Vec3};
 use gltf::json::scene::Node;
 
-/// The transform of a node, and what is wrong with it.
+/// The transform of a node, and a description of its fault if it has one.
 pub(super) fn transform_of(node: &Node) -> (Transform, Option<&'static str>) {
     let (transform, mut problem) = match &node.matrix {
         Some(matrix) => decompose(&Mat4::from_cols_array(matrix)),
@@ -37,7 +37,7 @@ pub(super) fn transform_of(node: &Node) -> (Transform, Option<&'static str>) {
     (transform, problem)
 }
 
-/// `rotation` with unit length; exact input is kept bit for bit.
+/// `rotation` normalised to unit length. Input that is already normalised is kept bit for bit.
 fn unit_rotation(rotation: Quat) -> Option<Quat> {
     if rotation.is_normalized() {
         return Some(rotation);
@@ -46,8 +46,8 @@ fn unit_rotation(rotation: Quat) -> Option<Quat> {
     unit.is_finite().then_some(unit)
 }
 
-/// Translation, rotation and scale of a matrix. A flattened axis gets scale 0 and whatever direction completes
-/// the rotation; shear, which no node may have, is lost and named.
+/// Translation, rotation and scale of a matrix. A flattened axis gets scale 0 and any direction that
+/// completes the rotation. Shear, which no node may have, is lost, and the description says so.
 fn decompose(matrix: &Mat4) -> (Transform, Option<&'static str>) {
     let linear = Mat3::from_mat4(*matrix);
     let translation = matrix.w_axis.truncate();
@@ -67,7 +67,7 @@ fn decompose(matrix: &Mat4) -> (Transform, Option<&'static str>) {
     let axes = columns.map(Vec3::try_normalize);
     let axes = match axes {
         [Some(x), Some(y), Some(z)] => {
-            // of a mirroring matrix one axis is turned round, as in every node that mirrors
+            // If the matrix mirrors, one axis is reversed, as in every node that mirrors.
             let mirror = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
             scale.x *= mirror;
             [x * mirror, y, z]
@@ -89,7 +89,7 @@ fn decompose(matrix: &Mat4) -> (Transform, Option<&'static str>) {
     };
     let largest = scale.abs().max_element();
     let again = Mat3::from(transform.compute_affine().matrix3);
-    // 1e-3 of the largest axis: far above rounding, below what an eye sees
+    // The tolerance is 1e-3 of the largest axis: far above rounding, below what an eye sees.
     let is_kept = (again - linear)
         .to_cols_array()
         .iter()

@@ -1,4 +1,4 @@
-//! The dense index of objects: flags, boxes, clusters of boxes, in spatial order.
+//! The dense index of objects in spatial order: flags, boxes, and boxes around boxes.
 
 pub(crate) mod box_tests;
 pub mod boxes;

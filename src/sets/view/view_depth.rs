@@ -1,5 +1,7 @@
 //! How the depth of a view is stored, and how far it reaches.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use bevy_ecs::prelude::*;
 
 use super::frame_view::View;
@@ -8,19 +10,20 @@ use super::visible::VisibleSet;
 use crate::sets::index::objects::Objects;
 use crate::sets::light::frame_lights::FrameLights;
 
-/// Reversed depth: 1 on the near plane, 0 at the far end.
+/// The mapping from view depth to stored depth. Stored depth is reversed: 1 on the near plane, 0 at the far
+/// end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ViewDepth {
-    /// `near / depth`: of a perspective view.
+    /// Stored depth is `near / depth`. Perspective views use this.
     Infinite {
-        /// View depth of the near plane, > 0.
+        /// View depth of the near plane, greater than 0.
         near: f64,
     },
-    /// Linear between the two: of an orthographic view.
+    /// Stored depth is linear between `near` and `far`. Orthographic views use this.
     Finite {
         /// View depth that is stored as 1.
         near: f64,
-        /// View depth that is stored as 0; greater.
+        /// View depth that is stored as 0; greater than `near`.
         far: f64,
     },
 }
@@ -33,7 +36,7 @@ impl ViewDepth {
         }
     }
 
-    /// What is stored for a view depth.
+    /// The value that is stored for a view depth.
     pub fn stored(self, depth: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth,
@@ -41,15 +44,16 @@ impl ViewDepth {
         }
     }
 
-    /// By how much stored depth may err, of a surface at a view depth, if `f32` errs by this share.
+    /// Error of the stored depth of a surface at `depth`, if `f32` arithmetic has a relative error of
+    /// `share`.
     pub fn stored_slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth * share,
-            Self::Finite { .. } => share, // of 1, from which the depths are subtracted
+            Self::Finite { .. } => share, // relative to 1, from which the depths are subtracted
         }
     }
 
-    /// The same of a view depth.
+    /// Error of the view depth of a surface at `depth`, if `f32` arithmetic has a relative error of `share`.
     pub fn slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { .. } => depth.abs() * share,
@@ -59,32 +63,43 @@ impl ViewDepth {
     }
 }
 
-/// How far techniques draw into the depth of an orthographic view. Shadow volumes end there at a finite depth, and none
-/// may be cut off: it counts at surfaces before it. Perspective views reach infinity, and have no use for this.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+/// How deep techniques draw into an orthographic view. Its shadow volumes end at a finite depth, and none may
+/// be cut off there, because its end counts at surfaces in front of it. Perspective views reach infinity and
+/// do not need this.
+///
+/// Techniques share it while they run, in any order: the greatest depth does not depend on who comes first.
+#[derive(Resource, Debug, Default)]
 pub struct DepthReach {
-    farthest: f64,
+    /// Bits of the farthest depth, an `f64`, at least 0. Such numbers order as their bits do.
+    farthest: AtomicU64,
 }
 
 impl DepthReach {
-    /// Something of this frame is drawn so deep.
-    pub fn include(&mut self, depth: f64) {
-        self.farthest = self.farthest.max(depth);
+    /// Records that something is drawn as deep as `depth` in this frame.
+    pub fn include(&self, depth: f64) {
+        if depth > 0.0 {
+            self.farthest.fetch_max(depth.to_bits(), Ordering::Relaxed);
+        }
+    }
+
+    /// The farthest depth that something is drawn at; 0 if there is none.
+    pub fn farthest(&self) -> f64 {
+        f64::from_bits(self.farthest.load(Ordering::Relaxed))
     }
 }
 
-/// Nothing has been drawn yet.
+/// Resets [`DepthReach`], as nothing is drawn yet.
 ///
 /// Set: `CollectSets`, first.
-pub fn begin_depth_reach(mut reach: ResMut<DepthReach>) {
-    reach.set_if_neq(DepthReach::default());
+pub fn begin_depth_reach(reach: Res<DepthReach>) {
+    reach.farthest.store(0, Ordering::Relaxed);
 }
 
-/// Gives an orthographic view the depth that all reaches which is drawn in this frame: visible objects up to the far
-/// plane, and what techniques have told of.
+/// Sizes an orthographic view's depth range so that it holds everything drawn this frame: visible objects up
+/// to the far plane, and what techniques have added to [`DepthReach`].
 ///
-/// Set: `PrepareGpu`, first. Writes the depth, the matrices and the stored depth bounds of lights. The depth grows in
-/// steps of two, so that it mostly stays as it is. Cost: the visible objects.
+/// Set: `PrepareGpu`, first. Writes the depth range, the matrices and the stored depth bounds of lights. The
+/// length of the range is a power of two, so that it rarely changes. Cost: the visible objects.
 pub fn fit_view_depth(
     mut view: ResMut<View>,
     mut lights: ResMut<FrameLights>,
@@ -114,8 +129,9 @@ pub fn fit_view_depth(
             projector.depth(center) + gradient.dot(half)
         })
         .fold(near, f64::max);
-    let needed = deepest.min(plane).max(reach.farthest);
-    // A little more, so that the end itself is told from what is behind it.
+    let needed = deepest.min(plane).max(reach.farthest());
+    // The range is a little longer than needed, so that its end can be distinguished from the background
+    // behind it.
     let length = ((needed - near) * 1.001)
         .max(1e-3 * (plane - near))
         .log2()

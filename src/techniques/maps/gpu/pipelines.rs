@@ -1,4 +1,4 @@
-//! Pipelines that make and read maps, made when a frame first needs them and kept.
+//! Pipelines that make maps and look them up, created when a frame first needs them and kept.
 //!
 //! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
 
@@ -13,10 +13,10 @@ use crate::render::{RenderContext, RenderError, Shaders};
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFilter, MapFormat, MapSurface};
 
-/// Format of the depths that casters are drawn into.
+/// Format of the depth into which casters are drawn.
 pub const MAP_DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Texture format of what is looked up.
+/// Returns the texture format of a map that is looked up.
 pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     match format {
         MapFormat::Depth => MAP_DEPTH,
@@ -25,43 +25,43 @@ pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     }
 }
 
-/// All that tells two pipelines of one stage apart.
+/// Everything that distinguishes two pipelines; the key of the cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Key {
     /// Draws casters.
     Caster {
-        /// Holes are cut out.
+        /// Whether holes are cut out.
         masked: bool,
-        /// The first surface is left out.
+        /// Whether the first surface is left out.
         peel: bool,
     },
-    /// Makes what is looked up.
+    /// Converts depth to the texture that is looked up.
     Convert {
-        /// Its format.
+        /// Format of the result.
         format: MapFormat,
-        /// Which surface.
+        /// Which surface of the casters it holds.
         surface: MapSurface,
-        /// Of a directional light.
+        /// Whether the light is directional.
         parallel: bool,
     },
-    /// Looks up.
+    /// Looks up visibility.
     Resolve {
-        /// See [`filter_constant`].
+        /// Number of the filter in the shader, from [`filter_constant`].
         filter: u32,
-        /// How the faces stand.
+        /// Arrangement of the faces.
         shape: MapShape,
-        /// Cascades; 1 for other shapes.
+        /// Number of cascades; 1 for other shapes.
         cascade_count: u32,
-        /// What a texel holds.
+        /// Format of a texel.
         format: MapFormat,
-        /// Leaves taps in the colours.
+        /// Whether it writes the number of taps into the colours.
         show_taps: bool,
     },
-    /// Shows what the faces show.
+    /// Draws the edges of the volumes that faces show.
     Frustum,
 }
 
-/// The shader's number of a filter.
+/// Returns the shader's number of a filter.
 pub fn filter_constant(filter: MapFilter) -> u32 {
     match filter {
         MapFilter::Bilinear => 0,
@@ -73,10 +73,10 @@ pub fn filter_constant(filter: MapFilter) -> u32 {
     }
 }
 
-/// The cache.
+/// The pipelines of maps, cached.
 #[derive(Debug)]
 pub struct MapPipelines {
-    /// The layouts.
+    /// Bind group layouts of maps.
     pub layouts: MapLayouts,
     caster: wgpu::ShaderModule,
     convert: wgpu::ShaderModule,
@@ -140,7 +140,7 @@ impl MapPipelines {
         })
     }
 
-    /// The pipeline, if [`MapPipelines::require`] has made it.
+    /// Returns the pipeline, if [`MapPipelines::require`] has made it.
     pub fn get(&self, key: Key) -> Option<&wgpu::RenderPipeline> {
         self.pipelines.get(&key)
     }
@@ -158,7 +158,7 @@ impl MapPipelines {
         }
     }
 
-    /// Both sides are drawn: any triangle blocks, whichever way it faces.
+    /// Draws both sides, because any triangle blocks, whichever way it faces.
     fn create_caster(&self, context: &RenderContext, masked: bool, peel: bool) -> wgpu::RenderPipeline {
         const POSITION: &[wgpu::VertexAttribute] = &wgpu::vertex_attr_array![0 => Float32x3];
         const UV_AND_COLOR: &[wgpu::VertexAttribute] = &[

@@ -6,9 +6,12 @@
 //! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
 //! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
 //!
-//! Each face: still casters into their layer; a copy of it, and over it what moves; from that, where depth of the nearest
-//! surface is not what is looked up, the second surface and a conversion. Each step is left out while its revision is
-//! that of the last time.
+//! Faces are drawn by `draw_pictures`, once a frame, before any pass of the screen. Only a texture that several lights use
+//! in turn is drawn just before each lookup: lights whose maps are not kept share textures of equal size and format.
+//!
+//! The steps of a face are: draw still casters into their layer; copy it and draw moving casters over the
+//! copy; where the lookup needs more than the depth of the nearest surface, draw the second surface and
+//! convert. A step is skipped while its revision is unchanged.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -21,36 +24,39 @@ use super::draws::MapDraws;
 use super::layouts::jitter_texture;
 use super::pipelines::{Key, MapPipelines, filter_constant};
 use super::pool::{MapPool, MapTexturesKey};
+use super::recorded::Recorded;
 use crate::render::gpu::bind_groups::BindGroupLayouts;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::pools::gpu_types;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use crate::render::recorder::{
+    Leaves, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput,
+};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::maps::build_maps::Maps;
 use crate::techniques::maps::face::FaceProjection;
 use crate::techniques::maps::face_state::FaceState;
 use crate::techniques::maps::light_map::LightMap;
-use crate::techniques::maps::request::{MapComponent, MapRequest, MapShape};
+use crate::techniques::maps::request::{MapRequest, MapShape};
 use crate::techniques::maps::settings::{MapSettings, MapSurface};
 
 /// Bytes between the constants of lights.
 pub(in crate::techniques::maps) const STRIDE: usize = 512;
 
-/// What is to be drawn of one face.
+/// What must be drawn of one face.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct FacePlan {
     pub face: usize,
     pub still: Option<Range<usize>>,
-    /// Over a copy of the still layer.
+    /// Draws over a copy of the still layer.
     pub moving: Option<Range<usize>>,
-    /// All casters, for the second surface; empty for the nearest.
+    /// Draws of all casters for the second surface; empty for the nearest.
     pub peeled: [Range<usize>; 2],
     pub still_revision: u64,
     pub revision: u64,
 }
 
-/// What is to be done for one light.
+/// What must be recorded for one light.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct LightPlan {
     pub light: usize,
@@ -58,15 +64,16 @@ pub(in crate::techniques::maps) struct LightPlan {
     pub key: MapTexturesKey,
     pub lookup: Key,
     pub faces: Range<usize>,
+    /// Several lights use one texture in turn, as none of them keeps its map: it is drawn just before each lookup.
+    pub takes_turns: bool,
     pub draw_count: usize,
-    /// Matrices of the debug view.
+    /// Range of the matrices of the debug view.
     pub frusta: Range<u32>,
 }
 
-/// The recorder of one of the two components.
+/// The recorder of all maps.
 #[derive(Debug)]
 pub struct MapNode {
-    component: MapComponent,
     pub(in crate::techniques::maps) pipelines: MapPipelines,
     pub(in crate::techniques::maps) pool: MapPool,
     pub(in crate::techniques::maps) draws: MapDraws,
@@ -78,17 +85,7 @@ pub struct MapNode {
     jitter: wgpu::TextureView,
     pub(in crate::techniques::maps) map_group: wgpu::BindGroup,
     lights: Vec<LightPlan>,
-    faces: Vec<FacePlan>,
-}
-
-impl MapComponent {
-    /// Name of the technique.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Shadow => "shadow_map",
-            Self::Omni => "omni_map",
-        }
-    }
+    pub(in crate::techniques::maps) faces: Vec<FacePlan>,
 }
 
 impl MapNode {
@@ -97,7 +94,6 @@ impl MapNode {
     /// # Errors
     /// [`RenderError::Shader`].
     pub fn new(
-        component: MapComponent,
         context: &RenderContext,
         shaders: &Shaders,
         layouts: &BindGroupLayouts,
@@ -115,7 +111,6 @@ impl MapNode {
         });
         let jitter = jitter_texture(context);
         Ok(Self {
-            component,
             caster_group: pipelines.layouts.bind_casters(context, &casters.buffer),
             map_group: pipelines
                 .layouts
@@ -133,7 +128,7 @@ impl MapNode {
         })
     }
 
-    /// Bytes of all its textures.
+    /// Returns the memory of all its textures, bytes.
     pub fn texture_bytes(&self) -> u64 {
         self.pool.bytes()
     }
@@ -143,7 +138,7 @@ impl MapNode {
         Some((at, &self.lights[at]))
     }
 
-    /// Plans the draws of one face; `None` if it is as it should be.
+    /// Plans the draws of one face; `None` if it is up to date.
     fn plan_face(
         &mut self,
         world: &World,
@@ -162,7 +157,7 @@ impl MapNode {
             return None;
         }
         let mut push = |set| self.draws.push(world, input, objects, &state.face, set);
-        // A map that is not kept has one layer, with all its casters.
+        // A map that is not kept has one layer, which holds all its casters.
         let own = if map.cached { &state.still } else { &state.moving };
         let still = draw_still.then(|| push(own));
         let moving = key.moving.then(|| push(&state.moving));
@@ -190,7 +185,7 @@ impl MapNode {
         })
     }
 
-    /// Matrices from each face's clip space to the view's, for the debug view.
+    /// Adds the matrices from each face's clip space to the view's, for the debug view.
     fn plan_frusta(&mut self, map: &LightMap, input: &PrepareInput, view: &ViewData) -> Range<u32> {
         let first = self.draws.casters.len() as u32;
         if !input.debug_view {
@@ -198,7 +193,7 @@ impl MapNode {
         }
         self.pipelines.require(input.context, Key::Frustum);
         for state in &map.faces {
-            // Reversed depth reaches infinity, where no edge would end.
+            // Reversed depth reaches infinity, where no edge would end, so faces are cut at the reach.
             let (far, length) = match state.face.projection {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
                 FaceProjection::Parallel { .. } => (0.0, 1.0),
@@ -211,6 +206,15 @@ impl MapNode {
             });
         }
         first..self.draws.casters.len() as u32
+    }
+
+    /// Finds the lights that share a texture, which no light keeps.
+    fn find_turns(&mut self) {
+        for at in 0..self.lights.len() {
+            let key = self.lights[at].key;
+            let shares = |(other, plan): (usize, &LightPlan)| other != at && plan.key == key;
+            self.lights[at].takes_turns = key.entity.is_none() && self.lights.iter().enumerate().any(shares);
+        }
     }
 
     fn plan_light(
@@ -270,17 +274,30 @@ impl MapNode {
             key,
             lookup,
             faces: first_face..self.faces.len(),
+            takes_turns: false,
             draw_count,
             frusta,
         });
     }
 }
 
-impl Recorder for MapNode {
-    fn name(&self) -> &'static str {
-        self.component.name()
+impl Resolve for MapNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        let Some((slot, plan)) = self.plan_of(light) else {
+            return;
+        };
+        if plan.takes_turns {
+            // Another light may have used the texture since, so it is drawn before each lookup.
+            self.draw_faces(slot, plan, encoder, &input.pictures(), &mut Recorded::default());
+        }
+        if let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
+        {
+            self.look_up(slot, textures, pipeline, encoder, input);
+        }
     }
+}
 
+impl Recorder for MapNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.lights.clear();
         self.faces.clear();
@@ -296,9 +313,6 @@ impl Recorder for MapNode {
         };
         self.pool.begin();
         for map in &maps.lights {
-            if map.request.component != self.component {
-                continue;
-            }
             if map.active {
                 self.plan_light(world, input, map, view, settings.show_taps);
             } else if map.cached {
@@ -308,6 +322,7 @@ impl Recorder for MapNode {
             }
         }
         self.pool.end();
+        self.find_turns();
         let context = input.context;
         if self
             .casters
@@ -325,29 +340,24 @@ impl Recorder for MapNode {
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.plan_of(light).map(|_| Leaves::Mask)
-    }
-
-    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        let Some((slot, plan)) = self.plan_of(light) else {
-            return;
-        };
-        let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
-        else {
-            return;
-        };
-        for face in &self.faces[plan.faces.clone()] {
-            self.draw_face(slot, plan, face, textures, encoder, input);
+    fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {
+        let mut recorded = Recorded::default();
+        for (slot, plan) in self
+            .lights
+            .iter()
+            .enumerate()
+            .filter(|(_, plan)| !plan.takes_turns)
+        {
+            self.draw_faces(slot, plan, encoder, input, &mut recorded);
         }
-        self.look_up(slot, textures, pipeline, encoder, input);
+        recorded.confirm_on_submission(encoder);
     }
 
-    fn reads_planes(&self) -> bool {
-        true
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
-    /// Draws the edges of what the faces show.
+    /// Draws the edges of the volumes that the faces show.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, _input: &RecordInput) {
         let pipeline = self.pipelines.get(Key::Frustum);
         if let (Some((_, plan)), Some(pipeline)) = (self.plan_of(light), pipeline) {
@@ -357,7 +367,7 @@ impl Recorder for MapNode {
         }
     }
 
-    /// Draws of casters; the lookup is one more, of one triangle.
+    /// Returns the number of draws of casters. The lookup is one more, of one triangle.
     fn batch_count(&self, light: usize) -> usize {
         self.plan_of(light).map_or(0, |(_, plan)| plan.draw_count)
     }

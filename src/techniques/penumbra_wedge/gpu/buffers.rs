@@ -1,4 +1,4 @@
-//! Textures that visibility is summed in, by form, of the frame's size; and the report of overflow.
+//! The textures in which visibility is summed, and the report of overflow.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -13,15 +13,15 @@ use crate::render::{RenderContext, RenderError};
 /// The textures of one form.
 #[derive(Debug)]
 pub struct Sums {
-    /// What they are for.
+    /// Number and format of the textures.
     pub form: Form,
-    /// One or two a layer: facing, averted; or one for both.
+    /// One or two textures per layer, facing then averted; or one for both layers.
     pub views: Vec<wgpu::TextureView>,
-    /// Group 3 of the resolve: reading either combined texture.
+    /// Group 3 of the resolve: one bind group for each of the two combined textures that it may read.
     pub groups: [wgpu::BindGroup; 2],
 }
 
-/// All textures of one frame size.
+/// The textures of all forms, in the frame's size.
 #[derive(Debug)]
 pub struct SumTextures {
     size: UVec2,
@@ -32,7 +32,7 @@ pub struct SumTextures {
 }
 
 impl SumTextures {
-    /// None yet.
+    /// Makes an empty set.
     pub fn new(context: &RenderContext) -> Self {
         let texture = |binding| wgpu::BindGroupLayoutEntry {
             binding,
@@ -93,7 +93,7 @@ impl SumTextures {
         self.combined.as_ref()
     }
 
-    /// Makes what is missing at this size; frees what was of another.
+    /// Makes the textures that are missing at this size, and drops those of another size.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -124,7 +124,8 @@ impl SumTextures {
         let Some(combined) = &self.combined else {
             return Ok(());
         };
-        // A form with one layer is read as both; one of one texture a layer has no second.
+        // A form with one layer is read as both layers. A form with one texture per layer has no second
+        // texture.
         let (averted, second) = (views.len() / 2, usize::from(views.len() > 2));
         let groups = [0, 1].map(|source: usize| {
             let texture = |binding, view| wgpu::BindGroupEntry {
@@ -152,7 +153,8 @@ impl SumTextures {
     }
 }
 
-/// Counts pixels whose bytes ran full, and brings the count back some frames later without waiting.
+/// Counts pixels whose bytes ran full, and reads the count back some frames later without waiting for the
+/// GPU.
 #[derive(Debug)]
 pub struct OverflowReport {
     counter: wgpu::Buffer,
@@ -200,7 +202,7 @@ impl OverflowReport {
             .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Records the copy of the frame's count, if the last one was read, and begins to count anew.
+    /// Records the copy of the frame's count, if the last copy was read, and restarts the count.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut state = self.state();
         if *state == State::Idle {
@@ -210,7 +212,8 @@ impl OverflowReport {
         }
     }
 
-    /// The count of an earlier frame, when it has arrived. Before the frame is recorded, once a frame.
+    /// Returns the count of an earlier frame when it has arrived. Call it once a frame, before the frame is
+    /// recorded.
     pub fn take(&self) -> Option<u32> {
         let mut state = self.state();
         match *state {

@@ -84,7 +84,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Draws one group into the sums; the pass has its scissor.
+    /// Draws one group into the sums. The pass has its scissor already.
     fn record_group(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -172,9 +172,7 @@ impl PenumbraWedgeNode {
             label: Some("wedges"),
             color_attachments: &attachments,
             depth_stencil_attachment: Some(depth_stencil(input)),
-            timestamp_writes: timestamp(input, "wedges")
-                .as_ref()
-                .and_then(|label| input.timings.pass(label)),
+            timestamp_writes: input.timings.pass_of(input.label, "wedges"),
             ..Default::default()
         });
         if let Some(group) = group {
@@ -204,9 +202,7 @@ impl PenumbraWedgeNode {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("wedge resolve"),
             color_attachments: &[Some(target)],
-            timestamp_writes: timestamp(input, "resolve")
-                .as_ref()
-                .and_then(|label| input.timings.pass(label)),
+            timestamp_writes: input.timings.pass_of(input.label, "resolve"),
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;
@@ -220,14 +216,6 @@ impl PenumbraWedgeNode {
         pass.set_bind_group(3, sums, &[]);
         pass.draw(0..3, 0..1);
     }
-}
-
-/// `<label of the light>/<pass>`, if anybody looks at it.
-fn timestamp(input: &ResolveInput, pass: &str) -> Option<String> {
-    input
-        .timings
-        .is_active()
-        .then(|| format!("{}/{pass}", input.label))
 }
 
 fn attachment(

@@ -7,12 +7,14 @@ use crate::render::gpu::bind_groups::BindGroupLayouts;
 use crate::render::nodes::pipelines::front_face;
 use crate::render::{RenderContext, RenderError, Shaders};
 
-/// What a draw draws.
+/// The part of wedges or hard shadows that a draw covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The casters' own triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers).
+    /// Cap triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers), on
+    /// the caster.
     NearCap(u8),
-    /// The same at infinity.
+    /// Cap triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers),
+    /// pushed to infinity.
     FarCap(u8),
     /// Back faces of shells, wherever the surface is.
     ShellEverywhere,
@@ -22,7 +24,7 @@ pub enum Part {
     Separator,
     /// Sides of the hard shadow.
     HardSide,
-    /// Marks what lies before a half, for section 4.4.
+    /// Marks the pixels behind which the front of a half lies, for section 4.4.
     Mark,
     /// Back faces of an outer half, where it is not marked.
     OuterHalf,
@@ -32,46 +34,46 @@ pub enum Part {
     Show,
 }
 
-/// All that tells two pipelines of these passes apart; the key of the cache.
+/// Everything that distinguishes two pipelines of these passes; the key of the cache.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Stages and states.
+    /// The part that is drawn, which chooses stages and states.
     pub part: Part,
-    /// Targets.
+    /// Form of the targets.
     pub form: Form,
-    /// The light is a sphere.
+    /// Whether the light is a sphere.
     pub is_sphere: bool,
-    /// Angles and areas come from tables.
+    /// Whether angles and areas come from tables.
     pub looks_up: bool,
-    /// Faces before the surface count, not those behind it.
+    /// Whether faces in front of the surface count instead of those behind it.
     pub towards: bool,
-    /// The view mirrors.
+    /// Whether the view mirrors.
     pub mirrored: bool,
 }
 
-/// All that tells two pipelines of the resolve apart.
+/// Everything that distinguishes two pipelines of the resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResolveKey {
-    /// What is read.
+    /// Form of the sums that are read.
     pub form: Form,
-    /// The light is a sphere.
+    /// Whether the light is a sphere.
     pub is_sphere: bool,
-    /// Writes the combined coverage rather than the mask.
+    /// Whether it writes the combined coverage instead of the mask.
     pub combines: bool,
-    /// Reads the combined coverage.
+    /// Whether it reads the combined coverage.
     pub is_combined: bool,
 }
 
 /// Format of the combined coverage of groups.
 pub const COMBINED_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// The cache.
+/// The pipelines of wedges and of their resolve, cached.
 #[derive(Debug)]
 pub struct WedgePipelines {
     wedge: wgpu::ShaderModule,
     resolve: wgpu::ShaderModule,
     wedge_layout: wgpu::PipelineLayout,
-    /// Without receivers: the debug view is drawn into the light pass.
+    /// Layout without receivers, because the debug view is drawn into the light pass.
     debug_layout: wgpu::PipelineLayout,
     resolve_layout: wgpu::PipelineLayout,
     wedges: Vec<(Key, wgpu::RenderPipeline)>,
@@ -221,8 +223,8 @@ impl WedgePipelines {
                 })
             })
             .collect();
-        // Faces behind the surface or on it count: what lies on it counts as behind for both halves and for caps. Counted
-        // towards the viewer, it is the rest that counts.
+        // Faces behind the surface or on it count, so for both halves and for caps a face on the surface is
+        // behind it. Counted towards the viewer, all other faces count.
         let depth_compare = match key.part {
             Part::ShellEverywhere => Always,
             Part::Show => Greater,
@@ -245,7 +247,7 @@ impl WedgePipelines {
                     buffers,
                 },
                 primitive: wgpu::PrimitiveState {
-                    // The far cap has the near cap's triangles, seen from the other end.
+                    // The far cap has the near cap's triangles, seen from the other side.
                     front_face: front_face(key.mirrored != matches!(key.part, Part::FarCap(_))),
                     cull_mode: match key.part {
                         Part::Shell if key.towards => Some(wgpu::Face::Back),
@@ -338,9 +340,9 @@ impl WedgePipelines {
     }
 }
 
-/// Draws look at pixels in bounds. Section 4.4: fronts of a half that lie behind the surface mark it, backs are shaded
-/// where nothing is marked, and take the mark away where something is. The paper marks with what lies before the
-/// surface; marking with what lies behind it stays right when the eye is inside of the wedge.
+/// Every draw tests the in-bounds bit. Section 4.4: fronts of a half that are behind the surface mark it.
+/// Backs are shaded where nothing is marked, and clear the mark elsewhere. The paper marks what is in front
+/// of the surface; marking what is behind it stays right when the eye is inside the wedge.
 fn stencil(part: Part) -> wgpu::StencilState {
     use wgpu::StencilOperation::{IncrementClamp, Keep, Zero};
     let (fail_op, pass_op, write_mask, read_mask) = match part {

@@ -1,12 +1,14 @@
-//! Leaves the visibility mask of one light: for every part of it the sums of hard shadow and coverage, then their share.
+//! Leaves the visibility mask of one light: for each part, the sums of hard shadow and coverage, weighted by
+//! its share.
 //!
 //! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
 //! Groups  0 view, 1 receiver, 2 wedges; the resolve also 3 sums
 //! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
-//! Faces behind the surface count, so the camera may stand in shadows and wedges; of casters that surely shadow no part
-//! of the viewport it is the faces before the surface, which are fewer and need no caps.
+//! Faces behind the surface count, so the camera may be inside shadows and wedges. For casters that certainly
+//! shadow no part of the viewport, the faces in front of the surface count instead; they are fewer and need
+//! no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
 use bevy_ecs::prelude::*;
@@ -18,7 +20,7 @@ use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, p
 use super::windows::{Shared, WedgeWindows};
 use crate::render::gpu::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::{View, ViewData};
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
@@ -29,9 +31,6 @@ use crate::techniques::penumbra_wedge::light_parts::PartShape;
 use crate::techniques::penumbra_wedge::overflow::WedgeOverflow;
 use crate::techniques::penumbra_wedge::tables::table_buffer::Tables;
 use crate::techniques::penumbra_wedge::wedges::{Group, LightWedges, PenumbraWedges};
-
-/// Name of the technique.
-pub const NAME: &str = "penumbra_wedge";
 
 /// The recorder.
 #[derive(Debug)]
@@ -123,7 +122,7 @@ impl PenumbraWedgeNode {
         Some(&self.plans[at])
     }
 
-    /// Draw calls of the caps of a group.
+    /// Returns the number of draw calls of a group's caps.
     fn cap_draw_count(&self, group: &Group) -> usize {
         let draws = self.cap_draws[group.casters.clone()].iter();
         draws
@@ -135,7 +134,8 @@ impl PenumbraWedgeNode {
             .sum()
     }
 
-    /// Textures need sums by colour, for which there are no bytes.
+    /// Returns the form of a light's sums. A textured light needs sums by colour, for which there are no byte
+    /// formats.
     fn form(&self, light: &LightWedges) -> Form {
         if light.texture.is_some() {
             return if self.blends_floats {
@@ -163,7 +163,7 @@ impl PenumbraWedgeNode {
             && self
                 .table_buffer
                 .write(context, bytemuck::cast_slice(self.tables.entries()));
-        // A light at every stride.
+        // Each light's record starts at a multiple of the stride.
         self.light_bytes.clear();
         for record in &self.light_records {
             self.light_bytes.extend_from_slice(bytemuck::bytes_of(record));
@@ -190,7 +190,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Pipelines that a light needs.
+    /// Requests the pipelines that a light needs.
     fn require(&mut self, context: &RenderContext, plan: &LightPlan, debug: bool) {
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
@@ -250,11 +250,13 @@ fn shared<'a>(
     }
 }
 
-impl Recorder for PenumbraWedgeNode {
-    fn name(&self) -> &'static str {
-        NAME
+impl Resolve for PenumbraWedgeNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        self.record_mask(light, encoder, input);
     }
+}
 
+impl Recorder for PenumbraWedgeNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.plans.clear();
         self.parts.clear();
@@ -275,7 +277,7 @@ impl Recorder for PenumbraWedgeNode {
         if wedges.lights.is_empty() {
             return Ok(());
         }
-        // Wedges are drawn from as many bindings as they need; their casters from one.
+        // Wedges are drawn from as many bindings as they need, but their casters from one.
         let limit = input.context.device.limits().max_storage_buffer_binding_size;
         let needed = size_of_val(&wedges.caster_records[..]) as u64;
         if needed > limit {
@@ -328,16 +330,8 @@ impl Recorder for PenumbraWedgeNode {
         Ok(())
     }
 
-    fn reads_planes(&self) -> bool {
-        true
-    }
-
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.plan_of(light).map(|_| Leaves::Mask)
-    }
-
-    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        self.record_mask(light, encoder, input);
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {

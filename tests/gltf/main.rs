@@ -1,0 +1,6 @@
+//! The import of glTF files.
+
+mod gltf_builder;
+mod gltf_import;
+mod gltf_robustness;
+mod gltf_visibility;
