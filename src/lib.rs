@@ -77,8 +77,6 @@ pub struct Readme;
 #[doc(hidden)]
 pub mod insides {
     #[cfg(feature = "render")]
-    pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
-    #[cfg(feature = "render")]
     pub use crate::render::pools::gpu_types;
     #[cfg(feature = "render")]
     pub use crate::sets::index::boxes::WORD;

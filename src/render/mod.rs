@@ -31,7 +31,7 @@ pub use nodes::pipelines::VISIBILITY_FORMAT;
 pub use recorder::{
     Leaves, Mark, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput, ShadowKind,
 };
-pub use recorders::Recorders;
+pub use recorders::{NoRecorder, Recorders};
 pub use renderer::Renderer;
 pub use settings::RenderSettings;
 pub use shaders::{ShaderFile, Shaders};

@@ -3,9 +3,32 @@
 use std::any::TypeId;
 use std::ops::Index;
 
+use bevy_ecs::prelude::World;
+
+use super::RenderError;
 use super::frame::frame_data::{LightShadow, TechniqueIndex};
-use super::recorder::Recorder;
+use super::recorder::{Leaves, PrepareInput, RecordInput, Recorder};
 use crate::sets::LightTechnique;
+
+/// The recorder of a technique that a host draws by itself: lights are without shadow in what the crate draws.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoRecorder;
+
+impl Recorder for NoRecorder {
+    fn prepare(&mut self, _: &World, _: &PrepareInput) -> Result<(), RenderError> {
+        Ok(())
+    }
+
+    fn light(&self, _: usize) -> Option<Leaves<'_>> {
+        None
+    }
+
+    fn debug(&self, _: usize, _: &mut wgpu::RenderPass, _: &RecordInput) {}
+
+    fn batch_count(&self, _: usize) -> usize {
+        0
+    }
+}
 
 /// The recorders of the world's techniques, one for all techniques whose recorders are of one type.
 #[derive(Default)]

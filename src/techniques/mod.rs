@@ -16,6 +16,9 @@ pub(crate) mod shared;
 pub mod stencil_volume;
 
 pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
+/// What [`Technique::parse`] reads from.
+#[cfg(feature = "serde")]
+pub use erased_serde;
 pub use omni_map::OmniMap;
 pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
 #[cfg(feature = "render")]
