@@ -169,7 +169,7 @@ fn of_bevy() -> [Picture; 3] {
 #[test]
 fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
     // Ours before Bevy's.
-    let mut app = harness::antumbra_first();
+    let mut app = harness::antumbra_first(|_| ());
     let light = scene(&mut app);
     let world = app.world_mut();
     let with = camera(world, "unmarked 4x", Msaa::Sample4);
