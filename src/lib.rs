@@ -78,7 +78,14 @@ pub struct Readme;
 #[doc(hidden)]
 pub mod insides {
     #[cfg(feature = "render")]
-    pub use crate::render::pools::gpu_types;
+    pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
+    /// The mirrors of all WGSL structs but those of wedges.
+    #[cfg(feature = "render")]
+    pub mod gpu_types {
+        pub use crate::render::pools::gpu_types::*;
+        pub use crate::techniques::maps::gpu::gpu_types::*;
+        pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
+    }
     pub use crate::sets::index::boxes::WORD;
     pub use crate::techniques::maps::cascades::split_depths;
     pub use crate::techniques::maps::packing::*;

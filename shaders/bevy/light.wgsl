@@ -6,8 +6,8 @@
 //
 // Variants are made by shader definitions. LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL or LIGHT_RECT is the
 // kind of the light. VISIBILITY_MASK reads visibility from the mask; without it, the stencil test has
-// decided. UNSHADOWED_ONLY lights pixels that the stencil test calls shadowed but whose mesh, according to
-// Bevy, receives no shadows.
+// decided. MASK_HOLDS_FOR_ALL reads the mask on surfaces that receive no shadows too. UNSHADOWED_ONLY lights
+// pixels that the stencil test calls shadowed but whose mesh, according to Bevy, receives no shadows.
 #import bevy_pbr::{
     prepass_utils,
     mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
@@ -143,7 +143,11 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 #endif
     var visibility = vec3<f32>(1.0);
 #ifdef VISIBILITY_MASK
-    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, shows_shadows);
+    var reads_mask = shows_shadows;
+#ifdef MASK_HOLDS_FOR_ALL
+    reads_mask = true;
+#endif
+    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, reads_mask);
     if all(visibility == vec3<f32>(0.0)) { discard; }
 #endif
     if is_out_of_reach(surface) { discard; }

@@ -24,12 +24,6 @@ fn host_depth(pixel: vec2f) -> f32 {
     return select(0.0, clamp(ours, 0.0, 1.0), theirs > 0.0);
 }
 
-@vertex
-fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
-
 @fragment
 fn copy(@builtin(position) position: vec4f) -> @builtin(frag_depth) f32 {
     return host_depth(position.xy);

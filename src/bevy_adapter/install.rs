@@ -7,7 +7,7 @@ use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
-use bevy::pbr::deferred::{deferred_lighting, prepare_deferred_lighting_pipelines};
+use bevy::pbr::deferred::{DeferredLightingLayout, deferred_lighting, prepare_deferred_lighting_pipelines};
 use bevy::pbr::{
     MeshPipelineSystems, PbrPlugin, queue_material_meshes, queue_prepass_material_meshes,
     screen_space_reflections,
@@ -31,7 +31,7 @@ use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-use super::techniques::{Reflected, TechniqueComponents, TouchedLights, add_waiting};
+use super::techniques::{Reflected, TechniqueComponents, add_waiting};
 use crate::scene::LightSelection;
 use crate::techniques::add_builtin;
 
@@ -89,7 +89,6 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
         .init_resource::<DeferredViews>()
-        .init_resource::<TouchedLights>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
@@ -125,6 +124,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             Render,
             prepare_views
+                .run_if(resource_exists::<DeferredLightingLayout>) // a game may do without
                 .in_set(RenderSystems::PrepareResources)
                 .in_set(AntumbraRenderSystems::Prepare)
                 .before(prepare_deferred_lighting_pipelines),

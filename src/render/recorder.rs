@@ -5,15 +5,16 @@ use bevy_ecs::prelude::World;
 use fixedbitset::FixedBitSet;
 use glam::UVec2;
 
+use super::frame::draw_list::Batch;
 use super::frame::frame_data::Viewport;
 use super::frame::targets::{FrameTargets, MaskTargets};
-use super::gpu::bind_groups::BindGroupLayouts;
 use super::gpu::timings::Timings;
 use super::nodes::light_begin::LightBegin;
+use super::nodes::surfaces::{SurfaceResources, draw_batch, set_mesh};
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
-use super::{RenderContext, RenderError, Shaders};
+use super::{Gpu, RenderContext, RenderError};
 
 /// What a technique leaves of one light, and which part of the technique leaves it.
 #[derive(Clone, Copy)]
@@ -57,10 +58,8 @@ impl std::fmt::Debug for Leaves<'_> {
 pub struct PrepareInput<'a> {
     /// The device.
     pub context: &'a RenderContext,
-    /// Shader composition.
-    pub shaders: &'a Shaders,
-    /// The layouts that passes share.
-    pub layouts: &'a BindGroupLayouts,
+    /// What all views share: pipelines, layouts, shaders.
+    pub gpu: &'a Gpu,
     /// Meshes in buffers.
     pub meshes: &'a MeshPool,
     /// Mesh index and handedness by dense object index.
@@ -86,8 +85,43 @@ pub struct RecordInput<'a> {
     pub table: &'a ObjectTable,
     /// The part of the targets that the view has. A pass begins with all of them.
     pub viewport: Viewport,
+    /// The receivers of the light at hand, for a technique that draws them.
+    pub receivers: Receivers<'a>,
     /// Objects of which alone shadows matter, by dense index; `None`: all. A technique may leave others out.
     pub casters: Option<&'a FixedBitSet>,
+}
+
+/// The surfaces that one light lights: its set I, or the blended surfaces of the front layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Receivers<'a> {
+    /// Their draws, and among them those of objects that show no shadows ([`Variant::unshadowed`]).
+    ///
+    /// [`Variant::unshadowed`]: crate::render::Variant::unshadowed
+    pub batches: &'a [Batch],
+    /// What the batches refer to.
+    pub surfaces: SurfaceResources<'a>,
+}
+
+impl Receivers<'_> {
+    /// Draws those that show shadows with the pipeline that is set, whose vertex buffers are [`SURFACE_BUFFERS`]: position,
+    /// normal, tangent, both sets of texture coordinates, colour, and the index of the object in group 0. Sets group 2 to
+    /// the material.
+    ///
+    /// [`SURFACE_BUFFERS`]: crate::render::SURFACE_BUFFERS
+    pub fn draw(&self, pass: &mut wgpu::RenderPass) {
+        for batch in self.batches.iter().filter(|batch| !batch.variant.unshadowed) {
+            let surfaces = &self.surfaces;
+            let (Some(mesh), Some(material)) = (
+                surfaces.meshes.get(batch.mesh),
+                surfaces.materials.get(batch.material),
+            ) else {
+                continue;
+            };
+            pass.set_bind_group(2, &material.bind_group, &[]);
+            set_mesh(pass, mesh, surfaces.instances);
+            draw_batch(pass, mesh, batch);
+        }
+    }
 }
 
 /// What a technique may use while it draws its light-space pictures.
@@ -119,8 +153,6 @@ pub struct ResolveInput<'a> {
     pub context: &'a RenderContext,
     /// What every recorder has.
     pub record: RecordInput<'a>,
-    /// For bind groups of the frame's textures.
-    pub device: &'a wgpu::Device,
     /// Depth and stencil of the frame; the depth must stay as it is, the stencil is the technique's own.
     pub targets: &'a FrameTargets,
     /// Radiance of the frame, for passes that share pipelines with the light's; it must stay as it is.

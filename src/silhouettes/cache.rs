@@ -6,9 +6,9 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec4, Mat4, Vec4};
 
-use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
+use super::caster_shape::CasterShape;
+use super::casters::CasterMesh;
 use super::{CapMode, Contour, FacingBits, classify, extract_contour};
-use crate::scene::PosedMesh;
 use crate::sets::{FrameLights, NeededSilhouettes, Objects, SeenInto};
 
 /// Frames that a silhouette is kept after its last use. A light that flickers in and out of view does not pay
@@ -149,12 +149,6 @@ impl LightSilhouettes {
     }
 }
 
-type CasterItem<'a> = (
-    &'a CasterEdges,
-    &'a GlobalTransform,
-    Option<(&'a PosedMesh, &'a PosedPlanes)>,
-);
-
 /// Extracts the silhouettes that the technique of each light needs, of set S or of all casters that the light reaches
 /// ([`NeededSilhouettes`]), where they are not known yet or are stale.
 ///
@@ -169,7 +163,7 @@ pub fn build_silhouettes(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     seen_into: Res<SeenInto>,
-    casters: Query<CasterItem<'static>>,
+    casters: Query<CasterShape>,
 ) {
     let Silhouettes {
         lights: kept,
@@ -210,7 +204,7 @@ pub fn build_silhouettes(
             .chain(reached.into_iter().flatten())
         {
             let entity = objects.entities[object];
-            let Ok((edges, transform, posed)) = casters.get(entity) else {
+            let Ok(caster) = casters.get(entity) else {
                 continue;
             };
             let point = light.point_world;
@@ -228,22 +222,19 @@ pub fn build_silhouettes(
                 && silhouette
                     .source
                     .as_ref()
-                    .is_some_and(|source| Arc::ptr_eq(source, &edges.0));
+                    .is_some_and(|source| Arc::ptr_eq(source, &caster.edges.0));
             if known && watched && !light.moved && !objects.moved.contains(object) {
                 continue;
             }
-            let Some(light_local) = light_in_local(transform, light.point_world) else {
+            let Some(light_local) = light_in_local(caster.transform, light.point_world) else {
                 entry.forget(object);
                 continue;
             };
-            if known && posed.is_none() && silhouette.light_local == light_local {
+            if known && !caster.is_posed() && silhouette.light_local == light_local {
                 continue;
             }
-            let planes = match posed {
-                Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => &planes.0,
-                _ => &edges.0.planes,
-            };
-            classify(&edges.0.edges, planes, light_local, bits);
+            let edges = caster.edges;
+            classify(&edges.0.edges, caster.planes(), light_local, bits);
             extract_contour(&edges.0.edges, bits, mode, &mut silhouette.contour);
             *last_revision += 1;
             *extracted += 1;

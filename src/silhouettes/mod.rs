@@ -21,6 +21,7 @@
 //! | `cache` | silhouettes of (light, caster) pairs, kept between frames |
 
 pub(crate) mod cache;
+pub(crate) mod caster_shape;
 pub(crate) mod casters;
 mod contour;
 mod edges;
@@ -30,6 +31,7 @@ mod planes;
 mod turning;
 
 pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
+pub use caster_shape::{CasterShape, CasterShapeItem};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
 pub use contour::{CapMode, Contour, extract_caps, extract_contour};
 pub use edges::extract_edges;

@@ -21,8 +21,6 @@ pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
 pub use erased_serde;
 pub use omni_map::OmniMap;
 pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
-#[cfg(feature = "render")]
-pub use registry::RecorderInput;
 pub use registry::{
     AddTechnique, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems, Techniques,
     add_builtin, add_row, choose_techniques,

@@ -47,7 +47,7 @@ impl Technique for Keeper {
 
     #[cfg(feature = "render")]
     fn recorder(
-        _: &antumbra::techniques::RecorderInput,
+        _: &antumbra::render::Gpu,
     ) -> Result<antumbra::render::NoRecorder, antumbra::render::RenderError> {
         Ok(antumbra::render::NoRecorder)
     }

@@ -12,6 +12,7 @@ mod mask_contract;
 mod occlusion_pictures;
 mod orthographic;
 mod penumbra_wedge;
+mod receivers;
 mod recorder_stages;
 mod reference_match;
 mod set_sizes;

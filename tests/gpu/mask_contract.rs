@@ -7,8 +7,8 @@ use crate::harness::strict_context;
 use crate::harness::support::stage::{Rendered, Stage};
 use antumbra::prelude::*;
 use antumbra::render::RenderError;
-use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
-use antumbra::techniques::{Needs, RecorderInput, Technique};
+use antumbra::render::{Gpu, Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
+use antumbra::techniques::{Needs, Technique};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -26,7 +26,7 @@ impl Technique for Flat {
 
     type Recorder = FlatTechnique;
 
-    fn recorder(_: &RecorderInput) -> Result<FlatTechnique, RenderError> {
+    fn recorder(_: &Gpu) -> Result<FlatTechnique, RenderError> {
         Ok(FlatTechnique::default())
     }
 }

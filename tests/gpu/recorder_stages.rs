@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
-use crate::harness::strict_context;
-use crate::harness::support::stage::Stage;
 use antumbra::prelude::*;
 use antumbra::techniques::maps::MapResolution;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3, Vec4};
+
+use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
 
 const SIZE: UVec2 = UVec2::new(96, 54);
 

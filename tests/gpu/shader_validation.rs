@@ -93,22 +93,20 @@ fn every_file_is_listed_once_and_every_listed_file_exists() {
     }
 }
 
-/// Literals `Some("…")` after `entry_point:`, or after `compute_entry:` and the like; and the shader files that
-/// a Rust source names.
+/// Entry points in `Stage::new(file, "…")`, and the shader files that a Rust source names.
 fn named_by(source: &str) -> (Vec<String>, Vec<String>) {
-    let literals = |before: &str| {
-        source
-            .match_indices(before)
-            .filter_map(|(at, _)| source[at + before.len()..].split('"').next())
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
-    };
-    let files = source
-        .split('"')
-        .filter(|text| text.ends_with(".wgsl") && !text.contains(char::is_whitespace))
+    let is_file = |text: &&str| text.ends_with(".wgsl") && !text.contains(char::is_whitespace);
+    let quoted = |text| str::split(text, '"').skip(1).step_by(2).collect::<Vec<_>>();
+    let stage = "Stage::new(";
+    let entries = source
+        .match_indices(stage)
+        .filter_map(|(at, _)| source[at + stage.len()..].split(')').next())
+        .flat_map(quoted)
+        .filter(|text| !is_file(text))
         .map(str::to_owned)
         .collect();
-    (literals("entry_point: Some(\""), files)
+    let files = source.split('"').filter(is_file).map(str::to_owned).collect();
+    (entries, files)
 }
 
 fn entry_points(path: &str) -> Option<Vec<String>> {
@@ -163,15 +161,15 @@ fn rust_names_entry_points_that_exist_and_none_is_unused() {
 
 #[test]
 fn the_reader_of_names_finds_them() {
-    let source = r#"x = shaders.module(d, "passes/a.wgsl")?; y { entry_point: Some("vertex"), } // `b.wgsl`"#;
+    let source = r#"x = shaders.module(d, "passes/a.wgsl")?; y(Stage::new("passes/a.wgsl", "vertex"), Stage::new(FILE, entry)) // `b.wgsl`"#;
     assert_eq!(
         named_by(source),
-        (vec!["vertex".to_owned()], vec!["passes/a.wgsl".to_owned()])
+        (vec!["vertex".to_owned()], vec!["passes/a.wgsl".to_owned(); 2])
     );
     assert_eq!(entry_points("passes/none.wgsl"), None);
     assert_eq!(
         entry_points("passes/tonemap.wgsl"),
-        Some(vec!["vertex".to_owned(), "fragment".to_owned()])
+        Some(vec!["fragment".to_owned()])
     );
 }
 

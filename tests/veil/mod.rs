@@ -3,8 +3,10 @@
 //! It knows nothing of shot files, of Bevy, of the statistics or of the gallery, and they know nothing of it.
 
 use antumbra::prelude::*;
-use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, RenderError, Resolve, ResolveInput};
-use antumbra::techniques::{Needs, RecorderInput, Refusal, Statistics, Technique, erased_serde};
+use antumbra::render::{
+    Gpu, Leaves, PrepareInput, RecordInput, Recorder, RenderError, Resolve, ResolveInput,
+};
+use antumbra::techniques::{Needs, Refusal, Statistics, Technique, erased_serde};
 use bevy_ecs::prelude::*;
 
 /// Veils a light.
@@ -46,7 +48,7 @@ impl Technique for Veil {
 
     type Recorder = VeilRecorder;
 
-    fn recorder(_: &RecorderInput) -> Result<VeilRecorder, RenderError> {
+    fn recorder(_: &Gpu) -> Result<VeilRecorder, RenderError> {
         Ok(VeilRecorder::default())
     }
 }

@@ -16,14 +16,7 @@ struct Corner {
     @location(0) @interpolate(flat) face: u32,
 }
 
-// The face is the instance index.
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) face: u32) -> Corner {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return Corner(vec4f(corner, 0.0, 1.0), face);
-}
-
-// Depth of the chosen surface; 0: none. Where there is no second surface, the first is used.
+// Depth of the chosen surface; 0: none. Where there is no second one, the first stands for it.
 fn chosen(in: Corner) -> f32 {
     let texel = vec2u(in.position_clip.xy);
     let first = textureLoad(first_depth, texel, 0);

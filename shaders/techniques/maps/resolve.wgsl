@@ -328,12 +328,6 @@ fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
     return visibility;
 }
 
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
-
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let receiver = receiver_at(position.xy);

@@ -25,12 +25,6 @@ override IS_SAMPLED: bool = false;
 // The coverage of groups has been combined.
 override IS_COMBINED: bool = false;
 
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
-
 fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     if IS_SPLIT {
         let weights = vec4f(512.0, 64.0, 8.0, 1.0) * (255.0 / 4096.0);

@@ -38,6 +38,10 @@ impl Viewport {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TechniqueIndex(pub usize);
 
+/// The place of a light among those that a frame draws, and of its constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightSlot(pub usize);
+
 /// How the shadow of one light is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightShadow {
@@ -55,11 +59,13 @@ pub struct ActiveLight {
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
     /// Slot of the light's constants.
-    pub slot: usize,
+    pub slot: LightSlot,
     /// The technique of the light; `None` if nothing shadows the light.
     pub technique: Option<LightTechnique>,
     /// How the light's shadow is drawn; `None` if nothing shadows the light.
     pub shadow: Option<LightShadow>,
+    /// A [`LightFunction`](crate::render::LightFunction) scales the light, which then has a mask.
+    pub is_scaled: bool,
     /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
@@ -81,8 +87,11 @@ impl ActiveLight {
         self.kind() == Some(ShadowKind::Mask)
     }
 
-    /// What its technique leaves; `None` without one.
+    /// What the light is added by: what its technique leaves, or the mask if a function scales it; `None` without either.
     pub fn kind(&self) -> Option<ShadowKind> {
+        if self.is_scaled {
+            return Some(ShadowKind::Mask);
+        }
         self.shadow.map(|shadow| shadow.kind)
     }
 
@@ -115,8 +124,6 @@ pub struct FrameData {
     pub blended_lights: Vec<BlendedLight>,
     /// Range of `batches`: all blended surfaces.
     pub blended_batches: Range<usize>,
-    /// Bytes of the light constants.
-    pub light_constants: Vec<u8>,
     /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
     pub front_casters: Vec<FixedBitSet>,
     /// Where the view is in the targets.

@@ -6,10 +6,9 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
-use super::frame_data::{ActiveLight, FrameData, Viewport};
+use super::frame_data::{ActiveLight, FrameData, LightSlot, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::pools::gpu_types;
 use crate::render::pools::light_constants::light_constants;
@@ -36,7 +35,7 @@ pub fn prepare_objects(
     let renderer = renderer.as_mut();
     renderer.frame.has_view = false;
     renderer.failure = None;
-    if renderer.context.notice_loss() {
+    if renderer.gpu.context.notice_loss() {
         renderer.failure = Some(RenderError::DeviceLost);
         return;
     }
@@ -59,8 +58,7 @@ pub fn prepare_objects(
         renderer.table_generation != Some(objects.flags_generation) || exchanged.iter().next().is_some();
     if rebuilt {
         renderer.table.rebuild(
-            &renderer.context,
-            &renderer.layouts,
+            &renderer.gpu,
             &objects,
             &appearance,
             &mut renderer.meshes,
@@ -72,7 +70,7 @@ pub fn prepare_objects(
         if let Some(object) = objects.index_of(entity) {
             let mesh = renderer.table.mesh[object];
             if mesh != NO_MESH {
-                renderer.meshes.write_pose(&renderer.context, mesh, pose);
+                renderer.meshes.write_pose(&renderer.gpu.context, mesh, pose);
             }
         }
     }
@@ -94,7 +92,7 @@ pub fn prepare_objects(
         renderer.last_clip_from_world = Some(current.clip_from_world);
     }
     if let (Some(host), Some(host_depth)) = (&renderer.host, &renderer.host_depth) {
-        host_depth.write(&renderer.context, host, current);
+        host_depth.write(&renderer.gpu.context, host, current);
     }
     let ambient = renderer.settings.sanitized().ambient;
     let relative_from_ndc = (current.clip_from_world * DMat4::from_translation(current.eye)).inverse();
@@ -119,6 +117,7 @@ pub fn prepare_objects(
         },
     };
     renderer
+        .gpu
         .context
         .queue
         .write_buffer(&renderer.view_buffer, 0, bytemuck::bytes_of(&constants));
@@ -143,9 +142,8 @@ pub fn prepare_techniques(world: &mut World) {
             .as_ref()
             .map_or(UVec2::ZERO, |targets| targets.size);
         let input = PrepareInput {
-            context: &renderer.context,
-            shaders: &renderer.shaders,
-            layouts: &renderer.layouts,
+            context: &renderer.gpu.context,
+            gpu: &renderer.gpu,
             meshes: &renderer.meshes,
             table: &renderer.table,
             target_size,
@@ -154,6 +152,11 @@ pub fn prepare_techniques(world: &mut World) {
         };
         for technique in renderer.techniques.iter_mut() {
             if let Err(error) = technique.prepare(world, &input) {
+                renderer.failure.get_or_insert(error);
+            }
+        }
+        for function in &mut renderer.functions {
+            if let Err(error) = function.prepare(world, &input) {
                 renderer.failure.get_or_insert(error);
             }
         }
@@ -179,7 +182,7 @@ pub fn prepare_draws(
     frame.dark.clear();
     frame.blended.clear();
     frame.blended_lights.clear();
-    frame.light_constants.clear();
+    renderer.lights.constants.clear();
     frame.ambient = 0..0;
     let Some(current) = view.data.as_ref().filter(|_| renderer.failure.is_none()) else {
         return;
@@ -233,12 +236,9 @@ pub fn prepare_draws(
             );
         }
         let unlit = first_unlit..frame.batches.len();
-        let slot = frame.lights.len();
-        let at = frame.light_constants.len();
-        frame.light_constants.resize(at + LIGHT_STRIDE as usize, 0);
+        let slot = LightSlot(frame.lights.len());
         let constants = light_constants(light, current.eye);
-        frame.light_constants[at..at + size_of::<gpu_types::Light>()]
-            .copy_from_slice(bytemuck::bytes_of(&constants));
+        renderer.lights.constants.push(&constants);
         let bounds = light.depth_bounds.filter(|_| renderer.settings.depth_bounds);
         frame.lights.push(ActiveLight {
             entity: light.entity,
@@ -246,6 +246,7 @@ pub fn prepare_draws(
             slot,
             technique: light.technique.filter(|_| shadow.is_some()),
             shadow,
+            is_scaled: renderer.functions.iter().any(|function| function.scales(index)),
             scissor: frame.viewport.place(if renderer.settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
@@ -281,13 +282,16 @@ pub fn prepare_draws(
     }
     renderer
         .instances
-        .write(&renderer.context, bytemuck::cast_slice(&frame.instances));
+        .write(&renderer.gpu.context, bytemuck::cast_slice(&frame.instances));
     renderer.write_lights();
     if let Err(error) = renderer.require_targets() {
         renderer.failure.get_or_insert(error);
         renderer.frame.lights.clear();
     }
-    renderer.require_pipelines();
+    if let Err(error) = renderer.require_pipelines() {
+        renderer.failure.get_or_insert(error);
+        renderer.frame.lights.clear();
+    }
 }
 
 /// Collects objects of V that a light does not affect, or of which it sees nothing that is in view; whether there are any.
@@ -347,8 +351,8 @@ fn collect_blended(
         for active in &frame.lights {
             if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
                 frame.blended_lights.push(BlendedLight {
-                    slot: active.slot as u32,
-                    behind_front: active.shadow.is_some(),
+                    slot: active.slot,
+                    behind_front: active.kind().is_some(),
                 });
             }
         }

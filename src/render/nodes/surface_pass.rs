@@ -33,6 +33,12 @@ pub enum SurfacePass {
     Dark,
     /// Writes the plane of the triangle.
     ReceiverPlane,
+    /// One light times its mask, on surfaces that show no shadows as well: a function scales it.
+    LightScaled,
+    /// The same on the front layer.
+    FrontLightScaled,
+    /// Writes a mask of 1.
+    WholeMask,
     /// Depth, where a host shows the surface.
     HostSurface,
 }
@@ -40,6 +46,30 @@ pub enum SurfacePass {
 impl SurfacePass {
     /// How many there are.
     pub const COUNT: usize = Self::HostSurface as usize + 1;
+
+    /// The name that debuggers show.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Ambient => "ambient",
+            Self::AmbientBlended => "ambient blended",
+            Self::Light => "light",
+            Self::LightMasked => "light masked",
+            Self::LightBlended => "light blended",
+            Self::LightBehindFront => "light behind front",
+            Self::FrontDepth => "front depth",
+            Self::FrontLight => "front light",
+            Self::FrontLightMasked => "front light masked",
+            Self::Visibility => "visibility",
+            Self::VisibilityMasked => "visibility masked",
+            Self::VisibilityFront => "visibility front",
+            Self::Dark => "dark",
+            Self::ReceiverPlane => "receiver plane",
+            Self::LightScaled => "light scaled",
+            Self::FrontLightScaled => "front light scaled",
+            Self::WholeMask => "whole mask",
+            Self::HostSurface => "host surface",
+        }
+    }
 
     /// The pass that adds a light whose technique leaves this.
     pub fn light(visibility: Option<ShadowKind>) -> Self {

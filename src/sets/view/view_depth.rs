@@ -151,3 +151,19 @@ pub fn fit_view_depth(
         light.depth_bounds = light.depth_bounds.map(|bounds| bounds.stored_in(depth));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_greatest_reach_counts_in_any_order() {
+        let reach = DepthReach::default();
+        for depth in [3.0, f64::NAN, 70.0, -80.0, 5.0] {
+            reach.include(depth);
+        }
+        assert_eq!(reach.farthest(), 70.0);
+        reach.reset();
+        assert_eq!(reach.farthest(), 0.0);
+    }
+}

@@ -11,20 +11,9 @@ use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, push_edge, side_plane};
 use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
 use super::light_parts::{LightPart, PartShape};
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
-use crate::silhouettes::{
-    CasterEdges, FacingBits, LightExtent, PosedPlanes, Silhouette, classify, find_turning,
-};
-
-/// The components of a caster from which its wedges are made.
-pub(super) type CasterItem<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    &'a GlobalTransform,
-    Option<(&'a PosedMesh, &'a PosedPlanes)>,
-);
+use crate::silhouettes::{CasterShapeItem, FacingBits, LightExtent, Silhouette, classify, find_turning};
 
 /// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,12 +130,7 @@ impl Chunk {
         part: &LightPart,
         light_from_local: &DMat4,
         silhouette: &Silhouette,
-        (edges, mesh, transform, posed): (
-            &CasterEdges,
-            &SceneMesh,
-            &GlobalTransform,
-            Option<(&PosedMesh, &PosedPlanes)>,
-        ),
+        caster: &CasterShapeItem,
         scratch: &mut ChunkScratch,
     ) {
         let ChunkScratch {
@@ -157,15 +141,10 @@ impl Chunk {
         self.wedges.clear();
         self.caps.clear();
         self.patches.clear();
-        let Some(light_local) = light_in_local(transform, part.point_world) else {
+        let Some(light_local) = light_in_local(caster.transform, part.point_world) else {
             return;
         };
-        let (positions, planes) = match posed {
-            Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
-                (&posed.positions, &planes.0)
-            }
-            _ => (&mesh.0.positions, &edges.0.planes),
-        };
+        let (edges, positions, planes) = (caster.edges, caster.positions(), caster.planes());
         classify(&edges.0.edges, planes, light_local, bits);
         let by_patch = self.key.by_patch;
         let local_from_light = light_from_local.inverse();

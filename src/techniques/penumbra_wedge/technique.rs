@@ -8,14 +8,12 @@ use super::gpu::recorder::PenumbraWedgeNode;
 use super::overflow::{SPLIT_CAPACITY, WedgeOverflow};
 use super::wedges::{PenumbraWedges, build_penumbra_wedges};
 #[cfg(feature = "render")]
-use crate::render::RenderError;
-#[cfg(feature = "render")]
 use crate::render::shaders::{ShaderFile, shader_files};
+#[cfg(feature = "render")]
+use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::{FrameLights, NeededSilhouettes, Needs, View};
-#[cfg(feature = "render")]
-use crate::techniques::registry::RecorderInput;
 use crate::techniques::registry::{Refusal, Technique, TechniqueSystems};
 
 /// A light of less extent counts as a point, metres.
@@ -99,7 +97,7 @@ impl Technique for PenumbraWedge {
     type Recorder = PenumbraWedgeNode;
 
     #[cfg(feature = "render")]
-    fn recorder(input: &RecorderInput) -> Result<Self::Recorder, RenderError> {
-        PenumbraWedgeNode::new(input.context, input.shaders, input.layouts)
+    fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
+        PenumbraWedgeNode::new(gpu)
     }
 }

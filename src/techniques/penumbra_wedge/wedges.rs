@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
+use glam::DVec3;
 
-use super::chunks::{CasterItem, Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
+use super::chunks::{Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
 use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, WedgeCaster};
@@ -13,8 +14,8 @@ use super::light_parts::{LightPart, PartShape, push_parts};
 use super::tables::texture::EmitterTexture;
 use crate::geometry::Aabb;
 use crate::sets::light::depth_bounds::shadow_depth_range;
-use crate::sets::{DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::Silhouettes;
+use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
+use crate::silhouettes::{CasterShape, CasterShapeItem, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
@@ -172,7 +173,7 @@ pub fn build_penumbra_wedges(
     silhouettes: Res<Silhouettes>,
     near_caps: NearCaps,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
-    casters: Query<CasterItem<'static>>,
+    casters: Query<CasterShape>,
     places: Query<&GlobalTransform>,
 ) {
     let out = &mut *wedges;
@@ -187,7 +188,13 @@ pub fn build_penumbra_wedges(
         return;
     };
     let near = &view.near_corners;
-    let around = [near[0], near[1], near[3], near[2]];
+    let context = Context {
+        view,
+        around: [near[0], near[1], near[3], near[2]],
+        objects: &objects,
+        depth_reach: &depth_reach,
+        near_caps: &near_caps,
+    };
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
         if !light.is_shadowed_by::<PenumbraWedge>() {
@@ -199,10 +206,77 @@ pub fn build_penumbra_wedges(
         if light.scissor.is_none() {
             continue; // no visible surface receives the light
         }
-        let first = out.parts.len();
-        out.scratch.parts.clear();
-        push_parts(light, settings, &mut out.scratch.parts);
-        out.parts.extend(out.scratch.parts.iter().map(|part| {
+        let first = out.begin_light(index, light, settings, texture, view);
+        let Some(known) = silhouettes.of_light(light.entity) else {
+            continue;
+        };
+        for number in 0..out.scratch.parts.len() {
+            let part = out.scratch.parts[number];
+            let part = PartContext {
+                light,
+                settings,
+                part: &part,
+                number: number as u32,
+                first: first as u32,
+                reach: out.parts[first + number].reach,
+                pyramid: OcclusionPyramid::new(&context.around, part.point_world),
+                finite: FiniteReach::new(view, light, part.point_world),
+            };
+            for object in light.s.ones() {
+                if let Some((_, silhouette)) = known.of_object(object)
+                    && let Ok(caster) = casters.get(objects.entities[object])
+                {
+                    rebuilt |= out.place(&context, &part, object, silhouette, &caster);
+                }
+            }
+        }
+        chunks_of(&mut out.kept, light.entity, frame).retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
+    }
+    out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
+    let same_layout = out.scratch.layout == out.scratch.last_layout;
+    out.assemble(rebuilt || !same_layout);
+    out.end(&lights, &objects, &places);
+}
+
+/// What all lights of the frame have in common.
+struct Context<'a, 'w> {
+    view: &'a ViewData,
+    /// The corners of the near plane, in their order around it.
+    around: [DVec3; 4],
+    objects: &'a Objects,
+    depth_reach: &'a DepthReach,
+    near_caps: &'a NearCaps<'w>,
+}
+
+/// One part of one light.
+struct PartContext<'a> {
+    light: &'a FrameLight,
+    settings: &'a PenumbraWedge,
+    part: &'a LightPart,
+    /// Among the parts of the light.
+    number: u32,
+    /// The light's first among the parts of the frame.
+    first: u32,
+    reach: f32,
+    pyramid: OcclusionPyramid,
+    finite: Option<FiniteReach>,
+}
+
+impl PenumbraWedges {
+    /// Lists a light and its parts; the index of the first of these.
+    fn begin_light(
+        &mut self,
+        index: usize,
+        light: &FrameLight,
+        settings: &PenumbraWedge,
+        texture: Option<&EmitterTexture>,
+        view: &ViewData,
+    ) -> usize {
+        let first = self.parts.len();
+        let parts = &mut self.scratch.parts;
+        parts.clear();
+        push_parts(light, settings, parts);
+        self.parts.extend(parts.iter().map(|part| {
             PartWedges {
                 part: *part,
                 reach: FiniteReach::new(view, light, part.point_world)
@@ -211,127 +285,114 @@ pub fn build_penumbra_wedges(
                 groups: 0..0,
             }
         }));
-        out.lights.push(LightWedges {
+        let is_rect = matches!(parts[0].shape, PartShape::Rect { .. });
+        self.lights.push(LightWedges {
             light: index,
             entity: light.entity,
             settings: *settings,
-            texture: texture
-                .filter(|_| matches!(out.scratch.parts[0].shape, PartShape::Rect { .. }))
-                .cloned(),
-            parts: first..out.parts.len(),
+            texture: texture.filter(|_| is_rect).cloned(),
+            parts: first..self.parts.len(),
             is_layered: false,
         });
-        let this = out.lights.len() - 1;
-        let Some(known) = silhouettes.of_light(light.entity) else {
-            continue;
-        };
-        let chunks = chunks_of(&mut out.kept, light.entity, frame);
-        for number in 0..out.scratch.parts.len() {
-            let part = out.scratch.parts[number];
-            let pyramid = OcclusionPyramid::new(&around, part.point_world);
-            let finite = FiniteReach::new(view, light, part.point_world);
-            let reach = out.parts[first + number].reach;
-            for object in light.s.ones() {
-                let Some((_, silhouette)) = known.of_object(object) else {
-                    continue;
-                };
-                let entity = objects.entities[object];
-                let Ok(item) = casters.get(entity) else {
-                    continue;
-                };
-                // Skips a shadow that ends in front of the nearest surface that the light reaches, or begins
-                // behind the farthest.
-                let reaches = light.depth_bounds.is_some_and(|reached| {
-                    shadow_depth_range(view, &objects.boxes.get(object), &light.emitter)
-                        .is_some_and(|spanned| spanned.intersects(&reached))
-                });
-                if !reaches {
-                    continue;
-                }
-                let Some(light_from_local) = light_from_local(&part, item.2) else {
-                    continue;
-                };
-                let bounds = objects.boxes.get(object);
-                let extrusion = finite.map(|finite| {
-                    finite.extrusion(&bounds, || {
-                        let key = (light.entity, number as u32, entity);
-                        let placed = (item.0, item.1, item.2, item.3.map(|(posed, _)| posed));
-                        out.surfaces
-                            .get(key, silhouette.revision, part.point_world, placed)
-                    })
-                });
-                let extrusion = match extrusion {
-                    None => TO_INFINITY,
-                    Some(Some(extrusion)) => {
-                        let corners = volume_corners(part.point_world, extrusion, &bounds);
-                        include_points(&depth_reach, view, corners);
-                        include_rays(&depth_reach, view, &bounds, reach);
-                        extrusion
-                    }
-                    Some(None) => continue, // it shadows nothing that receives the light
-                };
-                let key = ChunkKey {
-                    revision: silhouette.revision,
-                    light_from_local: light_from_local.as_mat4(),
-                    shape: part.shape,
-                    bounds: settings.bounds,
-                    by_patch: settings.overlap == Overlap::Paper,
-                    silhouette: settings.used_silhouette(),
-                };
-                let number = number as u32;
-                let at = match chunks
-                    .binary_search_by_key(&(entity, number), |chunk| (chunk.entity, chunk.part))
-                {
-                    Ok(at) => at,
-                    Err(at) => {
-                        chunks.insert(at, Chunk::empty(entity, number, key));
-                        at
-                    }
-                };
-                let chunk = &mut chunks[at];
-                let fresh = chunk.last_used == 0;
-                chunk.last_used = frame;
-                if fresh || chunk.key != key {
-                    chunk.key = key;
-                    chunk.build(
-                        light,
-                        &part,
-                        &light_from_local,
-                        silhouette,
-                        item,
-                        &mut out.scratch.chunk,
-                    );
-                    rebuilt = true;
-                }
-                out.lights[this].is_layered |= chunk.is_layered;
-                if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
-                    // From any point of the light, the pyramid is within the light's radius of the pyramid
-                    // from the centre.
-                    let hides_cap = near_caps.are_hidden(&objects, object, || item.0.0.edges.is_closed());
-                    let radius = part.shape.radius() as f32;
-                    let towards = settings.culling == WedgeCulling::Depth
-                        && hides_cap
-                        && pyramid.excludes(&Aabb {
-                            min: bounds.min - radius,
-                            max: bounds.max + radius,
-                        });
-                    let layout = &mut out.scratch.layout;
-                    layout.push(Placed {
-                        light: light.entity,
-                        part: number,
-                        index: first as u32 + number,
-                        caster: entity,
-                        object: object as u32,
-                        towards,
-                        extrusion: extrusion.to_bits(),
-                    });
-                }
-            }
-        }
-        chunks.retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
+        first
     }
-    out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
-    let same_layout = out.scratch.layout == out.scratch.last_layout;
-    out.assemble(rebuilt || !same_layout);
-    out.end(&lights, &objects, &places);
+
+    /// Adds a caster to a part of the light that was listed last, if its shadow reaches what the light lights in view;
+    /// whether wedges were made anew.
+    fn place(
+        &mut self,
+        context: &Context,
+        part: &PartContext,
+        object: usize,
+        silhouette: &Silhouette,
+        caster: &CasterShapeItem,
+    ) -> bool {
+        let (light, settings, view) = (part.light, part.settings, context.view);
+        let entity = context.objects.entities[object];
+        let bounds = context.objects.boxes.get(object);
+        // A shadow before the nearest or beyond the farthest surface that the light reaches.
+        let reaches = light.depth_bounds.is_some_and(|reached| {
+            shadow_depth_range(view, &bounds, &light.emitter)
+                .is_some_and(|spanned| spanned.intersects(&reached))
+        });
+        if !reaches {
+            return false;
+        }
+        let Some(light_from_local) = light_from_local(part.part, caster.transform) else {
+            return false;
+        };
+        let Some(extrusion) = self.extrusion(context, part, (entity, &bounds), silhouette, caster) else {
+            return false; // beyond all that receives the light
+        };
+        let key = ChunkKey {
+            revision: silhouette.revision,
+            light_from_local: light_from_local.as_mat4(),
+            shape: part.part.shape,
+            bounds: settings.bounds,
+            by_patch: settings.overlap == Overlap::Paper,
+            silhouette: settings.used_silhouette(),
+        };
+        let chunks = chunks_of(&mut self.kept, light.entity, self.frame);
+        let at = chunks
+            .binary_search_by_key(&(entity, part.number), |chunk| (chunk.entity, chunk.part))
+            .unwrap_or_else(|at| {
+                chunks.insert(at, Chunk::empty(entity, part.number, key));
+                at
+            });
+        let chunk = &mut chunks[at];
+        let stale = chunk.last_used == 0 || chunk.key != key;
+        chunk.last_used = self.frame;
+        if stale {
+            chunk.key = key;
+            let scratch = &mut self.scratch.chunk;
+            chunk.build(light, part.part, &light_from_local, silhouette, caster, scratch);
+        }
+        if let Some(this) = self.lights.last_mut() {
+            this.is_layered |= chunk.is_layered;
+        }
+        if chunk.wedges.is_empty() && chunk.caps.is_empty() {
+            return stale;
+        }
+        let is_closed = || caster.edges.0.edges.is_closed();
+        let hides_cap = context.near_caps.are_hidden(context.objects, object, is_closed);
+        // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from the centre.
+        let radius = part.part.shape.radius() as f32;
+        let around = Aabb {
+            min: bounds.min - radius,
+            max: bounds.max + radius,
+        };
+        self.scratch.layout.push(Placed {
+            light: light.entity,
+            part: part.number,
+            index: part.first + part.number,
+            caster: entity,
+            object: object as u32,
+            towards: settings.culling == WedgeCulling::Depth && hides_cap && part.pyramid.excludes(&around),
+            extrusion: extrusion.to_bits(),
+        });
+        stale
+    }
+
+    /// How far a caster's shadow is pushed; `None` if it is beyond all that receives the light.
+    fn extrusion(
+        &mut self,
+        context: &Context,
+        part: &PartContext,
+        (entity, bounds): (Entity, &Aabb),
+        silhouette: &Silhouette,
+        caster: &CasterShapeItem,
+    ) -> Option<f32> {
+        let Some(finite) = part.finite else {
+            return Some(TO_INFINITY);
+        };
+        let point = part.part.point_world;
+        let extrusion = finite.extrusion(bounds, || {
+            let key = (part.light.entity, part.number, entity);
+            self.surfaces.get(key, silhouette.revision, point, caster)
+        })?;
+        let corners = volume_corners(point, extrusion, bounds);
+        include_points(context.depth_reach, context.view, corners);
+        include_rays(context.depth_reach, context.view, bounds, part.reach);
+        Some(extrusion)
+    }
 }

@@ -2,18 +2,17 @@
 
 use std::any::TypeId;
 
-use super::recorder_input::RecorderInput;
 use super::technique::Technique;
-use crate::render::RenderError;
 use crate::render::recorder::Recorder;
 use crate::render::shaders::ShaderFile;
+use crate::render::{Gpu, RenderError};
 
 /// The GPU side of a [`Row`](super::Row).
 #[derive(Clone, Copy)]
 pub(super) struct GpuRow {
     pub kind: TypeId,
     pub shaders: &'static [ShaderFile],
-    pub make: fn(&RecorderInput) -> Result<Box<dyn Recorder>, RenderError>,
+    pub make: fn(&Gpu) -> Result<Box<dyn Recorder>, RenderError>,
 }
 
 impl GpuRow {
@@ -21,7 +20,7 @@ impl GpuRow {
         Self {
             kind: TypeId::of::<T::Recorder>(),
             shaders: T::SHADERS,
-            make: |input| T::recorder(input).map(|recorder| Box::new(recorder) as Box<dyn Recorder>),
+            make: |gpu| T::recorder(gpu).map(|recorder| Box::new(recorder) as Box<dyn Recorder>),
         }
     }
 }

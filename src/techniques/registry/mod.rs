@@ -18,15 +18,13 @@
 //! | `statistics` | what a technique counts |
 //! | `report` | reports of all techniques |
 //! | `systems` | where the systems of techniques run |
-//! | `gpu_row`, `recorder_input`, `recorders` | recorders and shaders of the rows (feature `render`) |
+//! | `gpu_row`, `recorders` | recorders and shaders of the rows (feature `render`) |
 
 mod add_technique;
 mod builtin;
 pub(crate) mod choose;
 #[cfg(feature = "render")]
 mod gpu_row;
-#[cfg(feature = "render")]
-mod recorder_input;
 #[cfg(feature = "render")]
 pub(crate) mod recorders;
 mod refusal;
@@ -40,8 +38,6 @@ mod techniques;
 pub use add_technique::AddTechnique;
 pub use builtin::add_builtin;
 pub use choose::choose_techniques;
-#[cfg(feature = "render")]
-pub use recorder_input::RecorderInput;
 pub use refusal::Refusal;
 pub use row::{Row, Settings};
 pub use statistics::{Statistic, Statistics};

@@ -4,7 +4,6 @@ use std::sync::LazyLock;
 
 use bevy_ecs::prelude::*;
 
-use super::recorder_input::RecorderInput;
 use super::techniques::Techniques;
 use crate::render::Renderer;
 use crate::render::shaders::FILES;
@@ -15,13 +14,9 @@ use crate::render::shaders::FILES;
 /// compare two numbers.
 pub fn add_recorders(mut renderer: ResMut<Renderer>, techniques: Res<Techniques>) {
     for row in techniques.rows.iter().skip(renderer.recorders().row_count()) {
-        let made = renderer.add_recorder(row.gpu.kind, |renderer| {
-            renderer.shaders().add(row.gpu.shaders)?;
-            (row.gpu.make)(&RecorderInput {
-                context: renderer.context(),
-                shaders: renderer.shaders(),
-                layouts: renderer.layouts(),
-            })
+        let made = renderer.add_recorder(row.gpu.kind, |gpu| {
+            gpu.shaders.add(row.gpu.shaders)?;
+            (row.gpu.make)(gpu)
         });
         if let Err(error) = made {
             renderer.fail(error);

@@ -76,10 +76,10 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
     #[cfg(feature = "render")]
     type Recorder: Recorder;
 
-    /// Makes the recorder of a view. [`Technique::SHADERS`] are known to the input's shaders.
+    /// Makes the recorder of a view. The shaders of `gpu` know [`Technique::SHADERS`].
     ///
     /// # Errors
     /// A shader that does not compose, or what the device refuses.
     #[cfg(feature = "render")]
-    fn recorder(input: &super::recorder_input::RecorderInput) -> Result<Self::Recorder, RenderError>;
+    fn recorder(gpu: &crate::render::Gpu) -> Result<Self::Recorder, RenderError>;
 }

@@ -4,9 +4,9 @@ use bevy_ecs::prelude::*;
 
 use super::component::ShadowMap;
 #[cfg(feature = "render")]
-use crate::render::RenderError;
-#[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
+#[cfg(feature = "render")]
+use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::{FrameLights, Needs};
@@ -14,8 +14,6 @@ use crate::sets::{FrameLights, Needs};
 use crate::techniques::maps::gpu::{self, recorder::MapNode};
 use crate::techniques::maps::request::{MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
-#[cfg(feature = "render")]
-use crate::techniques::registry::RecorderInput;
 use crate::techniques::registry::{Refusal, Statistics, Technique};
 
 /// Lists what the lights with a [`ShadowMap`] ask for.
@@ -75,7 +73,7 @@ impl Technique for ShadowMap {
     type Recorder = MapNode;
 
     #[cfg(feature = "render")]
-    fn recorder(input: &RecorderInput) -> Result<Self::Recorder, RenderError> {
-        MapNode::new(input.context, input.shaders, input.layouts)
+    fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
+        MapNode::new(gpu)
     }
 }

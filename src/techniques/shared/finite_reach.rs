@@ -11,9 +11,8 @@ use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
 
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::{DepthReach, FrameLight, Projector, ViewData};
-use crate::silhouettes::CasterEdges;
+use crate::silhouettes::CasterShapeItem;
 
 /// The receivers that the volumes of a light must reach beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,14 +106,6 @@ pub fn include_rays(reach: &DepthReach, view: &ViewData, from: &Aabb, length: f3
     reach.include(deepest + gradient.length() * f64::from(length));
 }
 
-/// A caster with its place in the world.
-pub type PlacedCaster<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    &'a GlobalTransform,
-    Option<&'a PosedMesh>,
-);
-
 /// Distances of lights from the surfaces of casters whose bounds they are in. Each is kept until light or
 /// caster changes.
 #[derive(Clone, Debug, Default)]
@@ -156,9 +147,9 @@ impl NearestSurfaces {
         key: (Entity, u32, Entity),
         revision: u64,
         point: DVec4,
-        caster: PlacedCaster,
+        caster: &CasterShapeItem,
     ) -> Option<f64> {
-        let (edges, mesh, &world_from_local, posed) = caster;
+        let (edges, &world_from_local) = (caster.edges, caster.transform);
         let at = self.known.binary_search_by_key(&key, |known| known.key);
         if let Ok(at) = at {
             let known = &mut self.known[at];
@@ -168,9 +159,8 @@ impl NearestSurfaces {
                 return Some(known.distance);
             }
         }
-        let positions = posed.map_or(&mesh.0.positions, |posed| &posed.positions);
         let matrix = Mat4::from(world_from_local.affine()).as_dmat4();
-        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, positions, &matrix)?;
+        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, caster.positions(), &matrix)?;
         let entry = Known {
             key,
             revision,

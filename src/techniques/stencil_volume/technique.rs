@@ -7,12 +7,10 @@ use super::component::StencilVolume;
 use super::gpu::recorder::StencilVolumeNode;
 use super::volumes::{StencilVolumes, build_stencil_volumes};
 #[cfg(feature = "render")]
-use crate::render::RenderError;
-#[cfg(feature = "render")]
 use crate::render::shaders::{ShaderFile, shader_files};
-use crate::sets::{NeededSilhouettes, Needs};
 #[cfg(feature = "render")]
-use crate::techniques::registry::RecorderInput;
+use crate::render::{Gpu, RenderError};
+use crate::sets::{NeededSilhouettes, Needs};
 use crate::techniques::registry::{Statistics, Technique, TechniqueSystems};
 
 impl Technique for StencilVolume {
@@ -62,7 +60,7 @@ impl Technique for StencilVolume {
     type Recorder = StencilVolumeNode;
 
     #[cfg(feature = "render")]
-    fn recorder(input: &RecorderInput) -> Result<Self::Recorder, RenderError> {
-        StencilVolumeNode::new(input.context, input.shaders, input.layouts)
+    fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
+        StencilVolumeNode::new(gpu)
     }
 }

@@ -9,9 +9,9 @@ use glam::Vec4;
 use super::component::{Counting, Extent, StencilVolume};
 use super::volume_parts::PartCulling;
 use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::Silhouettes;
+use crate::silhouettes::{CasterShape, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
-use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
+use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
@@ -87,7 +87,7 @@ pub fn build_stencil_volumes(
     near_caps: NearCaps,
     occlusion: Res<CameraOcclusion>,
     components: Query<&StencilVolume>,
-    casters: Query<PlacedCaster<'static>>,
+    casters: Query<CasterShape>,
 ) {
     let StencilVolumes {
         lights: out,
@@ -130,7 +130,11 @@ pub fn build_stencil_volumes(
                     continue;
                 }
                 let caster = casters.get(objects.entities[object]);
-                let is_closed = || caster.is_ok_and(|caster| caster.0.0.edges.is_closed());
+                let is_closed = || {
+                    caster
+                        .as_ref()
+                        .is_ok_and(|caster| caster.edges.0.edges.is_closed())
+                };
                 let hides_cap = near_caps.are_hidden(&objects, object, is_closed);
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
@@ -144,7 +148,7 @@ pub fn build_stencil_volumes(
                             key,
                             silhouette.revision,
                             light.point_world,
-                            casters.get(entity).ok()?,
+                            &casters.get(entity).ok()?,
                         )
                     }),
                     None if settings.extent == Extent::Finite => finite_extrusion(

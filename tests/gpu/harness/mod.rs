@@ -5,6 +5,7 @@
 pub use antumbra_stage as support;
 
 pub mod cases;
+pub mod half;
 pub mod maps;
 
 use std::path::{Path, PathBuf};

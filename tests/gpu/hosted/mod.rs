@@ -3,6 +3,7 @@
 
 mod comparison;
 mod host;
+mod scaled;
 mod scenes;
 mod techniques;
 mod unseen;

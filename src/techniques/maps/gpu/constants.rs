@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::render::pools::gpu_types;
+use super::gpu_types::{MapFace, MapLight};
 use crate::techniques::maps::face::FaceProjection;
 use crate::techniques::maps::light_map::LightMap;
 use crate::techniques::maps::packing::{FOUR_BYTES_STEP, TWO_BYTES_STEP};
@@ -15,9 +15,9 @@ use crate::techniques::maps::settings::{MapBias, MapFilter, MapFormat};
 const RAISED_TEXELS: f32 = 0.15;
 
 /// Makes the shader's constants of one light's map.
-pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gpu_types::MapLight {
+pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> MapLight {
     let request = &map.request;
-    let mut constants = gpu_types::MapLight::default();
+    let mut constants = MapLight::default();
     let mut radius_texels: f32 = 0.0;
     let softness = request.filter.softness().unwrap_or(0.0);
     for (out, state) in constants.faces.iter_mut().zip(&map.faces) {
@@ -27,7 +27,7 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gp
             FaceProjection::Perspective { tangent, near } => (tangent, near),
             FaceProjection::Parallel { half, length } => (half, length),
         };
-        *out = gpu_types::MapFace {
+        *out = MapFace {
             row_x: x.to_array(),
             row_y: y.to_array(),
             row_z: z.to_array(),

@@ -7,8 +7,9 @@ use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, Mat4};
 
-use super::pipelines::{Key, MapPipelines};
-use crate::render::pools::gpu_types;
+use super::gpu_types::MapCaster;
+use super::pipelines::Key;
+use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
@@ -45,7 +46,7 @@ pub struct MapDraws {
     /// All draws.
     pub draws: Vec<MapDraw>,
     /// Matrices of the casters of all draws.
-    pub casters: Vec<gpu_types::MapCaster>,
+    pub casters: Vec<MapCaster>,
     parts: Vec<Part>,
 }
 
@@ -77,7 +78,7 @@ impl MapDraws {
             let world_from_local =
                 transform.map_or(DMat4::ZERO, |transform| Mat4::from(transform.affine()).as_dmat4());
             let at = self.casters.len() as u32;
-            self.casters.push(gpu_types::MapCaster {
+            self.casters.push(MapCaster {
                 clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
             });
             if let Some(last) = self.draws[first..].last_mut()
@@ -129,18 +130,17 @@ impl MapDraws {
         }
     }
 
-    /// Requests the pipelines of a range of draws.
-    pub fn require(
-        &self,
-        range: Range<usize>,
-        peel: bool,
-        input: &PrepareInput,
-        pipelines: &mut MapPipelines,
-    ) {
-        for draw in &self.draws[range] {
-            let masked = draw.material.is_some();
-            pipelines.require(input.context, Key::Caster { masked, peel });
-        }
+    /// Which of the two kinds of pipelines a range of draws needs: `true` for casters with holes.
+    pub fn masked(&self, range: Range<usize>) -> impl Iterator<Item = bool> + use<> {
+        let has = |masked| {
+            self.draws[range.clone()]
+                .iter()
+                .any(|draw| draw.material.is_some() == masked)
+        };
+        let [solid, masked] = [false, true].map(has);
+        [solid.then_some(false), masked.then_some(true)]
+            .into_iter()
+            .flatten()
     }
 
     /// Records a range of draws. Groups 0 and 1 must be set.
@@ -149,7 +149,7 @@ impl MapDraws {
         range: Range<usize>,
         peel: bool,
         pass: &mut wgpu::RenderPass,
-        pipelines: &MapPipelines,
+        pipelines: &Variants<Key>,
         meshes: &MeshPool,
         materials: &MaterialPool,
     ) {

@@ -1,8 +1,8 @@
 //! The bind group layouts of maps, and the groups that persist.
 
+use super::gpu_types::{MapCaster, MapLight};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::{STORAGE, bind_in_order, buffer_entry};
-use crate::render::pools::gpu_types;
 use crate::techniques::maps::jitter;
 
 /// The bind group layouts of maps.
@@ -42,7 +42,7 @@ impl MapLayouts {
         };
         let depth = |binding| texture(binding, wgpu::TextureSampleType::Depth, TextureViewDimension::D2);
         let float = |filterable| wgpu::TextureSampleType::Float { filterable };
-        let size = size_of::<gpu_types::MapCaster>();
+        let size = size_of::<MapCaster>();
         Self {
             casters: layout(
                 "map casters",
@@ -53,13 +53,7 @@ impl MapLayouts {
             map: layout(
                 "map",
                 &[
-                    buffer_entry(
-                        0,
-                        ShaderStages::FRAGMENT,
-                        Uniform,
-                        true,
-                        size_of::<gpu_types::MapLight>(),
-                    ),
+                    buffer_entry(0, ShaderStages::FRAGMENT, Uniform, true, size_of::<MapLight>()),
                     wgpu::BindGroupLayoutEntry {
                         binding: 1,
                         visibility: ShaderStages::FRAGMENT,
@@ -93,7 +87,7 @@ impl MapLayouts {
     pub fn bind_map(
         &self,
         context: &RenderContext,
-        buffer: &wgpu::Buffer,
+        maps: wgpu::BindingResource,
         compare: &wgpu::Sampler,
         jitter: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
@@ -102,11 +96,7 @@ impl MapLayouts {
             "map",
             &self.map,
             [
-                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer,
-                    offset: 0,
-                    size: std::num::NonZeroU64::new(size_of::<gpu_types::MapLight>() as u64),
-                }),
+                maps,
                 wgpu::BindingResource::Sampler(compare),
                 wgpu::BindingResource::TextureView(jitter),
             ],

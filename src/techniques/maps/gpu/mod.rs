@@ -12,6 +12,7 @@
 
 pub(crate) mod constants;
 mod draws;
+pub(crate) mod gpu_types;
 mod layouts;
 pub(crate) mod limit;
 mod passes;

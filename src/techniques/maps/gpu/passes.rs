@@ -5,12 +5,14 @@
 
 use std::ops::Range;
 
+use super::gpu_types::MapLight;
 use super::pipelines::Key;
 use super::pool::MapTextures;
 use super::recorded::Recorded;
-use super::recorder::{FacePlan, LightPlan, MapNode, STRIDE};
+use super::recorder::{FacePlan, LightPlan, MapNode};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
+use crate::render::gpu::strided::Strided;
 use crate::render::recorder::{PictureInput, ResolveInput};
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFormat, MapSurface};
@@ -76,7 +78,7 @@ impl MapNode {
             if plan.request.surface != MapSurface::Nearest
                 && let Some(scratch) = self.pool.second(plan.key.side)
             {
-                let group = bind_depths(input.context, &self.pipelines.layouts.first, &[first]);
+                let group = bind_depths(input.context, &self.long_lived.layouts.first, &[first]);
                 self.draw_casters(
                     plan.light,
                     encoder,
@@ -88,7 +90,7 @@ impl MapNode {
                 );
                 second = scratch;
             }
-            let group = bind_depths(input.context, &self.pipelines.layouts.surfaces, &[first, second]);
+            let group = bind_depths(input.context, &self.long_lived.layouts.surfaces, &[first, second]);
             self.convert(slot, plan, layer, &shown.layers[layer], &group, encoder, input);
         }
     }
@@ -165,7 +167,7 @@ impl MapNode {
         });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(1, surfaces, &[]);
-        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
+        pass.set_bind_group(2, &self.map_group, &[Strided::<MapLight>::offset(slot)]);
         pass.draw(0..3, face as u32..face as u32 + 1);
     }
 
@@ -197,7 +199,7 @@ impl MapNode {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
+        pass.set_bind_group(2, &self.map_group, &[Strided::<MapLight>::offset(slot)]);
         pass.set_bind_group(3, &textures.group, &[]);
         pass.draw(0..3, 0..1);
     }

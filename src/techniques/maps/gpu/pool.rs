@@ -120,20 +120,7 @@ pub struct MapTextures {
     in_use: bool,
 }
 
-/// Returns the memory of a texture, bytes.
-fn bytes(texture: &wgpu::Texture) -> u64 {
-    let size = texture.size();
-    u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers) * 4
-}
-
 impl MapTextures {
-    /// Returns the memory of all its textures, bytes.
-    pub fn bytes(&self) -> u64 {
-        let more = [&self.moving, &self.shown];
-        let more = more.into_iter().flatten().map(|array| bytes(&array.texture));
-        bytes(&self.still.texture) + more.sum::<u64>()
-    }
-
     /// Returns the depths of all casters.
     pub fn all_casters(&self) -> &FaceArray {
         self.moving.as_ref().unwrap_or(&self.still)
@@ -183,15 +170,6 @@ impl MapPool {
     pub fn end(&mut self) {
         self.maps.retain(|map| map.in_use);
         self.scratches.retain(|scratch| scratch.in_use);
-    }
-
-    /// Returns the memory of all textures, bytes.
-    pub fn bytes(&self) -> u64 {
-        let scratches = self
-            .scratches
-            .iter()
-            .map(|scratch| bytes(&scratch.second.texture));
-        self.maps.iter().map(MapTextures::bytes).sum::<u64>() + scratches.sum::<u64>()
     }
 
     /// Returns the textures of a key, if they were requested.

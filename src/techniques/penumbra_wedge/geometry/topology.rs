@@ -1,7 +1,7 @@
 //! Which triangles a wedge consists of: one index list for all wedges.
 //!
-//! A wedge has [`VERTEX_COUNT`] named vertices. The list has four consecutive parts, all wound with their
-//! front out of the half that they close:
+//! A wedge has named vertices. The list has four consecutive parts, all wound with their front out of the half that they
+//! close:
 //!
 //! ```text
 //! [ separator, front to the inner half | outer shell | inner shell | separator, front to the outer half ]
@@ -29,8 +29,6 @@ pub const FAR_END: u16 = 3;
 pub const FIRST_RIM: u16 = 4;
 /// First of the apexes: for each rim point, the end of the edge from which its ray starts.
 pub const FIRST_APEX: u16 = FIRST_RIM + 2 * RIM as u16;
-/// Number of vertices of a wedge.
-pub const VERTEX_COUNT: u16 = FIRST_APEX + 2 * RIM as u16;
 
 const SEPARATOR: usize = 6 * 3;
 const SHELL: usize = (2 * (RIM - 1) + RIM) * 3;

@@ -8,7 +8,8 @@ use glam::UVec2;
 use super::form::Form;
 use super::pipelines::COMBINED_FORMAT;
 use crate::render::frame::targets::create_target;
-use crate::render::{RenderContext, RenderError};
+use crate::render::gpu::bind_groups::buffer_entry;
+use crate::render::{Gpu, RenderContext, RenderError};
 
 /// The textures of one form.
 #[derive(Debug)]
@@ -21,61 +22,61 @@ pub struct Sums {
     pub groups: [wgpu::BindGroup; 2],
 }
 
-/// The textures of all forms, in the frame's size.
+/// The layout of [`Sums::groups`], which all views share.
+#[derive(Debug)]
+struct SumLayout(wgpu::BindGroupLayout);
+
+fn sum_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let fragment = wgpu::ShaderStages::FRAGMENT;
+    let texture = |binding| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: fragment,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    };
+    let storage = wgpu::BufferBindingType::Storage { read_only: false };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("visibility sums"),
+        entries: &[
+            texture(0),
+            texture(1),
+            texture(2),
+            texture(4),
+            texture(5),
+            buffer_entry(3, fragment, storage, false, 4),
+        ],
+    })
+}
+
+/// All textures of one frame size.
 #[derive(Debug)]
 pub struct SumTextures {
     size: UVec2,
     all: Vec<Sums>,
     combined: Option<[wgpu::TextureView; 2]>,
-    layout: wgpu::BindGroupLayout,
+    layout: Arc<SumLayout>,
     overflow: OverflowReport,
 }
 
 impl SumTextures {
-    /// Makes an empty set.
-    pub fn new(context: &RenderContext) -> Self {
-        let texture = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-            count: None,
-        };
-        let storage = wgpu::BufferBindingType::Storage { read_only: false };
-        let layout = context
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("visibility sums"),
-                entries: &[
-                    texture(0),
-                    texture(1),
-                    texture(2),
-                    texture(4),
-                    texture(5),
-                    crate::render::gpu::bind_groups::buffer_entry(
-                        3,
-                        wgpu::ShaderStages::FRAGMENT,
-                        storage,
-                        false,
-                        4,
-                    ),
-                ],
-            });
+    /// None yet.
+    pub fn new(gpu: &Gpu) -> Self {
         Self {
             size: UVec2::ZERO,
             all: Vec::new(),
             combined: None,
-            layout,
-            overflow: OverflowReport::new(context),
+            layout: gpu.part(|gpu| SumLayout(sum_layout(&gpu.context.device))),
+            overflow: OverflowReport::new(&gpu.context),
         }
     }
 
     /// Layout of [`Sums::groups`].
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
+        &self.layout.0
     }
 
     /// The report of overflow.
@@ -134,7 +135,7 @@ impl SumTextures {
             };
             context.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("visibility sums"),
-                layout: &self.layout,
+                layout: &self.layout.0,
                 entries: &[
                     texture(0, &views[0]),
                     texture(1, &views[second]),

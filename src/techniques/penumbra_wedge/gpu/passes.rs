@@ -126,7 +126,7 @@ impl PenumbraWedgeNode {
                 pass.draw_indexed(caps.clone(), 0, caster as u32..caster as u32 + 1);
             }
         }
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.set_index_buffer(self.long_lived.indices.slice(..), wgpu::IndexFormat::Uint16);
         let draw = |pass: &mut wgpu::RenderPass, kind, towards, indices: Range<u32>, wedges: Range<u32>| {
             if let (Some(pipeline), false) = (pipeline(kind, towards), wedges.is_empty()) {
                 pass.set_pipeline(pipeline);
@@ -196,7 +196,7 @@ impl PenumbraWedgeNode {
         part: &PartPlan,
         input: &ResolveInput,
     ) {
-        let Some(pipeline) = self.pipelines.get_resolve(key) else {
+        let Some(pipeline) = self.resolves.get(key) else {
             return;
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

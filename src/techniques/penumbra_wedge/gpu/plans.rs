@@ -6,7 +6,7 @@ use glam::DMat4;
 
 use super::form::Form;
 use super::pipelines::Part;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
+use crate::render::gpu::strided::Strided;
 use crate::sets::ViewData;
 use crate::techniques::penumbra_wedge::component::{PenumbraWedge, WedgeCulling};
 use crate::techniques::penumbra_wedge::geometry::records::WedgeLight;
@@ -38,7 +38,7 @@ pub(in crate::techniques::penumbra_wedge) struct PartPlan {
 impl PartPlan {
     /// Offset of the part's record in the buffer of lights, bytes.
     pub(in crate::techniques::penumbra_wedge) fn light_offset(&self) -> u32 {
-        self.index * LIGHT_STRIDE as u32
+        Strided::<WedgeLight>::offset(self.index as usize)
     }
 }
 

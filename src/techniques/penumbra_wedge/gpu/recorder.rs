@@ -11,17 +11,21 @@
 //! no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
+use std::sync::Arc;
+
 use bevy_ecs::prelude::*;
 
 use super::buffers::SumTextures;
 use super::form::Form;
-use super::pipelines::{Key, Part, ResolveKey, WedgePipelines};
+use super::pipelines::{FILES, Key, Part, ResolveKey, describe, describe_resolve};
 use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, passes};
 use super::windows::{Shared, WedgeWindows};
-use crate::render::gpu::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
+use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
+use crate::render::gpu::pipeline_cache::Variants;
+use crate::render::gpu::strided::StridedUniforms;
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{View, ViewData};
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeCaster, WedgeLight};
@@ -32,23 +36,56 @@ use crate::techniques::penumbra_wedge::overflow::WedgeOverflow;
 use crate::techniques::penumbra_wedge::tables::table_buffer::Tables;
 use crate::techniques::penumbra_wedge::wedges::{Group, LightWedges, PenumbraWedges};
 
+/// The parts of the recorder that all views of a device share.
+#[derive(Debug)]
+pub(in crate::techniques::penumbra_wedge) struct LongLived {
+    /// The layout of group 2.
+    pub(in crate::techniques::penumbra_wedge) wedge_layout: wgpu::BindGroupLayout,
+    /// The triangles of one wedge.
+    pub(in crate::techniques::penumbra_wedge) indices: wgpu::Buffer,
+}
+
+impl LongLived {
+    fn new(gpu: &Gpu) -> Self {
+        let vertex = wgpu::ShaderStages::VERTEX;
+        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let entries = [
+            buffer_entry(0, vertex, STORAGE, false, size_of::<WedgeCaster>()),
+            buffer_entry(1, vertex, STORAGE, false, size_of::<Wedge>()),
+            buffer_entry(2, both, uniform, true, size_of::<WedgeLight>()),
+            buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
+        ];
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some("wedges"),
+            entries: &entries,
+        };
+        let context = &gpu.context;
+        let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
+        indices.write(context, bytemuck::cast_slice(&topology::indices()));
+        Self {
+            wedge_layout: context.device.create_bind_group_layout(&descriptor),
+            indices: indices.buffer,
+        }
+    }
+}
+
 /// The recorder.
 #[derive(Debug)]
 pub struct PenumbraWedgeNode {
-    pub(in crate::techniques::penumbra_wedge) pipelines: WedgePipelines,
-    pub(in crate::techniques::penumbra_wedge) wedge_layout: wgpu::BindGroupLayout,
+    pub(in crate::techniques::penumbra_wedge) pipelines: Variants<Key>,
+    pub(in crate::techniques::penumbra_wedge) resolves: Variants<ResolveKey>,
+    pub(in crate::techniques::penumbra_wedge) long_lived: Arc<LongLived>,
     pub(in crate::techniques::penumbra_wedge) textures: SumTextures,
-    pub(in crate::techniques::penumbra_wedge) indices: wgpu::Buffer,
     casters: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) wedges: WedgeWindows,
-    lights: GrowingBuffer,
+    lights: StridedUniforms<WedgeLight>,
     table_buffer: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) tables: Tables,
     pub(in crate::techniques::penumbra_wedge) caps: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) generation: u64,
     casters_generation: u64,
     pub(in crate::techniques::penumbra_wedge) light_records: Vec<WedgeLight>,
-    light_bytes: Vec<u8>,
     pub(in crate::techniques::penumbra_wedge) plans: Vec<LightPlan>,
     pub(in crate::techniques::penumbra_wedge) parts: Vec<PartPlan>,
     pub(in crate::techniques::penumbra_wedge) groups: Vec<Group>,
@@ -62,43 +99,21 @@ impl PenumbraWedgeNode {
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let device = &context.device;
-        let vertex = wgpu::ShaderStages::VERTEX;
-        let wedge_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("wedges"),
-            entries: &[
-                buffer_entry(0, vertex, STORAGE, false, size_of::<WedgeCaster>()),
-                buffer_entry(1, vertex, STORAGE, false, size_of::<Wedge>()),
-                buffer_entry(
-                    2,
-                    wgpu::ShaderStages::VERTEX_FRAGMENT,
-                    wgpu::BufferBindingType::Uniform,
-                    true,
-                    size_of::<WedgeLight>(),
-                ),
-                buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
-            ],
-        });
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&FILES)?;
+        let context = &gpu.context;
+        let long_lived = gpu.part(LongLived::new);
         let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
-        let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
-        indices.write(context, bytemuck::cast_slice(&topology::indices()));
-        let (casters, lights) = (
-            storage("wedge casters"),
-            GrowingBuffer::new(context, "wedge lights", wgpu::BufferUsages::UNIFORM),
-        );
+        let casters = storage("wedge casters");
+        let lights = StridedUniforms::new(context, "wedge lights");
         let tables = storage("coverage tables");
-        let textures = SumTextures::new(context);
+        let layout = &long_lived.wedge_layout;
         Ok(Self {
-            pipelines: WedgePipelines::new(context, shaders, layouts, &wedge_layout, textures.layout())?,
-            wedges: WedgeWindows::new(context, &wedge_layout, shared(&casters, &lights, &tables)),
-            wedge_layout,
-            textures,
-            indices: indices.buffer,
+            pipelines: Variants::default(),
+            resolves: Variants::default(),
+            wedges: WedgeWindows::new(context, layout, shared(&casters, &lights, &tables)),
+            textures: SumTextures::new(gpu),
+            long_lived,
             casters,
             lights,
             table_buffer: tables,
@@ -107,13 +122,15 @@ impl PenumbraWedgeNode {
             generation: 0,
             casters_generation: 0,
             light_records: Vec::new(),
-            light_bytes: Vec::new(),
             plans: Vec::new(),
             parts: Vec::new(),
             groups: Vec::new(),
             cap_draws: Vec::new(),
             mirrored: false,
-            blends_floats: device.features().contains(wgpu::Features::FLOAT32_BLENDABLE),
+            blends_floats: context
+                .device
+                .features()
+                .contains(wgpu::Features::FLOAT32_BLENDABLE),
         })
     }
 
@@ -163,14 +180,11 @@ impl PenumbraWedgeNode {
             && self
                 .table_buffer
                 .write(context, bytemuck::cast_slice(self.tables.entries()));
-        // Each light's record starts at a multiple of the stride.
-        self.light_bytes.clear();
+        self.lights.constants.clear();
         for record in &self.light_records {
-            self.light_bytes.extend_from_slice(bytemuck::bytes_of(record));
-            let filled = self.light_bytes.len().next_multiple_of(LIGHT_STRIDE as usize);
-            self.light_bytes.resize(filled, 0);
+            self.lights.constants.push(record);
         }
-        rebind |= self.lights.write(context, &self.light_bytes);
+        rebind |= self.lights.write(context);
         if self.casters_generation != world.casters_generation {
             self.casters_generation = world.casters_generation;
             rebind |= self
@@ -181,17 +195,18 @@ impl PenumbraWedgeNode {
             self.generation = world.generation;
             let shared = shared(&self.casters, &self.lights, &self.table_buffer);
             self.wedges
-                .write(context, &self.wedge_layout, &world.wedges, shared);
+                .write(context, &self.long_lived.wedge_layout, &world.wedges, shared);
             self.caps.write(context, bytemuck::cast_slice(&world.caps));
         }
         if rebind {
             let shared = shared(&self.casters, &self.lights, &self.table_buffer);
-            self.wedges.rebind(context, &self.wedge_layout, shared);
+            self.wedges.rebind(context, &self.long_lived.wedge_layout, shared);
         }
     }
 
     /// Requests the pipelines that a light needs.
-    fn require(&mut self, context: &RenderContext, plan: &LightPlan, debug: bool) {
+    fn require(&mut self, gpu: &Gpu, plan: &LightPlan, debug: bool) -> Result<(), RenderError> {
+        let wedges = &self.long_lived.wedge_layout;
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
@@ -204,20 +219,20 @@ impl PenumbraWedgeNode {
                     towards,
                     mirrored,
                 };
-                self.pipelines.require(context, key);
+                gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, wedges, key))
             };
             for layers in 1..=3 {
-                require(Part::NearCap(layers), false);
-                require(Part::FarCap(layers), false);
+                require(Part::NearCap(layers), false)?;
+                require(Part::FarCap(layers), false)?;
             }
             for kind in passes(plan.settings.culling, part.has_extent) {
-                require(*kind, false);
+                require(*kind, false)?;
                 if counts_towards(*kind) {
-                    require(*kind, true);
+                    require(*kind, true)?;
                 }
             }
             if debug {
-                require(Part::Show, false);
+                require(Part::Show, false)?;
             }
         }
         let is_sphere = self.parts[plan.parts.clone()].iter().any(|part| part.is_sphere);
@@ -229,23 +244,26 @@ impl PenumbraWedgeNode {
                 combines,
                 is_combined,
             };
-            self.pipelines.require_resolve(context, key);
+            let sums = self.textures.layout();
+            let describe = |gpu: &Gpu| describe_resolve(gpu, wedges, sums, key);
+            gpu.require(&mut self.resolves, key, describe)
         };
-        require(false, is_combined);
+        require(false, is_combined)?;
         if is_combined {
-            require(true, false);
+            require(true, false)?;
         }
+        Ok(())
     }
 }
 
 fn shared<'a>(
     casters: &'a GrowingBuffer,
-    lights: &'a GrowingBuffer,
+    lights: &'a StridedUniforms<WedgeLight>,
     tables: &'a GrowingBuffer,
 ) -> Shared<'a> {
     Shared {
         casters,
-        lights,
+        lights: lights.buffer(),
         tables,
     }
 }
@@ -324,7 +342,7 @@ impl Recorder for PenumbraWedgeNode {
             };
             self.textures
                 .require(input.context, input.target_size, plan.form)?;
-            self.require(input.context, &plan, input.debug_view);
+            self.require(input.gpu, &plan, input.debug_view)?;
             self.plans.push(plan);
         }
         Ok(())
@@ -339,7 +357,7 @@ impl Recorder for PenumbraWedgeNode {
             return;
         };
         pass.set_bind_group(0, input.view, &[]);
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.set_index_buffer(self.long_lived.indices.slice(..), wgpu::IndexFormat::Uint16);
         for part in &self.parts[plan.parts.clone()] {
             let key = Key {
                 part: Part::Show,

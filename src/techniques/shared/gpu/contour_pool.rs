@@ -62,14 +62,11 @@ pub struct ContourPool {
     lights: Vec<LightSlots>,
     edges: Arena,
     caps: Arena,
-    uploads: u64,
 }
 
 impl std::fmt::Debug for ContourPool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ContourPool")
-            .field("uploads", &self.uploads)
-            .finish_non_exhaustive()
+        f.debug_struct("ContourPool").finish_non_exhaustive()
     }
 }
 
@@ -159,7 +156,6 @@ impl ContourPool {
                 EDGE_SIZE,
             ),
             caps: Arena::new(context, "caps", wgpu::BufferUsages::INDEX, 4),
-            uploads: 0,
         }
     }
 
@@ -171,11 +167,6 @@ impl ContourPool {
     /// Returns the index buffer of caps.
     pub fn caps(&self) -> &wgpu::Buffer {
         &self.caps.buffer.buffer
-    }
-
-    /// Number of silhouettes uploaded so far; it does not grow while nothing moves.
-    pub fn uploads(&self) -> u64 {
-        self.uploads
     }
 
     /// Returns the position of the silhouette in a light's slot.
@@ -288,7 +279,6 @@ impl ContourPool {
                 slot.edges = edges;
                 slot.caps = caps;
                 slot.revision = silhouette.revision;
-                self.uploads += 1;
             }
         }
         true

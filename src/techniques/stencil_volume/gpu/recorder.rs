@@ -12,16 +12,19 @@
 //! reversed: far caps at infinity have depth 0, the clear value, and do not pass either, as they must.
 //! Source: Everitt & Kilgard 2002, "Practical and Robust Stenciled Shadow Volumes"; McGuire 2004, GPU Gems ch. 9.
 
+use std::sync::Arc;
+
 use bevy_ecs::prelude::*;
 
-use super::pipelines::{Key, Part, Purpose, VolumePipelines};
+use super::gpu_types::Caster;
+use super::pipelines::{FILE, Key, Part, Purpose, describe};
 use super::quads::{CORNERS, QuadIndices};
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::gpu::bind_groups::{BindGroupLayouts, STORAGE, bind_in_order, buffer_entry};
+use crate::render::gpu::bind_groups::{STORAGE, bind_in_order, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::pools::gpu_types;
+use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder};
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::FrameLights;
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
 use crate::techniques::shared::extrude::TO_INFINITY;
@@ -51,16 +54,41 @@ struct LightDraws {
     draws: std::ops::Range<usize>,
 }
 
+/// What all views share.
+#[derive(Debug)]
+struct LongLived {
+    /// The layout of group 2: casters and silhouette edges.
+    casters: wgpu::BindGroupLayout,
+    quads: QuadIndices,
+}
+
+impl LongLived {
+    fn new(gpu: &Gpu) -> Self {
+        let vertex = wgpu::ShaderStages::VERTEX;
+        let entries = [
+            buffer_entry(0, vertex, STORAGE, false, size_of::<Caster>()),
+            buffer_entry(1, vertex, STORAGE, false, 8),
+        ];
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some("volume casters"),
+            entries: &entries,
+        };
+        Self {
+            casters: gpu.context.device.create_bind_group_layout(&descriptor),
+            quads: QuadIndices::new(&gpu.context),
+        }
+    }
+}
+
 /// The recorder.
 #[derive(Debug)]
 pub struct StencilVolumeNode {
-    pipelines: VolumePipelines,
-    group_layout: wgpu::BindGroupLayout,
+    pipelines: Variants<(Key, Purpose)>,
+    long_lived: Arc<LongLived>,
     pool: ContourPool,
     casters: GrowingBuffer,
-    quads: QuadIndices,
     group: wgpu::BindGroup,
-    caster_constants: Vec<gpu_types::Caster>,
+    caster_constants: Vec<Caster>,
     draws: Vec<Draw>,
     lights: Vec<LightDraws>,
     order: Vec<(Likeness, usize)>,
@@ -75,35 +103,18 @@ impl StencilVolumeNode {
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let group_layout = context
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("volume casters"),
-                entries: &[
-                    buffer_entry(
-                        0,
-                        wgpu::ShaderStages::VERTEX,
-                        STORAGE,
-                        false,
-                        size_of::<gpu_types::Caster>(),
-                    ),
-                    buffer_entry(1, wgpu::ShaderStages::VERTEX, STORAGE, false, 8),
-                ],
-            });
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&[FILE])?;
+        let context = &gpu.context;
+        let long_lived = gpu.part(LongLived::new);
         let casters = GrowingBuffer::new(context, "volume casters", wgpu::BufferUsages::STORAGE);
         let pool = ContourPool::new(context);
         Ok(Self {
-            pipelines: VolumePipelines::new(context, shaders, layouts, &group_layout)?,
-            group: bind(context, &group_layout, &casters.buffer, pool.edges()),
-            group_layout,
+            pipelines: Variants::default(),
+            group: bind(context, &long_lived.casters, &casters.buffer, pool.edges()),
+            long_lived,
             pool,
             casters,
-            quads: QuadIndices::new(context),
             caster_constants: Vec::new(),
             draws: Vec::new(),
             lights: Vec::new(),
@@ -127,14 +138,14 @@ impl StencilVolumeNode {
         let mut has_quads = false;
         for draw in draws {
             if last_key != Some(draw.key) {
-                let Some(pipeline) = self.pipelines.get(draw.key, purpose) else {
+                let Some(pipeline) = self.pipelines.get((draw.key, purpose)) else {
                     continue;
                 };
                 pass.set_pipeline(pipeline);
                 last_key = Some(draw.key);
             }
             let caster = draw.caster..draw.caster + draw.caster_count;
-            let matters = |caster: &gpu_types::Caster| match input.casters {
+            let matters = |caster: &Caster| match input.casters {
                 Some(casters) => casters.contains(caster.object as usize),
                 None => true,
             };
@@ -153,7 +164,7 @@ impl StencilVolumeNode {
             if has_quads != is_quads {
                 has_quads = is_quads;
                 if is_quads {
-                    self.quads.set(pass);
+                    self.long_lived.quads.set(pass);
                 } else {
                     pass.set_index_buffer(self.pool.caps().slice(..), wgpu::IndexFormat::Uint32);
                 }
@@ -227,7 +238,7 @@ impl StencilVolumeNode {
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
         let is_directional = volume.light_local.w == 0.0 && volume.extrusion == TO_INFINITY;
         let caster = self.caster_constants.len() as u32;
-        self.caster_constants.push(gpu_types::Caster {
+        self.caster_constants.push(Caster {
             light_local: volume.light_local.to_array(),
             object: volume.object,
             extrusion: volume.extrusion,
@@ -325,15 +336,21 @@ impl Recorder for StencilVolumeNode {
         if rebind {
             self.group = bind(
                 input.context,
-                &self.group_layout,
+                &self.long_lived.casters,
                 &self.casters.buffer,
                 self.pool.edges(),
             );
         }
+        let (gpu, layout) = (input.gpu, &self.long_lived.casters);
+        let purposes: &[Purpose] = if input.debug_view {
+            &[Purpose::Count, Purpose::Show]
+        } else {
+            &[Purpose::Count]
+        };
         for draw in &self.draws {
-            self.pipelines.require(input.context, draw.key, Purpose::Count);
-            if input.debug_view {
-                self.pipelines.require(input.context, draw.key, Purpose::Show);
+            for &purpose in purposes {
+                let describe = |gpu: &Gpu| describe(gpu, layout, draw.key, purpose);
+                gpu.require(&mut self.pipelines, (draw.key, purpose), describe)?;
             }
         }
         Ok(())
