@@ -164,7 +164,10 @@ pub fn add_systems(schedule: &mut Schedule) {
                 .in_set(prepare),
         );
     }
-    schedule.add_systems(collect_reports.after(prepare));
+    let collect = collect_reports.after(sets::fit_view_depth).in_set(prepare);
+    #[cfg(feature = "render")]
+    let collect = collect.after(crate::render::frame::prepare::prepare_draws);
+    schedule.add_systems(collect);
     schedule.add_systems(begin_times.before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
         let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
