@@ -7,13 +7,17 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
+use crate::reports::Reports;
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
 use crate::sets::SeenInto;
+use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
+use crate::silhouettes::report::{RefusedCasters, report_casters};
 use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
 use crate::techniques::maps::{MapSettings, Maps, build_maps};
 use crate::techniques::penumbra_wedge::{PenumbraWedges, WedgeOverflow, wedges};
+use crate::techniques::report::report_techniques;
 use crate::techniques::stencil_volume::{StencilVolumes, volumes};
 
 /// What is true after each stage of a frame. Chained in this order.
@@ -27,7 +31,7 @@ pub enum AntumbraSystems {
     BuildSilhouettes,
     /// After this set every technique has its geometry on the CPU.
     BuildTechniques,
-    /// After this set the GPU holds all that the frame draws.
+    /// After this set the GPU holds all that the frame draws, and [`Reports`] holds all that is wrong with it.
     PrepareGpu,
 }
 
@@ -80,6 +84,7 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<MapSettings>();
     world.init_resource::<Maps>();
     world.init_resource::<SetTimes>();
+    world.init_resource::<Reports>();
 }
 
 /// A schedule of transform propagation and all systems of the crate, for an engine that has no `App`.
@@ -168,6 +173,10 @@ pub fn add_systems(schedule: &mut Schedule) {
                 .in_set(prepare),
         );
     }
+    let collect = collect_reports.after(sets::fit_view_depth).in_set(prepare);
+    #[cfg(feature = "render")]
+    let collect = collect.after(crate::render::frame::prepare::prepare_draws);
+    schedule.add_systems(collect);
     schedule.add_systems(begin_times.before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
         let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
@@ -177,6 +186,22 @@ pub fn add_systems(schedule: &mut Schedule) {
             None => schedule.add_systems(system),
         };
     }
+}
+
+/// Collects everything that is wrong in this frame.
+///
+/// Set: `PrepareGpu`, last. Exclusive: each source is asked for what it refused. In a frame that changes nothing it
+/// allocates nothing and compares a message for each report.
+pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
+    world.resource_scope(|world, mut reports: Mut<Reports>| {
+        let reports = reports.bypass_change_detection();
+        report_sets(world, reports);
+        casters.update_archetypes(world);
+        report_casters(world, casters, reports);
+        report_techniques(world, reports);
+        #[cfg(feature = "render")]
+        crate::render::report::report_renderer(world, reports);
+    });
 }
 
 fn begin_times(mut times: ResMut<SetTimes>) {

@@ -16,6 +16,7 @@ pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
 pub(crate) mod renderer;
+pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod shaders;
 
@@ -27,6 +28,7 @@ pub use frame::targets::{FrameTargets, MaskTargets, RADIANCE_FORMAT, RadianceTar
 pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
 pub use nodes::pipelines::VISIBILITY_FORMAT;
+pub use pools::meshes::OversizedMesh;
 pub use recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
 pub use renderer::Renderer;
 pub use settings::RenderSettings;

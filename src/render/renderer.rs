@@ -19,7 +19,7 @@ use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
 use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
-use super::pools::meshes::MeshPool;
+use super::pools::meshes::{MeshPool, OversizedMesh};
 use super::pools::objects::ObjectTable;
 use super::recorder::{RecordInput, Recorder};
 use super::settings::RenderSettings;
@@ -183,9 +183,9 @@ impl Renderer {
         self.pipelines.created
     }
 
-    /// Meshes that are not drawn because the device allows no buffer of their size.
-    pub fn oversized_meshes(&self) -> usize {
-        self.meshes.oversized
+    /// Objects that are not drawn because the device allows no buffer of their mesh's size.
+    pub fn oversized_meshes(&self) -> &[OversizedMesh] {
+        &self.meshes.oversized
     }
 
     /// Name of the technique of one light of the frame, `none` without.
@@ -200,6 +200,11 @@ impl Renderer {
         light.shadow.map_or(0, |(technique, _)| {
             self.techniques[technique].batch_count(light.light)
         })
+    }
+
+    /// What went wrong while the frame was prepared, if anything and if nobody took it.
+    pub fn failure(&self) -> Option<&RenderError> {
+        self.failure.as_ref()
     }
 
     /// What went wrong while the frame was prepared, if anything; such a frame draws nothing.

@@ -88,7 +88,7 @@ pub struct ShadowedLight;
 #[non_exhaustive]
 pub enum LightError {
     /// NaN or negative.
-    #[error("range is {0}, it must be greater than 0")]
+    #[error("range is {0} m, it must be greater than 0 m")]
     Range(f32),
     /// NaN, negative or infinite.
     #[error("intensity is {0}, it must be finite and at least 0")]
@@ -105,7 +105,7 @@ pub enum LightError {
         outer: f32,
     },
     /// Size of a rectangle or sphere is NaN, negative or infinite.
-    #[error("size is {0}, it must be finite and at least 0")]
+    #[error("size is {0} m, it must be finite and at least 0 m")]
     Size(f32),
     /// NaN or infinite transform, or one without a direction.
     #[error("its transform is not finite or has no direction")]

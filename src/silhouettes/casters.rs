@@ -18,10 +18,14 @@ pub struct CasterMesh {
     pub planes: FacingPlanes,
 }
 
-/// The edge mesh of a caster. Written by [`build_caster_edges`]; a caster whose mesh has none (it is counted in
-/// [`CasterMeshes::failures`]) casts nothing.
+/// The edge mesh of a caster. Written by [`build_caster_edges`]; a caster whose mesh has none has a
+/// [`RefusedCaster`] instead, and casts nothing.
 #[derive(Component, Clone, Debug)]
 pub struct CasterEdges(pub Arc<CasterMesh>);
+
+/// Why a caster casts nothing. Written by [`build_caster_edges`]; stands as long as the entity has the mesh.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct RefusedCaster(pub EdgeMeshError);
 
 /// Planes of a posed caster's triangles in this frame's pose.
 #[derive(Component, Clone, Debug, Default)]
@@ -32,8 +36,6 @@ pub struct PosedPlanes(pub FacingPlanes);
 pub struct CasterMeshes {
     /// By the address of the mesh, which the weak handle tells from a later mesh at the same address.
     by_address: HashMap<usize, (Weak<MeshData>, Arc<CasterMesh>)>,
-    /// Meshes that cannot cast, by name, and why; each once.
-    pub failures: Vec<(String, EdgeMeshError)>,
 }
 
 impl CasterMesh {
@@ -122,24 +124,24 @@ pub fn build_caster_edges(
     mut commands: Commands,
     mut meshes: ResMut<CasterMeshes>,
     changed: Query<
-        (Entity, &SceneMesh, Option<&PosedMesh>),
+        (Entity, &SceneMesh, Option<&PosedMesh>, Has<RefusedCaster>),
         (With<ShadowCaster>, Or<(Added<ShadowCaster>, Changed<SceneMesh>)>),
     >,
 ) {
-    for (entity, mesh, posed) in &changed {
+    for (entity, mesh, posed, was_refused) in &changed {
         let mut entity = commands.entity(entity);
         match meshes.get_or_build(&mesh.0) {
             Ok(edges) => {
                 entity.insert(CasterEdges(edges));
+                if was_refused {
+                    entity.remove::<RefusedCaster>();
+                }
                 if posed.is_some() {
                     entity.insert(PosedPlanes::default());
                 }
             }
             Err(error) => {
-                entity.remove::<CasterEdges>();
-                if !meshes.failures.iter().any(|(name, _)| *name == mesh.0.name) {
-                    meshes.failures.push((mesh.0.name.clone(), error));
-                }
+                entity.remove::<CasterEdges>().insert(RefusedCaster(error));
             }
         }
     }

@@ -7,6 +7,7 @@
 pub mod maps;
 pub mod omni_map;
 pub mod penumbra_wedge;
+pub(crate) mod report;
 pub mod shadow_map;
 pub(crate) mod shared;
 pub mod stencil_volume;

@@ -35,8 +35,6 @@ pub struct Maps {
     pub lights: Vec<LightMap>,
     /// Lights whose map is refused, or less than was asked for; ascending by light.
     pub reports: Vec<MapReport>,
-    /// Those that the frame before did not have.
-    pub newly_reported: Vec<MapReport>,
     /// Bytes of the maps that are kept.
     pub bytes: u64,
     /// Faces of kept maps to be drawn anew in this frame.
@@ -47,7 +45,6 @@ pub struct Maps {
     frame: u64,
     revision: u64,
     previous: Vec<LightMap>,
-    previous_reports: Vec<MapReport>,
     wants: Vec<Want>,
     grants: Vec<Grant>,
     order: Vec<usize>,
@@ -82,7 +79,6 @@ impl Maps {
     ) {
         std::mem::swap(&mut self.lights, &mut self.previous);
         self.lights.clear();
-        std::mem::swap(&mut self.reports, &mut self.previous_reports);
         self.reports.clear();
         let mut old = self.previous.drain(..).peekable();
         for (index, light) in lights.lights.iter().enumerate() {
@@ -163,15 +159,6 @@ impl Maps {
             });
         }
         self.reports.sort_by_key(|report| report.entity);
-        self.newly_reported.clear();
-        for report in &self.reports {
-            let kind = std::mem::discriminant(&report.error);
-            let same =
-                |old: &MapReport| old.entity == report.entity && std::mem::discriminant(&old.error) == kind;
-            if !self.previous_reports.iter().any(same) {
-                self.newly_reported.push(*report);
-            }
-        }
     }
 
     /// Lists the faces that show something else than they should.

@@ -80,6 +80,7 @@ impl MapRequest {
                 return Err(MapError::Kind {
                     component: "ShadowMap",
                     light: light_name(kind),
+                    instead: "it needs a spot or directional light; use OmniMap for a light with a position",
                 });
             }
         };
@@ -107,6 +108,7 @@ impl MapRequest {
             return Err(MapError::Kind {
                 component: "OmniMap",
                 light: "directional",
+                instead: "it needs a light with a position; use ShadowMap for a directional light",
             });
         }
         let request = Self {

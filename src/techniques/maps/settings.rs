@@ -175,12 +175,14 @@ impl Default for MapSettings {
 #[non_exhaustive]
 pub enum MapError {
     /// The component does not fit the kind of light.
-    #[error("{component} does not fit a {light} light")]
+    #[error("{component} does not fit a {light} light: {instead}")]
     Kind {
         /// Component.
         component: &'static str,
         /// Kind of light.
         light: &'static str,
+        /// What the component needs, and what to use instead.
+        instead: &'static str,
     },
     /// No texels.
     #[error("resolution is {0}, it must be greater than 0, and the least at most the most")]
@@ -211,7 +213,7 @@ pub enum MapError {
         value: f32,
     },
     /// The map is larger than [`MapSettings::largest`] or the device allows; it was made as large as that.
-    #[error("resolution {wanted} is beyond the limit {limit}; it is {limit} now")]
+    #[error("resolution {wanted} is beyond the limit of {limit} texels; it is {limit} now")]
     Largest {
         /// Texels.
         wanted: u32,

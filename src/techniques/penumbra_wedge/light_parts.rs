@@ -53,7 +53,7 @@ pub struct LightPart {
 }
 
 /// Below this length an extent counts as none, metres.
-const LEAST_EXTENT: f64 = 1e-6;
+pub const LEAST_EXTENT: f64 = 1e-6;
 
 /// A rectangle without width or height is a line: it is given this share of its other side.
 const LINE_SHARE: f64 = 1e-3;
