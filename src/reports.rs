@@ -145,13 +145,7 @@ impl Reports {
         );
     }
 
-    fn state(
-        &mut self,
-        topic: &'static str,
-        entity: Option<Entity>,
-        code: u32,
-        message: fmt::Arguments<'_>,
-    ) {
+    fn state(&mut self, topic: &'static str, entity: Option<Entity>, code: u32, message: fmt::Arguments<'_>) {
         match self.find(topic, entity, code) {
             Ok(at) => {
                 let entry = &mut self.entries[at];
@@ -297,7 +291,10 @@ mod tests {
             let codes: Vec<u32> = all.iter().map(|report| report.code).collect();
             (codes, all.drain_new().count())
         };
-        assert_eq!(gather(&mut all, &[list(&[1, 2]), list(&[2, 3])]), (vec![1, 2, 3], 3));
+        assert_eq!(
+            gather(&mut all, &[list(&[1, 2]), list(&[2, 3])]),
+            (vec![1, 2, 3], 3)
+        );
         assert_eq!(gather(&mut all, &[list(&[2]), list(&[2, 3])]), (vec![2, 3], 0));
         assert_eq!(gather(&mut all, &[list(&[1])]), (vec![1], 1));
     }

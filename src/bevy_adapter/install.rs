@@ -17,6 +17,7 @@ use super::pass::light_view;
 use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
 use super::refused::RefusedMeshes;
+use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
@@ -24,6 +25,7 @@ use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
 use super::techniques::{AddShadowTechnique, Techniques, TouchedLights};
+use crate::reports::Reports;
 use crate::scene::LightSelection;
 use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
 
@@ -42,6 +44,7 @@ pub fn install(app: &mut App) -> bool {
     app.insert_resource(DefaultOpaqueRendererMethod::deferred())
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
+        .init_resource::<Reports>()
         .add_systems(
             PostUpdate,
             (check_cameras, defer_other_cameras).in_set(AntumbraMainSystems::CheckCameras),
@@ -65,6 +68,7 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Surfaces>()
         .init_resource::<Techniques>()
         .init_resource::<TouchedLights>()
+        .init_resource::<LightlessTechniques>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
@@ -76,6 +80,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             ExtractSchedule,
             (
+                publish_reports.before(AntumbraExtractSystems::Collect),
                 (sync_cameras, collect_surfaces).in_set(AntumbraExtractSystems::Collect),
                 (sync_transforms, sync_objects, sync_lights, end_sync)
                     .chain()

@@ -56,5 +56,9 @@ pub(crate) fn raise_failure(round: &mut Round<'_>, camera: Option<Entity>, error
             "Show fewer objects or lights at once, or draw into a smaller target.",
         ),
     };
-    round.state(entity, code, format_args!("No shadows are drawn: {error}. {advice}"));
+    round.state(
+        entity,
+        code,
+        format_args!("No shadows are drawn: {error}. {advice}"),
+    );
 }

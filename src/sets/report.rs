@@ -115,7 +115,10 @@ fn cell_advice(issue: CellIssue) -> (u32, &'static str) {
         ),
         CellIssue::NotFlat => (2, "Move the outline's points into one plane."),
         CellIssue::NotConvex => (3, "Split the portal into convex ones."),
-        CellIssue::Outline => (4, "Give the outline at least three finite points that are not in a line."),
+        CellIssue::Outline => (
+            4,
+            "Give the outline at least three finite points that are not in a line.",
+        ),
         CellIssue::Dangling => (5, "Let the portal join two entities with a sound `Cell`."),
     }
 }

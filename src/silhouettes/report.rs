@@ -8,7 +8,8 @@ use crate::reports::Reports;
 use crate::scene::{SceneMesh, ShadowCaster};
 
 /// The casters that [`report_casters`] asks for.
-pub type RefusedCasters = QueryState<(Entity, &'static RefusedCaster, &'static SceneMesh), With<ShadowCaster>>;
+pub type RefusedCasters =
+    QueryState<(Entity, &'static RefusedCaster, &'static SceneMesh), With<ShadowCaster>>;
 
 /// Raises the topic `caster`.
 pub fn report_casters(world: &World, casters: &mut RefusedCasters, reports: &mut Reports) {

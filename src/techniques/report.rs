@@ -98,7 +98,11 @@ fn report_maps(
             "The light's shadow is poorer than asked for"
         };
         let error = report.error;
-        round.state(Some(report.entity), code, format_args!("{effect}: {error}.{advice}"));
+        round.state(
+            Some(report.entity),
+            code,
+            format_args!("{effect}: {error}.{advice}"),
+        );
     }
 }
 
@@ -115,8 +119,14 @@ fn map_advice(error: &MapError) -> (u32, &'static str) {
             7,
             " The distance must be greater than 0 m, the log share 0 to 1 and the blend 0 to 0.5.",
         ),
-        MapError::Largest { .. } => (8, " Ask for less, or raise `MapSettings::largest` if the device allows."),
-        MapError::Coarser { .. } => (9, " Raise `MapSettings::memory_limit`, or ask for lower resolutions."),
+        MapError::Largest { .. } => (
+            8,
+            " Ask for less, or raise `MapSettings::largest` if the device allows.",
+        ),
+        MapError::Coarser { .. } => (
+            9,
+            " Raise `MapSettings::memory_limit`, or ask for lower resolutions.",
+        ),
         MapError::Uncached { .. } => (10, " Raise `MapSettings::memory_limit`, or use fewer maps."),
     }
 }

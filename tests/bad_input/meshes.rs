@@ -1,7 +1,7 @@
 //! Meshes that are empty, degenerate, broken or incomplete, as casters and receivers.
 
-use antumbra::scene::Submesh;
 use antumbra::reports::Reports;
+use antumbra::scene::Submesh;
 use glam::{Vec2, Vec4};
 
 use super::*;

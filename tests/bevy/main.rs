@@ -14,6 +14,7 @@ mod harness;
 mod lifetimes;
 mod minimal;
 mod models;
+mod reports;
 mod runs;
 mod selection;
 mod setup;
