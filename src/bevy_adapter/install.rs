@@ -25,6 +25,7 @@ use super::pass::light_view;
 use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
 use super::refused::RefusedMeshes;
+use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
@@ -32,6 +33,7 @@ use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
+use crate::reports::Reports;
 use crate::scene::LightSelection;
 use crate::techniques::add_builtin;
 
@@ -63,6 +65,7 @@ pub fn install(app: &mut App) -> bool {
     app.insert_resource(Installed)
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
+        .init_resource::<Reports>()
         .init_resource::<TechniqueComponents>()
         .add_observer(put_back::<DepthPrepass>)
         .add_observer(put_back::<DeferredPrepass>)
@@ -89,6 +92,7 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
         .init_resource::<DeferredViews>()
+        .init_resource::<LightlessTechniques>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
@@ -100,6 +104,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             ExtractSchedule,
             (
+                publish_reports.before(AntumbraExtractSystems::Collect),
                 (
                     sync_cameras,
                     collect_surfaces,
