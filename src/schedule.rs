@@ -170,7 +170,7 @@ pub fn add_systems(schedule: &mut Schedule) {
     #[cfg(feature = "render")]
     let collect = collect.after(crate::render::frame::prepare::prepare_draws);
     schedule.add_systems(collect);
-    schedule.add_systems(begin_times.before(update));
+    schedule.add_systems(begin_times.after(TransformSystems::Propagate).before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
         let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
         let system = stamp.after(set);
