@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use antumbra::prelude::*;
+use antumbra::techniques::Techniques;
 use clap::Parser;
 use support::shot::Shot;
 use support::stage::{Stage, one_line};
@@ -52,7 +53,7 @@ fn main() -> ExitCode {
 }
 
 fn render(arguments: &Arguments) -> Result<(), String> {
-    let shot = Shot::load(&arguments.shot)?;
+    let shot = Shot::load(&arguments.shot, Techniques::default())?;
     if shot.size.contains(&0) {
         return Err(format!(
             "{}: size: {:?} has no pixels",

@@ -1,5 +1,5 @@
 //! The conventions of the whole crate, written once. `shaders/common/conventions.wgsl` mirrors the constants
-//! that WGSL also needs; `tests/layout_contract.rs` holds the two equal.
+//! that WGSL also needs; `tests/gpu/layout_contract.rs` holds the two equal.
 //!
 //! - **Space** is right-handed with Y up. Cameras and lights look along local −Z. Lengths are in metres,
 //!   angles in radians.

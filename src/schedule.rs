@@ -7,14 +7,14 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
+use crate::reports::Reports;
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
 use crate::sets::SeenInto;
 use crate::sets::view::seen_into;
 use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
-use crate::techniques::maps::{MapSettings, Maps, build_maps};
-use crate::techniques::penumbra_wedge::{PenumbraWedges, WedgeOverflow, wedges};
-use crate::techniques::stencil_volume::{StencilVolumes, volumes};
+use crate::techniques::registry::report::report_techniques;
+use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
 
 /// What is true after each stage of a frame. Chained in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -74,12 +74,12 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<FaceCulling>();
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
-    world.init_resource::<StencilVolumes>();
-    world.init_resource::<PenumbraWedges>();
-    world.init_resource::<WedgeOverflow>();
-    world.init_resource::<MapSettings>();
-    world.init_resource::<Maps>();
     world.init_resource::<SetTimes>();
+    world.init_resource::<Reports>();
+    world.init_resource::<Techniques>();
+    for row in world.resource::<Techniques>().rows().to_vec() {
+        row.init(world);
+    }
 }
 
 /// A schedule of transform propagation and all systems of the crate, for an engine that has no `App`.
@@ -138,25 +138,24 @@ pub fn add_systems(schedule: &mut Schedule) {
         )
             .chain()
             .in_set(silhouettes),
-        volumes::build_stencil_volumes.in_set(techniques),
-        wedges::build_penumbra_wedges.in_set(techniques),
-        build_maps.in_set(techniques),
+        choose_techniques
+            .after(sets::collect_frame_lights)
+            .before(sets::collect_light_sets)
+            .in_set(collect),
         sets::fit_view_depth.in_set(prepare),
     ));
+    schedule.configure_sets(TechniqueSystems.in_set(techniques));
+    for row in Techniques::default().rows() {
+        row.add_systems(schedule);
+    }
     #[cfg(feature = "render")]
     {
         use crate::render::Renderer;
         use crate::render::frame::prepare;
         schedule.add_systems(
-            crate::techniques::limit_maps_to_device
-                .run_if(resource_exists::<Renderer>)
-                .before(build_maps)
-                .in_set(techniques),
-        );
-        schedule.add_systems(
             (
                 prepare::prepare_objects.after(sets::fit_view_depth),
-                crate::techniques::add_builtin_techniques,
+                crate::techniques::registry::recorders::add_recorders,
                 prepare::prepare_techniques,
                 prepare::prepare_draws,
             )
@@ -165,6 +164,7 @@ pub fn add_systems(schedule: &mut Schedule) {
                 .in_set(prepare),
         );
     }
+    schedule.add_systems(collect_reports.after(prepare));
     schedule.add_systems(begin_times.before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
         let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
@@ -174,6 +174,13 @@ pub fn add_systems(schedule: &mut Schedule) {
             None => schedule.add_systems(system),
         };
     }
+}
+
+/// Collects everything that is wrong in this frame. Exclusive: each source is asked for what it refused.
+fn collect_reports(world: &mut World) {
+    let mut reports = std::mem::take(&mut *world.resource_mut::<Reports>());
+    report_techniques(world, &mut reports);
+    *world.resource_mut::<Reports>() = reports;
 }
 
 fn begin_times(mut times: ResMut<SetTimes>) {

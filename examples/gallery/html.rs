@@ -113,7 +113,7 @@ fn summary(html: &mut String, results: &[(&Page, PageResult)]) -> std::fmt::Resu
                     .cost
                     .ratio()
                     .map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.2}×")),
-                page.technique.name(),
+                page.technique_names(),
             )?;
         }
     }

@@ -6,7 +6,6 @@
 pub mod model;
 pub mod picture;
 pub mod shadow;
-pub mod shadow_map;
 pub mod shot;
 pub mod solid;
 pub mod spread;

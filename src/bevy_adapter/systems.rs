@@ -5,7 +5,8 @@ use bevy::ecs::prelude::*;
 /// Sets in the main world.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AntumbraMainSystems {
-    /// `PostUpdate`: after this set cameras that cannot show our shadows have been warned of.
+    /// `PostUpdate`: after this set marked cameras have no MSAA, and cameras that cannot show our shadows have been
+    /// warned of.
     CheckCameras,
     /// `PostUpdate`: after this set the [`MeshLibrary`](super::MeshLibrary) knows the meshes of this frame.
     CollectMeshes,

@@ -16,6 +16,7 @@ pub(crate) mod light_function;
 pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
+pub(crate) mod recorders;
 pub(crate) mod renderer;
 pub(crate) mod resident;
 pub(crate) mod settings;
@@ -39,9 +40,10 @@ pub use recorder::{
     Leaves, Mark, PictureInput, PrepareInput, Receivers, RecordInput, Recorder, Resolve, ResolveInput,
     ShadowKind,
 };
+pub use recorders::{NoRecorder, Recorders};
 pub use renderer::Renderer;
 pub use resident::Gpu;
 pub use settings::RenderSettings;
-pub use shaders::Shaders;
+pub use shaders::{ShaderFile, Shaders};
 /// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
 pub use wgpu;

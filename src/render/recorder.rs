@@ -1,5 +1,5 @@
-//! How a shadow technique joins the frame. A third party implements [`Recorder`] and hands it to
-//! [`Renderer::add_technique`](super::Renderer::add_technique); nothing here knows the techniques by name.
+//! How a shadow technique joins the frame: the GPU side of a [`Technique`](crate::techniques::Technique). Nothing here knows
+//! the techniques by name.
 
 use bevy_ecs::prelude::World;
 use fixedbitset::FixedBitSet;
@@ -197,19 +197,11 @@ pub trait Mark {
 pub trait Resolve {
     /// Records passes that leave the mask of one light, at every pixel of its scissor whose depth is in range.
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput);
-
-    /// Whether [`Resolve::resolve`] reads the receivers' planes, which are then drawn before.
-    fn reads_planes(&self) -> bool {
-        false
-    }
 }
 
 /// The GPU side of a shadow technique. A frame calls, in this order: [`Recorder::prepare`], [`Recorder::draw_pictures`], and
 /// for each light [`Mark::mark`] or [`Resolve::resolve`] of what [`Recorder::light`] gave.
 pub trait Recorder: Send + Sync + 'static {
-    /// The name of the technique in labels and statistics, in snake case.
-    fn name(&self) -> &'static str;
-
     /// Uploads what the frame's lights need. The world holds the sets, silhouettes and the technique's own data.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! One view's part of the GPU, and the recorders of its techniques.
 
+use std::any::TypeId;
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
@@ -27,6 +28,7 @@ use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
 use super::recorder::{Leaves, Recorder};
+use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
 
@@ -51,7 +53,7 @@ pub struct Renderer {
     pub(super) view_group: wgpu::BindGroup,
     pub(super) light_group: wgpu::BindGroup,
     pub(super) draw_lists: DrawListBuilder,
-    pub(super) techniques: Vec<Box<dyn Recorder>>,
+    pub(super) techniques: Recorders,
     pub(super) functions: Vec<Box<dyn LightFunction>>,
     pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
@@ -116,7 +118,7 @@ impl Renderer {
             light_group: bind_lights(&gpu, &lights),
             instances: GrowingBuffer::new(context, "instances", wgpu::BufferUsages::VERTEX),
             draw_lists: DrawListBuilder::default(),
-            techniques: Vec::new(),
+            techniques: Recorders::default(),
             functions: Vec::new(),
             stencil_to_mask: None,
             targets: None,
@@ -138,12 +140,29 @@ impl Renderer {
         })
     }
 
-    /// Adds a technique; lights that it claims are shadowed by it. Earlier ones are asked first.
-    pub fn add_technique(&mut self, technique: Box<dyn Recorder>) {
-        self.techniques.push(technique);
+    /// The recorders of the world's techniques.
+    pub fn recorders(&self) -> &Recorders {
+        &self.techniques
     }
 
-    /// Adds a function that scales what lights give at each surface; those that scale the same light are multiplied.
+    /// Adds the recorder of the next technique of the world's list ([`Recorders`]).
+    ///
+    /// # Errors
+    /// What the recorder could not be made for.
+    pub(crate) fn add_recorder(
+        &mut self,
+        kind: TypeId,
+        make: impl FnOnce(&Gpu) -> Result<Box<dyn Recorder>, RenderError>,
+    ) -> Result<(), RenderError> {
+        if !self.techniques.knows(kind) {
+            let recorder = make(&self.gpu)?;
+            self.techniques.push(kind, recorder);
+        }
+        self.techniques.add_row(kind);
+        Ok(())
+    }
+
+    /// Adds a function that scales what lights give at each surface. Functions that scale the same light are multiplied.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
@@ -158,11 +177,6 @@ impl Renderer {
     /// Whether a function may scale lights.
     pub fn has_light_functions(&self) -> bool {
         !self.functions.is_empty()
-    }
-
-    /// Whether a technique of this name was added.
-    pub fn has_technique(&self, name: &str) -> bool {
-        self.techniques.iter().any(|technique| technique.name() == name)
     }
 
     /// What this view shares with others: device, shaders, layouts, pipelines, meshes, materials.
@@ -212,9 +226,7 @@ impl Renderer {
 
     /// Name of the technique of one light of the frame, `none` without.
     pub fn technique_name(&self, light: &ActiveLight) -> &'static str {
-        light
-            .shadow
-            .map_or("none", |shadow| self.techniques[shadow.technique.0].name())
+        light.technique.map_or("none", |technique| technique.name)
     }
 
     /// Draw calls of the technique of one light of the frame.

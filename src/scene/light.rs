@@ -80,12 +80,6 @@ impl Default for LightSelection {
     }
 }
 
-/// Marks a light that leaves every receiver dark that it cannot see, so that such receivers need not be drawn
-/// for the light. A shadow technique sets the mark by requiring this component, and removes it together with
-/// itself. Nothing counts as occluded from a light without this mark.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShadowedLight;
-
 /// Why a light cannot shine.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -37,7 +37,7 @@ pub use camera::{Camera, Orthographic};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
-pub use light::{Light, LightError, LightKind, LightSelection, ShadowedLight};
+pub use light::{Light, LightError, LightKind, LightSelection};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;

@@ -55,6 +55,7 @@ pub use light::light_volume::LightVolume;
 pub use light::reach::collect_light_sets;
 pub use light::scissor::ScissorRect;
 pub use light::shadow::collect_shadow_sets;
+pub use light::technique::{LightTechnique, NeededSilhouettes, Needs};
 pub use occlusion::{
     AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders,
 };

@@ -1,6 +1,8 @@
-//! Silhouettes: which triangles of a caster face a light, and the contour between those that do and those that
-//! do not. Pure functions on flat arrays; buffers are the caller's and are reused, so a steady frame allocates
-//! nothing.
+//! Silhouettes: which triangles of a caster face a light, and the contour between those that do and those
+//! that do not.
+//!
+//! These are pure functions on flat arrays. The caller owns the buffers and reuses them, so a steady frame
+//! allocates nothing.
 //!
 //! ```text
 //! EdgeMesh + positions ──► FacingPlanes ──► FacingBits ──► Contour ──► Loops
@@ -9,12 +11,14 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `planes` | a plane a triangle and bounds a cluster |
-//! | `facing` | a bit a triangle, 64 at a time |
-//! | `turning` | a bit a triangle: whether its plane cuts the light |
+//! | `planes` | one plane per triangle, bounds per cluster |
+//! | `facing` | one bit per triangle: whether it faces the light; 64 at a time |
+//! | `turning` | one bit per triangle: whether its plane cuts the light |
 //! | `contour` | what a volume is made of; cap triangles |
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
+//! | `casters` | edge meshes of casters, planes of posed casters |
+//! | `cache` | silhouettes of (light, caster) pairs, kept between frames |
 
 pub(crate) mod cache;
 pub(crate) mod caster_shape;
@@ -26,7 +30,7 @@ mod loops;
 mod planes;
 mod turning;
 
-pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
+pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
 pub use caster_shape::{CasterShape, CasterShapeItem};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
 pub use contour::{CapMode, Contour, extract_caps, extract_contour};

@@ -8,6 +8,7 @@
 mod core_harness;
 
 mod bad_input;
+mod cameras;
 mod depth;
 mod foreign;
 mod harness;
@@ -21,4 +22,5 @@ mod setup;
 mod shading;
 mod shadows;
 mod shared;
+mod stripes;
 mod sync;

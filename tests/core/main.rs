@@ -15,3 +15,4 @@ mod sets_harness;
 mod sets_known_answers;
 mod sets_never_drop;
 mod silhouette_closed;
+mod techniques;

@@ -208,7 +208,7 @@ fn comparison_finds_a_moved_renamed_missing_and_grown_field() {
 fn every_mirror_is_compared() {
     let known: Vec<&str> = mirrors().iter().map(|mirror| mirror.name).collect();
     let mut named = Vec::new();
-    for (path, source) in COMMON.iter().chain(&PASSES) {
+    for (path, source) in COMMON.iter().chain(PASSES.iter()) {
         for line in source.lines() {
             let Some((_, path_of_mirror)) = line.split_once("mirror: ") else {
                 continue;

@@ -20,3 +20,5 @@ mod shader_validation;
 mod simple_scenes;
 mod steady_frame;
 mod stencil_identity;
+mod technique_changes;
+mod third_party;

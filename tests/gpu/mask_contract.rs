@@ -7,7 +7,8 @@ use crate::harness::strict_context;
 use crate::harness::support::stage::{Rendered, Stage};
 use antumbra::prelude::*;
 use antumbra::render::RenderError;
-use antumbra::render::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
+use antumbra::render::{Gpu, Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
+use antumbra::techniques::{Needs, Technique};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -15,9 +16,20 @@ use glam::{UVec2, Vec3};
 /// The mask that the technique of a third party leaves everywhere.
 const MASK: [f64; 4] = [0.25, 0.5, 0.75, 0.125];
 
-/// A light that the technique below claims.
-#[derive(Component)]
+/// Leaves the same mask of every light.
+#[derive(Component, Clone, Default, PartialEq)]
 struct Flat;
+
+impl Technique for Flat {
+    const NAME: &'static str = "flat";
+    const NEEDS: Needs = Needs::NOTHING;
+
+    type Recorder = FlatTechnique;
+
+    fn recorder(_: &Gpu) -> Result<FlatTechnique, RenderError> {
+        Ok(FlatTechnique::default())
+    }
+}
 
 /// Clears the mask to one value.
 #[derive(Default)]
@@ -45,13 +57,9 @@ impl Resolve for FlatTechnique {
 }
 
 impl Recorder for FlatTechnique {
-    fn name(&self) -> &'static str {
-        "flat"
-    }
-
     fn prepare(&mut self, world: &World, _: &PrepareInput) -> Result<(), RenderError> {
         let lights = &world.resource::<FrameLights>().lights;
-        let claimed = |&index: &usize| world.get::<Flat>(lights[index].entity).is_some();
+        let claimed = |&index: &usize| lights[index].is_shadowed_by::<Flat>();
         self.lights = (0..lights.len()).filter(claimed).collect();
         Ok(())
     }
@@ -89,10 +97,7 @@ fn render(first: Shadow, second: Shadow, plane_receives: bool) -> Rendered {
             RenderSettings::default(),
         )
         .expect("shaders compose");
-    stage
-        .world
-        .resource_mut::<Renderer>()
-        .add_technique(Box::<FlatTechnique>::default());
+    (&mut stage.world, &mut stage.schedule).add_technique::<Flat>();
     let material = Arc::new(Material::matte(Vec3::ONE));
     let materials = || SceneMaterials([material.clone()].into());
     let plane = SceneMesh(Arc::new(MeshData::plane(5.0)));

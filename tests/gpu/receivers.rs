@@ -7,6 +7,7 @@ use antumbra::render::{
     Gpu, Leaves, MASK_FORMAT, PrepareInput, RecordInput, Recorder, RenderError, Resolve, ResolveInput,
     SURFACE_BUFFERS,
 };
+use antumbra::techniques::{Needs, Technique};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -26,8 +27,19 @@ fn fragment(in: Fragment) -> @location(0) vec4f { return vec4f(select(0.0, 1.0, 
 ";
 
 /// A light whose visibility is painted on its receivers.
-#[derive(Component)]
+#[derive(Component, Clone, Default, PartialEq)]
 struct Painted;
+
+impl Technique for Painted {
+    const NAME: &'static str = "painted";
+    const NEEDS: Needs = Needs::NOTHING;
+
+    type Recorder = Painter;
+
+    fn recorder(gpu: &Gpu) -> Result<Painter, RenderError> {
+        Painter::new(gpu)
+    }
+}
 
 struct Painter {
     lights: Vec<usize>,
@@ -35,12 +47,9 @@ struct Painter {
 }
 
 impl Painter {
-    fn new(gpu: &Gpu) -> Self {
+    fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let device = &gpu.context.device;
-        let module = gpu
-            .shaders
-            .compose("painter.wgsl", SHADER)
-            .expect("the shader composes");
+        let module = gpu.shaders.compose("painter.wgsl", SHADER)?;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: None,
             source: wgpu::ShaderSource::Naga(std::borrow::Cow::Owned(module)),
@@ -79,7 +88,7 @@ impl Painter {
             cache: None,
         });
         let lights = Vec::new();
-        Self { lights, pipeline }
+        Ok(Self { lights, pipeline })
     }
 }
 
@@ -111,13 +120,9 @@ impl Resolve for Painter {
 }
 
 impl Recorder for Painter {
-    fn name(&self) -> &'static str {
-        "painter"
-    }
-
     fn prepare(&mut self, world: &World, _: &PrepareInput) -> Result<(), RenderError> {
         let lights = &world.resource::<FrameLights>().lights;
-        let own = |&index: &usize| world.get::<Painted>(lights[index].entity).is_some();
+        let own = |&index: &usize| lights[index].is_shadowed_by::<Painted>();
         self.lights = (0..lights.len()).filter(own).collect();
         Ok(())
     }
@@ -143,11 +148,7 @@ fn receivers_are_drawn_into_the_mask_by_their_texture_coordinates() {
             RenderSettings::default(),
         )
         .expect("shaders compose");
-    let painter = Painter::new(stage.world.resource::<Renderer>().gpu());
-    stage
-        .world
-        .resource_mut::<Renderer>()
-        .add_technique(Box::new(painter));
+    (&mut stage.world, &mut stage.schedule).add_technique::<Painted>();
     let mut plane = |x: f32, receives: bool| {
         let mut mesh = MeshData::plane(0.5);
         mesh.uv0 = mesh

@@ -24,7 +24,7 @@ fn compose(path: &str, source: &str) -> Result<naga::Module, String> {
 
 #[test]
 fn every_pass_composes_and_validates() {
-    for (path, source) in PASSES {
+    for &(path, source) in PASSES.iter() {
         let module = compose(path, source).unwrap_or_else(|error| panic!("{error}"));
         assert!(!module.entry_points.is_empty(), "{path} has no entry points");
         validate(&module).unwrap_or_else(|error| panic!("{path}: {error}"));
@@ -56,7 +56,7 @@ fn validation_finds_bad_shaders() {
 
 #[test]
 fn common_files_have_no_entry_points() {
-    for (path, source) in COMMON {
+    for &(path, source) in COMMON.iter() {
         for stage in ["@vertex", "@fragment", "@compute"] {
             assert!(!source.contains(stage), "{path} has {stage}");
         }
@@ -81,13 +81,13 @@ fn every_file_is_listed_once_and_every_listed_file_exists() {
         .collect();
     let listed: Vec<String> = COMMON
         .iter()
-        .chain(&PASSES)
+        .chain(PASSES.iter())
         .map(|(path, _)| (*path).to_owned())
         .collect();
     let set: BTreeSet<String> = listed.iter().cloned().collect();
     assert_eq!(set.len(), listed.len(), "a file is listed twice");
     assert_eq!(there, set);
-    for (path, source) in COMMON.iter().chain(&PASSES) {
+    for (path, source) in COMMON.iter().chain(PASSES.iter()) {
         let now = std::fs::read_to_string(root.join(path)).expect("a listed file is there");
         assert_eq!(now, *source, "{path} is not what was compiled in");
     }
@@ -149,7 +149,7 @@ fn rust_names_entry_points_that_exist_and_none_is_unused() {
         named >= 6,
         "only {named} entry points are named: the reader is broken"
     );
-    for (path, _) in PASSES {
+    for &(path, _) in PASSES.iter() {
         for entry in entry_points(path).unwrap_or_default() {
             assert!(
                 sources.contains(&format!("\"{entry}\"")),

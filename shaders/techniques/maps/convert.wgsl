@@ -1,5 +1,5 @@
-// One face as it is looked up, from the depths of its first and second surface.
-// Host    src/techniques/maps/map_pipelines.rs
+// One face in the format that is looked up, made from the depths of its first and second surface.
+// Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  1 surfaces, 2 map
 #import antumbra::map::{map_light, pack_two_bytes, pack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_FLOAT, FORMAT_TWO_BYTES, FORMAT_FOUR_BYTES}
@@ -22,7 +22,7 @@ fn chosen(in: Corner) -> f32 {
     let first = textureLoad(first_depth, texel, 0);
     var second = textureLoad(second_depth, texel, 0);
     second = select(second, first, second == 0.0);
-    // Halfway in distance: depth is its reciprocal, or falls with it.
+    // Halfway in distance: perspective depth is the reciprocal of distance, parallel depth is linear in it.
     let halfway = select(2.0 / (1.0 / max(first, 1e-30) + 1.0 / max(second, 1e-30)), 0.5 * (first + second), PARALLEL);
     let beyond = select(second, halfway, SURFACE == 2u);
     return select(select(beyond, first, SURFACE == 0u), 0.0, first == 0.0);

@@ -1,27 +1,28 @@
-// From sums to visibility: what one part of a light adds to the mask. Its share of the light is the blend constant.
-// Host    src/techniques/penumbra_wedge/node.rs
+// From sums to visibility: adds one part of a light to the mask. The part's share of the light is the blend
+// constant.
+// Host    src/techniques/penumbra_wedge/gpu/recorder.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
 #import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW}
 
-@group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
+@group(3) @binding(0) var facing_sums: texture_2d<f32>;         // with IS_SPLIT: the bytes that were added
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
-@group(3) @binding(2) var combined: texture_2d<f32>;            // coverage of the groups before
+@group(3) @binding(2) var combined: texture_2d<f32>;            // coverage of the groups before this one
 @group(3) @binding(3) var<storage, read_write> overflow: atomic<u32>;
 @group(3) @binding(4) var averted_sums: texture_2d<f32>;
 @group(3) @binding(5) var averted_subtracted: texture_2d<f32>;
 
-// The light is a sphere, else a rectangle.
+// The light is a sphere; otherwise it is a rectangle.
 override IS_SPHERE: bool = false;
 // The light is a textured rectangle.
 override IS_TEXTURED: bool = false;
-// The sums are four bytes each way.
+// The sums are four bytes for what is added and four for what is subtracted.
 override IS_SPLIT: bool = false;
-// There is one sum for all colours.
+// One channel holds the sum for all colours.
 override IS_SCALAR: bool = false;
-// Beside a sum, hard shadows and places on the light are counted.
+// Besides the sum, the channels count hard shadows and places on the light.
 override IS_SAMPLED: bool = false;
-// The coverage of groups was combined.
+// The coverage of groups has been combined.
 override IS_COMBINED: bool = false;
 
 fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
@@ -36,7 +37,7 @@ fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     return select(added, added.rrrr, IS_SCALAR);
 }
 
-// What is covered above the horizon, by layers.
+// Coverage of the part above the horizon, by layer.
 struct Covered {
     facing: vec4f,
     averted: vec4f,
@@ -48,8 +49,8 @@ fn summed(pixel: vec2u, over: vec4f) -> Covered {
     return Covered(clamp(-facing, vec4f(0.0), over), clamp(-averted, vec4f(0.0), over));
 }
 
-// How often each place is hidden, told by three of them that one float holds beside the count of hard shadows. Digits have
-// room for 32 times: what is more is told as less.
+// How often three places are hidden: the count of hard shadows, less the signed counts of edges that one
+// float holds for the three. A digit has room for 32 times; higher counts wrap around to lower ones.
 fn times_hidden(hard: f32, packed: f32) -> vec3f {
     let second = round(packed / 256.0);
     let third = round(second / 256.0);
@@ -59,7 +60,7 @@ fn times_hidden(hard: f32, packed: f32) -> vec3f {
 
 // How often the places on the light are hidden in one layer.
 struct Counts {
-    covered: f32,                   // the sum of what is covered, overlaps as often as they are
+    covered: f32,                   // sum of coverages; each overlap counts again
     hidden: mat3x3f,
 }
 
@@ -73,7 +74,7 @@ fn counts(sums: vec4f, over: f32, is_above: mat3x3f) -> Counts {
     return Counts(hard * over - (sums.r + hard * HARD_SHADOW), hidden);
 }
 
-// Sums over the places.
+// Sum over all places.
 fn sum_of(values: mat3x3f) -> f32 {
     return dot(values[0] + values[1] + values[2], vec3f(1.0));
 }
@@ -82,20 +83,22 @@ fn product(a: mat3x3f, b: mat3x3f) -> mat3x3f {
     return mat3x3f(a[0] * b[0], a[1] * b[1], a[2] * b[2]);
 }
 
-// A layer's account of what is hidden, and how well it accounts for what the places tell.
+// A layer's estimate of the hidden share, and how well its counts fit the hidden places.
 struct Account {
     hidden: f32,
     fit: f32,
 }
 
-// What is hidden, told by nine places, and better by the exact sum that goes with them: by so much as places that are
-// hidden more often are those that are hidden at all. Where nothing overlaps, sum and places agree, and the sum is the
-// answer; where all is hidden twice over, the sum says nothing.
+// Estimates the hidden share from nine samples, corrected by the exact sum of coverages (a control variate).
+// The correction is weighted by how well sample counts correlate with being hidden. Where nothing overlaps,
+// sum and samples agree and the sum is the answer. Where everything is hidden twice, the sum says nothing.
 //
-// Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples", 8.9.
+// Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples",
+// 8.9.
 fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
     const COUNT = 9.0;
-    // The weight of believing, against places that all tell the same; by trial over the models.
+    // Weight of the prior slope (`believed`), which decides where all places have equal counts. By trial over
+    // the models.
     const BELIEF = 0.25;
     let mean = sum_of(is_hidden) / COUNT;
     let mean_count = sum_of(layer.hidden) / COUNT;
@@ -108,7 +111,8 @@ fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
     return Account(mean + slope * (layer.covered - mean_count), fit);
 }
 
-// The layer whose account fits better tells; by turns where they fit alike within this, so that none jumps.
+// The layer whose estimate fits better is used. Within this difference of fits the two are blended, so that
+// none jumps.
 const FIT_WIDTH: f32 = 0.4;
 
 fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
@@ -126,26 +130,27 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     return clamp(mix(by_facing.hidden, by_averted.hidden, to_averted), 0.0, over);
 }
 
-// What of the whole light lies above the horizon; never quite nothing.
+// Share of the whole light that lies above the horizon, at least a little more than 0.
 fn whole_above(pixel: vec2f) -> f32 {
     let half_size = select(light.half_size / light.place.zw, vec2f(light.whole.w), IS_SPHERE);
-    let at = seat_at(receiver_at(pixel), light.whole.xyz, half_size, IS_SPHERE);
-    return max(above(at.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
+    let own_seat = seat_at(receiver_at(pixel), light.whole.xyz, half_size, IS_SPHERE);
+    return max(above(own_seat.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
 }
 
 fn above_here(horizon: vec3f) -> vec4f {
     return above(horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
 }
 
-// By colour: of what lies above the horizon, for light passes cut there too; of the area: of all.
+// Writes visibility. a: the visible share of the whole emitter. rgb: the visible share of that part of the
+// emitter which is above the surface's horizon; the light pass already leaves out the part below it.
 @fragment
 fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
-    let at = seat(receiver_at(position.xy), IS_SPHERE);
-    let over = above_here(at.horizon);
+    let own_seat = seat(receiver_at(position.xy), IS_SPHERE);
+    let over = above_here(own_seat.horizon);
     var covered = vec4f(0.0);
     if IS_SAMPLED {
-        covered = vec4f(sampled(pixel, at.horizon, over.a));
+        covered = vec4f(sampled(pixel, own_seat.horizon, over.a));
     } else if IS_COMBINED {
         let before = textureLoad(combined, pixel, 0);
         covered = min(select(vec4f(max(before.x, before.y)), before, IS_TEXTURED), over);
@@ -157,14 +162,15 @@ fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(visible.rgb / whole_above(position.xy), visible.a);
 }
 
-// Coverage between the extremes of no and all overlap. Layers are two accounts of one shadow: each is combined by
-// itself, in x and y. By colour there is no room for that, and the layer that hides more counts.
+// Combines coverages halfway between no and full overlap. The two layers are two estimates of one shadow, so
+// each is combined by itself, in x and y. Textured lights have no room for that; there the layer that hides
+// more counts.
 // Source: Assarsson et al. 2003, equation 1.
 @fragment
 fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
-    let at = seat(receiver_at(position.xy), IS_SPHERE);
-    let layers = summed(pixel, above_here(at.horizon));
+    let own_seat = seat(receiver_at(position.xy), IS_SPHERE);
+    let layers = summed(pixel, above_here(own_seat.horizon));
     let by_color = max(layers.facing, layers.averted);
     let now = select(vec4f(layers.facing.a, layers.averted.a, 0.0, 0.0), by_color, IS_TEXTURED);
     let before = textureLoad(combined, pixel, 0);

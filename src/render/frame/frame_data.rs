@@ -9,6 +9,7 @@ use glam::UVec2;
 use super::draw_list::Batch;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::recorder::ShadowKind;
+use crate::sets::LightTechnique;
 
 /// The part of the targets that the view has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,7 +34,7 @@ impl Viewport {
     }
 }
 
-/// A technique of a renderer, by the order in which they were added.
+/// A recorder of a renderer, by the order in which they were added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TechniqueIndex(pub usize);
 
@@ -44,7 +45,7 @@ pub struct LightSlot(pub usize);
 /// How the shadow of one light is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightShadow {
-    /// The technique that shadows the light.
+    /// The recorder that draws the shadow.
     pub technique: TechniqueIndex,
     /// What the technique leaves of the light.
     pub kind: ShadowKind,
@@ -57,9 +58,11 @@ pub struct ActiveLight {
     pub entity: Entity,
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
-    /// Where the constants of the light are.
+    /// Slot of the light's constants.
     pub slot: LightSlot,
-    /// The light's shadow; `None` if the light has no technique.
+    /// The technique of the light; `None` if nothing shadows the light.
+    pub technique: Option<LightTechnique>,
+    /// How the light's shadow is drawn; `None` if nothing shadows the light.
     pub shadow: Option<LightShadow>,
     /// A [`LightFunction`](crate::render::LightFunction) scales the light, which then has a mask.
     pub is_scaled: bool,
@@ -90,6 +93,14 @@ impl ActiveLight {
             return Some(ShadowKind::Mask);
         }
         self.shadow.map(|shadow| shadow.kind)
+    }
+
+    /// Whether its technique leaves a mask that is made from the planes of the receivers.
+    pub fn reads_planes(&self) -> bool {
+        self.has_mask()
+            && self
+                .technique
+                .is_some_and(|technique| technique.needs.receiver_planes)
     }
 }
 

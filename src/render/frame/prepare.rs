@@ -6,7 +6,7 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
 use super::draw_list::{Batch, DrawListInput, ItemFilter, Shadows, Variant};
-use super::frame_data::{ActiveLight, FrameData, LightShadow, LightSlot, TechniqueIndex, Viewport};
+use super::frame_data::{ActiveLight, FrameData, LightSlot, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
@@ -151,7 +151,7 @@ pub fn prepare_techniques(world: &mut World) {
             mirrored_view,
             debug_view: renderer.settings.debug_volumes,
         };
-        for technique in &mut renderer.techniques {
+        for technique in renderer.techniques.iter_mut() {
             if let Err(error) = technique.prepare(world, &input) {
                 renderer.failure.get_or_insert(error);
             }
@@ -233,11 +233,9 @@ fn collect_draws(
         let Some(scissor) = light.scissor else {
             continue; // nothing that is visible receives it
         };
-        let shadow = techniques.iter().enumerate().find_map(|(technique, shadow)| {
-            let kind = shadow.light(index)?.kind();
-            let technique = TechniqueIndex(technique);
-            Some(LightShadow { technique, kind })
-        });
+        let shadow = light
+            .technique
+            .and_then(|technique| techniques.shadow_of(index, &technique));
         let shadows = if shadow.is_some() {
             Shadows::OnReceivers
         } else {
@@ -259,6 +257,7 @@ fn collect_draws(
             entity: light.entity,
             light: index,
             slot,
+            technique: light.technique.filter(|_| shadow.is_some()),
             shadow,
             is_scaled: functions.iter().any(|function| function.scales(index)),
             scissor: frame.viewport.place(if settings.scissor {

@@ -110,7 +110,7 @@ impl Renderer {
             timings: &self.timings,
             labels: &self.labels,
         };
-        for technique in &self.techniques {
+        for technique in self.techniques.iter() {
             technique.draw_pictures(encoder, &input);
         }
     }

@@ -81,11 +81,7 @@ impl Renderer {
 
     /// Whether a technique of the frame's lights with masks reads the receivers' planes.
     pub(in crate::render) fn reads_planes(&self) -> bool {
-        let reads = |light: &ActiveLight| match self.leaves(light) {
-            Some(Leaves::Mask(resolve)) => resolve.reads_planes(),
-            _ => false,
-        };
-        self.frame.lights.iter().any(reads)
+        self.frame.lights.iter().any(ActiveLight::reads_planes)
     }
 
     /// Leaves the mask of a light that has one: what its technique resolves, times the functions that scale it.

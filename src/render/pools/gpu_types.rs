@@ -1,4 +1,4 @@
-//! `#[repr(C)]` mirrors of WGSL structs; `tests/layout_contract.rs` compares names, offsets and sizes.
+//! `#[repr(C)]` mirrors of WGSL structs; `tests/gpu/layout_contract.rs` compares names, offsets and sizes.
 
 use bytemuck::{Pod, Zeroable};
 

@@ -1,5 +1,7 @@
 //! The lights of the frame.
 
+use std::any::TypeId;
+
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
@@ -9,8 +11,10 @@ use smallvec::SmallVec;
 use super::depth_bounds::DepthBounds;
 use super::light_volume::LightVolume;
 use super::scissor::ScissorRect;
+use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
 use crate::scene::{Light, LightError, LightKind, LightSelection, light};
+use crate::sets::index::objects::Objects;
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
 #[derive(Resource, Clone, Debug, Default)]
@@ -56,6 +60,8 @@ pub struct FrameLight {
     pub direction: Vec3,
     /// Copy of the entity's [`LightSelection`].
     pub selection: LightSelection,
+    /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
+    pub technique: Option<LightTechnique>,
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
     /// not count, except when the light goes dark or lights up.
     pub moved: bool,
@@ -139,10 +145,39 @@ struct Placed {
     volume: LightVolume,
 }
 
+impl FrameLights {
+    /// The light of an entity, if it shines in this frame.
+    pub fn of_entity(&self, entity: Entity) -> Option<&FrameLight> {
+        let at = self
+            .lights
+            .binary_search_by_key(&entity, |light| light.entity)
+            .ok()?;
+        Some(&self.lights[at])
+    }
+}
+
 impl FrameLight {
     /// Whether the light draws nothing in this frame.
     pub fn is_skipped(&self) -> bool {
         self.i.is_clear()
+    }
+
+    /// Whether the technique whose component is `T` shadows the light.
+    pub fn is_shadowed_by<T: 'static>(&self) -> bool {
+        self.technique
+            .is_some_and(|technique| technique.component == TypeId::of::<T>())
+    }
+
+    /// What the light's technique needs; nothing for an unshadowed light.
+    pub fn needs(&self) -> Needs {
+        self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
+    }
+
+    /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
+    /// seen in this frame.
+    pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
+        let casts = |&object: &usize| objects.layers[object] & self.selection.casts_for != 0;
+        self.l.intersection(&objects.casters).filter(casts)
     }
 
     fn new(candidate: &Candidate) -> Self {
@@ -154,6 +189,7 @@ impl FrameLight {
             emitter: candidate.placed.emitter,
             direction: candidate.placed.direction,
             selection: candidate.selection,
+            technique: None,
             moved: true,
             volume: candidate.placed.volume,
             reach: FixedBitSet::new(),

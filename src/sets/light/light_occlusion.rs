@@ -5,7 +5,7 @@ use bevy_tasks::ComputeTaskPool;
 
 use super::frame_lights::{FrameLight, FrameLights};
 use crate::geometry::Aabb;
-use crate::scene::{ShadowedLight, tasks};
+use crate::scene::tasks;
 use crate::sets::index::objects::Objects;
 use crate::sets::occlusion::light_views::light_views;
 use crate::sets::occlusion::viewpoint::Blocks;
@@ -55,7 +55,7 @@ struct Seen {
     occluders: u64,
     cells: u64,
     settings: OcclusionSettings,
-    is_shadowed: bool,
+    wants_occlusion: bool,
 }
 
 impl LightOcclusion {
@@ -99,7 +99,8 @@ impl LightOcclusion {
 ///
 /// Only casters of the light hide anything from it. Only objects that are dark wherever the light does not
 /// see them are left out: objects whose every surface shows shadows, and casters that are not drawn. Lights
-/// without a shadow technique see everything in their reach. Lights with an extent have no depth buffers;
+/// whose technique does not ask for it ([`Needs::light_occlusion`](super::technique::Needs)) see everything in
+/// their reach. Lights with an extent have no depth buffers;
 /// only portals limit what they see. A light's buffers are redrawn when the light, or an occluder within its
 /// reach, moved; then all objects that it reaches are tested, and I and S are recomputed. Otherwise only
 /// objects that moved are tested. Lights are spread over the threads of the [`ComputeTaskPool`].
@@ -115,7 +116,6 @@ pub fn collect_light_occlusion(
     occluders: Res<Occluders>,
     cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
-    shadowed: Query<(), With<ShadowedLight>>,
 ) {
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
@@ -124,7 +124,7 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
-        is_shadowed: shadowed.contains(light.entity),
+        wants_occlusion: light.needs().light_occlusion,
     };
     let pairs = || frame.lights.iter().zip(&*lights);
     let awake = pairs().filter(|(light, entry)| light.reach_written || is_new(light, entry, &now(light)));
@@ -177,7 +177,7 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         return;
     }
     entry.seen = Some(now);
-    if !(settings.from_lights && now.is_shadowed) {
+    if !(settings.from_lights && now.wants_occlusion) {
         entry.viewpoint.clear();
         entry.sightings.forget();
         light.stale |= anew;

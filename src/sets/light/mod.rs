@@ -9,3 +9,4 @@ pub(crate) mod lit_receivers;
 pub(crate) mod reach;
 pub(crate) mod scissor;
 pub(crate) mod shadow;
+pub(crate) mod technique;

@@ -32,7 +32,7 @@ use crate::sets::work::SetWork;
 /// If [`OcclusionSettings::of_shadows`] is off, S is all casters of L that cast for the light.
 ///
 /// Set: `CollectSets`, last. Conservative: it may keep a caster too many, but never drops one that matters,
-/// not even for one point of an area light (`tests/sets_never_drop.rs` holds it against brute force). Cost:
+/// not even for one point of an area light (`tests/core/sets_never_drop.rs` holds it against brute force). Cost:
 /// the clusters that the light touches, and the objects of those clusters that a plane of the hulls cuts,
 /// against those planes alone.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second and third hull are ours.

@@ -67,28 +67,24 @@ impl ViewDepth {
 /// be cut off there, because its end counts at surfaces in front of it. Perspective views reach infinity and
 /// do not need this.
 ///
-/// Every technique reports its own reach, in any order and at the same time: the view takes the greatest.
+/// Techniques share it while they run, in any order: the greatest depth does not depend on who comes first.
 #[derive(Resource, Debug, Default)]
 pub struct DepthReach {
-    /// The bits of the greatest depth: floats that are not negative sort as their bits do.
+    /// Bits of the farthest depth, an `f64`, at least 0. Such numbers order as their bits do.
     farthest: AtomicU64,
 }
 
 impl DepthReach {
-    /// Reports that something of this frame is drawn as deep as this.
+    /// Records that something is drawn as deep as `depth` in this frame.
     pub fn include(&self, depth: f64) {
         if depth > 0.0 {
             self.farthest.fetch_max(depth.to_bits(), Ordering::Relaxed);
         }
     }
 
-    /// The greatest depth that was reported in this frame; 0 if none was.
+    /// The farthest depth that something is drawn at; 0 if there is none.
     pub fn farthest(&self) -> f64 {
         f64::from_bits(self.farthest.load(Ordering::Relaxed))
-    }
-
-    fn reset(&self) {
-        self.farthest.store(0, Ordering::Relaxed);
     }
 }
 
@@ -96,7 +92,7 @@ impl DepthReach {
 ///
 /// Set: `CollectSets`, first.
 pub fn begin_depth_reach(reach: Res<DepthReach>) {
-    reach.reset();
+    reach.farthest.store(0, Ordering::Relaxed);
 }
 
 /// Sizes an orthographic view's depth range so that it holds everything drawn this frame: visible objects up

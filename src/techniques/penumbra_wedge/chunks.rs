@@ -1,4 +1,4 @@
-//! The wedges of one caster in one part of a light: kept until one of them moves.
+//! The wedges of one caster in one part of a light, kept until light or caster moves.
 
 use std::ops::Range;
 
@@ -15,19 +15,19 @@ use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{CasterShapeItem, FacingBits, LightExtent, Silhouette, classify, find_turning};
 
-/// What a chunk was made for.
+/// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ChunkKey {
     pub(super) revision: u64,
     pub(super) light_from_local: Mat4,
     pub(super) shape: PartShape,
     pub(super) bounds: WedgeBounds,
-    /// Patches are told apart.
+    /// Whether the chunk is divided into patches.
     pub(super) by_patch: bool,
     pub(super) silhouette: WedgeSilhouette,
 }
 
-/// Buffers that are used again for every chunk.
+/// Buffers that are reused for every chunk.
 #[derive(Debug, Default)]
 pub(super) struct ChunkScratch {
     bits: FacingBits,
@@ -35,11 +35,11 @@ pub(super) struct ChunkScratch {
     contour: LayeredContour,
 }
 
-/// What of a chunk is combined with other shadows: all, or one patch.
+/// The unit of a chunk that is combined with other shadows: one patch or, without patches, the whole chunk.
 #[derive(Clone, Debug)]
 pub(super) struct ChunkPatch {
     pub(super) wedges: Range<usize>,
-    /// By layers less 1.
+    /// Ranges of the caps, by layers less 1.
     pub(super) caps: [Range<usize>; 3],
     pub(super) cone: ShadowCone,
 }
@@ -54,7 +54,7 @@ pub(super) struct Chunk {
     pub(super) wedges: Vec<Wedge>,
     pub(super) caps: Vec<u32>,
     pub(super) patches: Vec<ChunkPatch>,
-    /// The two [layers](super::geometry::silhouette_layers) are not one.
+    /// Whether the two [layers](super::geometry::silhouette_layers) differ.
     pub(super) is_layered: bool,
     pub(super) last_used: u64,
 }
@@ -67,7 +67,7 @@ pub(super) struct LightChunks {
     pub(super) last_used: u64,
 }
 
-/// The chunks of a light, kept for another while.
+/// Returns the chunks of a light and marks them as used in this frame.
 pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) -> &mut Vec<Chunk> {
     let at = kept
         .binary_search_by_key(&light, |entry| entry.light)
@@ -86,14 +86,14 @@ pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) 
     &mut kept[at].chunks
 }
 
-/// From a caster's space to light space; `None` without an inverse of either.
+/// Returns the transform from a caster's space to light space; `None` if one of the two has no inverse.
 pub(super) fn light_from_local(part: &LightPart, world_from_local: &GlobalTransform) -> Option<DMat4> {
     let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
     let light_from_local = part.world_from_light.inverse() * world_from_local;
     light_from_local.is_finite().then_some(light_from_local)
 }
 
-/// How far a part reaches around its centre, the caster's space; `None` for a point.
+/// Returns the extent of a part around its centre, in the caster's space; `None` for a point.
 fn extent_local(shape: PartShape, local_from_light: &DMat4) -> Option<LightExtent> {
     let axis = |axis: DVec3| local_from_light.transform_vector3(axis).as_vec3();
     match shape {
@@ -123,7 +123,7 @@ impl Chunk {
         }
     }
 
-    /// Makes edges and caps anew.
+    /// Rebuilds edges and caps.
     pub(super) fn build(
         &mut self,
         light: &FrameLight,
@@ -176,7 +176,7 @@ impl Chunk {
         };
         self.is_layered = !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
         if by_patch {
-            // Stable: within a patch the order stays that of the mesh.
+            // The sort is stable, so within a patch the order stays that of the mesh.
             contour.edges.sort_by_key(|edge| edge.patch);
             contour
                 .caps
@@ -187,7 +187,7 @@ impl Chunk {
         let plane_light = |slot: u32| {
             let plane = local_from_light.transpose() * planes.plane(slot as usize).as_dvec4();
             let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
-            // The centre, at the origin, is on the side that the hard shadow is made for.
+            // The centre, which is the origin, stays on the side for which the hard shadow is made.
             let offset = if facets.facing.is_facing(slot as usize) {
                 offset.max(f32::MIN_POSITIVE)
             } else {

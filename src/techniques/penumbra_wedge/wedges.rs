@@ -1,4 +1,4 @@
-//! The frame's wedges: flat arrays over all lights, made anew only where something moved.
+//! The frame's wedges: flat arrays over all lights, rebuilt only where something moved.
 
 use std::ops::Range;
 
@@ -22,24 +22,25 @@ use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
-/// [`build_penumbra_wedges`].
+/// `build_penumbra_wedges`.
 #[derive(Resource, Debug, Default)]
 pub struct PenumbraWedges {
-    /// Ascending by light.
+    /// Lights with wedges, ascending by light.
     pub lights: Vec<LightWedges>,
-    /// Parts of all lights.
+    /// Parts of all lights, in the order of the lights.
     pub parts: Vec<PartWedges>,
-    /// What is summed by itself; one a part, or with [`Overlap::Paper`] as many as [patches](super::geometry::patches) meet.
+    /// Groups of all parts. The shadows of a group are summed by themselves. A part has one group or, with
+    /// [`Overlap::Paper`], as many as it has patches that meet.
     pub groups: Vec<Group>,
-    /// Casters of all parts.
+    /// Casters of all groups.
     pub casters: Vec<CasterDraw>,
-    /// The same for the GPU.
+    /// The GPU's records of `casters`, in the same order.
     pub caster_records: Vec<WedgeCaster>,
-    /// Edges of all casters.
+    /// Wedges of all casters, one per edge or piece of an edge.
     pub wedges: Vec<Wedge>,
     /// Cap triangles of all casters: vertices of their meshes, wound towards the light.
     pub caps: Vec<u32>,
-    /// Increases when `wedges` or `caps` changed, and how many casters there are.
+    /// Increases when `wedges`, `caps` or the number of casters changed.
     pub generation: u64,
     /// Increases when `caster_records` changed.
     pub casters_generation: u64,
@@ -49,60 +50,62 @@ pub struct PenumbraWedges {
     frame: u64,
 }
 
-/// One light.
+/// One light with wedges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightWedges {
     /// Index into [`FrameLights`].
     pub light: usize,
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// Copy of the component.
+    /// Copy of the light's component.
     pub settings: PenumbraWedge,
-    /// Copy of the component, for rectangles.
+    /// Copy of the light's texture component; `None` unless the light is a rectangle.
     pub texture: Option<EmitterTexture>,
     /// Range of [`PenumbraWedges::parts`].
     pub parts: Range<usize>,
-    /// Some caster is not the same in both [layers](super::geometry::silhouette_layers).
+    /// Whether some caster differs between the two [layers](super::geometry::silhouette_layers).
     pub is_layered: bool,
 }
 
 /// One part of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartWedges {
-    /// Where and what it is.
+    /// Position and shape of the part.
     pub part: LightPart,
-    /// Metres at which rays of shells end; 0: at infinity.
+    /// Metres at which the rays of shells end; 0: at infinity.
     pub reach: f32,
     /// Range of [`PenumbraWedges::groups`].
     pub groups: Range<usize>,
 }
 
-/// Casters whose shadows are summed.
+/// Casters whose shadows are summed together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Range of [`PenumbraWedges::casters`].
     pub casters: Range<usize>,
-    /// Range of [`PenumbraWedges::wedges`]: those that count where they are before the surface.
+    /// Range of [`PenumbraWedges::wedges`] whose faces count where they are in front of the surface.
     pub towards: Range<u32>,
-    /// Those that count where they are behind it.
+    /// Range of [`PenumbraWedges::wedges`] whose faces count where they are behind the surface.
     pub away: Range<u32>,
 }
 
 impl Group {
-    /// All of them.
+    /// Range of all wedges of the group.
     pub fn wedges(&self) -> Range<u32> {
         self.towards.start..self.away.end
     }
 }
 
-/// One caster of one part.
+/// One caster of one part of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CasterDraw {
-    /// Dense index.
+    /// Dense index of the caster.
     pub object: u32,
-    /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::geometry::silhouette_layers).
+    /// Ranges of [`PenumbraWedges::caps`] by layer: facing, averted, both. See
+    /// [layers](super::geometry::silhouette_layers).
     pub caps: [Range<u32>; 3],
-    /// Counted towards the viewer: it shadows no part of the viewport, and its own surface hides the caps.
+    /// True if the caster is counted towards the viewer: it shadows no part of the viewport, and its own
+    /// surface hides its caps.
     pub towards: bool,
 }
 
@@ -110,18 +113,19 @@ pub struct CasterDraw {
 pub(super) struct Scratch {
     chunk: ChunkScratch,
     parts: Vec<LightPart>,
-    /// What the flat arrays hold, and held in the last frame.
+    /// What the flat arrays contain; `last_layout` has it for the last frame.
     pub(super) layout: Vec<Placed>,
     last_layout: Vec<Placed>,
-    /// Of the parts of the frame that the flat arrays were made for.
+    /// Groups of each part, for which the flat arrays were made.
     pub(super) part_groups: Vec<Range<usize>>,
-    /// Patches of one part: index into `layout`, and number within the chunk; where their shadows go; their sums.
+    /// Patches of one part: index into `layout` and number within the chunk. `cones` are the directions of
+    /// their shadows, `sums` their sums.
     pub(super) entries: Vec<(usize, usize)>,
     pub(super) cones: Vec<ShadowCone>,
     pub(super) sums: Vec<u32>,
 }
 
-/// A chunk in the flat arrays.
+/// A chunk's place in the flat arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Placed {
     pub(super) light: Entity,
@@ -136,15 +140,15 @@ pub(super) struct Placed {
     pub(super) extrusion: u32,
 }
 
-/// Rays of shells end so many times farther from the edge than receivers are from the light: the triangles between rays
-/// that are less than 172° apart pass beyond all receivers.
+/// Factor on the largest distance of a receiver from the light, which gives the length of a shell's rays. The
+/// triangles between rays that are less than 172° apart then pass beyond all receivers.
 const RAY_SHARE: f64 = 16.0;
 
-/// Frames that a chunk outlives its last use; as of silhouettes.
+/// Frames that a chunk is kept after its last use, as for silhouettes.
 const KEPT_FRAMES: u64 = 120;
 
 impl PenumbraWedges {
-    /// The wedges of a light of [`FrameLights`].
+    /// Returns the wedges of a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightWedges> {
         let at = self
             .lights
@@ -154,12 +158,12 @@ impl PenumbraWedges {
     }
 }
 
-/// Makes the wedges of every edge of every caster of every light with a [`PenumbraWedge`], those that are not known yet
-/// or stale, and lists what the frame draws.
+/// Makes the wedges of every caster of every light with a [`PenumbraWedge`] where none are known or the known
+/// ones are stale, and lists what the frame draws.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`NearCaps`]; writes
-/// [`PenumbraWedges`]. In an orthographic view it tells [`DepthReach`] how deep they reach.
-/// Cost: an inverse a caster of S; the edges of what moved.
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`] and what hides near
+/// caps; writes [`PenumbraWedges`] and, in an orthographic view, extends [`DepthReach`] to the wedges. Cost:
+/// a matrix inverse for each caster of S, and the edges of what moved.
 pub fn build_penumbra_wedges(
     mut wedges: ResMut<PenumbraWedges>,
     depth_reach: Res<DepthReach>,
@@ -193,11 +197,14 @@ pub fn build_penumbra_wedges(
     };
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<PenumbraWedge>() {
+            continue;
+        }
         let Ok((settings, texture)) = components.get(light.entity) else {
             continue;
         };
         if light.scissor.is_none() {
-            continue; // nothing that is visible receives it
+            continue; // no visible surface receives the light
         }
         let first = out.begin_light(index, light, settings, texture, view);
         let Some(known) = silhouettes.of_light(light.entity) else {

@@ -1,71 +1,75 @@
-//! What a user sets on a light.
+//! The component that gives a light stencil shadow volumes.
 
-use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
 use bevy_ecs::reflect::ReflectComponent;
-use bevy_ecs::world::DeferredWorld;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-use crate::scene::ShadowedLight;
-use crate::silhouettes::NeedsSilhouettes;
-
 /// Gives a light hard shadows by stencil shadow volumes. Area lights cast from their centre.
 ///
-/// Exact for any triangle mesh, open or closed; alpha-tested surfaces cast whole. At most 127 volumes may stand one
-/// behind the other at a pixel: the stencil counts modulo 128.
+/// Shadows are exact for any triangle mesh, open or closed. Alpha-tested surfaces cast whole. The stencil
+/// counts modulo 128, so at most 127 volumes may overlap at a pixel.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
-#[require(NeedsSilhouettes, ShadowedLight)]
-#[component(on_remove = light_up)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct StencilVolume {
-    /// Which way intersections with the volumes are counted.
+    /// Direction in which intersections with the volumes are counted; it affects the time, not the picture.
+    /// Default: automatic.
     pub counting: Counting,
-    /// How far the volumes reach.
+    /// How far the volumes reach. Default: finite, which fills fewer pixels.
     pub extent: Extent,
 }
 
-/// A light whose technique is taken away lights everything again.
-fn light_up(mut world: DeferredWorld, context: HookContext) {
-    world
-        .commands()
-        .entity(context.entity)
-        .try_remove::<ShadowedLight>();
-}
-
-/// Which way intersections with a shadow volume are counted. The pictures are the same.
+/// Direction in which intersections with a shadow volume are counted. The pictures are the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Counting {
-    /// Towards the viewer (depth-pass, no caps) where the caster provably does not shadow the viewport, else away from
-    /// it (depth-fail); decided for each caster.
+    /// Decides for each caster. Where the caster provably does not shadow the viewport, volumes are counted
+    /// towards the viewer (depth-pass), which needs no near cap and often no far cap. Elsewhere they are
+    /// counted away from the viewer (depth-fail).
     #[default]
     Auto,
-    /// Always away from the viewer.
+    /// Always counts away from the viewer. Volumes need both caps, so more is drawn; use it to compare or to
+    /// find faults.
     DepthFail,
 }
 
-/// How far shadow volumes reach.
+/// How far shadow volumes reach. In orthographic views all volumes are finite.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum Extent {
-    /// To just beyond what is seen of the receivers within the light's range, unless the light is within the caster's bounds
-    /// or directional; then to infinity.
+    /// Ends volumes just beyond the visible receivers within the light's range, which fills fewer pixels. The
+    /// volume is infinite if the light is directional or within the caster's bounds.
     #[default]
     Finite,
-    /// To infinity.
+    /// Extends all volumes to infinity. This saves a test of each caster on the CPU and usually draws more
+    /// pixels.
     Infinite,
 }

@@ -1,6 +1,6 @@
 //! The frame's shadow volumes: which parts of which caster are drawn, and how they are counted.
 //!
-//! What a caster of a light's set S has of them is decided here and in [`parts`](super::volume_parts).
+//! This file and `volume_parts` decide which parts of its volume a caster of a light's set S needs.
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
@@ -15,52 +15,54 @@ use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, incl
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
-/// The volume of one caster in one light.
+/// The shadow volume of one caster in one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CasterVolume {
     /// Dense index of the caster.
     pub object: u32,
     /// Slot of its silhouette in the light's [`LightSilhouettes`](crate::silhouettes::LightSilhouettes).
     pub slot: u32,
-    /// The light in the caster's space.
+    /// The light as a homogeneous point in the caster's space.
     pub light_local: Vec4,
-    /// See [`far_position`](crate::techniques::shared::extrude::far_position).
+    /// Factor on the distance from the light, or metres for a light at infinity, by which the far corners are
+    /// pushed; 0: to infinity.
     pub extrusion: f32,
-    /// Counted towards the viewer (depth-pass); else away from it (depth-fail).
+    /// True if the volume is counted towards the viewer (depth-pass), false if away from it (depth-fail).
     pub depth_pass: bool,
-    /// The sides are drawn.
+    /// Whether the sides are drawn.
     pub sides: bool,
-    /// The near cap is drawn.
+    /// Whether the near cap is drawn.
     pub near_cap: bool,
-    /// The far cap is drawn.
+    /// Whether the far cap is drawn.
     pub far_cap: bool,
 }
 
-/// The volumes in one light.
+/// The shadow volumes in one light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightVolumes {
     /// Index into [`FrameLights`].
     pub light: usize,
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// Ascending by object.
+    /// Volumes of the casters, ascending by object.
     pub casters: Vec<CasterVolume>,
-    /// Casters of S whose volume was left out as a whole: it misses the view, or the depths that the light reaches.
+    /// Number of casters of S without a volume, because it misses the view or the depths that the light
+    /// reaches.
     pub culled: usize,
 }
 
 /// The volumes of this frame, for each light with a [`StencilVolume`] that lights something. Written by
-/// [`build_stencil_volumes`].
+/// `build_stencil_volumes`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct StencilVolumes {
-    /// Ascending by light.
+    /// Volumes by light, ascending.
     pub lights: Vec<LightVolumes>,
     spare: Vec<Vec<CasterVolume>>,
     surfaces: NearestSurfaces,
 }
 
 impl StencilVolumes {
-    /// The volumes in a light of [`FrameLights`].
+    /// Returns the volumes in a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightVolumes> {
         let at = self
             .lights
@@ -72,9 +74,9 @@ impl StencilVolumes {
 
 /// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], what stands before the camera; writes
-/// [`StencilVolumes`].
-/// In an orthographic view it tells [`DepthReach`] how deep they reach. Cost: one pyramid and one hull test a caster of S.
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`],
+/// [`CameraOcclusion`]; writes [`StencilVolumes`] and, in an orthographic view, extends [`DepthReach`] to the
+/// volumes. Cost: one pyramid test and one hull test for each caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
     depth_reach: Res<DepthReach>,
@@ -98,11 +100,14 @@ pub fn build_stencil_volumes(
         return;
     };
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<StencilVolume>() {
+            continue;
+        }
         let Ok(settings) = components.get(light.entity) else {
             continue;
         };
         if light.scissor.is_none() {
-            continue; // nothing that is visible receives it
+            continue; // no visible surface receives the light
         }
         let mut entry = LightVolumes {
             light: index,

@@ -8,7 +8,7 @@ use std::ops::AddAssign;
 
 use antumbra::prelude::*;
 use antumbra::reference::{Ray, RayScene, SceneTriangle, camera_rays};
-use antumbra::scene::{Cell, LightKind, ShadowedLight};
+use antumbra::scene::{Cell, LightKind};
 use antumbra::schedule::standalone_schedule;
 use antumbra::sets::{FrameLight, FrustumSet, Objects, VisibleSet};
 use bevy_ecs::prelude::*;
@@ -206,7 +206,7 @@ fn look_from_light(
     verdict: &mut Verdict,
 ) {
     let objects = world.resource::<Objects>();
-    let shadowed = world.get::<ShadowedLight>(light.entity).is_some();
+    let shadowed = light.needs().light_occlusion;
     for _ in 0..LIGHT_RAYS {
         let (ray, reach) = if light.point_world.w == 0.0 {
             let direction = -light.point_world.truncate();
@@ -287,7 +287,7 @@ fn look_at_lit(world: &World, scene: &RayScene, light: &FrameLight, verdict: &mu
             1.0 - 2e-3 / distance
         };
         let blocker = scene.closest_hit(&from, 1e-4 / distance, end, |other| casts(light, other));
-        let shadowed = world.get::<ShadowedLight>(light.entity).is_some() && triangle.receives;
+        let shadowed = light.needs().light_occlusion && triangle.receives;
         let index = objects.index_of(triangle.entity.unwrap()).unwrap();
         if blocker.is_none() || !shadowed {
             verdict.counts.lit_points += 1;

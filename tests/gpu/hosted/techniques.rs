@@ -1,18 +1,22 @@
 //! Every technique leaves in a host what it leaves in a frame of our own.
 
 use antumbra::prelude::*;
+use antumbra::techniques::{NeededSilhouettes, Techniques};
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 
 use super::comparison::{both, differing};
 use super::scenes::{alone, camera, light_at, parallel, stage};
 use crate::harness::strict_context;
 
 /// In perspective, and in an orthographic view.
-fn compare(name: &str, kind: LightKind, shadow: impl Bundle + Clone, tolerance: f32) {
+fn compare(name: &str, kind: LightKind, shadow: impl Fn(&mut EntityWorldMut), tolerance: f32) {
     let context = strict_context(RequestedFeatures::default());
     for camera in [camera(), parallel()] {
         let mut stage = stage(&context, camera);
-        light_at(&mut stage, kind, shadow.clone());
+        light_at(&mut stage, kind, ());
+        let light = stage.lights[0];
+        shadow(&mut stage.world.entity_mut(light));
         let [own, hosted] = both(&context, &mut stage, alone(&camera));
         let (wrong, judged) = differing(&mut stage, &own, &hosted, tolerance);
         println!("{name}, {camera:?}: {wrong} of {judged} pixels differ off the edges");
@@ -38,25 +42,37 @@ fn another_light_differs() {
 }
 
 #[test]
-fn stencil_volumes_are_as_in_a_frame_of_our_own() {
-    compare("stencil", LightKind::Point, StencilVolume::default(), 0.0);
-}
-
-#[test]
-fn wedges_are_as_in_a_frame_of_our_own() {
-    let kind = LightKind::Rect {
+fn every_technique_leaves_in_a_host_what_it_leaves_in_a_frame_of_our_own() {
+    let rect = LightKind::Rect {
         width: 0.6,
         height: 0.4,
     };
-    compare("wedges", kind, PenumbraWedge::default(), 0.04);
-}
-
-#[test]
-fn maps_are_as_in_a_frame_of_our_own() {
-    compare("omni map", LightKind::Point, OmniMap::default(), 0.1);
     let spot = LightKind::Spot {
         inner_angle: 0.5,
         outer_angle: 0.8,
     };
-    compare("spot map", spot, ShadowMap::default(), 0.1);
+    let light = |kind| Light {
+        kind,
+        ..Light::point(Vec3::ONE, 1.0, 100.0)
+    };
+    for row in Techniques::default().rows() {
+        let settings = row.defaults();
+        // Soft shadows of an area, and else the first kind of light that fits.
+        let kinds = if row.needs().emitter_texture {
+            vec![rect]
+        } else {
+            vec![LightKind::Point, spot]
+        };
+        let kind = kinds
+            .into_iter()
+            .find(|kind| settings.check(&light(*kind)).is_ok());
+        // Stencils are exact, coverage is rounded, and maps have texels.
+        let tolerance = match (row.needs().receiver_planes, row.needs().silhouettes) {
+            (false, _) => 0.0,
+            (true, NeededSilhouettes::None) => 0.1,
+            (true, _) => 0.04,
+        };
+        let kind = kind.expect("it fits some light");
+        compare(row.name(), kind, |light| settings.insert(light), tolerance);
+    }
 }

@@ -1,4 +1,4 @@
-//! Draws of casters into faces: equal meshes become one instanced draw, whatever their opaque materials.
+//! Draws of casters into faces. Equal meshes become one instanced draw, whatever their opaque materials.
 
 use std::ops::Range;
 
@@ -18,20 +18,20 @@ use crate::scene::{AlphaMode, SceneMaterials};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
-/// One draw call, or one for each submesh.
+/// One draw call, or one for each run of submeshes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MapDraw {
-    /// The material whose alpha cuts holes; `None`: solid.
+    /// Material whose alpha cuts holes; `None`: solid.
     pub material: Option<u32>,
     /// Index into the mesh pool.
     pub mesh: u32,
-    /// Index into the mesh's submeshes; `None`: all.
+    /// Index into the mesh's submeshes; `None`: all of them.
     pub submesh: Option<u32>,
     /// Range of [`MapDraws::casters`].
     pub casters: Range<u32>,
 }
 
-/// A caster in a face, or a part of one.
+/// A caster in a face, or one submesh of a caster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Part {
     material: Option<u32>,
@@ -40,24 +40,24 @@ struct Part {
     object: u32,
 }
 
-/// The draws of a frame; their memory is kept.
+/// The draws of a frame. The memory is reused.
 #[derive(Debug, Default)]
 pub struct MapDraws {
     /// All draws.
     pub draws: Vec<MapDraw>,
-    /// Their matrices.
+    /// Matrices of the casters of all draws.
     pub casters: Vec<MapCaster>,
     parts: Vec<Part>,
 }
 
 impl MapDraws {
-    /// Forgets the last frame's.
+    /// Forgets the draws of the last frame.
     pub fn clear(&mut self) {
         self.draws.clear();
         self.casters.clear();
     }
 
-    /// Adds the draws of a set of objects into a face; their range.
+    /// Adds the draws of a set of objects into a face, and returns their range.
     pub fn push(
         &mut self,
         world: &World,
@@ -143,7 +143,7 @@ impl MapDraws {
             .flatten()
     }
 
-    /// Records a range of draws; groups 0 and 1 are set.
+    /// Records a range of draws. Groups 0 and 1 must be set.
     pub fn record(
         &self,
         range: Range<usize>,
@@ -179,7 +179,7 @@ impl MapDraws {
                 Some(submesh) => &mesh.submeshes[submesh as usize..=submesh as usize],
                 None => &mesh.submeshes[..],
             };
-            // Submeshes that follow one another are one draw.
+            // Consecutive submeshes are one draw.
             let mut indices = 0..0;
             for submesh in submeshes {
                 let next = submesh.first_index..submesh.first_index + submesh.index_count;

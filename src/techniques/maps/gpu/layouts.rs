@@ -1,4 +1,4 @@
-//! The bind group layouts of maps, and the groups that last.
+//! The bind group layouts of maps, and the groups that persist.
 
 use super::gpu_types::{MapCaster, MapLight};
 use crate::render::RenderContext;
@@ -14,14 +14,14 @@ pub struct MapLayouts {
     pub first: wgpu::BindGroupLayout,
     /// Group 1 of the conversion: first and second surface.
     pub surfaces: wgpu::BindGroupLayout,
-    /// Group 2: the light's map at a dynamic offset, the comparison, the jitter.
+    /// Group 2: the light's map at a dynamic offset, the comparison sampler, the jitter texture.
     pub map: wgpu::BindGroupLayout,
     /// Group 3 of the lookup: depths and squared distances.
     pub textures: wgpu::BindGroupLayout,
 }
 
 impl MapLayouts {
-    /// Builds them.
+    /// Creates the layouts.
     pub fn new(device: &wgpu::Device) -> Self {
         use wgpu::{BufferBindingType::Uniform, ShaderStages, TextureViewDimension};
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
@@ -73,7 +73,7 @@ impl MapLayouts {
         }
     }
 
-    /// Group 0 of casters.
+    /// Makes group 0 of casters.
     pub fn bind_casters(&self, context: &RenderContext, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
         bind_in_order(
             &context.device,
@@ -83,7 +83,7 @@ impl MapLayouts {
         )
     }
 
-    /// Group 2.
+    /// Makes group 2 of the conversion and the lookup.
     pub fn bind_map(
         &self,
         context: &RenderContext,
@@ -104,7 +104,7 @@ impl MapLayouts {
     }
 }
 
-/// The texture of [`jitter::texels`].
+/// Makes the 3D texture of [`jitter::texels`].
 pub fn jitter_texture(context: &RenderContext) -> wgpu::TextureView {
     use wgpu::util::DeviceExt;
     let texture = context.device.create_texture_with_data(

@@ -1,4 +1,5 @@
-//! The passes of one light's map: casters into faces, the copy under what moves, the conversion, the lookup.
+//! The passes of one light's map: casters into faces, the copy under moving casters, the conversion, the
+//! lookup.
 //!
 //! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
 
@@ -170,7 +171,7 @@ impl MapNode {
         pass.draw(0..3, face as u32..face as u32 + 1);
     }
 
-    /// Looks every pixel of the scissor up.
+    /// Records the lookup, for every pixel of the scissor.
     pub(in crate::techniques::maps) fn look_up(
         &self,
         slot: usize,

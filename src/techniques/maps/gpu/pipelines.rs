@@ -12,10 +12,10 @@ use crate::render::pools::gpu_types::SurfaceVertex;
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFilter, MapFormat, MapSurface};
 
-/// Format of the depths that casters are drawn into.
+/// Format of the depth into which casters are drawn.
 pub const MAP_DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Texture format of what is looked up.
+/// Returns the texture format of a map that is looked up.
 pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     match format {
         MapFormat::Depth => MAP_DEPTH,
@@ -24,43 +24,43 @@ pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     }
 }
 
-/// Everything that tells two pipelines of one stage apart.
+/// Everything that distinguishes two pipelines of one stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Key {
     /// Draws casters.
     Caster {
-        /// Holes are cut out.
+        /// Whether holes are cut out.
         masked: bool,
-        /// The first surface is left out.
+        /// Whether the first surface is left out.
         peel: bool,
     },
-    /// Makes what is looked up.
+    /// Converts depth to the texture that is looked up.
     Convert {
-        /// Its format.
+        /// Format of the result.
         format: MapFormat,
-        /// Which surface.
+        /// Which surface of the casters it holds.
         surface: MapSurface,
-        /// Of a directional light.
+        /// Whether the light is directional.
         parallel: bool,
     },
-    /// Looks up.
+    /// Looks up visibility.
     Resolve {
-        /// See [`filter_constant`].
+        /// Number of the filter in the shader, from [`filter_constant`].
         filter: u32,
-        /// How the faces stand.
+        /// Arrangement of the faces.
         shape: MapShape,
-        /// Cascades; 1 for other shapes.
+        /// Number of cascades; 1 for other shapes.
         cascade_count: u32,
-        /// What a texel holds.
+        /// Format of a texel.
         format: MapFormat,
-        /// Leaves taps in the colours.
+        /// Whether it writes the number of taps into the colours.
         show_taps: bool,
     },
-    /// Shows what the faces show.
+    /// Draws the edges of the volumes that faces show.
     Frustum,
 }
 
-/// The shader's number of a filter.
+/// Returns the shader's number of a filter.
 pub fn filter_constant(filter: MapFilter) -> u32 {
     match filter {
         MapFilter::Bilinear => 0,

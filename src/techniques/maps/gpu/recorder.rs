@@ -6,12 +6,12 @@
 //! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
 //! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
 //!
-//! Faces are drawn by `draw_pictures`, once a frame, before the screen. Only a texture that several lights use in turn is
-//! drawn in their lookups: maps that are not kept, of one size and kind.
+//! Faces are drawn by `draw_pictures`, once a frame, before any pass of the screen. Only a texture that several lights use
+//! in turn is drawn just before each lookup: lights whose maps are not kept share textures of equal size and format.
 //!
-//! Each face: still casters into their layer; a copy of it, and over it what moves; from that, where depth of the nearest
-//! surface is not what is looked up, the second surface and a conversion. Each step is left out while its revision is
-//! that of the last time.
+//! The steps of a face are: draw still casters into their layer; copy it and draw moving casters over the
+//! copy; where the lookup needs more than the depth of the nearest surface, draw the second surface and
+//! convert. A step is skipped while its revision is unchanged.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -39,23 +39,23 @@ use crate::techniques::maps::build_maps::Maps;
 use crate::techniques::maps::face::FaceProjection;
 use crate::techniques::maps::face_state::FaceState;
 use crate::techniques::maps::light_map::LightMap;
-use crate::techniques::maps::request::{MapComponent, MapRequest, MapShape};
+use crate::techniques::maps::request::{MapRequest, MapShape};
 use crate::techniques::maps::settings::{MapSettings, MapSurface};
 
-/// What is to be drawn of one face.
+/// What must be drawn of one face.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct FacePlan {
     pub face: usize,
     pub still: Option<Range<usize>>,
-    /// Over a copy of the still layer.
+    /// Draws over a copy of the still layer.
     pub moving: Option<Range<usize>>,
-    /// All casters, for the second surface; empty for the nearest.
+    /// Draws of all casters for the second surface; empty for the nearest.
     pub peeled: [Range<usize>; 2],
     pub still_revision: u64,
     pub revision: u64,
 }
 
-/// What is to be done for one light.
+/// What must be recorded for one light.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct LightPlan {
     pub light: usize,
@@ -66,11 +66,11 @@ pub(in crate::techniques::maps) struct LightPlan {
     /// Several lights use one texture in turn, as none of them keeps its map: it is drawn just before each lookup.
     pub takes_turns: bool,
     pub draw_count: usize,
-    /// Matrices of the debug view.
+    /// Range of the matrices of the debug view.
     pub frusta: Range<u32>,
 }
 
-/// What all views share.
+/// The parts of the recorder that all views of a device share.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct LongLived {
     pub layouts: MapLayouts,
@@ -101,10 +101,9 @@ impl LongLived {
     }
 }
 
-/// The recorder of one of the two components.
+/// The recorder of all maps.
 #[derive(Debug)]
 pub struct MapNode {
-    component: MapComponent,
     pub(in crate::techniques::maps) pipelines: Variants<Key>,
     pub(in crate::techniques::maps) long_lived: Arc<LongLived>,
     pub(in crate::techniques::maps) pool: MapPool,
@@ -117,29 +116,18 @@ pub struct MapNode {
     pub(in crate::techniques::maps) faces: Vec<FacePlan>,
 }
 
-impl MapComponent {
-    /// Name of the technique.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Shadow => "shadow_map",
-            Self::Omni => "omni_map",
-        }
-    }
-}
-
 impl MapNode {
     /// Compiles the shaders; pipelines and textures come when a frame needs them.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(component: MapComponent, gpu: &Gpu) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         gpu.compile(&FILES)?;
         let context = &gpu.context;
         let long_lived = gpu.part(LongLived::new);
         let casters = GrowingBuffer::new(context, "map casters", wgpu::BufferUsages::STORAGE);
         let constants = StridedUniforms::new(context, "maps");
         Ok(Self {
-            component,
             pipelines: Variants::default(),
             caster_group: long_lived.layouts.bind_casters(context, &casters.buffer),
             map_group: long_lived.bind_map(context, &constants),
@@ -158,13 +146,13 @@ impl MapNode {
         Some((at, &self.lights[at]))
     }
 
-    /// Takes a pipeline from the shared cache.
+    /// Requests a pipeline from the shared cache.
     fn require(&mut self, gpu: &Gpu, key: Key) -> Result<(), RenderError> {
         let layouts = &self.long_lived.layouts;
         gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, layouts, key))
     }
 
-    /// Plans the draws of one face; `None` if it is as it should be.
+    /// Plans the draws of one face; `None` if the face is up to date.
     fn plan_face(
         &mut self,
         world: &World,
@@ -186,7 +174,7 @@ impl MapNode {
             return Ok(None);
         }
         let mut push = |set| self.draws.push(world, input, objects, &state.face, set);
-        // A map that is not kept has one layer, with all its casters.
+        // A map that is not kept has one layer, which holds all its casters.
         let own = if map.cached { &state.still } else { &state.moving };
         let still = draw_still.then(|| push(own));
         let moving = key.moving.then(|| push(&state.moving));
@@ -231,7 +219,7 @@ impl MapNode {
         }
         self.require(input.gpu, Key::Frustum)?;
         for state in &map.faces {
-            // Reversed depth reaches infinity, where no edge would end.
+            // Reversed depth reaches infinity, where no edge would end, so faces are cut at the reach.
             let (far, length) = match state.face.projection {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
                 FaceProjection::Parallel { .. } => (0.0, 1.0),
@@ -332,17 +320,9 @@ impl Resolve for MapNode {
             self.look_up(slot, textures, pipeline, encoder, input);
         }
     }
-
-    fn reads_planes(&self) -> bool {
-        true
-    }
 }
 
 impl Recorder for MapNode {
-    fn name(&self) -> &'static str {
-        self.component.name()
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.lights.clear();
         self.faces.clear();
@@ -358,9 +338,6 @@ impl Recorder for MapNode {
         };
         self.pool.begin();
         for map in &maps.lights {
-            if map.request.component != self.component {
-                continue;
-            }
             if map.active {
                 self.plan_light(world, input, map, view, settings.show_taps)?;
             } else if map.cached {
@@ -402,7 +379,7 @@ impl Recorder for MapNode {
         self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
-    /// Draws the edges of what the faces show.
+    /// Draws the edges of the volumes that the faces show.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, _input: &RecordInput) {
         let pipeline = self.pipelines.get(Key::Frustum);
         if let (Some((_, plan)), Some(pipeline)) = (self.plan_of(light), pipeline) {
@@ -412,7 +389,7 @@ impl Recorder for MapNode {
         }
     }
 
-    /// Draws of casters; the lookup is one more, of one triangle.
+    /// Returns the number of draws of casters. The lookup is one more, of one triangle.
     fn batch_count(&self, light: usize) -> usize {
         self.plan_of(light).map_or(0, |(_, plan)| plan.draw_count)
     }

@@ -1,4 +1,4 @@
-//! From the silhouette of one caster to wedges: pure functions on flat arrays.
+//! From the silhouette of one caster to wedges. These are pure functions on flat arrays.
 
 pub(crate) mod clip;
 pub(crate) mod ends;

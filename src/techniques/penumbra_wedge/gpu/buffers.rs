@@ -1,4 +1,4 @@
-//! Textures that visibility is summed in, by form, of the frame's size; and the report of overflow.
+//! The textures in which visibility is summed, and the report of overflow.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -14,11 +14,11 @@ use crate::render::{Gpu, RenderContext, RenderError};
 /// The textures of one form.
 #[derive(Debug)]
 pub struct Sums {
-    /// What they are for.
+    /// Number and format of the textures.
     pub form: Form,
-    /// One or two a layer: facing, averted; or one for both.
+    /// One or two textures per layer, facing then averted; or one for both layers.
     pub views: Vec<wgpu::TextureView>,
-    /// Group 3 of the resolve: reading either combined texture.
+    /// Group 3 of the resolve: one bind group for each of the two combined textures that it may read.
     pub groups: [wgpu::BindGroup; 2],
 }
 
@@ -94,7 +94,7 @@ impl SumTextures {
         self.combined.as_ref()
     }
 
-    /// Makes what is missing at this size; frees what was of another.
+    /// Makes the textures that are missing at this size, and drops those of another size.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -125,7 +125,8 @@ impl SumTextures {
         let Some(combined) = &self.combined else {
             return Ok(());
         };
-        // A form with one layer is read as both; one of one texture a layer has no second.
+        // A form with one layer is read as both layers. A form with one texture per layer has no second
+        // texture.
         let (averted, second) = (views.len() / 2, usize::from(views.len() > 2));
         let groups = [0, 1].map(|source: usize| {
             let texture = |binding, view| wgpu::BindGroupEntry {
@@ -153,7 +154,8 @@ impl SumTextures {
     }
 }
 
-/// Counts pixels whose bytes ran full, and brings the count back some frames later without waiting.
+/// Counts pixels whose bytes ran full, and reads the count back some frames later without waiting for the
+/// GPU.
 #[derive(Debug)]
 pub struct OverflowReport {
     counter: wgpu::Buffer,
@@ -201,7 +203,7 @@ impl OverflowReport {
             .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Records the copy of the frame's count, if the last one was read, and begins to count anew.
+    /// Records the copy of the frame's count, if the last copy was read, and restarts the count.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut state = self.state();
         if *state == State::Idle {
@@ -211,7 +213,8 @@ impl OverflowReport {
         }
     }
 
-    /// The count of an earlier frame, when it has arrived. Before the frame is recorded, once a frame.
+    /// Returns the count of an earlier frame when it has arrived. Call it once a frame, before the frame is
+    /// recorded.
     pub fn take(&self) -> Option<u32> {
         let mut state = self.state();
         match *state {

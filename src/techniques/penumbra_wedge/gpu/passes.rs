@@ -84,7 +84,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Draws one group into the sums; the pass has its scissor.
+    /// Draws one group into the sums. The pass has its scissor already.
     fn record_group(
         &self,
         pass: &mut wgpu::RenderPass,

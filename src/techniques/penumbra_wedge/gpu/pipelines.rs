@@ -7,12 +7,14 @@ use crate::render::frame::targets::{MASK_FORMAT, RADIANCE_FORMAT};
 use crate::render::gpu::pipeline_cache::{ADD, EVERYWHERE, PipelineDesc, Stage};
 use crate::render::nodes::pipelines::front_face;
 
-/// What a draw draws.
+/// The part of wedges or hard shadows that a draw covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The casters' own triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers).
+    /// Cap triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers), on
+    /// the caster.
     NearCap(u8),
-    /// The same at infinity.
+    /// Cap triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers),
+    /// pushed to infinity.
     FarCap(u8),
     /// Back faces of shells, wherever the surface is.
     ShellEverywhere,
@@ -22,7 +24,7 @@ pub enum Part {
     Separator,
     /// Sides of the hard shadow.
     HardSide,
-    /// Marks what lies before a half, for section 4.4.
+    /// Marks the pixels behind which the front of a half lies, for section 4.4.
     Mark,
     /// Back faces of an outer half, where it is not marked.
     OuterHalf,
@@ -32,33 +34,33 @@ pub enum Part {
     Show,
 }
 
-/// Everything that tells two pipelines of these passes apart.
+/// Everything that distinguishes two pipelines of these passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Stages and states.
+    /// The part that is drawn, which chooses stages and states.
     pub part: Part,
-    /// Targets.
+    /// Form of the targets.
     pub form: Form,
-    /// The light is a sphere.
+    /// Whether the light is a sphere.
     pub is_sphere: bool,
-    /// Angles and areas come from tables.
+    /// Whether angles and areas come from tables.
     pub looks_up: bool,
-    /// Faces before the surface count, not those behind it.
+    /// Whether faces in front of the surface count instead of those behind it.
     pub towards: bool,
-    /// The view mirrors.
+    /// Whether the view mirrors.
     pub mirrored: bool,
 }
 
-/// Everything that tells two pipelines of the resolve apart.
+/// Everything that distinguishes two pipelines of the resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResolveKey {
-    /// What is read.
+    /// Form of the sums that are read.
     pub form: Form,
-    /// The light is a sphere.
+    /// Whether the light is a sphere.
     pub is_sphere: bool,
-    /// Writes the combined coverage rather than the mask.
+    /// Whether it writes the combined coverage instead of the mask.
     pub combines: bool,
-    /// Reads the combined coverage.
+    /// Whether it reads the combined coverage.
     pub is_combined: bool,
 }
 
@@ -207,9 +209,9 @@ pub fn describe_resolve(
     .with_target(format, blend, wgpu::ColorWrites::ALL)
 }
 
-/// Draws look at pixels in bounds. Section 4.4: fronts of a half that lie behind the surface mark it, backs are shaded
-/// where nothing is marked, and take the mark away where something is. The paper marks with what lies before the
-/// surface; marking with what lies behind it stays right when the eye is inside of the wedge.
+/// Every draw tests the in-bounds bit. Section 4.4: fronts of a half that are behind the surface mark it.
+/// Backs are shaded where nothing is marked, and clear the mark elsewhere. The paper marks what is in front
+/// of the surface; marking what is behind it stays right when the eye is inside the wedge.
 fn stencil(part: Part) -> wgpu::StencilState {
     use wgpu::StencilOperation::{IncrementClamp, Keep, Zero};
     let (fail_op, pass_op, write_mask, read_mask) = match part {

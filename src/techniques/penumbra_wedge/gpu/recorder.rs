@@ -1,12 +1,14 @@
-//! Leaves the visibility mask of one light: for every part of it the sums of hard shadow and coverage, then their share.
+//! Leaves the visibility mask of one light: for each part, the sums of hard shadow and coverage, weighted by
+//! its share.
 //!
 //! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
 //! Groups  0 view, 1 receiver, 2 wedges; the resolve also 3 sums
 //! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
-//! Faces behind the surface count, so the camera may stand in shadows and wedges; of casters that surely shadow no part
-//! of the viewport it is the faces before the surface, which are fewer and need no caps.
+//! Faces behind the surface count, so the camera may be inside shadows and wedges. For casters that certainly
+//! shadow no part of the viewport, the faces in front of the surface count instead; they are fewer and need
+//! no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 
 use std::sync::Arc;
@@ -34,10 +36,7 @@ use crate::techniques::penumbra_wedge::overflow::WedgeOverflow;
 use crate::techniques::penumbra_wedge::tables::table_buffer::Tables;
 use crate::techniques::penumbra_wedge::wedges::{Group, LightWedges, PenumbraWedges};
 
-/// Name of the technique.
-pub const NAME: &str = "penumbra_wedge";
-
-/// What all views share.
+/// The parts of the recorder that all views of a device share.
 #[derive(Debug)]
 pub(in crate::techniques::penumbra_wedge) struct LongLived {
     /// The layout of group 2.
@@ -140,7 +139,7 @@ impl PenumbraWedgeNode {
         Some(&self.plans[at])
     }
 
-    /// Draw calls of the caps of a group.
+    /// Returns the number of draw calls of a group's caps.
     fn cap_draw_count(&self, group: &Group) -> usize {
         let draws = self.cap_draws[group.casters.clone()].iter();
         draws
@@ -152,7 +151,8 @@ impl PenumbraWedgeNode {
             .sum()
     }
 
-    /// Textures need sums by colour, for which there are no bytes.
+    /// Returns the form of a light's sums. A textured light needs sums by colour, for which there are no byte
+    /// formats.
     fn form(&self, light: &LightWedges) -> Form {
         if light.texture.is_some() {
             return if self.blends_floats {
@@ -204,7 +204,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Pipelines that a light needs.
+    /// Requests the pipelines that a light needs.
     fn require(&mut self, gpu: &Gpu, plan: &LightPlan, debug: bool) -> Result<(), RenderError> {
         let wedges = &self.long_lived.wedge_layout;
         let mirrored = self.mirrored;
@@ -272,17 +272,9 @@ impl Resolve for PenumbraWedgeNode {
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
         self.record_mask(light, encoder, input);
     }
-
-    fn reads_planes(&self) -> bool {
-        true
-    }
 }
 
 impl Recorder for PenumbraWedgeNode {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.plans.clear();
         self.parts.clear();
@@ -303,7 +295,7 @@ impl Recorder for PenumbraWedgeNode {
         if wedges.lights.is_empty() {
             return Ok(());
         }
-        // Wedges are drawn from as many bindings as they need; their casters from one.
+        // Wedges are drawn from as many bindings as they need, but their casters from one.
         let limit = input.context.device.limits().max_storage_buffer_binding_size;
         let needed = size_of_val(&wedges.caster_records[..]) as u64;
         if needed > limit {

@@ -1,4 +1,4 @@
-//! Tables that coverage is looked up in: of angles, of sectors, of textured lights.
+//! Tables from which coverage is looked up: angles, sectors, and textured lights.
 
 pub(crate) mod lookup;
 #[cfg(feature = "render")]

@@ -7,26 +7,26 @@ use crate::render::gpu::pipeline_cache::{ADD, PipelineDesc, Stage};
 use crate::render::gpu::stencil_only::without_color;
 use crate::render::nodes::pipelines::front_face;
 
-/// Which part of a volume a draw draws; the vertex stage.
+/// The part of a volume that a draw covers, which chooses the vertex stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// Between a silhouette edge and the same edge pushed away from the light.
+    /// Quads between a silhouette edge and the same edge pushed away from the light.
     Side,
     /// The caster's own triangles.
     NearCap,
-    /// The same, pushed away from the light.
+    /// The caster's own triangles, pushed away from the light.
     FarCap,
 }
 
-/// Everything that tells two pipelines of this pass apart.
+/// Everything that distinguishes two pipelines of this pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
-    /// Chooses the vertex stage.
+    /// The part that is drawn, which chooses the vertex stage.
     pub part: Part,
-    /// Counted towards the viewer.
+    /// Whether the volume is counted towards the viewer.
     pub depth_pass: bool,
-    /// The part's outward faces wind clockwise on the screen: the view and the caster mirror, or the triangles are those
-    /// that face away from the outside.
+    /// Whether the part's outward faces wind clockwise on the screen. They do if view or caster mirrors, but
+    /// not both, and the other way round for triangles that are wound inward.
     pub clockwise: bool,
 }
 
@@ -94,14 +94,14 @@ pub fn describe(gpu: &Gpu, casters: &wgpu::BindGroupLayout, key: Key, purpose: P
     }
 }
 
-/// Every face of a volume lies farther from the viewer than it should by as much as the rasterizer's rounding: half a step
-/// of a grid of 1/256 pixel, to which vertices snap, and one unit of depth.
+/// Pushes every face of a volume farther from the viewer by as much as the rasterizer rounds: half a step of
+/// the grid of 1/256 pixel to which vertices snap, and one unit of depth.
 ///
-/// Where two faces meet in an edge that lies on a surface, rounding may put one before the surface and the other behind it,
-/// and the volume counts −1 there, which takes away another volume's shadow. A face at the same depth as a surface counts as
-/// behind it; so does now, with all others, a face that is there but for rounding. What remains are shadows that are
-/// displaced by 1/512 pixel. Over the models of the tests, of 39, 7 had a pixel off the edges that was wrong, and 3 have
-/// with it; 1/128 was worse at edges, 1/2048 did not suffice.
+/// Where two faces meet in an edge on a surface, rounding may put one in front of the surface and the other
+/// behind it. The volume then counts −1 there, which cancels another volume's shadow. A face at the depth of
+/// a surface counts as behind it; with this bias, so does a face that differs from it only by rounding. The
+/// cost is that shadows move by 1/512 pixel. Of the 39 models of the tests, 7 had a wrong pixel off the edges
+/// without it and 3 have with it. 1/128 was worse at edges; 1/2048 was not enough.
 const ALL_FARTHER: wgpu::DepthBiasState = wgpu::DepthBiasState {
     constant: -1,
     slope_scale: -1.0 / 512.0,

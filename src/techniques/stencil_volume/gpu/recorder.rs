@@ -5,11 +5,11 @@
 //! Reads   depth, the in-bounds bit.  Writes  the stencil's count only: no colour, no depth
 //! Order   after `light_begin`, before `light_accumulate` of the same light
 //!
-//! Depth-fail: faces that do not pass the depth test count, front −1, back +1; so what lies behind the surface is
-//! counted, and the camera may be inside a volume. Depth-pass: faces that pass count, front +1, back −1. Both wrap, so
-//! order is free, and casters of either kind mix. A face exactly on the surface does not pass: caps that coincide with
-//! the surface of an open caster count as behind it. Depth is reversed: far caps at infinity land on 0, the clear value,
-//! and do not pass either, as they must.
+//! Depth-fail counts the faces that fail the depth test, front −1 and back +1. So it counts what is behind
+//! the surface, and the camera may be inside a volume. Depth-pass counts the faces that pass, front +1 and
+//! back −1. Both wrap, so order does not matter and casters of either kind mix. A face exactly on the surface
+//! does not pass: caps that coincide with the surface of an open caster count as behind it. Depth is
+//! reversed: far caps at infinity have depth 0, the clear value, and do not pass either, as they must.
 //! Source: Everitt & Kilgard 2002, "Practical and Robust Stenciled Shadow Volumes"; McGuire 2004, GPU Gems ch. 9.
 
 use std::sync::Arc;
@@ -31,22 +31,19 @@ use crate::techniques::shared::extrude::TO_INFINITY;
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::volumes::{CasterVolume, StencilVolumes};
 
-/// Name of the technique.
-pub const NAME: &str = "stencil_volume";
-
-/// One draw call: materials do not split it, and casters of one mesh that see the light alike share it.
+/// One draw call. Materials do not split it, and casters of one mesh with equal silhouettes share it.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.2.2, for batches of shadows apart from those of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Draw {
     key: Key,
     mesh: u32,
-    /// Light and far ends are at infinity, and so the far ends of a side are one point.
+    /// True if light and far ends are at infinity, where the far ends of a side are one point.
     is_directional: bool,
     /// First index of a cap in the pool; 0 for sides.
     first: u32,
-    /// Indices of a cap, or sides.
+    /// Number of cap indices, or of sides.
     count: u32,
-    /// First of the casters.
+    /// Index of the first caster.
     caster: u32,
     caster_count: u32,
 }
@@ -97,7 +94,8 @@ pub struct StencilVolumeNode {
     order: Vec<(Likeness, usize)>,
 }
 
-/// Casters alike in this have the same silhouette: the mesh, and the light in its space, bit for bit.
+/// Casters for which this is equal have the same silhouette: the mesh, the light in its space bit for bit,
+/// and the cap mode.
 type Likeness = (u32, [u32; 4], bool);
 
 impl StencilVolumeNode {
@@ -160,7 +158,7 @@ impl StencilVolumeNode {
             let Some(mesh) = input.meshes.get(draw.mesh) else {
                 continue;
             };
-            // For caps too, which do not read it: all parts share a layout.
+            // Caps get it too, although they do not read it, because all parts share a layout.
             pass.set_bind_group(3, &mesh.positions_group, &[]);
             let is_quads = draw.key.part == Part::Side && !draw.is_directional;
             if has_quads != is_quads {
@@ -182,7 +180,7 @@ impl StencilVolumeNode {
         }
     }
 
-    /// Appends the draws of a light's casters, those with equal silhouettes one behind the other.
+    /// Appends the draws of a light's casters; those with equal silhouettes are adjacent.
     fn push_light(&mut self, volumes: &[CasterVolume], known: &LightSilhouettes, input: &PrepareInput) {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
@@ -211,7 +209,7 @@ impl StencilVolumeNode {
         self.join_draws(first);
     }
 
-    /// Makes one draw of those that differ in their casters alone, where these follow each other.
+    /// Joins consecutive draws that differ only in their casters.
     fn join_draws(&mut self, first: usize) {
         let mut end = first;
         for at in first..self.draws.len() {
@@ -282,7 +280,7 @@ impl StencilVolumeNode {
             push(Part::NearCap, !mirrored, away, away_count);
         }
         if volume.far_cap {
-            // The same triangles seen from the other end.
+            // The far cap has the near cap's triangles, seen from the other side.
             push(Part::FarCap, !mirrored, pooled.first_cap, pooled.caps_away_start);
             push(Part::FarCap, mirrored, away, away_count);
         }
@@ -310,10 +308,6 @@ impl Mark for StencilVolumeNode {
 }
 
 impl Recorder for StencilVolumeNode {
-    fn name(&self) -> &'static str {
-        NAME
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.draws.clear();
         self.lights.clear();

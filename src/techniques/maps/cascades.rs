@@ -1,35 +1,36 @@
-//! The boxes that a directional light's maps show: one for each part of the view depth, fitted to it, and standing still
-//! while the view turns or moves a little.
+//! The boxes that a directional light's maps show. Each is fitted to a part of the view depth and stands
+//! still while the view turns or moves a little.
 //!
-//! A part is bounded by a ball, whose size does not change as the view turns; its centre moves in steps of whole texels,
-//! so that edges do not swim. The steps are larger than a texel, and the boxes larger than the balls by as much: in
-//! between nothing changes, and a kept map stays as it is.
-//! Source: Valient 2008, "Stable Rendering of Cascaded Shadow Maps" (ShaderX6); Zhang et al. 2006, "Parallel-Split Shadow
-//! Maps for Large-scale Virtual Environments".
+//! A ball bounds each part; its size does not change as the view turns. Its centre moves in steps of whole
+//! texels, so edges do not swim. The steps are larger than a texel, and the boxes are larger than the balls
+//! by as much. Between two steps nothing changes and a kept map stays valid.
+//! Source: Valient 2008, "Stable Rendering of Cascaded Shadow Maps" (ShaderX6); Zhang et al. 2006,
+//! "Parallel-Split Shadow Maps for Large-scale Virtual Environments".
 
 use glam::DVec3;
 
-use super::component::Cascades;
+use super::face::{FaceProjection, MapFace};
+use super::settings::Cascades;
 use crate::sets::ViewData;
-use crate::techniques::maps::{FaceProjection, MapFace};
 
-/// Share of a ball's radius by which its box is larger.
+/// Margin between a ball and its box, as a share of the ball's radius.
 const MARGIN: f64 = 1.0 / 16.0;
 
-/// Steps of depth, a box's half side each: so far a box may reach to the light further than its casters.
+/// Step in depth, as a share of the box's half side. A box may reach this much further to the light than its
+/// casters.
 const DEPTH_STEP: f64 = 0.5;
 
-/// Most cascades of a light.
+/// Largest number of cascades of a light.
 pub const MOST_CASCADES: u32 = 4;
 
-/// View depths between which each cascade fits, nearest first; `count + 1` of them.
+/// Returns the view depths between which the cascades lie, nearest first; `count + 1` of them.
 ///
 /// `far` is rounded up to a quarter of a power of two, so that it does not follow every move.
 pub fn split_depths(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
     let far = far.max(near * 1.001);
     let far = ((far.log2() * 4.0).ceil() / 4.0).exp2();
     let count = f64::from(cascades.count);
-    // A near plane at a millimetre would take all cascades for the first metre.
+    // Without this bound, a near plane at a millimetre would spend all cascades on the first metre.
     let first = near.max(far / 256.0);
     std::array::from_fn(|i| {
         if i == 0 {
@@ -42,20 +43,21 @@ pub fn split_depths(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASC
     })
 }
 
-/// The same in an orthographic view, whose pixels are as large everywhere: alike, and the length rounded up.
+/// Does what [`split_depths`] does for an orthographic view, whose pixels are equally large everywhere. All
+/// cascades have the same depth, and their total depth is rounded up.
 pub fn even_splits(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
     let length = (((far - near).max(1e-3).log2() * 4.0).ceil() / 4.0).exp2();
     std::array::from_fn(|i| near + length * (i as f64 / f64::from(cascades.count)).min(1.0))
 }
 
-/// Centre and radius of the smallest ball around the part of the view between two depths.
+/// Returns centre and radius of the smallest ball around the part of the view between two depths.
 pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
     let shape = view.frustum.shape();
     let forward = shape.forward.normalize();
-    // A rotation in f32 is of unit length but for rounding, and a ball must not change with that.
+    // The length of a rotated axis differs from 1 by rounding in `f32`; the ball must not change with that.
     let length = |axis: DVec3| (axis.length() * 1e5).round() * 1e-5;
     let scale = length(shape.forward);
-    // Off-centre by what jitters, the ball stays the same.
+    // A projection that is off-centre by jitter leaves the ball unchanged.
     let off_center = |center: f64| 1.0 + (center.abs() * 64.0).ceil() / 64.0;
     let (right, up) = (
         shape.half_right * off_center(shape.center.x) * length(shape.right) / scale,
@@ -74,8 +76,10 @@ pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
     (shape.eye + forward * middle, radius_sq.sqrt())
 }
 
-/// The box of one part; `nearest_caster` gives the smallest distance along the light's direction from the given point, of
-/// what may cast into a box, if there is anything.
+/// Fits the box of one part of the view depth.
+///
+/// `nearest_caster` returns the smallest distance, along the light's direction, of the casters in a box, or
+/// `None` if there are none.
 pub fn fit(
     view: &ViewData,
     towards: DVec3,
@@ -92,7 +96,7 @@ pub fn fit(
     let snap = |axis: DVec3, step: f64| axis * ((axis.dot(center) / step).round() * step);
     let depth_step = half * DEPTH_STEP;
     let snapped = snap(x, step) + snap(y, step) + snap(z, depth_step);
-    // All of the ball, and half a step of depth.
+    // The box contains the ball and half a step of depth.
     let behind = half + 0.5 * depth_step;
     let everything = 1e12;
     let mut face = MapFace {
