@@ -67,24 +67,6 @@ impl Plugin for AntumbraPlugin {
     }
 }
 
-impl AddTechnique for App {
-    /// In an app of Bevy's, lights of Bevy's with the component get their shadows from us; before the first frame.
-    fn add_technique<T: Technique>(&mut self) -> &mut Self {
-        #[cfg(feature = "bevy")]
-        if crate::bevy_adapter::techniques::add_technique::<T>(self) {
-            return self;
-        }
-        let mut schedule = self
-            .world_mut()
-            .resource_mut::<Schedules>()
-            .remove(PostUpdate)
-            .unwrap_or_else(|| Schedule::new(PostUpdate));
-        add_row(Row::of::<T>(), self.world_mut(), &mut schedule);
-        self.world_mut().resource_mut::<Schedules>().insert(schedule);
-        self
-    }
-}
-
 /// Adds the systems of the core. They run unless a renderer of Bevy's turns up before the app is finished.
 fn add_core(app: &mut App) {
     if !app.is_plugin_added::<TransformPlugin>() {
@@ -104,7 +86,7 @@ fn add_core(app: &mut App) {
         schedule.configure_sets(AntumbraSystems::UpdateBounds.after(TransformSystems::Propagate));
         #[cfg(feature = "bevy")]
         for set in AntumbraSystems::ALL {
-            let installed = resource_exists::<crate::bevy_adapter::install::Installed>;
+            let installed = resource_exists::<crate::bevy_adapter::systems::Installed>;
             schedule.configure_sets(set.run_if(not(installed)));
         }
     });
@@ -134,4 +116,22 @@ fn transform_schedule() -> Schedule {
 
 fn propagate_transforms(world: &mut World) {
     world.run_schedule(PropagateTransforms);
+}
+
+impl AddTechnique for App {
+    /// In an app of Bevy's, lights of Bevy's with the component get their shadows from us; before the first frame.
+    fn add_technique<T: Technique>(&mut self) -> &mut Self {
+        #[cfg(feature = "bevy")]
+        if crate::bevy_adapter::techniques::add_technique::<T>(self) {
+            return self;
+        }
+        let mut schedule = self
+            .world_mut()
+            .resource_mut::<Schedules>()
+            .remove(PostUpdate)
+            .unwrap_or_else(|| Schedule::new(PostUpdate));
+        add_row(Row::of::<T>(), self.world_mut(), &mut schedule);
+        self.world_mut().resource_mut::<Schedules>().insert(schedule);
+        self
+    }
 }

@@ -11,7 +11,9 @@ use crate::reports::Reports;
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
 use crate::sets::SeenInto;
+use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
+use crate::silhouettes::report::{RefusedCasters, report_casters};
 use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
@@ -27,7 +29,7 @@ pub enum AntumbraSystems {
     BuildSilhouettes,
     /// After this set every technique has its geometry on the CPU.
     BuildTechniques,
-    /// After this set the GPU holds all that the frame draws.
+    /// After this set the GPU holds all that the frame draws, and [`Reports`] holds all that is wrong with it.
     PrepareGpu,
 }
 
@@ -164,8 +166,11 @@ pub fn add_systems(schedule: &mut Schedule) {
                 .in_set(prepare),
         );
     }
-    schedule.add_systems(collect_reports.after(prepare));
-    schedule.add_systems(begin_times.before(update));
+    let collect = collect_reports.after(sets::fit_view_depth).in_set(prepare);
+    #[cfg(feature = "render")]
+    let collect = collect.after(crate::render::frame::prepare::prepare_draws);
+    schedule.add_systems(collect);
+    schedule.add_systems(begin_times.after(TransformSystems::Propagate).before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
         let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
         let system = stamp.after(set);
@@ -176,11 +181,20 @@ pub fn add_systems(schedule: &mut Schedule) {
     }
 }
 
-/// Collects everything that is wrong in this frame. Exclusive: each source is asked for what it refused.
-fn collect_reports(world: &mut World) {
-    let mut reports = std::mem::take(&mut *world.resource_mut::<Reports>());
-    report_techniques(world, &mut reports);
-    *world.resource_mut::<Reports>() = reports;
+/// Collects everything that is wrong in this frame.
+///
+/// Set: `PrepareGpu`, last. Exclusive: each source is asked for what it refused. In a frame that changes nothing it
+/// allocates nothing and compares a message for each report.
+pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
+    world.resource_scope(|world, mut reports: Mut<Reports>| {
+        let reports = reports.bypass_change_detection();
+        report_sets(world, reports);
+        casters.update_archetypes(world);
+        report_casters(world, casters, reports);
+        report_techniques(world, reports);
+        #[cfg(feature = "render")]
+        crate::render::report::report_renderer(world, reports);
+    });
 }
 
 fn begin_times(mut times: ResMut<SetTimes>) {

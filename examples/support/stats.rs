@@ -1,11 +1,12 @@
 //! `stats.json`: what a frame was made of.
 
 use antumbra::prelude::*;
+use antumbra::reports::{Report, Reports};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
 use antumbra::techniques::{Statistic, Statistics, Techniques};
-use bevy_ecs::prelude::World;
+use bevy_ecs::prelude::{Name, World};
 use serde_json::{Map, Value, json};
 
 use super::stage::{Rendered, Stage};
@@ -97,6 +98,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         "F": world.resource::<FrustumSet>().set.count_ones(..),
         "V": world.resource::<VisibleSet>().set.count_ones(..),
         "lights": lights,
+        "reports": world.resource::<Reports>().iter().map(|report| report_stats(stage, report)).collect::<Vec<_>>(),
         "batches": {
             "ambient": batches.ambient,
             "shadow": batches.shadow,
@@ -128,6 +130,36 @@ fn json_of(value: &Statistic) -> Value {
         Statistic::List(values) => values.iter().map(json_of).collect(),
         Statistic::Group(values) => with_statistics(json!({}), values),
     }
+}
+
+fn report_stats(stage: &Stage, report: &Report) -> Value {
+    json!({
+        "topic": report.topic,
+        "entity": subject(stage, report),
+        "message": report.message,
+    })
+}
+
+/// What a report is about: the name of the entity, its number among the stage's lights, or its index.
+fn subject(stage: &Stage, report: &Report) -> Option<String> {
+    let entity = report.entity?;
+    let light = stage.lights.iter().position(|light| *light == entity);
+    let name = stage.world.get::<Name>(entity);
+    Some(match (light, name) {
+        (_, Some(name)) => name.to_string(),
+        (Some(light), None) => format!("light {light}"),
+        (None, None) => format!("entity {entity}"),
+    })
+}
+
+/// Prints each report that is new to stderr, on a line of its own that begins with `what` was drawn.
+pub fn print_new_reports(what: &str, stage: &mut Stage) {
+    let mut reports = std::mem::take(&mut *stage.world.resource_mut::<Reports>());
+    for report in reports.drain_new() {
+        let subject = subject(stage, report).map_or_else(String::new, |subject| format!("{subject}: "));
+        eprintln!("{what}: {subject}{}", report.message);
+    }
+    stage.world.insert_resource(reports);
 }
 
 fn skip_reason(world: &World, light: bevy_ecs::prelude::Entity) -> String {

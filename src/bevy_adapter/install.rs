@@ -7,7 +7,7 @@ use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
-use bevy::pbr::deferred::{deferred_lighting, prepare_deferred_lighting_pipelines};
+use bevy::pbr::deferred::{DeferredLightingLayout, deferred_lighting, prepare_deferred_lighting_pipelines};
 use bevy::pbr::{
     MeshPipelineSystems, PbrPlugin, queue_material_meshes, queue_prepass_material_meshes,
     screen_space_reflections,
@@ -25,19 +25,17 @@ use super::pass::light_view;
 use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
 use super::refused::RefusedMeshes;
+use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
-use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-use super::techniques::{Reflected, TechniqueComponents, TouchedLights, add_waiting};
+use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
+use super::techniques::{Reflected, TechniqueComponents, add_waiting};
+use crate::reports::Reports;
 use crate::scene::LightSelection;
 use crate::techniques::add_builtin;
-
-/// The app has Bevy's renderer, and the adapter is in it: nothing of the core runs in the main world.
-#[derive(Resource)]
-pub struct Installed;
 
 /// What the adapter adds to an app whether or not there is a renderer in it.
 pub fn register(app: &mut App) {
@@ -63,6 +61,7 @@ pub fn install(app: &mut App) -> bool {
     app.insert_resource(Installed)
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
+        .init_resource::<Reports>()
         .init_resource::<TechniqueComponents>()
         .add_observer(put_back::<DepthPrepass>)
         .add_observer(put_back::<DeferredPrepass>)
@@ -89,7 +88,7 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
         .init_resource::<DeferredViews>()
-        .init_resource::<TouchedLights>()
+        .init_resource::<LightlessTechniques>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
@@ -101,6 +100,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             ExtractSchedule,
             (
+                publish_reports.before(AntumbraExtractSystems::Collect),
                 (
                     sync_cameras,
                     collect_surfaces,
@@ -125,6 +125,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             Render,
             prepare_views
+                .run_if(resource_exists::<DeferredLightingLayout>) // a game may do without
                 .in_set(RenderSystems::PrepareResources)
                 .in_set(AntumbraRenderSystems::Prepare)
                 .before(prepare_deferred_lighting_pipelines),

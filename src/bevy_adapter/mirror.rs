@@ -174,6 +174,11 @@ pub struct Mirrors {
 }
 
 impl Mirrors {
+    /// All of them, each with its camera in the game.
+    pub fn iter(&self) -> impl Iterator<Item = (Entity, &Mirror)> {
+        self.entries.iter().map(|(camera, mirror)| (*camera, mirror))
+    }
+
     /// All of them.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Mirror> {
         self.entries.iter_mut().map(|(_, mirror)| mirror)

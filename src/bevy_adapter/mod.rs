@@ -53,6 +53,7 @@
 //! | `install`, `systems`, `settings` | registration and order |
 //! | `camera`, `camera_warnings` | the marker, what it brings and takes back; warnings |
 //! | `deferral`, `deferred_views` | which materials are deferred for marked cameras, and their queues |
+//! | `report` | what is wrong, in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
 //! | `surfaces` | which objects one looks through |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera |
@@ -75,6 +76,7 @@ pub mod prelude;
 pub(crate) mod prepare;
 pub(crate) mod projection;
 pub(crate) mod refused;
+pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod surfaces;
 pub(crate) mod sync;

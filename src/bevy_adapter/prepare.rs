@@ -136,7 +136,7 @@ fn prepare_view(
     gpu: &mut DrawnWith,
     lights: &BevyLights,
 ) -> Option<AntumbraView> {
-    if mirror.view.failed {
+    if mirror.view.failed.is_some() {
         return None; // it would fail again
     }
     let size = camera.physical_viewport_size?;
@@ -145,10 +145,9 @@ fn prepare_view(
         .viewport
         .as_ref()
         .map_or(UVec2::ZERO, |viewport| viewport.physical_position);
-    let Some(projection) = projection_of(&view.clip_from_view, jitter, size) else {
-        mirror.view.warn_of_projection();
-        return None;
-    };
+    let projection = projection_of(&view.clip_from_view, jitter, size);
+    mirror.view.odd_projection = projection.is_none() && size.min_element() > 0;
+    let projection = projection?;
     let base = gpu.pipelines.base(&gpu.cache, &gpu.bevy, key);
 
     if !mirror.world.contains_resource::<Renderer>() {
@@ -156,7 +155,7 @@ fn prepare_view(
         let made = gpu.resident().and_then(Renderer::on);
         match made {
             Ok(renderer) => mirror.world.insert_resource(renderer),
-            Err(error) => return mirror.view.fail(&error),
+            Err(error) => return mirror.view.fail(error),
         }
     }
     let mut place = mirror.world.entity_mut(mirror.camera);
@@ -178,14 +177,12 @@ fn prepare_view(
         clip_from_view: projection.clip_from_view,
     };
     if let Err(error) = renderer.set_host(Some(host)) {
-        return mirror.view.fail(&error);
+        return mirror.view.fail(error);
     }
     let depth_stencil = renderer.context().depth_stencil_format();
     mirror.run();
-    if let Some(error) = mirror.world.resource_mut::<Renderer>().take_failure() {
-        // Of this frame, perhaps: the next may be smaller.
-        mirror.view.warn_of_failure(&error);
-        return None;
+    if mirror.world.resource::<Renderer>().failure().is_some() {
+        return None; // reported by the mirror; of this frame, perhaps: the next may be smaller
     }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
     is_ready(&gpu.cache, base).then_some(AntumbraView { base })

@@ -9,6 +9,7 @@ use bevy::transform::components::GlobalTransform;
 
 use super::light_convert::{convert_light, selection};
 use super::mirror::{HostLight, Mirror, Mirrors};
+use super::report::LightlessTechniques;
 use super::techniques::TouchedLights;
 use crate::scene::{Light, LightSelection};
 use crate::techniques::Techniques;
@@ -52,6 +53,7 @@ pub(super) fn sync_lights(
     mut mirrors: ResMut<Mirrors>,
     techniques: Res<Techniques>,
     mut touched: ResMut<TouchedLights>,
+    mut lightless: ResMut<LightlessTechniques>,
     changed: Extract<Query<Entity, LightChanged>>,
     all: Extract<
         Query<
@@ -76,6 +78,9 @@ pub(super) fn sync_lights(
     dirty.extend(removed.selection.read());
     dirty.sort_unstable();
     dirty.dedup();
+    for &entity in &*dirty {
+        lightless.look_at(entity, main.get_entity(entity).ok().as_ref(), &techniques);
+    }
     for mirror in mirrors.iter_mut() {
         if mirror.fresh {
             for light in &all {

@@ -29,3 +29,7 @@ pub enum AntumbraRenderSystems {
     /// `Core3d`, in the main pass, after Bevy's deferred lighting: after this set the managed lights shine.
     Light,
 }
+
+/// The app has Bevy's renderer, and the adapter is in it: nothing of the core runs in the main world.
+#[derive(Resource)]
+pub struct Installed;

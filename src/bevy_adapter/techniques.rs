@@ -3,12 +3,15 @@
 use std::any::TypeId;
 
 use bevy::app::App;
+use bevy::app::PostUpdate;
 use bevy::ecs::component::ComponentId;
 use bevy::ecs::prelude::*;
 use bevy::ecs::reflect::AppTypeRegistry;
 use bevy::render::{Extract, ExtractSchedule, RenderApp};
 
 use super::systems::AntumbraExtractSystems;
+use super::systems::Installed;
+use crate::schedule::AntumbraSystems;
 use crate::techniques::{AddTechnique, Technique, Techniques};
 
 /// Lights of the game whose technique was set, changed or taken away in this frame; in the render world.
@@ -20,15 +23,34 @@ pub struct TouchedLights {
     watched: Vec<TypeId>,
 }
 
+/// The components of all techniques; in the main world.
+#[derive(Resource, Default)]
+pub struct TechniqueComponents(pub Vec<ComponentId>);
+
+/// Techniques that were added before the app had a renderer; in the main world.
+#[derive(Resource, Default)]
+struct Waiting(Vec<fn(&mut App) -> bool>);
+
+/// Adds the techniques that waited for a renderer. What they added to the core in the main world does not run.
+pub(super) fn add_waiting(app: &mut App) {
+    let Some(waiting) = app.world_mut().remove_resource::<Waiting>() else {
+        return;
+    };
+    for set in AntumbraSystems::ALL {
+        app.configure_sets(PostUpdate, set.run_if(not(resource_exists::<Installed>)));
+    }
+    for add in waiting.0 {
+        add(app);
+    }
+}
+
 /// Adds a technique to an app with Bevy's renderer: to its list in the render world, from which each camera's mirror takes
-/// it. Without such a renderer the technique waits for one, and this returns `false`.
+/// it. `false` if the app has no such renderer; if it gets one before it is finished, the technique is added then.
 pub fn add_technique<T: Technique>(app: &mut App) -> bool {
     register_type::<T>(app);
     if app.get_sub_app(RenderApp).is_none() {
         let mut waiting = app.world_mut().get_resource_or_init::<Waiting>();
-        waiting.0.push(Box::new(|app| {
-            add_technique::<T>(app);
-        }));
+        waiting.0.push(add_technique::<T>);
         return false;
     }
     let component = app.world_mut().register_component::<T>();
@@ -48,23 +70,6 @@ pub fn add_technique<T: Technique>(app: &mut App) -> bool {
         render_app.add_systems(ExtractSchedule, collect);
     }
     true
-}
-
-/// The components of all techniques; in the main world.
-#[derive(Resource, Default)]
-pub struct TechniqueComponents(pub Vec<ComponentId>);
-
-/// Techniques that were added before the app had a renderer; in the main world.
-#[derive(Resource, Default)]
-struct Waiting(Vec<Box<dyn FnOnce(&mut App) + Send + Sync>>);
-
-/// Adds the techniques that waited for a renderer.
-pub(super) fn add_waiting(app: &mut App) {
-    if let Some(waiting) = app.world_mut().remove_resource::<Waiting>() {
-        for add in waiting.0 {
-            add(app);
-        }
-    }
 }
 
 fn register_type<T: Technique>(app: &mut App) {

@@ -114,10 +114,10 @@ pub struct ViewState {
     pub lights: Uploaded,
     /// Written where the view is drawn, which only reads the mirror.
     pub groups: Mutex<ViewGroups>,
-    /// It cannot be drawn, and never will be on this device.
-    pub failed: bool,
-    warned_of_projection: bool,
-    warned_of_failure: bool,
+    /// Why it cannot be drawn, and never will be on this device.
+    pub failed: Option<RenderError>,
+    /// Whether the view is left to Bevy because it is neither perspective nor orthographic.
+    pub odd_projection: bool,
     /// Whether objects are in view that show no shadows.
     pub unshadowed_in_view: bool,
     /// Kept for their allocations.
@@ -126,24 +126,9 @@ pub struct ViewState {
 }
 
 impl ViewState {
-    /// Gives the view up, says why, and leaves it to Bevy.
-    pub(super) fn fail<T>(&mut self, error: &RenderError) -> Option<T> {
-        tracing::error!("a view has no shadows of ours: {error}");
-        self.failed = true;
+    /// Gives the view up for good, and leaves it to Bevy.
+    pub(super) fn fail<T>(&mut self, error: RenderError) -> Option<T> {
+        self.failed = Some(error);
         None
-    }
-
-    /// Says once why a frame is left to Bevy.
-    pub(super) fn warn_of_failure(&mut self, error: &RenderError) {
-        if !std::mem::replace(&mut self.warned_of_failure, true) {
-            tracing::warn!("a frame has no shadows of ours: {error}");
-        }
-    }
-
-    /// Says once that a view is left to Bevy.
-    pub(super) fn warn_of_projection(&mut self) {
-        if !std::mem::replace(&mut self.warned_of_projection, true) {
-            tracing::warn!("a view that is neither perspective nor orthographic has no shadows of ours");
-        }
     }
 }

@@ -18,6 +18,7 @@ pub(crate) mod pools;
 pub(crate) mod recorder;
 pub(crate) mod recorders;
 pub(crate) mod renderer;
+pub(crate) mod report;
 pub(crate) mod resident;
 pub(crate) mod settings;
 pub(crate) mod shaders;
@@ -36,6 +37,7 @@ pub use gpu::timings::{PassTime, Timings};
 pub use light_function::{LightFunction, MULTIPLY};
 pub use nodes::pipelines::{SURFACE_BUFFERS, VISIBILITY_FORMAT};
 pub use nodes::surfaces::SurfaceResources;
+pub use pools::meshes::OversizedMesh;
 pub use recorder::{
     Leaves, Mark, PictureInput, PrepareInput, Receivers, RecordInput, Recorder, Resolve, ResolveInput,
     ShadowKind,

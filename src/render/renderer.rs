@@ -25,7 +25,7 @@ use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
 use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
-use super::pools::meshes::MeshPool;
+use super::pools::meshes::{MeshPool, OversizedMesh};
 use super::pools::objects::ObjectTable;
 use super::recorder::{Leaves, Recorder};
 use super::recorders::Recorders;
@@ -219,9 +219,9 @@ impl Renderer {
         self.gpu.pipeline_count()
     }
 
-    /// The number of meshes that are not drawn because the device allows no buffer of their size.
-    pub fn oversized_meshes(&self) -> usize {
-        self.meshes.oversized
+    /// Objects that are not drawn because the device allows no buffer of their mesh's size.
+    pub fn oversized_meshes(&self) -> &[OversizedMesh] {
+        &self.meshes.oversized
     }
 
     /// Name of the technique of one light of the frame, `none` without.
@@ -234,6 +234,11 @@ impl Renderer {
         light.shadow.map_or(0, |shadow| {
             self.techniques[shadow.technique.0].batch_count(light.light)
         })
+    }
+
+    /// What went wrong while the frame was prepared, if anything and if nobody took it.
+    pub fn failure(&self) -> Option<&RenderError> {
+        self.failure.as_ref()
     }
 
     /// What went wrong while the frame was prepared, if anything; such a frame draws nothing.

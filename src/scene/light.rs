@@ -85,7 +85,7 @@ impl Default for LightSelection {
 #[non_exhaustive]
 pub enum LightError {
     /// The range is NaN, zero or negative.
-    #[error("range is {0}, it must be greater than 0")]
+    #[error("range is {0} m, it must be greater than 0 m")]
     Range(f32),
     /// The intensity is NaN, negative or infinite.
     #[error("intensity is {0}, it must be finite and at least 0")]
@@ -102,7 +102,7 @@ pub enum LightError {
         outer: f32,
     },
     /// The size of a rectangle or sphere is NaN, negative or infinite.
-    #[error("size is {0}, it must be finite and at least 0")]
+    #[error("size is {0} m, it must be finite and at least 0 m")]
     Size(f32),
     /// The transform is not finite, or gives the light no direction.
     #[error("its transform is not finite or has no direction")]

@@ -35,6 +35,7 @@
 pub(crate) mod index;
 pub(crate) mod light;
 pub(crate) mod occlusion;
+pub(crate) mod report;
 pub(crate) mod view;
 pub(crate) mod work;
 

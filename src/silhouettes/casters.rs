@@ -21,10 +21,13 @@ pub struct CasterMesh {
 
 /// The edge mesh of a caster, written by `build_caster_edges`.
 ///
-/// A caster whose mesh has no edge mesh does not have this component and casts nothing;
-/// [`CasterMeshes::failures`] says why.
+/// A caster whose mesh has no edge mesh does not have this component but a [`RefusedCaster`], and casts nothing.
 #[derive(Component, Clone, Debug)]
 pub struct CasterEdges(pub Arc<CasterMesh>);
+
+/// Why a caster casts nothing. Written by `build_caster_edges`; it stays as long as the entity has the mesh.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct RefusedCaster(pub EdgeMeshError);
 
 /// Planes of a posed caster's triangles in this frame's pose. Written by `update_posed_planes`.
 #[derive(Component, Clone, Debug, Default)]
@@ -35,8 +38,6 @@ pub struct PosedPlanes(pub FacingPlanes);
 pub struct CasterMeshes {
     /// Keyed by the address of the mesh. The weak handle distinguishes a later mesh at the same address.
     by_address: HashMap<usize, (Weak<MeshData>, Arc<CasterMesh>)>,
-    /// Names of meshes that cannot cast, each once, with the reason.
-    pub failures: Vec<(String, EdgeMeshError)>,
 }
 
 impl CasterMesh {
@@ -125,24 +126,24 @@ pub fn build_caster_edges(
     mut commands: Commands,
     mut meshes: ResMut<CasterMeshes>,
     changed: Query<
-        (Entity, &SceneMesh, Option<&PosedMesh>),
+        (Entity, &SceneMesh, Option<&PosedMesh>, Has<RefusedCaster>),
         (With<ShadowCaster>, Or<(Added<ShadowCaster>, Changed<SceneMesh>)>),
     >,
 ) {
-    for (entity, mesh, posed) in &changed {
+    for (entity, mesh, posed, was_refused) in &changed {
         let mut entity = commands.entity(entity);
         match meshes.get_or_build(&mesh.0) {
             Ok(edges) => {
                 entity.insert(CasterEdges(edges));
+                if was_refused {
+                    entity.remove::<RefusedCaster>();
+                }
                 if posed.is_some() {
                     entity.insert(PosedPlanes::default());
                 }
             }
             Err(error) => {
-                entity.remove::<CasterEdges>();
-                if !meshes.failures.iter().any(|(name, _)| *name == mesh.0.name) {
-                    meshes.failures.push((mesh.0.name.clone(), error));
-                }
+                entity.remove::<CasterEdges>().insert(RefusedCaster(error));
             }
         }
     }

@@ -30,12 +30,13 @@ mod edges;
 mod facing;
 mod loops;
 mod planes;
+pub(crate) mod report;
 mod turning;
 
 pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
 pub use caps::{extract_caps, extract_contour};
 pub use caster_shape::{CasterShape, CasterShapeItem};
-pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
+pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCaster};
 pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};

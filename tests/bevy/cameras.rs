@@ -8,6 +8,8 @@ use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::material::OpaqueRendererMethod;
 use bevy::pbr::ExtendedMaterial;
 use bevy::prelude::*;
+use bevy::render::render_resource::{BufferDescriptor, BufferUsages};
+use bevy::render::renderer::RenderDevice;
 use bevy::transform::TransformPlugin;
 
 use antumbra::bevy_adapter::prelude::*;
@@ -167,7 +169,7 @@ fn of_bevy() -> [Picture; 3] {
 #[test]
 fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
     // Ours before Bevy's.
-    let mut app = harness::antumbra_first();
+    let mut app = harness::antumbra_first(|_| ());
     let light = scene(&mut app);
     let world = app.world_mut();
     let with = camera(world, "unmarked 4x", Msaa::Sample4);
@@ -284,6 +286,21 @@ fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
     assert_lines("marked late", &[UNMARKED, MSAA, PREPASS]);
     assert_lines("left", &[MSAA]);
     assert_lines("right", &[UNMARKED]);
+}
+
+#[test]
+#[should_panic(expected = "Validation")]
+fn an_error_of_validation_fails_a_test() {
+    let mut game = Game::start(harness::headless());
+    game.run(1);
+    let device = game.render_world().resource::<RenderDevice>().clone();
+    device.create_buffer(&BufferDescriptor {
+        label: Some("for nothing"),
+        size: 16,
+        usage: BufferUsages::empty(),
+        mapped_at_creation: false,
+    });
+    game.run(1);
 }
 
 #[test]

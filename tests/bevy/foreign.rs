@@ -13,9 +13,11 @@ use veil::Veil;
 
 #[test]
 fn a_technique_of_somebody_else_joins_the_frame() {
-    let mut app = harness::antumbra();
+    // Added before Bevy's plugins, and waiting for them.
+    let mut app = harness::antumbra_first(|app| {
+        app.add_technique::<Veil>();
+    });
     app.insert_resource(GlobalAmbientLight::NONE);
-    app.add_technique::<Veil>();
     let world = app.world_mut();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);

@@ -20,11 +20,12 @@ pub fn headless() -> App {
     complete(frames::app())
 }
 
-/// The same, with ours added before Bevy's.
-pub fn antumbra_first() -> App {
+/// The same, with ours and more added before Bevy's.
+pub fn antumbra_first(more: impl FnOnce(&mut App)) -> App {
     crate::setup::listen();
     let mut app = App::new();
     app.add_plugins(AntumbraPlugin);
+    more(&mut app);
     at_once(complete(frames::with_plugins(app)))
 }
 

@@ -15,6 +15,7 @@ mod harness;
 mod lifetimes;
 mod minimal;
 mod models;
+mod reports;
 mod runs;
 mod scaled;
 mod selection;

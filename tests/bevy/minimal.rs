@@ -104,6 +104,7 @@ fn without_the_marker_the_example_looks_as_bevy_does_and_says_what_is_missing() 
 
 #[test]
 fn the_example_draws_with_its_render_world_on_another_thread() {
+    crate::setup::listen(); // before Bevy's logger does
     let folder = std::env::temp_dir().join(format!("antumbra_bevy_minimal_{}", std::process::id()));
     let file = folder.join("bevy_minimal.png");
     let mut app = example::bevy_headless::headless(file.clone());

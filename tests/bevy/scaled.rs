@@ -3,7 +3,9 @@
 use antumbra::bevy_adapter::prelude::*;
 use antumbra::insides::{prepare_objects, prepare_techniques};
 use antumbra::prelude::Renderer;
+use antumbra::render::{Gpu, NoRecorder, RenderError};
 use antumbra::schedule::AntumbraSystems;
+use antumbra::techniques::{AddTechnique, Needs, Technique};
 use bevy::light::NotShadowReceiver;
 use bevy::prelude::*;
 
@@ -11,24 +13,35 @@ use crate::core_harness::half::Half;
 use crate::harness::{self, Game};
 
 /// Marks games whose lights are halved: a technique that marks no light, and gives each view the function.
-#[derive(Component, Clone, Copy, PartialEq)]
+#[derive(Component, Clone, Copy, Default, PartialEq)]
 struct NoLight;
 
-fn set_up(_: &mut World, schedule: &mut Schedule) {
-    let add = |mut renderer: ResMut<Renderer>| {
-        if !renderer.has_light_functions() {
-            let half = Half::new(renderer.gpu());
-            renderer
-                .add_light_function(Box::new(half))
-                .expect("shaders compose");
-        }
-    };
-    schedule.add_systems(
-        add.run_if(resource_exists::<Renderer>)
-            .after(prepare_objects)
-            .before(prepare_techniques)
-            .in_set(AntumbraSystems::PrepareGpu),
-    );
+impl Technique for NoLight {
+    const NAME: &'static str = "no_light";
+    const NEEDS: Needs = Needs::NOTHING;
+
+    type Recorder = NoRecorder;
+
+    fn recorder(_: &Gpu) -> Result<NoRecorder, RenderError> {
+        Ok(NoRecorder)
+    }
+
+    fn add_systems(schedule: &mut Schedule) {
+        let add = |mut renderer: ResMut<Renderer>| {
+            if !renderer.has_light_functions() {
+                let half = Half::new(renderer.gpu());
+                renderer
+                    .add_light_function(Box::new(half))
+                    .expect("shaders compose");
+            }
+        };
+        schedule.add_systems(
+            add.run_if(resource_exists::<Renderer>)
+                .after(prepare_objects)
+                .before(prepare_techniques)
+                .in_set(AntumbraSystems::PrepareGpu),
+        );
+    }
 }
 
 #[test]
@@ -37,7 +50,7 @@ fn half_of_each_managed_light_is_added() {
         let mut app = harness::antumbra();
         app.insert_resource(GlobalAmbientLight::NONE);
         if halved {
-            app.add_shadow_technique::<NoLight>(set_up);
+            app.add_technique::<NoLight>();
         }
         let world = app.world_mut();
         let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));

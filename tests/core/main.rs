@@ -9,6 +9,7 @@ mod occlusion_harness;
 mod occlusion_never_hides;
 #[cfg(feature = "reference")]
 mod reference;
+mod reports;
 mod schedule_order;
 mod sets_at_scale;
 mod sets_bad_input;

@@ -15,6 +15,7 @@ mod penumbra_wedge;
 mod receivers;
 mod recorder_stages;
 mod reference_match;
+mod reports;
 mod set_sizes;
 mod shader_validation;
 mod simple_scenes;

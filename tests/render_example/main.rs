@@ -8,6 +8,7 @@ mod gltf_builder;
 
 mod errors;
 mod outputs;
+mod reports;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -137,6 +137,17 @@ pub struct FrameData {
 }
 
 impl FrameData {
+    /// Forgets the last frame's draws, and keeps their memory.
+    pub(in crate::render) fn clear(&mut self) {
+        self.batches.clear();
+        self.instances.clear();
+        self.lights.clear();
+        self.dark.clear();
+        self.blended.clear();
+        self.blended_lights.clear();
+        self.ambient = 0..0;
+    }
+
     /// Whether a shadowed light reaches a blended surface.
     pub fn has_front_layer(&self) -> bool {
         self.lights.iter().any(|light| !light.front.is_empty())

@@ -97,13 +97,24 @@ enum Key {
     Posed(Entity),
 }
 
+/// An object that is not drawn because the device allows no buffer of its mesh's size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OversizedMesh {
+    /// The object.
+    pub entity: Entity,
+    /// Size of the buffer that the mesh needs, bytes.
+    pub needed: u64,
+    /// Size of the largest buffer of this use that the device allows, bytes.
+    pub limit: u64,
+}
+
 /// The meshes that one view uses, by index.
 #[derive(Debug, Default)]
 pub struct MeshPool {
     slots: Slots<Key, Arc<GpuMesh>>,
     scratch: Vec<SurfaceVertex>,
-    /// Meshes left out because the device allows no buffer of their size.
-    pub oversized: usize,
+    /// Objects that are not drawn because the device allows no buffer of their mesh's size, in the order of the objects.
+    pub oversized: Vec<OversizedMesh>,
 }
 
 impl MeshPool {
@@ -115,7 +126,7 @@ impl MeshPool {
     /// Begins a count of what is in use.
     pub fn begin(&mut self) {
         self.slots.begin();
-        self.oversized = 0;
+        self.oversized.clear();
     }
 
     /// Frees what was not asked for since [`MeshPool::begin`].
@@ -150,8 +161,16 @@ impl MeshPool {
         let largest = (mesh.positions.len() * size_of::<SurfaceVertex>()).max(mesh.indices.len() * 4) as u64;
         let limits = gpu.context.device.limits();
         let positions = (mesh.positions.len() * 12) as u64;
-        if largest > limits.max_buffer_size || positions > limits.max_storage_buffer_binding_size {
-            self.oversized += 1;
+        let buffers = [
+            (largest, limits.max_buffer_size),
+            (positions, limits.max_storage_buffer_binding_size),
+        ];
+        if let Some(&(needed, limit)) = buffers.iter().find(|(needed, limit)| needed > limit) {
+            self.oversized.push(OversizedMesh {
+                entity,
+                needed,
+                limit,
+            });
             return None;
         }
         let entry = Arc::new(self.upload(gpu, mesh, posed));

@@ -23,8 +23,6 @@ pub struct FrameLights {
     pub lights: Vec<FrameLight>,
     /// All lights that cannot shine now, in ascending order of their entities.
     pub skipped: Vec<SkippedLight>,
-    /// Lights that became unusable in this frame, or are unusable for a new reason. Report these.
-    pub newly_skipped: Vec<SkippedLight>,
     /// Increases when lights were added to or removed from the list, which changes the meaning of indices
     /// into `lights`.
     pub generation: u64,
@@ -283,8 +281,7 @@ type LightItem<'a> = (Entity, &'a Light, &'a GlobalTransform, Option<&'a LightSe
 pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightItem<'static>>) {
     let frame = &mut *frame;
     frame.candidates.clear();
-    frame.newly_skipped.clear();
-    let known = frame.skipped.len();
+    frame.skipped.clear();
     for (entity, light, world_from_light, selection) in &lights {
         match place(light, world_from_light) {
             Ok(placed) => frame.candidates.push(Candidate {
@@ -294,23 +291,10 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
                 selection: selection.copied().unwrap_or_default(),
                 placed,
             }),
-            // The old entries stay in front until all lights are compared with them.
-            Err(error) => {
-                let same = |old: &SkippedLight| {
-                    old.entity == entity
-                        && std::mem::discriminant(&old.error) == std::mem::discriminant(&error)
-                };
-                let skipped = SkippedLight { entity, error };
-                if !frame.skipped[..known].iter().any(same) {
-                    frame.newly_skipped.push(skipped);
-                }
-                frame.skipped.push(skipped);
-            }
+            Err(error) => frame.skipped.push(SkippedLight { entity, error }),
         }
     }
-    frame.skipped.drain(..known);
     frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
-    frame.newly_skipped.sort_unstable_by_key(|skipped| skipped.entity);
     frame
         .candidates
         .sort_unstable_by_key(|candidate| candidate.entity);

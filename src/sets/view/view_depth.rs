@@ -34,13 +34,17 @@ impl DepthReach {
     pub fn farthest(&self) -> f64 {
         f64::from_bits(self.farthest.load(Ordering::Relaxed))
     }
+
+    fn reset(&self) {
+        self.farthest.store(0, Ordering::Relaxed);
+    }
 }
 
 /// Resets [`DepthReach`], as nothing is drawn yet.
 ///
 /// Set: `CollectSets`, first.
 pub fn begin_depth_reach(reach: Res<DepthReach>) {
-    reach.farthest.store(0, Ordering::Relaxed);
+    reach.reset();
 }
 
 /// Sizes an orthographic view's depth range so that it holds everything drawn this frame: visible objects up

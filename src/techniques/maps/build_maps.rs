@@ -36,8 +36,6 @@ pub struct Maps {
     pub lights: Vec<LightMap>,
     /// Lights whose map is less than was asked for; ascending by light.
     pub reports: Vec<MapReport>,
-    /// Reports that the last frame did not have.
-    pub newly_reported: Vec<MapReport>,
     /// Memory of the maps that are kept, bytes.
     pub bytes: u64,
     /// Number of faces of kept maps that are drawn again in this frame.
@@ -48,7 +46,6 @@ pub struct Maps {
     frame: u64,
     revision: u64,
     previous: Vec<LightMap>,
-    previous_reports: Vec<MapReport>,
     wants: Vec<Want>,
     grants: Vec<Grant>,
     order: Vec<usize>,
@@ -79,7 +76,6 @@ impl Maps {
     fn collect_lights(&mut self, lights: &FrameLights, requests: &mut MapRequests) {
         std::mem::swap(&mut self.lights, &mut self.previous);
         self.lights.clear();
-        std::mem::swap(&mut self.reports, &mut self.previous_reports);
         self.reports.clear();
         let mut old = self.previous.drain(..).peekable();
         for (index, request) in requests.drain() {
@@ -148,15 +144,6 @@ impl Maps {
             });
         }
         self.reports.sort_by_key(|report| report.entity);
-        self.newly_reported.clear();
-        for report in &self.reports {
-            let kind = std::mem::discriminant(&report.error);
-            let same =
-                |old: &MapReport| old.entity == report.entity && std::mem::discriminant(&old.error) == kind;
-            if !self.previous_reports.iter().any(same) {
-                self.newly_reported.push(*report);
-            }
-        }
     }
 
     /// Lists the faces whose picture is out of date.

@@ -285,7 +285,7 @@ impl Default for MapSettings {
 pub enum MapError {
     /// The map is larger than [`MapSettings::largest`] or than the device allows. It has the largest size
     /// that is allowed.
-    #[error("resolution {wanted} is beyond the limit {limit}; it is {limit} now")]
+    #[error("resolution {wanted} is beyond the limit of {limit} texels; it is {limit} now")]
     Largest {
         /// Resolution that was asked for, texels.
         wanted: u32,

@@ -54,7 +54,7 @@ pub struct LightPart {
 }
 
 /// An extent below this length counts as none, metres.
-const LEAST_EXTENT: f64 = 1e-6;
+pub const LEAST_EXTENT: f64 = 1e-6;
 
 /// A rectangle without width or height is a line. Its missing side becomes this share of the other.
 const LINE_SHARE: f64 = 1e-3;

@@ -1,5 +1,6 @@
 //! Lights whose numbers cannot shine, and lights in awkward places.
 
+use antumbra::reports::Reports;
 use antumbra::scene::LightError;
 use antumbra::sets::SkippedLight;
 
@@ -133,10 +134,10 @@ fn lights_that_cannot_shine_are_skipped_with_a_reason() {
         };
         assert_eq!(one.entity, entity);
         assert!(expected(&one.error), "{what} gives {:?}", one.error);
-        let newly = |stage: &Stage| stage.world.resource::<FrameLights>().newly_skipped.len();
-        assert_eq!(newly(&stage), 1, "{what} is reported");
+        let newly = |stage: &mut Stage| stage.world.resource_mut::<Reports>().drain_new().count();
+        assert_eq!(newly(&mut stage), 1, "{what} is reported");
         render(&mut stage);
-        assert_eq!(newly(&stage), 0, "{what} is reported once");
+        assert_eq!(newly(&mut stage), 0, "{what} is reported once");
         stage.world.entity_mut(entity).insert(good);
         assert!(!same(&without, &render(&mut stage)), "{what}, repaired, shines");
         assert!(skipped(&stage).is_empty());
