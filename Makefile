@@ -56,8 +56,11 @@ test-lints: ## clippy with all features, with those of a renderer, and on the EC
 test-docs: ## API documentation, no warning allowed
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features --lib --example own_engine
 
+# By parts, for snippets that are no programs are ignored too. What comes first builds the examples, which tests run.
 test-all: ## all tests and doc tests
-	cargo test $(FEATURES) $(ALL_MODELS)
+	cargo test $(FEATURES) --no-run
+	cargo test $(FEATURES) --tests $(ALL_MODELS)
+	cargo test $(FEATURES) --doc
 
 # `make demo` draws all of the gallery; what its pages judge is judged by the tests as well.
 test-examples: ## the examples, every shot file, two pages of the gallery in small

@@ -19,6 +19,7 @@ pub fn game(app: &mut App) {
     app.add_plugins(AntumbraPlugin).add_systems(Startup, setup);
 }
 
+/// Spawns the scene: the marker on the camera, a technique on the light.
 pub fn setup(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,

@@ -29,7 +29,7 @@ fn a_technique_of_somebody_else_joins_the_frame() {
     for (seen, technique) in [(0.25, 0), (0.75, 0), (1.0, 1)] {
         let mut entity = game.world().entity_mut(light);
         match technique {
-            0 => entity.insert(Veil { seen: seen as f32 }),
+            0 => entity.insert(Veil { seen }),
             // Ours in its place.
             _ => entity.remove::<Veil>().insert(StencilVolume::default()),
         };
