@@ -1,77 +1,81 @@
-//! The device, each optional feature that is asked for, and what is lost without it.
+//! The device, the optional features that can be asked of it, and what is lost without each of them.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::UVec2;
 
-/// Why there is no picture.
+/// The reason why there is no picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
     /// No driver offers an adapter.
     #[error("no GPU adapter: {0} (a software Vulkan driver such as Mesa's lavapipe is enough)")]
     NoAdapter(String),
-    /// The adapter refused a device.
+    /// The adapter gave no device.
     #[error("adapter {adapter} gave no device: {reason}")]
     NoDevice {
-        /// The adapter's name.
+        /// The name of the adapter.
         adapter: String,
-        /// What it said.
+        /// The reason that the adapter gave.
         reason: String,
     },
     /// A shader does not compile.
     #[error("shader {name}: {reason}")]
     Shader {
-        /// File of the shader.
+        /// The path of the shader's file.
         name: String,
-        /// Where and why.
+        /// The place and the cause of the error in the shader.
         reason: String,
     },
-    /// The device was lost; make a new [`RenderContext`] and [`Renderer`](super::Renderer).
+    /// The device was lost. Make a new [`RenderContext`] and a new [`Renderer`](super::Renderer).
     #[error("the GPU device was lost")]
     DeviceLost,
-    /// A view outside of its host's targets, or a projection that cannot be inverted.
+    /// The view lies outside of its host's targets, or its projection cannot be inverted.
     #[error(
         "a view of {viewport} pixels at {origin} does not lie in the targets of its host, of {target_size}, or its \
          projection cannot be inverted"
     )]
     HostView {
-        /// Pixels.
+        /// The size of the view, pixels.
         viewport: UVec2,
-        /// Its upper left corner.
+        /// The upper left corner of the view in the targets, pixels.
         origin: UVec2,
-        /// Texels of the host's targets.
+        /// The size of the host's targets, texels.
         target_size: UVec2,
     },
-    /// A result could not be read back.
+    /// A texture or a buffer could not be read back.
     #[error("reading back {what}: {reason}")]
     Readback {
-        /// The texture or buffer.
+        /// The name of the texture or buffer.
         what: String,
-        /// What wgpu said.
+        /// The reason that wgpu gave.
         reason: String,
     },
     /// Something is too large for the device.
     #[error("{what} needs {needed}, the device allows {limit}")]
     Limit {
-        /// What is too large.
+        /// The name of what is too large.
         what: &'static str,
-        /// What it needs, bytes or texels.
+        /// The size that it needs, bytes or texels.
         needed: u64,
-        /// What there is.
+        /// The largest size that the device allows, bytes or texels.
         limit: u64,
     },
 }
 
-/// Which optional features to ask for.
+/// The optional features of the device to ask for. A feature that the adapter lacks is left out without an
+/// error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RequestedFeatures {
-    /// `Depth32FloatStencil8`; without it depth has 24 bits, which is coarser far from the near plane.
+    /// Asks for the format `Depth32FloatStencil8`, true by default. Without it depth has 24 bits: it is
+    /// coarser far from the near plane, and may take less memory.
     pub float_depth: bool,
-    /// Blending into 32-bit floats; without it techniques that sum in floats take a form in bytes.
+    /// Asks for blending into 32-bit floats, true by default. Without it, techniques that sum in floats take
+    /// a form that sums in bytes.
     pub float_blend: bool,
-    /// GPU timers per pass; without them no GPU times are reported.
+    /// Asks for timers of each pass on the GPU. The default is true with the crate's feature `profile`, else
+    /// false. Without timers no GPU times are reported.
     pub timestamps: bool,
 }
 
@@ -86,7 +90,7 @@ impl Default for RequestedFeatures {
 }
 
 impl RequestedFeatures {
-    /// Nothing beyond WebGPU's baseline.
+    /// Asks for nothing beyond WebGPU's baseline.
     pub const BASELINE: Self = Self {
         float_depth: false,
         float_blend: false,
@@ -94,23 +98,26 @@ impl RequestedFeatures {
     };
 }
 
-/// A device and its queue; cheap to clone.
+/// A device and its queue. A clone is cheap and shares them.
 #[derive(Clone, Debug)]
 pub struct RenderContext {
-    /// The device.
+    /// The wgpu device.
     pub device: wgpu::Device,
-    /// Its queue.
+    /// The queue of the device.
     pub queue: wgpu::Queue,
-    /// Name and driver of the adapter, for reports.
+    /// The name and the driver of the adapter, for reports.
     pub adapter: String,
-    /// Texels along the longer axis of a material texture's footprint, 1 to 16. 8 on GPUs, 1 on software adapters,
-    /// where each costs its full price (and where Mesa 22.3's llvmpipe does not return from footprints without end).
+    /// The largest anisotropy of material textures: the number of texels along the longer axis of a texture
+    /// footprint, 1 to 16. Higher values keep textures sharper at grazing angles, and cost more texture
+    /// fetches. The default is 8 on GPUs and 1 on software adapters, where each fetch costs its full price
+    /// (and where Mesa 22.3's llvmpipe does not return from footprints without end).
     pub anisotropy: u16,
     lost: Arc<AtomicBool>,
 }
 
 impl RenderContext {
-    /// A device of its own, without a window. wgpu's environment variables (`WGPU_BACKEND` and so on) are heard.
+    /// Makes a device for this context alone, without a window. The environment variables of wgpu
+    /// (`WGPU_BACKEND` and so on) choose the adapter.
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].
@@ -154,8 +161,8 @@ impl RenderContext {
         Ok(context)
     }
 
-    /// Renders with an engine's own device, and hears of its loss: the device's callback is taken. `adapter` is a name
-    /// for reports.
+    /// Makes a context on the device of an engine. It replaces the device's callback for its loss, to hear of
+    /// the loss itself. `adapter` is a name for reports.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, adapter: String) -> Self {
         let context = Self::hosted(device, queue, adapter);
         let flag = context.lost.clone();
@@ -165,8 +172,8 @@ impl RenderContext {
         context
     }
 
-    /// Renders with the device of an engine that has its own callback for the loss of it, and says
-    /// [`RenderContext::set_lost`] then. `adapter` is a name for reports.
+    /// Makes a context on the device of an engine that keeps its own callback for the device's loss. That
+    /// engine calls [`RenderContext::set_lost`] when the device is lost. `adapter` is a name for reports.
     pub fn hosted(device: wgpu::Device, queue: wgpu::Queue, adapter: String) -> Self {
         Self {
             device,
@@ -177,24 +184,25 @@ impl RenderContext {
         }
     }
 
-    /// Says that the device is gone.
+    /// Marks the device as lost.
     pub fn set_lost(&self) {
         self.lost.store(true, Ordering::Release);
     }
 
-    /// Whether the device is gone; nothing that it held can be used again.
+    /// Returns whether the device is lost. Nothing that a lost device held can be used again.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)
     }
 
-    /// Asks the device whether it is gone; before a frame, as a loss is told only to those who poll. Does not wait.
+    /// Polls the device, and returns whether it is lost. Call it before a frame, because wgpu reports a loss
+    /// only to those who poll. It does not wait.
     pub fn notice_loss(&self) -> bool {
-        // An error says what the flag says.
+        // An error of the poll adds nothing to the flag.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.is_lost()
     }
 
-    /// The combined depth and stencil format: with 32-bit float depth where the device has it.
+    /// The combined format of depth and stencil. It has 32-bit float depth where the device offers it.
     pub fn depth_stencil_format(&self) -> wgpu::TextureFormat {
         if self
             .device

@@ -1,14 +1,15 @@
-//! How a light model joins the frame: a function scales what a light gives at each surface, whatever its technique.
+//! Light functions: how a light model joins the frame. A function scales the radiance that a light gives at
+//! each surface, whatever the light's technique.
 //!
-//! The function is drawn into the mask of the light, by a blend that multiplies. So it works alike in our own frames, in
-//! frames of a host, and in Bevy: whoever adds the light multiplies by the mask.
+//! The function is drawn into the mask of the light, by a blend that multiplies. It works alike in our own
+//! frames, in frames of a host, and in Bevy, because all of them multiply the light by its mask.
 
 use bevy_ecs::prelude::World;
 
 use super::RenderError;
 use super::recorder::{PrepareInput, ResolveInput};
 
-/// Blending that multiplies the mask by what the fragment stage writes.
+/// The blend state that multiplies the mask by the output of the fragment stage.
 pub const MULTIPLY: wgpu::BlendState = {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::Dst,
@@ -21,22 +22,24 @@ pub const MULTIPLY: wgpu::BlendState = {
     }
 };
 
-/// Scales what a light gives at each surface: a cookie, a falloff of its own, barn doors.
+/// Scales the radiance that a light gives at each surface. Examples are a cookie, a custom falloff, and barn
+/// doors.
 ///
-/// A light that is scaled always has a mask: one whose technique counts in the stencil is resolved into it first, and one
-/// without a technique begins with a mask of 1. Surfaces that show no shadows are scaled as well. Blended surfaces behind
-/// others are not: they have no mask.
+/// A scaled light always has a mask. If the light's technique counts in the stencil, the stencil is first
+/// resolved into the mask. If the light has no technique, the mask begins as 1. Surfaces that show no shadows
+/// are scaled as well. Blended surfaces behind others are not scaled, because they have no mask.
 pub trait LightFunction: Send + Sync + 'static {
-    /// Uploads what the frame's lights need.
+    /// Uploads the data that the frame's lights need.
     ///
     /// # Errors
-    /// Whatever the device refuses.
+    /// Any error of the device or of a shader.
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError>;
 
-    /// Whether the function scales the light at `light` in [`FrameLights`](crate::sets::FrameLights).
+    /// Returns whether the function scales the light at `light` in [`FrameLights`](crate::sets::FrameLights).
     fn scales(&self, light: usize) -> bool;
 
-    /// Draws the factor over the pixels of one light. The pass has the mask as its only target
-    /// ([`MASK_FORMAT`](super::MASK_FORMAT)), and the scissor is set; the pipeline blends by [`MULTIPLY`].
+    /// Draws the factor over the pixels of one light. The mask is the pass's only target
+    /// ([`MASK_FORMAT`](super::MASK_FORMAT)), and the scissor is set. The pipeline must blend with
+    /// [`MULTIPLY`].
     fn draw(&self, light: usize, pass: &mut wgpu::RenderPass, input: &ResolveInput);
 }

@@ -1,4 +1,4 @@
-//! All of wgpu that no technique owns.
+//! The parts of the renderer on wgpu that belong to no technique.
 //!
 //! | folder | holds |
 //! | --- | --- |
@@ -7,7 +7,7 @@
 //! | `frame` | one frame: draw lists, targets, and the passes in their order (`frame/record.rs`) |
 //! | `nodes` | the passes that no technique owns, one file each |
 //!
-//! A technique joins by a [`Recorder`].
+//! A technique joins the frame with a [`Recorder`].
 
 pub(crate) mod context;
 pub(crate) mod frame;
@@ -47,5 +47,6 @@ pub use renderer::Renderer;
 pub use resident::Gpu;
 pub use settings::RenderSettings;
 pub use shaders::{ShaderFile, Shaders};
-/// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
+/// The version of wgpu whose devices, encoders and views this crate takes. The types of another version of
+/// wgpu do not fit.
 pub use wgpu;

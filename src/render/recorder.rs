@@ -1,5 +1,5 @@
-//! How a shadow technique joins the frame: the GPU side of a [`Technique`](crate::techniques::Technique). Nothing here knows
-//! the techniques by name.
+//! The GPU side of a [`Technique`](crate::techniques::Technique): how a shadow technique joins the frame.
+//! Nothing here knows the techniques by name.
 
 use bevy_ecs::prelude::World;
 use fixedbitset::FixedBitSet;
@@ -16,15 +16,15 @@ use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
 use super::{Gpu, RenderContext, RenderError};
 
-/// What a technique leaves of one light, and which part of the technique leaves it.
+/// The result that a technique leaves of one light, with the part of the technique that leaves it.
 #[derive(Clone, Copy)]
 pub enum Leaves<'a> {
-    /// The stencil counts shadow volumes over [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS): a surface is
-    /// lit where the count is 0.
+    /// The stencil counts shadow volumes on top of
+    /// [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS). A surface is lit where the count is 0.
     Stencil(&'a dyn Mark),
-    /// The mask holds visibility. Alpha is the visible share of the whole emitter. Red, green and blue are, by colour, the
-    /// visible share of that part of the emitter which is above the surface's horizon; the light pass already leaves out the
-    /// part below it.
+    /// The mask holds visibility. Alpha is the visible share of the whole emitter. Red, green and blue hold,
+    /// for each colour, the visible share of that part of the emitter which is above the surface's horizon.
+    /// The light pass already leaves out the part below it.
     Mask(&'a dyn Resolve),
 }
 
@@ -53,59 +53,62 @@ impl std::fmt::Debug for Leaves<'_> {
     }
 }
 
-/// What a technique may use while it prepares.
+/// Everything that a technique may use while it prepares a frame.
 #[derive(Debug)]
 pub struct PrepareInput<'a> {
-    /// The device.
+    /// The device and its queue.
     pub context: &'a RenderContext,
-    /// What all views share: pipelines, layouts, shaders.
+    /// The long-lived part that all views share: pipelines, layouts, shaders.
     pub gpu: &'a Gpu,
-    /// Meshes in buffers.
+    /// The meshes of the frame, in GPU buffers.
     pub meshes: &'a MeshPool,
-    /// Mesh index and handedness by dense object index.
+    /// The mesh index and the handedness of each object, by dense object index.
     pub table: &'a ObjectTable,
-    /// Texels of the targets.
+    /// The size of the targets, texels.
     pub target_size: UVec2,
-    /// The view mirrors.
+    /// True if the view mirrors.
     pub mirrored_view: bool,
-    /// The light pass will draw the debug view of this technique.
+    /// True if the frame will draw the debug view of this technique.
     pub debug_view: bool,
 }
 
-/// What a technique may use while it records.
+/// Everything that a technique may use while it records.
 #[derive(Debug)]
 pub struct RecordInput<'a> {
-    /// Group 0.
+    /// The bind group 0: the view and its objects.
     pub view: &'a wgpu::BindGroup,
-    /// Meshes in buffers.
+    /// The meshes of the frame, in GPU buffers.
     pub meshes: &'a MeshPool,
-    /// Materials in bind groups, for casters with holes.
+    /// The materials of the frame, in bind groups. A technique needs them for casters with holes.
     pub materials: &'a MaterialPool,
-    /// Meshes and materials by dense object index.
+    /// The meshes and materials of each object, by dense object index.
     pub table: &'a ObjectTable,
-    /// The part of the targets that the view has. A pass begins with all of them.
+    /// The part of the targets that the view covers. A pass begins with the whole of the targets as its
+    /// viewport.
     pub viewport: Viewport,
-    /// The receivers of the light at hand, for a technique that draws them.
+    /// The receivers of the current light, for a technique that draws them.
     pub receivers: Receivers<'a>,
-    /// Objects of which alone shadows matter, by dense index; `None`: all. A technique may leave others out.
+    /// The only objects whose shadows matter, by dense object index; `None` if all matter. A technique may
+    /// leave out all other objects.
     pub casters: Option<&'a FixedBitSet>,
 }
 
 /// The surfaces that one light lights: its set I, or the blended surfaces of the front layer.
 #[derive(Clone, Copy, Debug)]
 pub struct Receivers<'a> {
-    /// Their draws, and among them those of objects that show no shadows ([`Variant::unshadowed`]).
+    /// The draws of the receiving surfaces. They include objects that show no shadows
+    /// ([`Variant::unshadowed`]).
     ///
     /// [`Variant::unshadowed`]: crate::render::Variant::unshadowed
     pub batches: &'a [Batch],
-    /// What the batches refer to.
+    /// The meshes, materials and instances that the batches refer to by index.
     pub surfaces: SurfaceResources<'a>,
 }
 
 impl Receivers<'_> {
-    /// Draws those that show shadows with the pipeline that is set, whose vertex buffers are [`SURFACE_BUFFERS`]: position,
-    /// normal, tangent, both sets of texture coordinates, colour, and the index of the object in group 0. Sets group 2 to
-    /// the material.
+    /// Draws the surfaces that show shadows, with the pipeline that is already set. Its vertex buffers are
+    /// [`SURFACE_BUFFERS`]: position, normal, tangent, both sets of texture coordinates, colour, and the
+    /// index of the object in group 0. The call sets group 2 to the material.
     ///
     /// [`SURFACE_BUFFERS`]: crate::render::SURFACE_BUFFERS
     pub fn draw(&self, pass: &mut wgpu::RenderPass) {
@@ -124,14 +127,14 @@ impl Receivers<'_> {
     }
 }
 
-/// What a technique may use while it draws its light-space pictures.
+/// Everything that a technique may use while it draws its light-space pictures.
 #[derive(Debug)]
 pub struct PictureInput<'a> {
     /// The device, for bind groups that are made while recording.
     pub context: &'a RenderContext,
-    /// Meshes in buffers.
+    /// The meshes of the frame, in GPU buffers.
     pub meshes: &'a MeshPool,
-    /// Materials in bind groups, for casters with holes.
+    /// The materials of the frame, in bind groups. A technique needs them for casters with holes.
     pub materials: &'a MaterialPool,
     /// The timers of passes.
     pub timings: &'a Timings,
@@ -146,26 +149,26 @@ impl PictureInput<'_> {
     }
 }
 
-/// What a technique may use while it resolves a mask.
+/// Everything that a technique may use while it resolves a mask.
 #[derive(Debug)]
 pub struct ResolveInput<'a> {
-    /// The device, for what is made anew while it is recorded.
+    /// The device, for resources that are made while recording.
     pub context: &'a RenderContext,
-    /// What every recorder has.
+    /// The input that every recording call of a technique has.
     pub record: RecordInput<'a>,
-    /// Depth and stencil of the frame; the depth must stay as it is, the stencil is the technique's own.
+    /// Depth and stencil of the frame. The depth must not be changed. The stencil is the technique's own.
     pub targets: &'a FrameTargets,
-    /// Radiance of the frame, for passes that share pipelines with the light's; it must stay as it is.
+    /// Radiance of the frame, for passes that share pipelines with the light pass. It must not be changed.
     pub radiance: &'a wgpu::TextureView,
     /// The mask to write, and the depth as a texture to read.
     pub masks: &'a MaskTargets,
-    /// x, y, width, height, pixels: nothing outside is looked at.
+    /// The rectangle of the light: x, y, width, height, in pixels. Nothing outside of it is read later.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that the light reaches, 1 ≥ near ≥ far ≥ 0.
     pub depth_range: (f32, f32),
-    /// Clears the stencil and marks the pixels inside the depth range.
+    /// The pass part that clears the stencil and marks the pixels inside the depth range.
     pub light_begin: &'a LightBegin,
-    /// For the passes' timestamps; passes are labelled `<label>/<pass>`.
+    /// The timers of passes. Passes are labelled `<label>/<pass>`.
     pub timings: &'a Timings,
     /// The label of the light.
     pub label: &'a str,
@@ -174,7 +177,7 @@ pub struct ResolveInput<'a> {
 }
 
 impl<'a> ResolveInput<'a> {
-    /// The same for pictures that are drawn just before they are looked up.
+    /// Returns the input for pictures that a technique draws just before it looks them up.
     pub fn pictures(&self) -> PictureInput<'a> {
         PictureInput {
             context: self.context,
@@ -188,35 +191,38 @@ impl<'a> ResolveInput<'a> {
 
 /// The part of a technique that counts in the stencil ([`Leaves::Stencil`]).
 pub trait Mark {
-    /// Marks what one light does not see. The pass has depth (read-only), stencil, and a radiance target that must not be
-    /// written; the scissor is set and the stencil begun.
+    /// Marks the surfaces that one light does not see. The pass has depth (read-only), stencil, and a
+    /// radiance target that must not be written. The scissor is set, and the stencil has been begun.
     fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
 }
 
 /// The part of a technique that writes the mask ([`Leaves::Mask`]).
 pub trait Resolve {
-    /// Records passes that leave the mask of one light, at every pixel of its scissor whose depth is in range.
+    /// Records passes that leave the mask of one light, at every pixel of its scissor whose depth is in
+    /// range.
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput);
 }
 
-/// The GPU side of a shadow technique. A frame calls, in this order: [`Recorder::prepare`], [`Recorder::draw_pictures`], and
-/// for each light [`Mark::mark`] or [`Resolve::resolve`] of what [`Recorder::light`] gave.
+/// The GPU side of a shadow technique. A frame calls, in this order: [`Recorder::prepare`],
+/// [`Recorder::draw_pictures`], and, for each light, [`Mark::mark`] or [`Resolve::resolve`] of the part that
+/// [`Recorder::light`] returned.
 pub trait Recorder: Send + Sync + 'static {
-    /// Uploads what the frame's lights need. The world holds the sets, silhouettes and the technique's own data.
+    /// Uploads the data that the frame's lights need. The world holds the sets, silhouettes and the
+    /// technique's own data.
     ///
     /// # Errors
-    /// Whatever the device refuses.
+    /// Any error of the device or of a shader.
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError>;
 
-    /// Draws the pictures that lights see: once a frame, before anything of the screen, however many times their lookup
-    /// follows.
+    /// Draws the light-space pictures of the lights. It is called once a frame, before all passes on the
+    /// screen, however often the pictures are looked up later.
     fn draw_pictures(&self, _encoder: &mut wgpu::CommandEncoder, _input: &PictureInput) {}
 
-    /// What this technique leaves for the light at `light` in [`FrameLights`](crate::sets::FrameLights); `None` if another
-    /// technique shadows the light.
+    /// Returns the result that this technique leaves for the light at `light` in
+    /// [`FrameLights`](crate::sets::FrameLights). It is `None` if another technique shadows the light.
     fn light(&self, light: usize) -> Option<Leaves<'_>>;
 
-    /// Draws the technique's geometry over the picture: its debug view.
+    /// Draws the technique's geometry over the picture, as its debug view.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
 
     /// The number of draw calls that the shadows of one light take.

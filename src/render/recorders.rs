@@ -10,7 +10,8 @@ use super::frame::frame_data::{LightShadow, TechniqueIndex};
 use super::recorder::{Leaves, PrepareInput, RecordInput, Recorder};
 use crate::sets::LightTechnique;
 
-/// The recorder of a technique that a host draws by itself: lights are without shadow in what the crate draws.
+/// The recorder of a technique that a host draws by itself. The lights of such a technique cast no shadow in
+/// pictures that this crate draws.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NoRecorder;
 
@@ -30,28 +31,29 @@ impl Recorder for NoRecorder {
     }
 }
 
-/// The recorders of the world's techniques, one for all techniques whose recorders are of one type.
+/// The recorders of the world's techniques. All techniques whose recorders are of one type share one
+/// recorder.
 #[derive(Default)]
 pub struct Recorders {
     recorders: Vec<Box<dyn Recorder>>,
-    /// Type of each recorder.
+    /// The type of each recorder.
     kinds: Vec<TypeId>,
-    /// Index of the recorder of each technique, in the order of the world's list.
+    /// The index of each technique's recorder, in the order of the world's list of techniques.
     of_row: Vec<usize>,
 }
 
 impl Recorders {
-    /// Number of techniques that have a recorder: the first ones of the world's list.
+    /// The number of techniques that have a recorder. They are the first ones of the world's list.
     pub fn row_count(&self) -> usize {
         self.of_row.len()
     }
 
-    /// Number of recorders.
+    /// The number of recorders.
     pub fn count(&self) -> usize {
         self.recorders.len()
     }
 
-    /// How the shadow of the light at `light` in [`FrameLights`](crate::sets::FrameLights) is drawn.
+    /// Returns how the shadow of the light at `light` in [`FrameLights`](crate::sets::FrameLights) is drawn.
     pub(super) fn shadow_of(&self, light: usize, technique: &LightTechnique) -> Option<LightShadow> {
         let recorder = *self.of_row.get(technique.row)?;
         Some(LightShadow {
@@ -77,7 +79,7 @@ impl Recorders {
         self.kinds.push(kind);
     }
 
-    /// The next technique of the list is drawn by the recorder of this type.
+    /// Gives the next technique of the list the recorder of this type.
     pub(super) fn add_row(&mut self, kind: TypeId) {
         self.of_row
             .extend(self.kinds.iter().position(|known| *known == kind));

@@ -1,4 +1,4 @@
-//! One view's part of the GPU, and the recorders of its techniques.
+//! The GPU resources of one view, and the recorders of its techniques.
 
 use std::any::TypeId;
 use std::sync::Arc;
@@ -32,10 +32,11 @@ use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
 
-/// Draws frames. A resource; systems of [`systems`](super::frame::prepare) prepare it, [`Renderer::record`] draws.
+/// Draws the frames of one view. It is a resource: the systems of [`prepare`](super::frame::prepare) prepare
+/// a frame, and [`Renderer::record`] records it.
 #[derive(Resource)]
 pub struct Renderer {
-    /// How the frame is drawn.
+    /// The settings by which the frame is drawn.
     pub settings: RenderSettings,
     pub(super) gpu: Arc<Gpu>,
     pub(super) pipelines: SurfacePipelines,
@@ -81,7 +82,7 @@ impl std::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// The renderer of one view, with a device that it shares with no other view.
+    /// Makes the renderer of one view, with a device that no other view shares.
     ///
     /// # Errors
     /// [`RenderError::Shader`] if a shader does not compose.
@@ -89,8 +90,8 @@ impl Renderer {
         Self::on(Arc::new(Gpu::new(context)?))
     }
 
-    /// The renderer of one view. It shares pipelines, meshes and materials with all views that draw on `gpu`. The schedule
-    /// gives it the crate's own techniques in its first frame.
+    /// Makes the renderer of one view. It shares pipelines, meshes and materials with all views that draw on
+    /// `gpu`. The schedule gives it the crate's own techniques in its first frame.
     ///
     /// # Errors
     /// [`RenderError::Shader`] if a shader does not compose.
@@ -148,7 +149,7 @@ impl Renderer {
     /// Adds the recorder of the next technique of the world's list ([`Recorders`]).
     ///
     /// # Errors
-    /// What the recorder could not be made for.
+    /// Returns the error of `make`.
     pub(crate) fn add_recorder(
         &mut self,
         kind: TypeId,
@@ -162,10 +163,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Adds a function that scales what lights give at each surface. Functions that scale the same light are multiplied.
+    /// Adds a function that scales the radiance that lights give at each surface. If several functions scale
+    /// the same light, their factors are multiplied.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn add_light_function(&mut self, function: Box<dyn LightFunction>) -> Result<(), RenderError> {
         if self.stencil_to_mask.is_none() {
             self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
@@ -174,37 +176,41 @@ impl Renderer {
         Ok(())
     }
 
-    /// Whether a function may scale lights.
+    /// Returns whether any function was added that can scale lights.
     pub fn has_light_functions(&self) -> bool {
         !self.functions.is_empty()
     }
 
-    /// What this view shares with others: device, shaders, layouts, pipelines, meshes, materials.
+    /// The long-lived part that this view shares with others: device, shaders, layouts, pipelines, meshes,
+    /// materials.
     pub fn gpu(&self) -> &Arc<Gpu> {
         &self.gpu
     }
 
-    /// The device.
+    /// The device and its queue.
     pub fn context(&self) -> &RenderContext {
         &self.gpu.context
     }
 
-    /// Depth and stencil of the last frame; `None` before the first, or for a frame without pixels.
+    /// Depth and stencil of the last frame. It is `None` before the first frame, and for a frame without
+    /// pixels.
     pub fn targets(&self) -> Option<&FrameTargets> {
         self.targets.as_ref()
     }
 
-    /// Radiance of the last frame; `None` before the first, for a frame without pixels, or with a host.
+    /// Radiance of the last frame. It is `None` before the first frame, for a frame without pixels, and with
+    /// a host.
     pub fn radiance(&self) -> Option<&RadianceTarget> {
         self.radiance.as_ref().map(|(radiance, _)| radiance)
     }
 
-    /// The mask and the depth that techniques read; `None` before the first frame with a mask of this size.
+    /// The mask and the depth that techniques read. It is `None` before the first frame of this size that has
+    /// a light with a mask.
     pub fn mask_targets(&self) -> Option<&MaskTargets> {
         self.masks.as_ref()
     }
 
-    /// What the last prepared frame draws.
+    /// The draws and lights of the last prepared frame.
     pub fn frame(&self) -> &FrameData {
         &self.frame
     }
@@ -214,39 +220,40 @@ impl Renderer {
         &self.timings
     }
 
-    /// The number of pipelines that all views of the device made so far; it does not grow in a steady frame.
+    /// The number of pipelines made so far for all views of the device. It does not grow in a steady frame.
     pub fn pipelines_created(&self) -> usize {
         self.gpu.pipeline_count()
     }
 
-    /// Objects that are not drawn because the device allows no buffer of their mesh's size.
+    /// The objects that are not drawn because the device allows no buffer of their mesh's size.
     pub fn oversized_meshes(&self) -> &[OversizedMesh] {
         &self.meshes.oversized
     }
 
-    /// Name of the technique of one light of the frame, `none` without.
+    /// The name of the technique that shadows one light of the frame, or `none` if nothing shadows it.
     pub fn technique_name(&self, light: &ActiveLight) -> &'static str {
         light.technique.map_or("none", |technique| technique.name)
     }
 
-    /// Draw calls of the technique of one light of the frame.
+    /// The number of draw calls that the shadows of one light of the frame take.
     pub fn shadow_batch_count(&self, light: &ActiveLight) -> usize {
         light.shadow.map_or(0, |shadow| {
             self.techniques[shadow.technique.0].batch_count(light.light)
         })
     }
 
-    /// What went wrong while the frame was prepared, if anything and if nobody took it.
+    /// The error of the last prepared frame, unless [`Renderer::take_failure`] has taken it.
     pub fn failure(&self) -> Option<&RenderError> {
         self.failure.as_ref()
     }
 
-    /// What went wrong while the frame was prepared, if anything; such a frame draws nothing.
+    /// Takes the error of the last prepared frame. A frame with an error draws nothing.
     pub fn take_failure(&mut self) -> Option<RenderError> {
         self.failure.take()
     }
 
-    /// Makes this frame draw nothing, for what a system between `prepare_objects` and `prepare_draws` could not do.
+    /// Makes this frame draw nothing, because of an error. Call it from a system between `prepare_objects`
+    /// and `prepare_draws`. The first error of a frame is kept.
     pub fn fail(&mut self, failure: RenderError) {
         self.failure.get_or_insert(failure);
     }
@@ -312,7 +319,7 @@ impl Renderer {
         }
     }
 
-    /// What the technique of a light leaves of it.
+    /// The result that the technique of a light leaves of it.
     pub(super) fn leaves(&self, light: &ActiveLight) -> Option<Leaves<'_>> {
         self.techniques[light.shadow?.technique.0].light(light.light)
     }

@@ -1,4 +1,4 @@
-//! What the renderer cannot draw, as reports.
+//! Reports of everything that the renderer cannot draw.
 
 use bevy_ecs::prelude::*;
 
@@ -7,7 +7,7 @@ use crate::reports::{Reports, Round};
 use crate::scene::SceneMesh;
 use crate::sets::View;
 
-/// Raises the topics `renderer` and `mesh`; nothing without a [`Renderer`].
+/// Raises the report topics `renderer` and `mesh`. Without a [`Renderer`] it clears both topics.
 pub fn report_renderer(world: &World, reports: &mut Reports) {
     let renderer = world.get_resource::<Renderer>();
     let mut round = reports.round("renderer");
@@ -33,7 +33,8 @@ pub fn report_renderer(world: &World, reports: &mut Reports) {
     }
 }
 
-/// Raises what keeps a view from being drawn. A fault of the device or of a shader is about no camera.
+/// Raises the error that keeps a view from being drawn. An error of the device or of a shader names no
+/// camera.
 pub(crate) fn raise_failure(round: &mut Round<'_>, camera: Option<Entity>, error: &RenderError) {
     let (code, entity, advice) = match error {
         RenderError::NoAdapter(_) => (1, None, "Install a driver."),

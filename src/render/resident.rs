@@ -1,4 +1,4 @@
-//! What lives long on the GPU, and is shared by all views of a device.
+//! The long-lived part of the GPU, which all views of a device share.
 
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
@@ -10,16 +10,17 @@ use super::pools::materials::SharedMaterials;
 use super::pools::meshes::SharedMeshes;
 use super::{RenderContext, RenderError, Shaders};
 
-/// The device, and everything on it that no frame changes: shaders, layouts, pipelines, meshes and materials.
+/// The device, and everything on the device that no frame changes: shaders, layouts, pipelines, meshes and
+/// materials.
 ///
-/// Views share it by an `Arc` ([`Renderer::on`](super::Renderer::on)). What a view holds of it are handles, so recording
-/// takes no lock; a lock is taken where something new is made.
+/// Views share it by an `Arc` ([`Renderer::on`](super::Renderer::on)). A view holds handles into it, so
+/// recording takes no lock. A lock is taken only where something new is made.
 pub struct Gpu {
-    /// The device.
+    /// The device and its queue.
     pub context: RenderContext,
-    /// Shader composition.
+    /// The composer of shader modules.
     pub shaders: Shaders,
-    /// The layouts that passes share.
+    /// The bind group layouts that passes share.
     pub layouts: BindGroupLayouts,
     /// The pipelines of all passes and techniques.
     pub pipelines: PipelineCache,
@@ -38,7 +39,8 @@ impl std::fmt::Debug for Gpu {
 }
 
 impl Gpu {
-    /// Compiles nothing yet: shaders come with the first pass that needs them.
+    /// Makes the long-lived part of a device. It compiles nothing yet: shaders are compiled with the first
+    /// pass that needs them.
     ///
     /// # Errors
     /// [`RenderError::Shader`] if a shader that others import does not compose.
@@ -54,7 +56,7 @@ impl Gpu {
         })
     }
 
-    /// The pipeline of a description, made on first use by any view.
+    /// Returns the pipeline of a description. It is made when a view first asks for it.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -62,7 +64,7 @@ impl Gpu {
         self.pipelines.pipeline(&self.context, &self.shaders, desc)
     }
 
-    /// Composes the shader files of these stages, so that a fault in them shows before the first frame.
+    /// Composes these shader files now, so that an error in one of them shows before the first frame.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -73,7 +75,8 @@ impl Gpu {
         Ok(())
     }
 
-    /// Gives a recorder the pipeline of a key, described only where the recorder does not have it yet.
+    /// Gives a recorder the pipeline of a key. `describe` is called only if the recorder does not have the
+    /// pipeline yet.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -89,8 +92,8 @@ impl Gpu {
         Ok(())
     }
 
-    /// A part of a technique that no frame changes (layouts, constant buffers and textures): made on first use, and then
-    /// the same for all views. `T` is its key.
+    /// Returns a part of a technique that no frame changes, such as layouts, constant buffers and textures.
+    /// The part is made on first use, and is then the same for all views. The type `T` is its key.
     pub fn part<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
         let known = |parts: &HashMap<TypeId, Arc<dyn Any + Send + Sync>>| {
             parts
@@ -101,7 +104,8 @@ impl Gpu {
         if let Some(part) = known(&lock()) {
             return part;
         }
-        // Made without the lock, for a part may be made of another; of two that are made at once the first stays.
+        // The part is made without the lock, because a part may need another part. If two threads make the
+        // same part at once, the first one stays.
         let made = Arc::new(make(self));
         let mut parts = lock();
         known(&parts).unwrap_or_else(|| {
@@ -110,12 +114,12 @@ impl Gpu {
         })
     }
 
-    /// The number of bytes that meshes take on the device, those of poses included.
+    /// The number of bytes that meshes and their poses take on the device.
     pub fn mesh_bytes(&self) -> u64 {
         self.meshes.bytes()
     }
 
-    /// The number of pipelines made so far for all views; it does not grow in a steady frame.
+    /// The number of pipelines made so far for all views. It does not grow in a steady frame.
     pub fn pipeline_count(&self) -> usize {
         self.pipelines.count()
     }

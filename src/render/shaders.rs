@@ -9,24 +9,24 @@ use naga_oil::compose::{
 
 use super::RenderError;
 
-/// A WGSL file.
+/// One WGSL file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ShaderFile {
-    /// Path, for messages and [`Shaders::module`].
+    /// The path of the file below the folder `shaders`, for messages and for [`Shaders::module`].
     pub path: &'static str,
-    /// Text.
+    /// The text of the file.
     pub source: &'static str,
 }
 
 impl ShaderFile {
-    /// Whether other files import this one. It has no entry points then.
+    /// Returns whether other files import this one. An imported file has no entry points.
     pub fn is_imported(&self) -> bool {
         let defines = |line: &str| line.trim_start().starts_with("#define_import_path");
         self.source.lines().any(defines)
     }
 }
 
-/// Files of the folder `shaders`.
+/// Lists files of the folder `shaders` with their texts.
 macro_rules! shader_files {
     ($($path:literal),* $(,)?) => {
         &[$($crate::render::shaders::ShaderFile {
@@ -37,7 +37,8 @@ macro_rules! shader_files {
 }
 pub(crate) use shader_files;
 
-/// The files of the renderer, each after those that it imports. Those of techniques come with their rows.
+/// The files of the renderer, each after the files that it imports. The files of techniques are added with
+/// the techniques.
 pub const FILES: &[ShaderFile] = shader_files![
     "common/conventions.wgsl",
     "common/view.wgsl",
@@ -78,7 +79,7 @@ impl std::fmt::Debug for Shaders {
 }
 
 impl Shaders {
-    /// A composer that knows the [`FILES`] of the renderer.
+    /// Makes a composer that knows the [`FILES`] of the renderer.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -90,7 +91,7 @@ impl Shaders {
         Ok(shaders)
     }
 
-    /// Makes files known, each after those that it imports. A file that is known already is left as it is.
+    /// Makes files known, each after the files that it imports. A file that is known already is not replaced.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -119,7 +120,7 @@ impl Shaders {
         Ok(())
     }
 
-    /// The whole module of one file, imports resolved.
+    /// Composes the whole module of one file, with all imports resolved.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -134,7 +135,7 @@ impl Shaders {
         module.map_err(|error| shader_error(path, &error, composer))
     }
 
-    /// A wgpu module of a known file with entry points.
+    /// Makes the wgpu module of a known file with entry points.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place, or says that there is no such file.

@@ -1,21 +1,21 @@
-//! What the passes of a frame draw into: our own textures, or a host's radiance with our depth and stencil.
+//! The targets of a frame's passes: our own textures, or a host's radiance with our depth and stencil.
 
 use super::frame_data::Viewport;
 use super::targets::FrameTargets;
 
-/// What the passes of a frame draw into.
+/// The targets that the passes of a frame draw into.
 #[derive(Clone, Copy, Debug)]
 pub struct Canvas<'a> {
-    /// Accumulated radiance.
+    /// The texture of accumulated radiance.
     pub radiance: &'a wgpu::TextureView,
-    /// Depth and stencil.
+    /// The textures of depth and stencil.
     pub targets: &'a FrameTargets,
-    /// The part of them that the view has.
+    /// The part of the targets that the view covers.
     pub viewport: Viewport,
 }
 
 impl<'a> Canvas<'a> {
-    /// The pass of one light or of several, which keeps what is there.
+    /// Begins the pass of one light or of several. It keeps the radiance, depth and stencil that are there.
     pub fn begin_light_pass<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -40,7 +40,7 @@ impl<'a> Canvas<'a> {
         pass
     }
 
-    /// The radiance as an attachment.
+    /// Returns the radiance as a colour attachment.
     pub fn radiance(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'a> {
         wgpu::RenderPassColorAttachment {
             view: self.radiance,

@@ -1,4 +1,4 @@
-//! Sorted, batched draws of surfaces: equal meshes with equal materials become one instanced draw.
+//! Sorted and batched draws of surfaces. Equal meshes with equal materials become one instanced draw.
 
 use std::ops::Range;
 
@@ -6,39 +6,39 @@ use fixedbitset::FixedBitSet;
 
 use crate::render::pools::objects::{NO_MESH, ObjectTable};
 
-/// What tells two pipelines of one surface pass apart.
+/// The properties that distinguish the pipelines of one surface pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Variant {
-    /// View and object together mirror: fronts wind clockwise.
+    /// View and object together mirror, so front faces wind clockwise.
     pub mirrored: bool,
-    /// Back faces are left out.
+    /// Back faces are culled.
     pub culled: bool,
-    /// Shadows are left out (the object is no receiver, or the light has no technique).
+    /// The surface shows no shadows, because the object is no receiver or the light has no technique.
     pub unshadowed: bool,
 }
 
 impl Variant {
-    /// A small dense number.
+    /// The index of the variant, from 0 and below [`VARIANT_COUNT`].
     pub fn index(self) -> usize {
         usize::from(self.mirrored) | usize::from(self.culled) << 1 | usize::from(self.unshadowed) << 2
     }
 }
 
-/// Number of [`Variant`]s.
+/// The number of [`Variant`]s.
 pub const VARIANT_COUNT: usize = 8;
 
 /// One draw call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Batch {
-    /// Chooses the pipeline.
+    /// The variant that chooses the pipeline.
     pub variant: Variant,
-    /// Index into the material pool.
+    /// The index of the material in the material pool.
     pub material: u32,
-    /// Index into the mesh pool.
+    /// The index of the mesh in the mesh pool.
     pub mesh: u32,
-    /// Index into the mesh's submeshes.
+    /// The index of the submesh among those of its mesh.
     pub submesh: u32,
-    /// Range of the frame's instances, each an object's dense index.
+    /// The range of the frame's instances that the call draws. Each instance is the dense index of an object.
     pub instances: Range<u32>,
 }
 
@@ -51,45 +51,46 @@ struct Draw {
     object: u32,
 }
 
-/// Turns sets of objects into batches, reusing its memory.
+/// Turns sets of objects into batches, and reuses its memory.
 #[derive(Debug, Default)]
 pub struct DrawListBuilder {
     draws: Vec<Draw>,
 }
 
-/// Which items of the objects a list takes.
+/// The items of objects that a list takes. An item is one submesh with its material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ItemFilter {
-    /// All that write depth.
+    /// The list takes all items that write depth.
     Opaque,
-    /// All that write depth and take light.
+    /// The list takes all items that write depth and take light.
     OpaqueLit,
 }
 
 /// Whether the surfaces of a list show the shadows of the light that they are drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shadows {
-    /// Those of receivers do.
+    /// Surfaces of receivers show shadows.
     OnReceivers,
-    /// None does: the light has no technique, or the list is for no light.
+    /// No surface shows shadows: the light has no technique, or the list is for no light.
     Nowhere,
 }
 
-/// What a list is built from beside its set.
+/// The input from which a list is built, apart from its set of objects.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawListInput<'a> {
-    /// Meshes and materials.
+    /// The meshes and materials of the objects.
     pub table: &'a ObjectTable,
-    /// Objects that show shadows.
+    /// The objects that show shadows, by dense object index.
     pub receivers: &'a FixedBitSet,
-    /// The view mirrors.
+    /// True if the view mirrors.
     pub mirrored_view: bool,
-    /// Single-sided materials are culled; else all surfaces are drawn from both sides.
+    /// True if single-sided materials are culled. If false, all surfaces are drawn from both sides.
     pub cull_back_faces: bool,
 }
 
 impl DrawListBuilder {
-    /// Appends the batches of `set` to `batches` and their objects to `instances`; the range of the batches.
+    /// Appends the batches of `set` to `batches` and their objects to `instances`. Returns the range of the
+    /// new batches.
     pub fn build(
         &mut self,
         input: &DrawListInput,

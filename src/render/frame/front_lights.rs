@@ -1,5 +1,5 @@
-//! Lights on the front layer: the nearest blended surfaces, after [`front_layer`](crate::render::nodes::front_layer) has found
-//! their depth.
+//! Lights on the front layer, which is the nearest blended surfaces. They come after
+//! [`front_layer`](crate::render::nodes::front_layer) has drawn the depth of those surfaces.
 
 use std::ops::Range;
 
@@ -12,12 +12,12 @@ use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::recorder::{Receivers, RecordInput};
 use crate::render::renderer::Renderer;
 
-/// Which surfaces a light is added to.
+/// The surfaces that a light is added to.
 #[derive(Clone, Copy)]
 pub(in crate::render) enum LightSurfaces {
-    /// Those of set I that write depth.
+    /// The surfaces of the light's set I that write depth.
     Opaque,
-    /// The nearest blended ones.
+    /// The nearest blended surfaces.
     Front,
 }
 
@@ -70,7 +70,8 @@ impl LightSurfaces {
 }
 
 impl Renderer {
-    /// The front layer's lights, as those of opaque surfaces, with the depth of the front layer.
+    /// Records the lights of the front layer. It works as for opaque surfaces, but with the depth of the
+    /// front layer.
     pub(in crate::render) fn record_front_lights(
         &self,
         frame: &mut Recording,

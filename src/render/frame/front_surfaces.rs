@@ -1,4 +1,5 @@
-//! For each shadowed light the blended surfaces that it reaches, and what of its shadows can matter to them.
+//! For each shadowed light, the blended surfaces that it reaches, and the casters whose shadows can reach
+//! them.
 
 use fixedbitset::FixedBitSet;
 
@@ -7,8 +8,9 @@ use super::frame_data::{ActiveLight, FrameData};
 use crate::geometry::{Aabb, LightHull};
 use crate::sets::{FrameLight, FrameLights, Objects, Projector, ScissorRect, ViewData};
 
-/// Lists them, and cuts the light for them: to their part of the screen, and to the casters that touch the convex hull
-/// of light and surfaces. To mark a light twice would cost twice; mostly a pane has few casters before it.
+/// Lists the blended surfaces of each shadowed light, and restricts the light on them: to their part of the
+/// screen, and to the casters that touch the convex hull of light and surfaces. Without the restriction,
+/// marking a light again would cost as much as the first time. Mostly few casters stand before a pane.
 pub(in crate::render) fn collect_front(
     frame: &mut FrameData,
     input: &DrawListInput,
@@ -61,7 +63,7 @@ pub(in crate::render) fn collect_front(
     }
 }
 
-/// The part of the light's scissor that shows the bounds; `None` if that is nothing.
+/// Returns the part of the light's scissor that shows the bounds, or `None` if no part does.
 fn front_scissor(light: &ActiveLight, bounds: &Aabb, view: &ViewData) -> Option<[u32; 4]> {
     if bounds.is_empty() {
         return None;

@@ -1,11 +1,11 @@
-//! One frame: what it draws, where to, and in which order.
+//! One frame: the draws, the targets, and the order of the passes.
 //!
 //! | file | holds |
 //! | --- | --- |
 //! | `prepare` | the systems that fill the frame |
 //! | `record` | the passes in their order: start reading here |
 //! | `record_lights` | the passes of one light |
-//! | `recording` | what all passes record with |
+//! | `recording` | the encoder, targets and timers that all passes record with |
 //! | `required` | the pipelines that a frame needs |
 //! | `frame_data`, `draw_list` | draws and lights of the frame |
 //! | `targets`, `canvas` | the textures that passes write |

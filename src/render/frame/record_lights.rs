@@ -1,4 +1,5 @@
-//! The passes of the lights: each marks or resolves what it does not see, and is added where it is seen.
+//! The passes of the lights. Each light first marks or resolves the surfaces that it does not see, and is
+//! then added to the surfaces that it sees.
 
 use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
@@ -11,8 +12,8 @@ use crate::render::recorder::{Leaves, Mark, ResolveInput};
 use crate::render::renderer::Renderer;
 
 impl Renderer {
-    /// All lights of the frame on the opaque surfaces. Lights with stencils that follow one another share a pass, unless
-    /// somebody looks at each.
+    /// Records all lights of the frame on the opaque surfaces. Consecutive lights without masks share one
+    /// pass. Each light has a pass of its own if passes are timed or visibility is drawn.
     pub(in crate::render) fn record_lights(&self, frame: &mut Recording, outputs: &FrameOutputs) {
         let separate = self.timings.is_active() || !outputs.visibility.is_empty();
         self.record_skipped_visibility(frame, outputs);
@@ -26,8 +27,8 @@ impl Renderer {
         }
     }
 
-    /// The lights in their order, those together that share a pass: with stencils alone, one after the other, unless each is
-    /// to be separate.
+    /// Returns the lights in their order, grouped by the pass that they share. Consecutive lights without
+    /// masks share one, unless `separate` is true.
     pub(in crate::render) fn light_groups(&self, separate: bool) -> impl Iterator<Item = &[ActiveLight]> {
         self.frame
             .lights
@@ -39,7 +40,7 @@ impl Renderer {
         &self.labels[light.light]
     }
 
-    /// One pass for the lights of a group, after what leaves their masks.
+    /// Records one pass for the lights of a group, after the passes that leave their masks.
     pub(in crate::render) fn record_group(
         &self,
         frame: &mut Recording,
@@ -61,8 +62,8 @@ impl Renderer {
         }
     }
 
-    /// What techniques that resolve masks read of the surfaces. Before the lights: they read it while they write the
-    /// stencil.
+    /// Records the depth and planes of the surfaces, which techniques that resolve masks read. It comes
+    /// before the lights, because techniques read them while they write the stencil.
     pub(in crate::render) fn record_receivers(&self, frame: &mut Recording, surfaces: LightSurfaces) {
         let mut lights = self.frame.lights.iter();
         let reads = |light: &ActiveLight| light.has_mask() && !surfaces.batches(light).is_empty();
@@ -79,12 +80,13 @@ impl Renderer {
         }
     }
 
-    /// Whether a technique of the frame's lights with masks reads the receivers' planes.
+    /// Returns whether the technique of any light with a mask reads the receivers' planes.
     pub(in crate::render) fn reads_planes(&self) -> bool {
         self.frame.lights.iter().any(ActiveLight::reads_planes)
     }
 
-    /// Leaves the mask of a light that has one: what its technique resolves, times the functions that scale it.
+    /// Leaves the mask of a light that has one: the visibility that its technique resolves, times the
+    /// functions that scale the light.
     pub(in crate::render) fn resolve_mask(
         &self,
         frame: &mut Recording,
@@ -154,7 +156,8 @@ impl Renderer {
         }
     }
 
-    /// Begins the stencil of a light, and lets its technique mark what it does not see if it does so there.
+    /// Begins the stencil of a light whose technique counts there, and lets the technique mark the surfaces
+    /// that the light does not see.
     pub(in crate::render) fn mark_light(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -170,7 +173,7 @@ impl Renderer {
         }
     }
 
-    /// One light: mark what it does not see, add it where it does.
+    /// Records one light: marks the surfaces that it does not see, and adds it to the surfaces that it sees.
     pub(in crate::render) fn record_light(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -189,13 +192,14 @@ impl Renderer {
         );
     }
 
-    /// Group 3 of passes that read the mask of a light.
+    /// The bind group 3 of passes that read the mask of a light.
     pub(in crate::render) fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
         let masks = self.masks.as_ref().filter(|_| light.has_mask())?;
         Some(&masks.mask_group)
     }
 
-    /// What the picture of a light's visibility shows; `None` for a light without a technique.
+    /// The shadow that the picture of a light's visibility shows. It is `None` for a light without a
+    /// technique and without a light function.
     pub(in crate::render) fn shadow_of(
         &self,
         light: &ActiveLight,
@@ -216,7 +220,8 @@ impl Renderer {
         }
     }
 
-    /// Surfaces that were not drawn for a light because it does not see them.
+    /// Records, into the pictures of visibility, the surfaces that were not drawn for a light because the
+    /// light does not see them.
     pub(in crate::render) fn record_dark(&self, frame: &mut Recording, outputs: &FrameOutputs) {
         for (light, batches) in &self.frame.dark {
             if let Some(target) = outputs.visibility.get(*light) {
@@ -225,7 +230,8 @@ impl Renderer {
         }
     }
 
-    /// Lights that are skipped have visibility 1 but where they do not see a surface.
+    /// Clears the visibility of skipped lights to 1. The surfaces that such a light does not see are added
+    /// later.
     fn record_skipped_visibility(&self, frame: &mut Recording, outputs: &FrameOutputs) {
         let skipped = |&(index, _): &(usize, _)| self.frame.lights.iter().all(|light| light.light != index);
         for (_, target) in outputs.visibility.iter().enumerate().filter(skipped) {

@@ -1,4 +1,4 @@
-//! The pipelines that a frame needs of the passes that draw surfaces.
+//! The pipelines of surface passes that a frame needs.
 
 use std::ops::Range;
 
@@ -8,7 +8,7 @@ use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::renderer::Renderer;
 
 impl Renderer {
-    /// Surface passes whose pipelines a frame needs, by batch.
+    /// Takes the pipelines of all surface passes that the prepared frame will draw. Returns the first error.
     pub(in crate::render) fn require_pipelines(&mut self) -> Result<(), RenderError> {
         let reads_planes = self.reads_planes();
         let Self {
