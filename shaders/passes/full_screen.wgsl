@@ -1,4 +1,4 @@
-// Covers the whole target with one triangle: (−1, −1), (3, −1), (−1, 3).
+// Covers the whole target with one triangle, whose corners are (−1, −1), (3, −1) and (−1, 3).
 // Host    src/render/gpu/pipeline_cache.rs
 // Groups  none
 
@@ -11,7 +11,7 @@ fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
     return vec4f(corner(vertex), 0.0, 1.0);
 }
 
-// The instance index holds the bits of the depth.
+// Draws the triangle at a depth whose bits are the instance index.
 @vertex
 fn at_depth(@builtin(vertex_index) vertex: u32, @builtin(instance_index) depth_bits: u32) -> @builtin(position) vec4f {
     return vec4f(corner(vertex), bitcast<f32>(depth_bits), 1.0);

@@ -1,4 +1,4 @@
-// Makes of the stencil of a light what its mask would be: 1 where the stencil test passes, over a mask of 0.
+// Turns the stencil of a light into a mask: writes 1 where the stencil test passes, over a mask of 0.
 // Host    src/render/nodes/light_function.rs
 // Groups  none
 

@@ -7,7 +7,7 @@ use crate::reports::{Reports, Round};
 use crate::scene::SceneMesh;
 use crate::sets::View;
 
-/// Raises the report topics `renderer` and `mesh`. Without a [`Renderer`] it clears both topics.
+/// Raises the report topics `renderer` and `mesh`. Without a [`Renderer`] it raises nothing.
 pub fn report_renderer(world: &World, reports: &mut Reports) {
     let renderer = world.get_resource::<Renderer>();
     let mut round = reports.round("renderer");

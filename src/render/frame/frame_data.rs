@@ -1,4 +1,4 @@
-//! What changes every frame: draw lists and lights, ready to record.
+//! The data that changes every frame: draw lists and lights, ready to record.
 
 use std::ops::Range;
 
@@ -11,34 +11,34 @@ use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::recorder::ShadowKind;
 use crate::sets::LightTechnique;
 
-/// The part of the targets that the view has.
+/// The part of the targets that the view covers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Viewport {
-    /// Its upper left corner, pixels.
+    /// Upper left corner of the view in the targets, pixels.
     pub origin: UVec2,
-    /// Pixels.
+    /// Size of the view, pixels.
     pub size: UVec2,
 }
 
 impl Viewport {
-    /// Maps NDC to it in a pass that draws geometry.
+    /// Maps NDC to the view, in a pass that draws geometry.
     pub fn set(&self, pass: &mut wgpu::RenderPass) {
         let [x, y] = self.origin.as_vec2().to_array();
         let [width, height] = self.size.as_vec2().to_array();
         pass.set_viewport(x, y, width, height, 0.0, 1.0);
     }
 
-    /// A rectangle of the view in the targets.
+    /// Moves a rectangle from the view to the targets, pixels.
     pub fn place(&self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
         [x + self.origin.x, y + self.origin.y, width, height]
     }
 }
 
-/// A recorder of a renderer, by the order in which they were added.
+/// The index of a recorder in its renderer, in the order in which the recorders were added.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TechniqueIndex(pub usize);
 
-/// The place of a light among those that a frame draws, and of its constants.
+/// The index of a light among those that a frame draws, and of its constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightSlot(pub usize);
 
@@ -47,16 +47,16 @@ pub struct LightSlot(pub usize);
 pub struct LightShadow {
     /// The recorder that draws the shadow.
     pub technique: TechniqueIndex,
-    /// What the technique leaves of the light.
+    /// The kind of result that the technique leaves of the light.
     pub kind: ShadowKind,
 }
 
 /// One light of the frame, ready to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveLight {
-    /// Its entity.
+    /// The entity of the light.
     pub entity: Entity,
-    /// Index into [`FrameLights`](crate::sets::FrameLights).
+    /// Index of the light in [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
     /// Slot of the light's constants.
     pub slot: LightSlot,
@@ -64,30 +64,33 @@ pub struct ActiveLight {
     pub technique: Option<LightTechnique>,
     /// How the light's shadow is drawn; `None` if nothing shadows the light.
     pub shadow: Option<LightShadow>,
-    /// A [`LightFunction`](crate::render::LightFunction) scales the light, which then has a mask.
+    /// True if a [`LightFunction`](crate::render::LightFunction) scales the light. The light then has a mask.
     pub is_scaled: bool,
-    /// x, y, width, height; pixels of the targets.
+    /// Rectangle of the light: x, y, width, height, in pixels of the targets.
     pub scissor: [u32; 4],
-    /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
+    /// Nearest and farthest depth that the light reaches, 1 ≥ near ≥ far ≥ 0.
     pub depth_range: (f32, f32),
-    /// Range of [`FrameData::batches`].
+    /// Range of [`FrameData::batches`]: the opaque surfaces that the light lights.
     pub batches: Range<usize>,
-    /// Range of [`FrameData::batches`]: in a host's frame, surfaces in view that it does not affect or does not see.
+    /// Range of [`FrameData::batches`]: the surfaces in view that the light does not affect or does not see.
+    /// It is filled only in a host's frame.
     pub unlit: Range<usize>,
-    /// Range of [`FrameData::batches`]: blended surfaces, whose front layer it lights with its shadows. Empty without a
-    /// technique.
+    /// Range of [`FrameData::batches`]: the blended surfaces that the light reaches. It lights their front
+    /// layer with its shadows. The range is empty without a technique.
     pub front: Range<usize>,
-    /// The part of the scissor that shows them.
+    /// The part of the light's scissor that shows its blended surfaces: x, y, width, height, in pixels of the
+    /// targets.
     pub front_scissor: [u32; 4],
 }
 
 impl ActiveLight {
-    /// Whether its technique leaves a mask.
+    /// Returns whether the light is added through a mask.
     pub fn has_mask(&self) -> bool {
         self.kind() == Some(ShadowKind::Mask)
     }
 
-    /// What the light is added by: what its technique leaves, or the mask if a function scales it; `None` without either.
+    /// Returns the kind of result by which the light is added: that of its technique, or the mask if a
+    /// function scales the light. It is `None` without a technique and a function.
     pub fn kind(&self) -> Option<ShadowKind> {
         if self.is_scaled {
             return Some(ShadowKind::Mask);
@@ -95,7 +98,7 @@ impl ActiveLight {
         self.shadow.map(|shadow| shadow.kind)
     }
 
-    /// Whether its technique leaves a mask that is made from the planes of the receivers.
+    /// Returns whether the light's technique leaves a mask that is made from the planes of the receivers.
     pub fn reads_planes(&self) -> bool {
         self.has_mask()
             && self
@@ -104,40 +107,41 @@ impl ActiveLight {
     }
 }
 
-/// What changes every frame; its memory is kept.
+/// The data that changes every frame. Its memory is kept.
 #[derive(Debug, Default)]
 pub struct FrameData {
-    /// All draws of surfaces.
+    /// All draws of surfaces in the frame.
     pub batches: Vec<Batch>,
-    /// Objects by instance.
+    /// The dense index of the object of each instance.
     pub instances: Vec<u32>,
-    /// Range of `batches`: the visible set V.
+    /// Range of `batches`: the opaque surfaces of the visible set V.
     pub ambient: Range<usize>,
-    /// Lights with something to light.
+    /// The lights that have something to light.
     pub lights: Vec<ActiveLight>,
-    /// By index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches`: surfaces that the light does not see.
-    /// Drawn into pictures of its visibility alone.
+    /// For lights by index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches` with the
+    /// surfaces that the light does not see. They are drawn only into pictures of the light's visibility.
     pub dark: Vec<(usize, Range<usize>)>,
-    /// Blended surfaces, farthest first.
+    /// The blended surfaces, farthest first.
     pub blended: Vec<BlendedDraw>,
-    /// The lights of blended surfaces.
+    /// The lights of the blended surfaces. Each [`BlendedDraw`] has a range of them.
     pub blended_lights: Vec<BlendedLight>,
     /// Range of `batches`: all blended surfaces.
     pub blended_batches: Range<usize>,
-    /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
+    /// For each of `lights`, the casters whose shadows can reach its front layer, by dense object index.
     pub front_casters: Vec<FixedBitSet>,
-    /// Where the view is in the targets.
+    /// The part of the targets that the view covers.
     pub viewport: Viewport,
-    /// Whether there is a view to draw.
+    /// True if there is a view to draw.
     pub has_view: bool,
-    /// For sorting blended surfaces: distance, object, item.
+    /// Scratch memory for sorting blended surfaces: the key of the distance, the object, and the index of the
+    /// item within the object.
     pub blended_order: Vec<(u32, u32, u32)>,
-    /// For collecting what a light leaves out.
+    /// Scratch memory for collecting the objects that a light does not light.
     pub unlit: FixedBitSet,
 }
 
 impl FrameData {
-    /// Forgets the last frame's draws, and keeps their memory.
+    /// Clears the last frame's draws, and keeps their memory.
     pub(in crate::render) fn clear(&mut self) {
         self.batches.clear();
         self.instances.clear();
@@ -148,7 +152,7 @@ impl FrameData {
         self.ambient = 0..0;
     }
 
-    /// Whether a shadowed light reaches a blended surface.
+    /// Returns whether a shadowed light reaches a blended surface.
     pub fn has_front_layer(&self) -> bool {
         self.lights.iter().any(|light| !light.front.is_empty())
     }

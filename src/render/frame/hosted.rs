@@ -1,9 +1,10 @@
-//! Frames that another renderer draws and lights, with visibility from here.
+//! Frames of a host: another renderer draws and lights them, and takes visibility from here.
 //!
 //! An engine that has a picture and its depth (of a depth prepass or a G-buffer) keeps its own materials and its own
-//! light shader. It tells where the view is ([`Renderer::set_host`]), runs the systems, and in place of
-//! [`Renderer::record`] calls [`Renderer::record_hosted`], which comes back for each light: the engine then adds the
-//! light as it likes, tested against the stencil or multiplied by the mask.
+//! light shader. It says where the view is ([`Renderer::set_host`]), runs the systems, and calls
+//! [`Renderer::record_hosted`] in place of [`Renderer::record`]. That call hands each light back to the
+//! engine. The engine adds the light with its own shader, tested against the stencil or multiplied by the
+//! mask.
 //!
 //! ```text
 //! host's depth ─► our depth (copied, then equal to our surfaces) ─► for each light: mark or resolve ─► the host adds it
@@ -22,58 +23,65 @@ use crate::render::recorder::ShadowKind;
 use crate::render::renderer::Renderer;
 use crate::render::{Gpu, RenderError};
 
-/// Where and how a host shows the view.
+/// The place and the projection of a host's view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HostView {
-    /// Texels of the host's radiance and depth.
+    /// Size of the host's radiance and depth, texels.
     pub target_size: UVec2,
-    /// Upper left corner of the view in them, pixels; its size is [`ViewportSize`](crate::sets::ViewportSize).
+    /// Upper left corner of the view in the host's targets, pixels. The size of the view is
+    /// [`ViewportSize`](crate::sets::ViewportSize).
     pub viewport_origin: UVec2,
-    /// The projection that the host's depth is of: 0 at the far end, greater for what is nearer. It may have a far plane
-    /// or an oblique near plane, and must show the same picture as the world's [`Camera`](crate::scene::Camera).
+    /// The projection of the host's depth, which is 0 at the far end and greater for nearer surfaces. The
+    /// projection may have a far plane or an oblique near plane. It must show the same picture as the world's
+    /// [`Camera`](crate::scene::Camera).
     pub clip_from_view: DMat4,
 }
 
-/// What a host has of the frame.
+/// The textures of a host's frame.
 #[derive(Clone, Copy, Debug)]
 pub struct HostFrame<'a> {
-    /// Radiance to add to, [`RADIANCE_FORMAT`](super::targets::RADIANCE_FORMAT), one sample.
+    /// Radiance to which the host adds lights: [`RADIANCE_FORMAT`](super::targets::RADIANCE_FORMAT), one
+    /// sample.
     pub radiance: &'a wgpu::TextureView,
-    /// Depth aspect of what it shows, one sample; it can be read as a texture.
+    /// Depth aspect of the host's frame, one sample. It must be readable as a texture.
     pub depth: &'a wgpu::TextureView,
 }
 
-/// A light that the host is to add now.
+/// A light that the host must add now.
 #[derive(Clone, Copy, Debug)]
 pub struct HostedLight<'a> {
-    /// Its entity.
+    /// The entity of the light.
     pub entity: Entity,
-    /// Index into [`FrameLights`](crate::sets::FrameLights).
+    /// Index of the light in [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
-    /// x, y, width, height, pixels of the targets; set in the pass. Nothing outside receives the light.
+    /// Rectangle of the light: x, y, width, height, in pixels of the targets. It is already set in the pass.
+    /// Nothing outside of it receives the light.
     pub scissor: [u32; 4],
-    /// For soft shadows and maps: how much of the light reaches each pixel that passes [`stencil_lit`], by colour in rgb, of
-    /// the emitter's area in a; [`MASK_FORMAT`](super::targets::MASK_FORMAT). Without it, all of the light does.
+    /// The visible share of the light at each pixel that passes [`stencil_lit`], for soft shadows and maps.
+    /// Red, green and blue hold the share by colour, and alpha holds the share of the emitter's area. Its
+    /// format is [`MASK_FORMAT`](super::targets::MASK_FORMAT). Without a mask, all of the light reaches these
+    /// pixels.
     pub mask: Option<&'a wgpu::TextureView>,
-    /// The mask holds for surfaces that show no shadows too, as a [`LightFunction`](crate::render::LightFunction) scales the
-    /// light. Else the host leaves the mask out for such surfaces.
+    /// True if the mask also holds for surfaces that show no shadows, because a
+    /// [`LightFunction`](crate::render::LightFunction) scales the light. If false, the host does not apply
+    /// the mask to such surfaces.
     pub is_scaled: bool,
 }
 
-/// The stencil test of pixels that a light reaches, affects and, if it has no mask, sees; whatever its technique. The
-/// reference is set in the pass.
+/// Returns the stencil test of the pixels that a light reaches and affects, and, if the light has no mask,
+/// sees. It is the same for all techniques. The reference is already set in the pass.
 pub fn stencil_lit() -> wgpu::StencilState {
     stencil_test(wgpu::CompareFunction::Equal, 0xff)
 }
 
-/// The stencil test of pixels that it does not see, within the depths that it reaches: for surfaces that are to show no
-/// shadow.
+/// Returns the stencil test of the pixels that a light does not see, within the depths that it reaches. It
+/// serves surfaces that show no shadow.
 pub fn stencil_shadowed() -> wgpu::StencilState {
     stencil_test(wgpu::CompareFunction::Less, 0xff)
 }
 
 impl HostView {
-    /// Whether the view lies in the targets.
+    /// Checks that the view lies in the targets, and that its projection can be inverted.
     pub(in crate::render) fn check(&self, viewport: UVec2) -> Result<(), RenderError> {
         let end = self.viewport_origin.saturating_add(viewport);
         if end.cmple(self.target_size).all() && self.clip_from_view.inverse().is_finite() {
@@ -88,10 +96,11 @@ impl HostView {
 }
 
 impl Renderer {
-    /// Draws from now on for a host, or with `None` alone again. Before the set `PrepareGpu` of a frame.
+    /// Makes the renderer draw for a host from now on, or with `None` alone again. Call it before the set
+    /// `PrepareGpu` of a frame.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn set_host(&mut self, host: Option<HostView>) -> Result<(), RenderError> {
         if host.is_some() && self.host_depth.is_none() {
             self.host_depth = Some(HostDepth::new(&self.gpu)?);
@@ -101,10 +110,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Records the prepared frame over what the host has drawn, and calls `add` once for each light that reaches something
-    /// visible, inside a pass with the host's radiance, and with depth (read-only) and stencil
-    /// ([`RenderContext::depth_stencil_format`](crate::render::RenderContext::depth_stencil_format)) of the same size. Viewport, scissor and stencil reference are set;
-    /// pipeline and bind groups are what `add` sets. Without a view, a host or a device it records nothing.
+    /// Records the prepared frame over the host's picture. It calls `add` once for each light that reaches
+    /// something visible, inside a pass. That pass has the host's radiance, and depth (read-only) and stencil
+    /// ([`RenderContext::depth_stencil_format`](crate::render::RenderContext::depth_stencil_format)) of the
+    /// same size. Viewport, scissor and stencil reference are set, and `add` sets pipeline and bind groups.
+    /// Without a view, a host or a device nothing is recorded.
     pub fn record_hosted(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -120,15 +130,15 @@ impl Renderer {
         let Some(mut recording) = self.begin_recording(encoder, frame.radiance, targets) else {
             return;
         };
-        // Before anything of the screen: however often a light is looked up, its pictures are drawn once.
+        // Before all passes on the screen: however often a light is looked up, its pictures are drawn once.
         self.draw_pictures(recording.encoder);
-        // First of the screen: every later pass tests against its depth.
+        // First on the screen: every later pass tests against its depth.
         let Gpu { context, layouts, .. } = &*self.gpu;
         let depth = host_depth.bind(context, layouts, frame.depth);
         host_depth.record(&mut recording, &depth, self.batches(&self.frame.ambient));
         // Before the lights: techniques read depth and planes while they write the stencil.
         self.record_receivers(&mut recording, LightSurfaces::Opaque);
-        // Light by light: one stencil and one mask serve them in turn.
+        // Light by light: the lights take turns with one stencil and one mask.
         for group in self.light_groups(self.timings.is_active()) {
             self.record_group(&mut recording, group, |pass, light| {
                 self.mark_light(pass, light, LightSurfaces::Opaque);
@@ -140,8 +150,9 @@ impl Renderer {
         self.timings.end_frame(recording.encoder);
     }
 
-    /// Begins the stencil of a light whose technique has not, and leaves nothing lit in it of surfaces that the light does not
-    /// affect, or does not see: no caster need shadow these.
+    /// Begins the stencil of a light whose technique does not count there. Then clears it at surfaces that
+    /// the light does not affect or does not see, so that the host does not light them. No caster needs to
+    /// shadow these surfaces.
     fn select_pixels(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
         if light.kind() != Some(ShadowKind::Stencil) {
             let (near, far) = light.depth_range;

@@ -1,4 +1,4 @@
-//! Systems of the set `PrepareGpu`: from the frame's sets to buffers and draw lists.
+//! Systems of the set `PrepareGpu`, which turn the frame's sets into buffers and draw lists.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
@@ -75,7 +75,7 @@ pub fn prepare_objects(
     write_view(renderer, current);
 }
 
-/// Sizes the targets, and forgets the last frame.
+/// Sizes the targets, and resets the state of the last frame.
 fn begin_frame(renderer: &mut Renderer, view: &View, viewport: UVec2) -> Result<(), RenderError> {
     renderer.frame.has_view = false;
     renderer.failure = None;
@@ -98,7 +98,7 @@ fn begin_frame(renderer: &mut Renderer, view: &View, viewport: UVec2) -> Result<
     renderer.resize(size)
 }
 
-/// Uploads the constants of the view, and how a host's depth becomes ours.
+/// Uploads the constants of the view, and those that convert a host's depth to ours.
 fn write_view(renderer: &Renderer, current: &ViewData) {
     let context = &renderer.gpu.context;
     if let (Some(host), Some(host_depth)) = (&renderer.host, &renderer.host_depth) {
@@ -124,7 +124,7 @@ fn write_view(renderer: &Renderer, current: &ViewData) {
     context.queue.write_buffer(&renderer.view_buffer, 0, bytes);
 }
 
-/// Lets every technique upload what its lights need.
+/// Lets every technique upload the data that its lights need.
 ///
 /// Set: `PrepareGpu`, after [`prepare_objects`]. Exclusive: a technique may read anything.
 pub fn prepare_techniques(world: &mut World) {
@@ -195,7 +195,7 @@ pub fn prepare_draws(
     }
 }
 
-/// Fills the frame's lists: what is drawn for the view, for each light, and of blended surfaces.
+/// Fills the frame's lists: the draws for the view, for each light, and of blended surfaces.
 fn collect_draws(
     renderer: &mut Renderer,
     objects: &Objects,
@@ -220,7 +220,7 @@ fn collect_draws(
         table,
         receivers: &objects.receivers,
         mirrored_view: current.mirrored,
-        // A host has chosen already, perhaps by other rules.
+        // A host has already chosen the faces that it shows, perhaps by other rules.
         cull_back_faces: cull_back_faces && !is_hosted,
     };
     let (batches, instances) = (&mut frame.batches, &mut frame.instances);
@@ -285,7 +285,8 @@ fn collect_draws(
     }
 }
 
-/// Collects objects of V that a light does not affect, or of which it sees nothing that is in view; whether there are any.
+/// Collects the objects of the set V that a light does not affect or does not see. Returns whether there are
+/// any.
 fn collect_unlit(
     unlit: &mut FixedBitSet,
     objects: &Objects,
@@ -301,14 +302,14 @@ fn collect_unlit(
     !unlit.is_clear()
 }
 
-/// Sorts floats that are not NaN in descending order.
+/// Returns a key that sorts floats in descending order. The float must not be NaN.
 fn descending(value: f32) -> u32 {
     let bits = value.to_bits();
-    // The bits of floats that are not negative sort as the floats do, those of others the other way.
+    // The bits of non-negative floats sort as the floats do, and the bits of negative floats sort in reverse.
     if bits >> 31 == 0 { !bits ^ (1 << 31) } else { bits }
 }
 
-/// Lists blended surfaces of V, farthest first, each with the lights that reach its object.
+/// Lists blended surfaces of the set V, farthest first, each with the lights that reach its object.
 fn collect_blended(
     frame: &mut FrameData,
     input: &DrawListInput,

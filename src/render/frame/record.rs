@@ -11,19 +11,21 @@ use crate::render::nodes;
 use crate::render::recorder::PictureInput;
 use crate::render::renderer::Renderer;
 
-/// Where a frame's results go beside the radiance in the renderer's targets.
+/// The targets of a frame's results, apart from the radiance in the renderer's own targets.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameOutputs<'a> {
-    /// The tonemapped picture; its format must have been prepared ([`Renderer::prepare_output`]).
+    /// The target of the tonemapped picture. Its format must have been prepared
+    /// ([`Renderer::prepare_output`]).
     pub picture: Option<&'a wgpu::TextureView>,
-    /// One view of [`VISIBILITY_FORMAT`](crate::render::nodes::pipelines::VISIBILITY_FORMAT) for each light of
-    /// [`FrameLights`](crate::sets::FrameLights), or none.
+    /// One view of the format [`VISIBILITY_FORMAT`](crate::render::nodes::pipelines::VISIBILITY_FORMAT) for
+    /// each light of [`FrameLights`](crate::sets::FrameLights), or an empty slice for no pictures of
+    /// visibility.
     pub visibility: &'a [wgpu::TextureView],
 }
 
 impl Renderer {
-    /// Makes what is needed to write pictures of this format. Once, and after [`RenderSettings::exposure`]
-    /// changed.
+    /// Makes the pipeline that writes pictures of this format. Call it once, and again after
+    /// [`RenderSettings::exposure`] changed.
     ///
     /// [`RenderSettings::exposure`]: crate::render::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
@@ -38,25 +40,25 @@ impl Renderer {
         let Some(mut frame) = self.begin_record(encoder) else {
             return;
         };
-        // Before anything of the screen: however often a light is looked up, its pictures are drawn once.
+        // Before all passes on the screen: however often a light is looked up, its pictures are drawn once.
         self.draw_pictures(frame.encoder);
-        // First of the screen: every later pass tests against its depth.
+        // First on the screen: every later pass tests against its depth.
         nodes::ambient::record(&mut frame, self.background(), self.batches(&self.frame.ambient));
         // Before the lights: techniques read depth and planes while they write the stencil.
         self.record_receivers(&mut frame, LightSurfaces::Opaque);
-        // Light by light: one stencil and one mask serve them in turn.
+        // Light by light: the lights take turns with one stencil and one mask.
         self.record_lights(&mut frame, outputs);
-        // After the lights: of surfaces that a light does not see, pictures of its visibility alone show anything.
+        // After the lights: surfaces that a light does not see show only in pictures of its visibility.
         self.record_dark(&mut frame, outputs);
-        // Before blended surfaces, whose lights leave out the front layer.
+        // Before blended surfaces: shadowed lights skip the front layer there.
         let front = self.record_front_layer(&mut frame);
-        // Last of what is lit: blended surfaces stand before all that writes depth.
+        // After all opaque surfaces: blended surfaces lie in front of everything that writes depth.
         self.record_blended(&mut frame, front);
-        // After blended surfaces: at pixels of the front layer nothing comes later.
+        // After blended surfaces: nothing covers the front layer later.
         self.record_front_lights(&mut frame, front, outputs);
-        // Over the picture, and with the exposure of what it shows.
+        // Over the picture, with the same exposure.
         self.record_debug(&mut frame);
-        // Last: it reads the radiance of all others.
+        // Last: the tonemap reads the radiance of all other passes.
         self.record_picture(&mut frame, outputs);
         self.timings.end_frame(frame.encoder);
     }
@@ -66,7 +68,7 @@ impl Renderer {
         self.begin_recording(encoder, &radiance.view, targets)
     }
 
-    /// Begins a frame over a radiance; `None` without a device.
+    /// Begins to record a frame over a radiance. Returns `None` without a device.
     pub(in crate::render) fn begin_recording<'a>(
         &'a self,
         encoder: &'a mut wgpu::CommandEncoder,
@@ -91,7 +93,7 @@ impl Renderer {
         })
     }
 
-    /// Batches of the frame by their range.
+    /// Returns the frame's batches of a range.
     pub(in crate::render) fn batches(&self, range: &Range<usize>) -> &[Batch] {
         &self.frame.batches[range.clone()]
     }
@@ -115,7 +117,8 @@ impl Renderer {
         }
     }
 
-    /// Draws the depth of the front layer of blended surfaces; `None` if no shadowed light reaches one.
+    /// Draws the depth of the front layer of blended surfaces. Returns `None` if no shadowed light reaches a
+    /// blended surface.
     fn record_front_layer(&self, frame: &mut Recording) -> Option<&FrameTargets> {
         let front = self.front.as_ref().filter(|_| self.frame.has_front_layer())?;
         nodes::front_layer::record(frame, front, self.batches(&self.frame.blended_batches));

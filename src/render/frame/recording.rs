@@ -1,27 +1,27 @@
-//! What the passes of a frame record with.
+//! The encoder, targets and timers with which the passes of a frame record.
 
 use super::canvas::Canvas;
 use super::targets::FrameTargets;
 use crate::render::gpu::timings::Timings;
 use crate::render::nodes::surfaces::SurfaceResources;
 
-/// What every pass of a frame records with.
+/// Everything with which a pass of a frame records.
 #[derive(Debug)]
 pub struct Recording<'a> {
     /// The encoder of the frame.
     pub encoder: &'a mut wgpu::CommandEncoder,
-    /// What passes draw into.
+    /// The targets that passes draw into.
     pub canvas: Canvas<'a>,
     /// Group 0: the view and its objects.
     pub view: &'a wgpu::BindGroup,
-    /// What the batches of surfaces refer to.
+    /// The meshes, materials and instances that the batches refer to by index.
     pub surfaces: SurfaceResources<'a>,
     /// The timers of passes.
     pub timings: &'a Timings,
 }
 
 impl<'a> Recording<'a> {
-    /// The same with another depth and stencil.
+    /// Returns this recording with other targets of depth and stencil.
     pub fn on<'b>(&'b mut self, targets: &'b FrameTargets) -> Recording<'b>
     where
         'a: 'b,

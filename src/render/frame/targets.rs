@@ -10,8 +10,8 @@
 //! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques | light accumulate, visibility |
 //! | stencil | beside the depth | by each light, in its scissor | techniques | light accumulate, visibility |
 //!
-//! Receiver depth, receiver plane and mask exist from the first frame on that has a light with a mask, the front layer's
-//! from the first in which a shadowed light reaches a blended surface.
+//! Receiver depth, receiver plane and mask exist from the first frame that has a light with a mask. Front
+//! depth and stencil exist from the first frame in which a shadowed light reaches a blended surface.
 
 use glam::UVec2;
 
@@ -19,31 +19,31 @@ use crate::conventions::DEPTH_INFINITY;
 use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
 use crate::render::{RenderContext, RenderError};
 
-/// Format of the accumulated radiance.
+/// The format of accumulated radiance.
 pub const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Format of the visibility mask of one light ([`Leaves::Mask`](crate::render::recorder::Leaves::Mask)). Half floats: 1 has 2048
-/// steps below it, while eight bits show bands beside a bright light.
+/// The format of the visibility mask of one light ([`Leaves::Mask`](crate::render::recorder::Leaves::Mask)).
+/// It is half floats, which have 2048 steps below 1. Eight bits show bands beside a bright light.
 pub const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
-/// Format of the depth that techniques read.
+/// The format of the depth that techniques read.
 pub const DEPTH_COPY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Float;
 
-/// Format of the receivers' planes: the triangle's normal in two 16-bit octahedral coordinates, and the plane's offset
-/// as a float's bits.
+/// The format of the receivers' planes: the triangle's normal in two 16-bit octahedral coordinates, and the
+/// plane's offset as a float's bits.
 pub const RECEIVER_PLANE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg32Uint;
 
-/// Accumulated linear radiance. A frame that a host lights has none of its own.
+/// The texture of accumulated linear radiance. A frame that a host lights has none of its own.
 #[derive(Debug)]
 pub struct RadianceTarget {
-    /// The texture.
+    /// The texture of radiance.
     pub texture: wgpu::Texture,
-    /// Its view.
+    /// The view of the radiance texture.
     pub view: wgpu::TextureView,
 }
 
 impl RadianceTarget {
-    /// A texture of `size`.
+    /// Makes a radiance texture of `size` texels.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -56,20 +56,20 @@ impl RadianceTarget {
     }
 }
 
-/// Depth and stencil of one frame size.
+/// The textures of depth and stencil of one frame size.
 #[derive(Debug)]
 pub struct FrameTargets {
-    /// Texels.
+    /// The size of the textures, texels.
     pub size: UVec2,
-    /// Depth and stencil.
+    /// The texture of depth and stencil.
     pub depth_stencil: wgpu::Texture,
-    /// Its view.
+    /// The view of both depth and stencil.
     pub depth_stencil_view: wgpu::TextureView,
-    /// Group 3 of passes that read the depth.
+    /// The bind group 3 of passes that read the depth.
     pub depth_group: wgpu::BindGroup,
 }
 
-/// A 2D texture with one mip level that can be drawn into and read back.
+/// Makes a 2D texture with one mip level that can be drawn into, sampled and copied.
 ///
 /// # Errors
 /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -107,7 +107,8 @@ pub fn create_target(
 }
 
 impl FrameTargets {
-    /// Textures of `size`; `label` tells those of the frame from those of its front layer.
+    /// Makes textures of `size` texels. `label` distinguishes the frame's textures from those of its front
+    /// layer.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -138,7 +139,7 @@ impl FrameTargets {
 }
 
 impl FrameTargets {
-    /// The attachment of a pass that draws the depth of a frame anew.
+    /// Returns the attachment of a pass that draws the depth of a frame anew.
     pub fn cleared(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
         wgpu::RenderPassDepthStencilAttachment {
             view: &self.depth_stencil_view,
@@ -153,7 +154,7 @@ impl FrameTargets {
         }
     }
 
-    /// The attachment of a pass that reads depth and stencil.
+    /// Returns the attachment of a pass that reads depth and stencil.
     pub fn read_only(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
         wgpu::RenderPassDepthStencilAttachment {
             view: &self.depth_stencil_view,
@@ -163,29 +164,30 @@ impl FrameTargets {
     }
 }
 
-/// What lights with masks need beside [`FrameTargets`], of the same size. One of each for all lights, which take turns.
+/// The textures that lights with masks need beside [`FrameTargets`], of the same size. There is one of each,
+/// and the lights take turns with them.
 #[derive(Debug)]
 pub struct MaskTargets {
-    /// Depth of the frame.
+    /// The copy of the frame's depth.
     pub receiver_depth: wgpu::Texture,
-    /// Its view.
+    /// The view of the copied depth.
     pub receiver_depth_view: wgpu::TextureView,
-    /// Planes of the triangles that are seen; drawn if a technique of the frame reads them.
+    /// The planes of the visible triangles. They are drawn if a technique of the frame reads them.
     pub receiver_plane: wgpu::Texture,
-    /// Its view.
+    /// The view of the receivers' planes.
     pub receiver_plane_view: wgpu::TextureView,
-    /// Group 1 of passes that resolve a mask: receiver depth and plane.
+    /// The bind group 1 of passes that resolve a mask: receiver depth and plane.
     pub receiver_group: wgpu::BindGroup,
-    /// Visibility mask of the light at hand.
+    /// The visibility mask of the current light.
     pub mask: wgpu::Texture,
-    /// Its view.
+    /// The view of the mask.
     pub mask_view: wgpu::TextureView,
-    /// Group 3 of passes that read the mask.
+    /// The bind group 3 of passes that read the mask.
     pub mask_group: wgpu::BindGroup,
 }
 
 impl MaskTargets {
-    /// The mask as an attachment.
+    /// Returns the mask as a colour attachment.
     pub fn attachment(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'_> {
         wgpu::RenderPassColorAttachment {
             view: &self.mask_view,
@@ -198,7 +200,7 @@ impl MaskTargets {
         }
     }
 
-    /// Textures beside `targets`.
+    /// Makes the textures for lights with masks, of the size of `targets`.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.

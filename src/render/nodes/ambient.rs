@@ -1,4 +1,4 @@
-//! Ambient and emissive light of the visible set V, and the depth of the frame.
+//! Draws ambient and emissive light of the visible set V, and the depth of the frame.
 //!
 //! Shader  `shaders/passes/ambient.wgsl`
 //! Groups  0 view, 2 material
@@ -10,7 +10,7 @@ use super::surfaces::draw_batches;
 use crate::render::frame::draw_list::Batch;
 use crate::render::frame::recording::Recording;
 
-/// Records the pass.
+/// Records the pass that clears radiance and depth and draws the batches.
 pub fn record(frame: &mut Recording, background: wgpu::Color, batches: &[Batch]) {
     let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("ambient"),

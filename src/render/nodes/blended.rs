@@ -1,12 +1,14 @@
-//! Blended surfaces, back to front: each object over what is behind it, then its lights added, unshadowed. Shadowed
-//! lights leave out the front layer, which gets them with their shadows afterwards: at its pixels nothing comes later.
+//! Draws blended surfaces, back to front. Each object is drawn over what is behind it, and its lights are
+//! then added without shadows. Shadowed lights leave out the front layer here. They are added to it
+//! afterwards with their shadows, because nothing covers its pixels later.
 //!
 //! Shaders `shaders/passes/ambient.wgsl`, `shaders/passes/light_accumulate.wgsl` with `BLENDED`
 //! Groups  0 view, 1 light, 2 material, 3 front depth
 //! Reads   depth.  Writes  radiance
 //! Order   after all lights and the depth of the front layer, before the lights of the front layer
 //!
-//! As colour and coverage of one object are written before the next, any number of lights needs no second buffer.
+//! Colour and coverage of one object are written before the next object is drawn. So no second buffer is
+//! needed for any number of lights.
 
 use super::surface_pass::SurfacePass;
 use super::surfaces::draw_batches;
@@ -15,10 +17,10 @@ use crate::render::frame::recording::Recording;
 use crate::render::gpu::strided::Strided;
 use crate::render::pools::gpu_types::Light;
 
-/// One blended object: its batches, and the light slots that reach it.
+/// One blended submesh of an object: its batch, and the lights that reach it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BlendedDraw {
-    /// Index into the frame's blended batches.
+    /// Index into the frame's batches.
     pub batch: usize,
     /// Range of the frame's list of blended lights.
     pub lights: std::ops::Range<usize>,
@@ -27,9 +29,9 @@ pub struct BlendedDraw {
 /// A light that reaches a blended object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlendedLight {
-    /// Where the constants of the light are.
+    /// The slot of the light's constants.
     pub slot: LightSlot,
-    /// Whether the front layer is left out.
+    /// True if the light leaves out the front layer, because the light has a mask or a stencil.
     pub behind_front: bool,
 }
 
@@ -44,8 +46,9 @@ pub fn record(
     let mut pass = frame.begin_light_pass("blended");
     let pass = &mut pass;
     pass.set_bind_group(0, view, &[]);
-    // Here ambient and light pipelines take turns. They share one layout, of which the ambient ones leave group 1 unread:
-    // with a layout that lacks it, wgpu 29 on lavapipe 22.3 reads the last light as the next object's material.
+    // Pipelines of ambient light and of lights take turns here. They share one layout, and those of ambient
+    // light leave group 1 unread. With a layout that lacks group 1, wgpu 29 on lavapipe 22.3 reads the last
+    // light as the next object's material.
     pass.set_bind_group(1, lights, &[0]);
     if let Some(front) = front {
         pass.set_bind_group(3, front, &[]);

@@ -1,5 +1,5 @@
-//! Copies the frame's depth into a colour texture: wgpu lets no pass read the depth of a texture whose stencil it
-//! writes, and techniques that resolve a mask do both.
+//! Copies the frame's depth into a colour texture. wgpu lets no pass read the depth of a texture whose
+//! stencil it writes, and techniques that resolve a mask do both.
 //!
 //! Shader  `shaders/passes/depth_copy.wgsl`
 //! Groups  3 depth
@@ -11,17 +11,17 @@ use crate::render::frame::targets::{DEPTH_COPY_FORMAT, MaskTargets};
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
 use crate::render::{Gpu, RenderError};
 
-/// The pipeline.
+/// The pipeline that copies depth.
 #[derive(Debug)]
 pub struct DepthCopy {
     pipeline: wgpu::RenderPipeline,
 }
 
 impl DepthCopy {
-    /// Takes it from the shared cache.
+    /// Takes the pipeline from the shared cache.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let fragment = Stage::new("passes/depth_copy.wgsl", "fragment");
         let desc = PipelineDesc::new("depth copy", EVERYWHERE, Some(fragment))
@@ -32,7 +32,7 @@ impl DepthCopy {
         })
     }
 
-    /// Records the copy of the depth at hand.
+    /// Records the copy of the recording's current depth.
     pub fn record(&self, frame: &mut Recording, masks: &MaskTargets) {
         let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("depth copy"),

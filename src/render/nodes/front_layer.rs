@@ -1,14 +1,14 @@
-//! The depth of the nearest surfaces, blended ones included, so that the nearest blended surface of each pixel receives
-//! shadows.
+//! Draws the depth of the nearest surfaces, blended ones included, so that the nearest blended surface of
+//! each pixel receives shadows.
 //!
 //! Shader  `shaders/passes/ambient.wgsl`, `depth_of_blended`
 //! Groups  0 view, 2 material
 //! Reads   depth.  Writes  front depth
 //! Order   after all lights of opaque surfaces; left out when no shadowed light reaches a blended surface
 //!
-//! A technique finds what a light sees of one surface a pixel: the one in the depth buffer. So blended surfaces get a
-//! depth buffer of their own, and each light that reaches them marks or resolves again, for that. Farther blended
-//! surfaces are lit without shadows.
+//! A technique finds the visibility of one surface at each pixel, the one in the depth buffer. So blended
+//! surfaces get a depth buffer of their own, and each light that reaches them marks or resolves again with
+//! that depth. Farther blended surfaces are lit without shadows.
 
 use super::surface_pass::SurfacePass;
 use super::surfaces::draw_batches;
@@ -16,7 +16,7 @@ use crate::render::frame::draw_list::Batch;
 use crate::render::frame::recording::Recording;
 use crate::render::frame::targets::FrameTargets;
 
-/// Records the copy of the frame's depth into that of `front`, and the draws of the blended batches over it.
+/// Records the copy of the frame's depth into `front`, and the draws of the blended batches over it.
 pub fn record(frame: &mut Recording, front: &FrameTargets, batches: &[Batch]) {
     let depth = &frame.canvas.targets.depth_stencil;
     frame.encoder.copy_texture_to_texture(

@@ -1,15 +1,16 @@
-//! The depth of a picture that a host drew, as the depth that shadow volumes are counted against.
+//! Turns the depth of a host's picture into the depth against which shadow volumes are counted.
 //!
 //! Shader  `shaders/passes/host_depth.wgsl`
 //! Groups  0 view, 2 material (not read), 3 host depth
 //! Reads   the host's depth.  Writes  depth
 //! Order   first of a hosted frame, in place of `ambient`
 //!
-//! Shadow volumes begin on surfaces. A host computes these with its own matrices, vertex shaders and roundings, so a near
-//! cap and the surface that it lies on would be equal by luck. Therefore the host's depth is copied, and then the visible
-//! set is drawn over it with our own vertex stage: wherever the host shows that surface, within roundings, its depth
-//! becomes ours, and caps are equal to it by construction, with no bias. Where the host shows something else (a hole in a
-//! texture, a surface that we do not know), its depth stays.
+//! Shadow volumes begin on surfaces. A host computes surfaces with its own matrices, vertex shaders and
+//! roundings, so a near cap would have the depth of the surface under it only by luck. Therefore the host's
+//! depth is copied, and then the visible set is drawn over it with our own vertex stage. Wherever the host
+//! shows the same surface, within rounding, its depth becomes ours. Caps are then equal to it by
+//! construction, with no bias. Where the host shows something else (a hole in a texture, a surface that we do
+//! not know), the host's depth stays.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -27,20 +28,20 @@ use crate::render::pools::gpu_types;
 use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{ViewData, ViewDepth};
 
-/// The pipeline of the copy, and what it reads.
+/// The pipeline of the copy, and the constants and bind group that it reads.
 #[derive(Debug)]
 pub struct HostDepth {
     copy: wgpu::RenderPipeline,
     constants: wgpu::Buffer,
-    /// Group 3, of the host's depth.
+    /// The bind group 3 of the host's depth, kept while that depth is the same.
     group: Mutex<Kept<wgpu::TextureView, wgpu::BindGroup>>,
 }
 
 impl HostDepth {
-    /// Takes the pipeline from the shared cache, and makes a view's own constants.
+    /// Takes the pipeline from the shared cache, and makes the constants of a view.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let fragment = Stage::new("passes/host_depth.wgsl", "copy");
         let desc = PipelineDesc::new("host depth", EVERYWHERE, Some(fragment))
@@ -63,7 +64,7 @@ impl HostDepth {
         })
     }
 
-    /// Uploads how the host's depth becomes that of a view.
+    /// Uploads the constants that convert the host's depth to that of a view.
     pub fn write(&self, context: &RenderContext, host: &HostView, view: &ViewData) {
         let clip_from_host = view.clip_from_view * host.clip_from_view.inverse();
         let row = |v: DVec4| v.as_vec4().to_array();
@@ -77,7 +78,7 @@ impl HostDepth {
             .write_buffer(&self.constants, 0, bytemuck::bytes_of(&constants));
     }
 
-    /// Group 3, of the depth aspect of the host's depth; the last one if that is the same.
+    /// Returns the bind group 3 of the host's depth aspect. It is the last one if the depth is the same.
     pub fn bind(
         &self,
         context: &RenderContext,
@@ -116,22 +117,25 @@ impl HostDepth {
     }
 }
 
-/// What f32 loses of positions in the world, as part of their distance from its origin.
+/// The rounding of world positions in f32, as a share of their distance from the world's origin.
 const WORLD_ROUNDING: f64 = 2.4e-7;
 
-/// Relative difference of depths that is rounding: of matrices and positions in f32, by two renderers.
+/// The relative difference of two depths that is rounding: of matrices and positions in f32, by two
+/// renderers.
 const ROUNDING: f64 = 1e-5;
 
-/// What the depths of one surface may differ by: factors of 1, of our depth and of its square.
+/// Returns the largest difference between two depths of one surface, as factors of 1, of our depth and of its
+/// square.
 ///
-/// A shift by s of a surface at distance d changes a depth near / d by the part s / d, and a linear one by s over its
-/// length.
+/// A shift by s of a surface at distance d changes a depth near / d by the share s / d. It changes a linear
+/// depth by s over the length of its range.
 fn rounding(host: &HostView, view: &ViewData) -> [f32; 4] {
     let far_away = WORLD_ROUNDING * view.eye.length();
     let factors = match view.depth {
         ViewDepth::Infinite { near } => [0.0, ROUNDING, far_away / near],
         ViewDepth::Finite { near, far } => {
-            // Both depths are stored in f32 near 1, where a step of either is a part of its length.
+            // Both depths are stored in f32 near 1, where one step of either is a share of the length of its
+            // range.
             let host_length = host.clip_from_view.z_axis.z.abs().recip();
             let length = far - near;
             let step = f64::from(f32::EPSILON) * (length + host_length + near.abs());

@@ -1,9 +1,9 @@
-//! Takes surfaces that a light does not affect, or does not see, out of what a host adds of it: the host lights pixels, and does not ask
-//! whose they are.
+//! Clears the stencil at surfaces that a light does not affect or does not see. A host lights pixels without
+//! regard to the object that they show, so these surfaces must be excluded by the stencil.
 //!
 //! Shader  `shaders/passes/host_depth.wgsl`, `vertex` and `no_color`
 //! Groups  0 view
-//! Reads   depth.  Writes  stencil: 0, which is lit by no test
+//! Reads   depth.  Writes  stencil: 0, which passes no test of lit pixels
 //! Order   after the technique has marked the light, before the host adds it
 
 use super::pipelines::SURFACE_BUFFERS;
@@ -13,17 +13,18 @@ use crate::render::gpu::pipeline_cache::{PipelineDesc, Stage};
 use crate::render::gpu::stencil_only::stencil_by_depth;
 use crate::render::{Gpu, RenderError};
 
-/// The pipeline. Both sides of a surface are drawn, whichever it shows: depth tells.
+/// The pipeline that clears the stencil of surfaces. It draws both sides of a surface, because the depth test
+/// selects the side that is shown.
 #[derive(Debug)]
 pub struct HostSelect {
     pipeline: wgpu::RenderPipeline,
 }
 
 impl HostSelect {
-    /// Takes it from the shared cache.
+    /// Takes the pipeline from the shared cache.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         const FILE: &str = "passes/host_depth.wgsl";
         let desc = stencil_by_depth(
@@ -43,7 +44,7 @@ impl HostSelect {
         })
     }
 
-    /// Records the draws; scissor and viewport are set.
+    /// Records the draws into a pass whose scissor and viewport are set.
     pub fn record(
         &self,
         pass: &mut wgpu::RenderPass,

@@ -13,7 +13,7 @@ use crate::render::frame::frame_data::LightSlot;
 use crate::render::gpu::strided::Strided;
 use crate::render::pools::gpu_types::Light;
 
-/// Records the draws into the light's pass.
+/// Records the draws of one light into the light's pass.
 pub fn record(
     pass: &mut wgpu::RenderPass,
     view: &wgpu::BindGroup,

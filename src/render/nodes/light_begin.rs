@@ -1,26 +1,28 @@
-//! Begins one light: clears the stencil inside the light's scissor and marks the pixels whose depth lies inside
-//! its depth bounds.
+//! Begins one light. It clears the stencil inside the light's scissor and marks the pixels whose depth lies
+//! inside the light's depth bounds.
 //!
 //! Shader  `shaders/passes/light_begin.wgsl`
 //! Groups  none
 //! Reads   depth.  Writes  stencil: [`STENCIL_IN_BOUNDS`] inside the bounds, 0 outside
 //! Order   before the technique marks the light
 //!
-//! wgpu has no depth-bounds test. One quad at the far bound's depth clears and marks at once: where it passes, the
-//! surface is nearer than the bound and the bit is set, where it fails everything is cleared. A second quad at the
-//! near bound's depth takes the bit back from surfaces before it; it is left out when nothing can be.
+//! wgpu has no depth-bounds test. One full-screen triangle at the far bound's depth clears and marks at once.
+//! Where its depth test passes, the surface is nearer than the bound, and the bit is set. Where the test
+//! fails, the whole stencil is cleared. A second triangle at the near bound's depth clears surfaces that are
+//! nearer than that bound. It is left out when no surface can be nearer.
 //!
-//! Tried instead: discarding in the light's fragment stage. On llvmpipe at 320×180 neither stood out of the noise, as
-//! ratios to the unshadowed frame: field of 401 objects 1.61 with the bit, 1.64 in the shader, 1.59 with neither; interior
-//! 5.4, 5.2 and 5.2. The bit is kept, since volumes are not counted beyond it either.
-//! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for what the test is to save.
+//! Tried instead: discarding in the light's fragment stage. On llvmpipe at 320×180 neither stood out of the
+//! noise. Frame times as ratios to the unshadowed frame, with the bit, in the shader, and with neither: a
+//! field of 401 objects 1.61, 1.64 and 1.59; an interior 5.4, 5.2 and 5.2. The bit is kept, because it also
+//! keeps volumes from being counted beyond the bounds.
+//! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for the work that the test saves.
 
 use crate::conventions::{DEPTH_INFINITY, DEPTH_NEAR, STENCIL_IN_BOUNDS};
 use crate::render::gpu::pipeline_cache::EVERYWHERE_AT_DEPTH;
 use crate::render::gpu::stencil_only::stencil_by_depth;
 use crate::render::{Gpu, RenderError};
 
-/// The pipelines.
+/// The pipelines that begin a light's stencil.
 #[derive(Debug)]
 pub struct LightBegin {
     beyond_far: wgpu::RenderPipeline,
@@ -28,10 +30,10 @@ pub struct LightBegin {
 }
 
 impl LightBegin {
-    /// Takes them from the shared cache.
+    /// Takes the pipelines from the shared cache.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         use wgpu::CompareFunction::{Less, LessEqual};
         use wgpu::StencilOperation::{Keep, Replace, Zero};
@@ -51,7 +53,8 @@ impl LightBegin {
         })
     }
 
-    /// Records the quads; the scissor is set. `near_depth` and `far_depth` are depths, 1 ≥ near ≥ far ≥ 0.
+    /// Records the triangles into a pass whose scissor is set. `near_depth` and `far_depth` are depths, 1 ≥
+    /// near ≥ far ≥ 0.
     pub fn record(&self, pass: &mut wgpu::RenderPass, near_depth: f32, far_depth: f32) {
         let quad = |pass: &mut wgpu::RenderPass, depth: f32| {
             let bits = depth.to_bits();

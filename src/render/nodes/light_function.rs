@@ -1,6 +1,6 @@
-//! The mask of a light that a function scales: what the technique left of it, times the function.
+//! Makes the mask of a light that a function scales: the result of the light's technique, times the function.
 //!
-//! Shaders `shaders/passes/light_function.wgsl`, `shaders/passes/visibility.wgsl` with `lit`; those of the functions
+//! Shaders `shaders/passes/light_function.wgsl`, `shaders/passes/visibility.wgsl` with `lit`; the shaders of the functions
 //! Groups  0 view, 2 material
 //! Reads   depth, stencil.  Writes  the mask, inside the light's scissor
 //! Order   after the technique has marked or resolved the light, before `light_accumulate` of the same light
@@ -22,10 +22,10 @@ pub struct StencilToMask {
 }
 
 impl StencilToMask {
-    /// Takes it from the shared cache.
+    /// Takes the pipeline from the shared cache.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let fragment = Stage::new("passes/light_function.wgsl", "lit");
         let desc = PipelineDesc::new("stencil to mask", EVERYWHERE, Some(fragment))
@@ -41,7 +41,7 @@ impl StencilToMask {
         })
     }
 
-    /// Records the pass: 1 where the stencil that was marked says lit, 0 elsewhere.
+    /// Records the pass. It writes 1 where the marked stencil says lit, and 0 elsewhere.
     pub fn record(&self, frame: &mut Recording, masks: &MaskTargets, scissor: [u32; 4]) {
         let mut pass = begin(
             frame,
@@ -55,12 +55,12 @@ impl StencilToMask {
     }
 }
 
-/// Clears the mask to 1: nothing shadows the light.
+/// Clears the mask to 1, for a light that nothing shadows.
 pub fn clear(frame: &mut Recording, masks: &MaskTargets, scissor: [u32; 4]) {
     begin(frame, masks, wgpu::LoadOp::Clear(wgpu::Color::WHITE), scissor);
 }
 
-/// Writes 1 at the surfaces among `batches` that show no shadows.
+/// Writes 1 at those surfaces of `batches` that show no shadows.
 pub fn record_unshadowed(frame: &mut Recording, masks: &MaskTargets, scissor: [u32; 4], batches: &[Batch]) {
     if !batches.iter().any(|batch| batch.variant.unshadowed) {
         return;
@@ -79,7 +79,7 @@ pub fn record_unshadowed(frame: &mut Recording, masks: &MaskTargets, scissor: [u
     }
 }
 
-/// Begins a pass on the mask, with depth and stencil to be tested.
+/// Begins a pass on the mask that can test depth and stencil.
 fn begin<'e>(
     frame: &'e mut Recording,
     masks: &MaskTargets,

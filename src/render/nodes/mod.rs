@@ -1,4 +1,4 @@
-//! The passes that no technique owns, one file each; `shaders/passes/` has their other halves.
+//! The passes that no technique owns, one file each. Their shaders are in `shaders/passes/`.
 
 pub(crate) mod ambient;
 pub(crate) mod blended;

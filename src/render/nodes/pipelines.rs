@@ -1,4 +1,5 @@
-//! Pipelines of the passes that draw surfaces: a table of the passes, and what of it a view has needed.
+//! Pipelines of the passes that draw surfaces: a table of the passes, and the pipelines that a view has
+//! needed so far.
 
 use super::surface_pass::SurfacePass;
 use crate::conventions::STENCIL_IN_BOUNDS;
@@ -8,10 +9,12 @@ use crate::render::gpu::pipeline_cache::{ADD, PipelineDesc, Stage};
 use crate::render::pools::gpu_types::SurfaceVertex;
 use crate::render::{Gpu, RenderError};
 
-/// Format of the visibility picture; as fine as [`MASK_FORMAT`](crate::render::frame::targets::MASK_FORMAT).
+/// The format of the picture of visibility. It is as fine as
+/// [`MASK_FORMAT`](crate::render::frame::targets::MASK_FORMAT).
 pub const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
 
-/// The vertex buffers of a drawn surface: positions, surface attributes, object index an instance.
+/// The vertex buffers of a drawn surface: positions, surface attributes, and the object index of each
+/// instance.
 pub const SURFACE_BUFFERS: [wgpu::VertexBufferLayout<'static>; 3] = [
     wgpu::VertexBufferLayout {
         array_stride: 12,
@@ -30,7 +33,7 @@ pub const SURFACE_BUFFERS: [wgpu::VertexBufferLayout<'static>; 3] = [
     },
 ];
 
-/// A stencil test that leaves the stencil as it is.
+/// Returns a stencil test that leaves the stencil unchanged.
 pub fn stencil_test(compare: wgpu::CompareFunction, read_mask: u32) -> wgpu::StencilState {
     let face = wgpu::StencilFaceState {
         compare,
@@ -49,28 +52,28 @@ pub fn stencil_test(compare: wgpu::CompareFunction, read_mask: u32) -> wgpu::Ste
 /// The bind groups that a pass reads beside the view and the material.
 #[derive(Clone, Copy, Debug)]
 enum Groups {
-    /// None.
+    /// The pass reads no further groups.
     Unlit,
-    /// The light.
+    /// The pass reads the light.
     Lit,
-    /// The light and its mask.
+    /// The pass reads the light and its mask.
     Masked,
-    /// The mask of a light.
+    /// The pass reads the mask of a light.
     MaskedUnlit,
-    /// The light and the depth of the front layer.
+    /// The pass reads the light and the depth of the front layer.
     BehindFront,
-    /// The depth of a host.
+    /// The pass reads the depth of a host.
     Host,
 }
 
-/// Where a pass draws, by the stencil that a technique left.
+/// The pixels at which a pass draws, by the stencil that a technique left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Where {
-    /// Everywhere.
+    /// The pass draws everywhere.
     Everywhere,
-    /// Where the light is seen.
+    /// The pass draws where the light is seen.
     Lit,
-    /// Where the light is not seen.
+    /// The pass draws where the light is not seen.
     Shadowed,
 }
 
@@ -79,10 +82,10 @@ enum Where {
 struct PassState {
     file: &'static str,
     fragment: &'static str,
-    /// The fragment stage for surfaces that show no shadow, where it is another.
+    /// The fragment stage for surfaces that show no shadow. It may equal `fragment`.
     unshadowed: &'static str,
     groups: Groups,
-    /// `None`: the pass writes no colour.
+    /// The format of the colour target; `None` if the pass writes no colour.
     format: Option<wgpu::TextureFormat>,
     blend: Option<wgpu::BlendState>,
     /// The surfaces are blended, and the shader multiplies by their alpha.
@@ -117,25 +120,25 @@ const fn drawing(file: &'static str, format: wgpu::TextureFormat) -> PassState {
     }
 }
 
-/// A light that is added to the surfaces whose depth is that of the frame.
+/// The state of a pass that adds a light to the surfaces that the frame's depth shows.
 const LIT: PassState = PassState {
     groups: Groups::Lit,
     blend: Some(ADD),
     ..drawing(LIGHT, RADIANCE_FORMAT)
 };
 
-/// A surface that becomes the depth of the frame.
+/// The state of a pass whose surfaces become the depth of the frame.
 const NEAREST: PassState = PassState {
     writes_depth: true,
     compare: wgpu::CompareFunction::Greater,
     ..drawing(AMBIENT, RADIANCE_FORMAT)
 };
 
-/// A picture of one light's visibility.
+/// The state of a pass that draws a picture of one light's visibility.
 const SEEN: PassState = drawing(VISIBILITY, VISIBILITY_FORMAT);
 
 impl SurfacePass {
-    /// The table of the passes.
+    /// Returns the state of a pass: this is the table of the passes.
     const fn state(self) -> PassState {
         use wgpu::CompareFunction::{Always, GreaterEqual};
         match self {
@@ -233,17 +236,17 @@ impl SurfacePass {
     }
 }
 
-/// The pipelines that a view draws surfaces with; handles into the shared cache.
+/// The pipelines with which a view draws surfaces. They are handles into the shared cache.
 #[derive(Debug)]
 pub struct SurfacePipelines {
     pipelines: Vec<Option<wgpu::RenderPipeline>>,
 }
 
 impl SurfacePipelines {
-    /// Compiles the shaders; pipelines come later.
+    /// Compiles the shaders. The pipelines are made when a frame needs them.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         gpu.compile(&FILES)?;
         Ok(Self {
@@ -251,16 +254,16 @@ impl SurfacePipelines {
         })
     }
 
-    /// The pipeline, if [`SurfacePipelines::require`] has taken it.
+    /// Returns the pipeline, if [`SurfacePipelines::require`] has taken it.
     pub fn get(&self, pass: SurfacePass, variant: Variant) -> Option<&wgpu::RenderPipeline> {
         self.pipelines[slot(pass, variant)].as_ref()
     }
 
-    /// Takes the pipeline from the shared cache if it is not there yet. None is taken for the visibility of surfaces that
-    /// show no shadow: that picture leaves them out.
+    /// Takes the pipeline from the shared cache, unless it was taken before. The picture of visibility leaves
+    /// out surfaces that show no shadow, so no pipeline is taken for them.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn require(&mut self, gpu: &Gpu, pass: SurfacePass, variant: Variant) -> Result<(), RenderError> {
         if variant.unshadowed && matches!(pass, SurfacePass::Visibility | SurfacePass::VisibilityMasked) {
             return Ok(());
@@ -284,7 +287,7 @@ fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
         Groups::BehindFront => (Some(&layouts.light), Some(&layouts.depth)),
         Groups::Host => (None, Some(&layouts.host)),
     };
-    // The in-bounds bit alone has a value greater than it only where shadow volumes were counted.
+    // A stencil value is greater than the in-bounds bit alone only where shadow volumes were counted.
     debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests rely on the top bit");
     let stencil = match state.stencil {
         Where::Lit if !variant.unshadowed => stencil_test(wgpu::CompareFunction::Equal, 0xff),
@@ -322,7 +325,7 @@ fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
     }
 }
 
-/// How fronts wind on the screen.
+/// Returns the winding of front faces on the screen.
 pub fn front_face(mirrored: bool) -> wgpu::FrontFace {
     if mirrored {
         wgpu::FrontFace::Cw

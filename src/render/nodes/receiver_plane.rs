@@ -1,13 +1,13 @@
-//! Draws the plane of the triangle that each pixel shows, for techniques that ask for it
-//! ([`Recorder::reads_planes`](crate::render::recorder::Recorder::reads_planes)).
+//! Draws the plane of the triangle that each pixel shows, for techniques that need it (`receiver_planes`
+//! among the needs of a technique).
 //!
 //! Shader  `shaders/passes/receiver_plane.wgsl`
 //! Groups  0 view, 2 material
 //! Reads   depth (equal).  Writes  receiver plane
-//! Order   after `ambient`, once a frame; left out when no light of the frame needs it
+//! Order   after the depth copy; left out when no light of the frame needs it
 //!
-//! Drawn, not taken from the depth buffer: neighbours of a pixel are often of another triangle, and 24 bits of depth
-//! place a surface at 100 m only to millimetres.
+//! The planes are drawn and not computed from the depth buffer, because neighbours of a pixel often belong to
+//! another triangle, and 24 bits of depth place a surface at 100 m only to millimetres.
 
 use super::surface_pass::SurfacePass;
 use super::surfaces::draw_batches;
@@ -15,10 +15,11 @@ use crate::render::frame::draw_list::Batch;
 use crate::render::frame::recording::Recording;
 use crate::render::frame::targets::MaskTargets;
 
-/// What stands where nothing was drawn: no normal packs to it. As in `shaders/common/receiver.wgsl`.
+/// The value of pixels where no surface was drawn. No normal packs to it. `shaders/common/receiver.wgsl` has
+/// the same constant.
 pub const NO_PLANE: u32 = 0x8000_8000;
 
-/// Clears the planes and records the draws of the visible set.
+/// Clears the planes and records the draws of the given surfaces.
 pub fn record(frame: &mut Recording, masks: &MaskTargets, batches: &[Batch]) {
     let none = f64::from(NO_PLANE);
     let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {

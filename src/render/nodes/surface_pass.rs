@@ -5,46 +5,48 @@ use crate::render::recorder::ShadowKind;
 /// A pass that draws surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfacePass {
-    /// Ambient and emissive light and depth.
+    /// Draws ambient and emissive light, and depth.
     Ambient,
-    /// The same for a blended surface, over what is behind.
+    /// Draws ambient and emissive light of a blended surface, over what lies behind it.
     AmbientBlended,
-    /// One light, where the stencil says lit.
+    /// Adds one light where the stencil says lit.
     Light,
-    /// One light times its mask.
+    /// Adds one light times its mask.
     LightMasked,
-    /// One light on a blended surface.
+    /// Adds one light to a blended surface, without shadows.
     LightBlended,
-    /// The same, but not on the front layer.
+    /// Adds one light to a blended surface, without shadows, except on the front layer.
     LightBehindFront,
-    /// Depth of a blended surface.
+    /// Draws the depth of a blended surface.
     FrontDepth,
-    /// One light on the front layer, where the stencil says lit.
+    /// Adds one light to the front layer, where the stencil says lit.
     FrontLight,
-    /// One light times its mask on the front layer.
+    /// Adds one light times its mask to the front layer.
     FrontLightMasked,
-    /// Writes 0 where the stencil says shadowed.
+    /// Writes a visibility of 0 where the stencil says shadowed.
     Visibility,
-    /// Writes the mask.
+    /// Writes the mask as visibility.
     VisibilityMasked,
-    /// Writes 1, where the front layer hides what was there.
+    /// Writes a visibility of 1 on the front layer, over the visibility of the surfaces behind it.
     VisibilityFront,
-    /// Writes 0 wherever the surface is seen: objects that the light does not see.
+    /// Writes a visibility of 0 on surfaces of objects that the light does not see.
     Dark,
     /// Writes the plane of the triangle.
     ReceiverPlane,
-    /// One light times its mask, on surfaces that show no shadows as well: a function scales it.
+    /// Adds one light times its mask, also to surfaces that show no shadows, because a function scales the
+    /// light.
     LightScaled,
-    /// The same on the front layer.
+    /// Adds one light times its mask to the front layer, also to surfaces that show no shadows, because a
+    /// function scales the light.
     FrontLightScaled,
-    /// Writes a mask of 1.
+    /// Writes 1 into the mask.
     WholeMask,
-    /// Depth, where a host shows the surface.
+    /// Draws depth where a host shows the surface.
     HostSurface,
 }
 
 impl SurfacePass {
-    /// How many there are.
+    /// The number of passes that draw surfaces.
     pub const COUNT: usize = Self::HostSurface as usize + 1;
 
     /// The name that debuggers show.
@@ -71,7 +73,7 @@ impl SurfacePass {
         }
     }
 
-    /// The pass that adds a light whose technique leaves this.
+    /// Returns the pass that adds a light to opaque surfaces, by the kind of result of its technique.
     pub fn light(visibility: Option<ShadowKind>) -> Self {
         match visibility {
             Some(ShadowKind::Mask) => Self::LightMasked,
@@ -79,7 +81,7 @@ impl SurfacePass {
         }
     }
 
-    /// The pass that adds such a light to the front layer.
+    /// Returns the pass that adds a light to the front layer, by the kind of result of its technique.
     pub fn front_light(visibility: ShadowKind) -> Self {
         match visibility {
             ShadowKind::Mask => Self::FrontLightMasked,
@@ -87,7 +89,7 @@ impl SurfacePass {
         }
     }
 
-    /// The pass that shows the visibility of a light whose technique leaves this.
+    /// Returns the pass that shows the visibility of a light, by the kind of result of its technique.
     pub fn visibility(visibility: ShadowKind) -> Self {
         match visibility {
             ShadowKind::Mask => Self::VisibilityMasked,

@@ -6,20 +6,20 @@ use crate::render::frame::draw_list::Batch;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::{GpuMesh, MeshPool};
 
-/// What a batch's indices refer to.
+/// The pipelines, meshes, materials and instances that a batch refers to by index.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceResources<'a> {
-    /// Pipelines.
+    /// The pipelines of the passes that draw surfaces.
     pub pipelines: &'a SurfacePipelines,
-    /// Meshes.
+    /// The meshes, by index.
     pub meshes: &'a MeshPool,
-    /// Materials.
+    /// The materials, by index.
     pub materials: &'a MaterialPool,
-    /// Object index by instance.
+    /// The buffer that holds the dense object index of each instance.
     pub instances: &'a wgpu::Buffer,
 }
 
-/// Records one draw a batch; state is set only where it changes.
+/// Records one draw for each batch. State is set only where it changes.
 pub fn draw_batches(
     pass: &mut wgpu::RenderPass,
     kind: SurfacePass,
@@ -52,7 +52,8 @@ pub fn draw_batches(
     }
 }
 
-/// Sets the buffers of [`SURFACE_BUFFERS`](crate::render::nodes::pipelines::SURFACE_BUFFERS), and the indices.
+/// Sets the vertex buffers of [`SURFACE_BUFFERS`](crate::render::nodes::pipelines::SURFACE_BUFFERS), and the
+/// index buffer.
 pub fn set_mesh(pass: &mut wgpu::RenderPass, mesh: &GpuMesh, instances: &wgpu::Buffer) {
     pass.set_vertex_buffer(0, mesh.positions.slice(..));
     pass.set_vertex_buffer(1, mesh.surface.slice(..));
@@ -60,7 +61,7 @@ pub fn set_mesh(pass: &mut wgpu::RenderPass, mesh: &GpuMesh, instances: &wgpu::B
     pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
 }
 
-/// Records the draw of a batch of a mesh that is set.
+/// Records the draw of a batch whose mesh is already set.
 pub fn draw_batch(pass: &mut wgpu::RenderPass, mesh: &GpuMesh, batch: &Batch) {
     let submesh = mesh.submeshes[batch.submesh as usize];
     let indices = submesh.first_index..submesh.first_index + submesh.index_count;

@@ -1,4 +1,4 @@
-//! From accumulated radiance to the display's range.
+//! Maps accumulated radiance to the display's range.
 //!
 //! Shader  `shaders/passes/tonemap.wgsl`
 //! Groups  3 radiance and exposure
@@ -9,7 +9,7 @@ use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage, Variants};
 use crate::render::{Gpu, RenderError};
 
-/// The pipelines, one an output format, and the exposure.
+/// The pipelines of the tonemap, one for each output format, and the exposure.
 #[derive(Debug)]
 pub struct Tonemap {
     exposure: wgpu::Buffer,
@@ -19,10 +19,10 @@ pub struct Tonemap {
 const FILE: &str = "passes/tonemap.wgsl";
 
 impl Tonemap {
-    /// Compiles the shader, and makes a view's exposure.
+    /// Compiles the shader, and makes the exposure buffer of a view.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         gpu.compile(&[FILE])?;
         Ok(Self {
@@ -36,7 +36,7 @@ impl Tonemap {
         })
     }
 
-    /// The bind group of one radiance texture.
+    /// Makes the bind group of one radiance texture.
     pub fn bind(&self, gpu: &Gpu, radiance: &wgpu::TextureView) -> wgpu::BindGroup {
         bind_in_order(
             &gpu.context.device,
@@ -49,10 +49,10 @@ impl Tonemap {
         )
     }
 
-    /// Makes the pipeline of an output format, and writes the exposure (a factor on radiance).
+    /// Makes the pipeline of an output format, and writes the exposure, which is a factor on radiance.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn prepare(
         &mut self,
         gpu: &Gpu,
@@ -70,7 +70,7 @@ impl Tonemap {
         })
     }
 
-    /// Records the pass into a view of a format that was prepared.
+    /// Records the pass into a view whose format was prepared.
     pub fn record(
         &self,
         encoder: &mut wgpu::CommandEncoder,

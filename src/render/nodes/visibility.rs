@@ -1,5 +1,6 @@
-//! The visibility that the light pass used, as a picture: 0 on shadowed surfaces of the light's set I or what the mask
-//! says, and 0 on surfaces that were left out of I because the light does not see them, else 1.
+//! The picture of the visibility that the light pass used. It is 0 on shadowed surfaces of the light's set I,
+//! or the value of the mask there. It is also 0 on surfaces that I leaves out because the light does not see
+//! them. It is 1 elsewhere.
 //!
 //! Shader  `shaders/passes/visibility.wgsl`
 //! Groups  0 view, 2 material, 3 mask
@@ -12,20 +13,20 @@ use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::frame::draw_list::Batch;
 use crate::render::frame::recording::Recording;
 
-/// The shadow of one light.
+/// The shadow of one light, for the picture of its visibility.
 #[derive(Clone, Copy, Debug)]
 pub struct Shadow<'a> {
-    /// What the technique left.
+    /// The pass that shows the result of the light's technique.
     pub kind: SurfacePass,
-    /// Group 3, for a mask.
+    /// The bind group 3 of the mask, for a light with a mask.
     pub mask: Option<&'a wgpu::BindGroup>,
-    /// x, y, width, height; pixels.
+    /// Rectangle of the light: x, y, width, height, in pixels.
     pub scissor: [u32; 4],
-    /// What the light lights.
+    /// The surfaces that the light lights.
     pub batches: &'a [Batch],
 }
 
-/// Adds the surfaces that the light does not see.
+/// Draws the surfaces that the light does not see, with a visibility of 0.
 pub fn record_dark(frame: &mut Recording, target: &wgpu::TextureView, batches: &[Batch]) {
     let (view, surfaces) = (frame.view, frame.surfaces);
     let mut pass = begin(frame, target, wgpu::LoadOp::Load);
@@ -33,7 +34,7 @@ pub fn record_dark(frame: &mut Recording, target: &wgpu::TextureView, batches: &
     draw_batches(&mut pass, SurfacePass::Dark, batches, &surfaces);
 }
 
-/// Clears the target and records the draws; without a shadow it stays all lit.
+/// Clears the target to 1 and draws the shadow. Without a shadow the target stays at 1.
 pub fn record(frame: &mut Recording, target: &wgpu::TextureView, shadow: Option<Shadow>) {
     let (view, surfaces) = (frame.view, frame.surfaces);
     let mut pass = begin(frame, target, wgpu::LoadOp::Clear(wgpu::Color::WHITE));
@@ -42,7 +43,7 @@ pub fn record(frame: &mut Recording, target: &wgpu::TextureView, shadow: Option<
     }
 }
 
-/// Records the front layer of blended surfaces over what is there.
+/// Draws the front layer of blended surfaces over the visibility that is there.
 pub fn record_front(frame: &mut Recording, target: &wgpu::TextureView, shadow: Shadow) {
     let (view, surfaces) = (frame.view, frame.surfaces);
     let mut pass = begin(frame, target, wgpu::LoadOp::Load);
