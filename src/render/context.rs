@@ -71,8 +71,8 @@ pub struct RequestedFeatures {
     /// Asks for the format `Depth32FloatStencil8`, true by default. Without it depth has 24 bits: it is
     /// coarser far from the near plane, and may take less memory.
     pub float_depth: bool,
-    /// Asks for blending into 32-bit floats, true by default. Without it, techniques that sum in floats take
-    /// a form that sums in bytes.
+    /// Asks for blending into 32-bit floats, true by default. Without it, techniques that sum in floats sum
+    /// in bytes instead, or in half floats if they sum by colour.
     pub float_blend: bool,
     /// Asks for timers of each pass on the GPU. The default is true with the crate's feature `profile`, else
     /// false. Without timers no GPU times are reported.
@@ -116,8 +116,8 @@ pub struct RenderContext {
 }
 
 impl RenderContext {
-    /// Makes a device for this context alone, without a window. The environment variables of wgpu
-    /// (`WGPU_BACKEND` and so on) choose the adapter.
+    /// Makes a device for this context alone, without a window. It respects the environment variables of wgpu
+    /// (`WGPU_BACKEND` and so on).
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].

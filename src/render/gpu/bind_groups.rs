@@ -1,33 +1,35 @@
-//! Every bind group layout: 0 view, 1 light, 2 material (or a technique's casters), 3 the pass's own. And what binds them.
+//! Every bind group layout, and a function that binds resources in order. Group 0 is the view, 1 the light, 2
+//! the material (or a technique's casters), and 3 belongs to the pass.
 
 use std::num::NonZeroU64;
 
 use crate::render::pools::gpu_types;
 
-/// The layouts shared by passes; built once.
+/// The bind group layouts that passes share. They are built once.
 #[derive(Debug)]
 pub struct BindGroupLayouts {
-    /// Group 0: view and objects.
+    /// The layout of group 0: view and objects.
     pub view: wgpu::BindGroupLayout,
-    /// Group 1: one light, at a dynamic offset of [`Strided`](super::strided::Strided).
+    /// The layout of group 1: one light, at a dynamic offset of [`Strided`](super::strided::Strided).
     pub light: wgpu::BindGroupLayout,
-    /// Group 2 of drawn surfaces.
+    /// The layout of group 2 of drawn surfaces: one material.
     pub material: wgpu::BindGroupLayout,
-    /// Group 3 of passes that fetch positions themselves: those of one mesh.
+    /// The layout of group 3 of passes that fetch positions themselves: the positions of one mesh.
     pub positions: wgpu::BindGroupLayout,
-    /// Group 1 of passes that resolve a mask: depth and plane of what each pixel shows.
+    /// The layout of group 1 of passes that resolve a mask: depth and plane of the surface that each pixel
+    /// shows.
     pub receiver: wgpu::BindGroupLayout,
-    /// Group 3 of passes that read a light's visibility mask.
+    /// The layout of group 3 of passes that read a light's visibility mask.
     pub mask: wgpu::BindGroupLayout,
-    /// Group 3 of passes that read the depth of a frame or of its front layer.
+    /// The layout of group 3 of passes that read the depth of a frame or of its front layer.
     pub depth: wgpu::BindGroupLayout,
-    /// Group 3 of the pass that takes a host's depth.
+    /// The layout of group 3 of the pass that reads a host's depth.
     pub host: wgpu::BindGroupLayout,
-    /// Group 3 of the tonemap.
+    /// The layout of group 3 of the tonemap: radiance and exposure.
     pub tonemap: wgpu::BindGroupLayout,
 }
 
-/// A buffer entry of a layout.
+/// Makes the layout entry of a buffer. `size` is the smallest size that may be bound, bytes.
 pub fn buffer_entry(
     binding: u32,
     visibility: wgpu::ShaderStages,
@@ -73,7 +75,7 @@ fn depth_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-/// A bind group of resources with the bindings 0, 1, 2 and so on.
+/// Makes a bind group of resources with the bindings 0, 1, 2 and so on.
 pub fn bind_in_order<'a>(
     device: &wgpu::Device,
     label: &str,
@@ -91,11 +93,11 @@ pub fn bind_in_order<'a>(
     })
 }
 
-/// Read-only storage.
+/// The binding type of read-only storage.
 pub const STORAGE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
 
 impl BindGroupLayouts {
-    /// Builds them.
+    /// Builds all layouts.
     pub fn new(device: &wgpu::Device) -> Self {
         use wgpu::{BufferBindingType::Uniform, ShaderStages};
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {

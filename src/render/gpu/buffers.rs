@@ -1,18 +1,19 @@
-//! A buffer that grows to what is written into it.
+//! A buffer that grows to the size of the data written into it.
 
 use crate::render::RenderContext;
 
-/// A GPU buffer whose capacity doubles when it must; never shrinks, never empty.
+/// A GPU buffer whose capacity grows to the next power of two when needed. It never shrinks and is never
+/// empty.
 #[derive(Debug)]
 pub struct GrowingBuffer {
-    /// The buffer; exchanged when it grows.
+    /// The buffer. Growth replaces it with another.
     pub buffer: wgpu::Buffer,
     label: &'static str,
     usage: wgpu::BufferUsages,
 }
 
 impl GrowingBuffer {
-    /// A small buffer of `usage` that can be written and copied.
+    /// Makes a small buffer of `usage` that can be written and copied.
     pub fn new(context: &RenderContext, label: &'static str, usage: wgpu::BufferUsages) -> Self {
         let usage = usage | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         Self {
@@ -31,12 +32,13 @@ impl GrowingBuffer {
         })
     }
 
-    /// Makes room for `size` bytes; whether the buffer was exchanged. Its content is lost then unless `keep`.
+    /// Makes room for `size` bytes. Returns whether the buffer was replaced. A replaced buffer has lost its
+    /// content unless `keep` is true.
     pub fn reserve(&mut self, context: &RenderContext, size: u64, keep: bool) -> bool {
         if size <= self.buffer.size() {
             return false;
         }
-        // Never past the device's limit unless what is asked for is: then wgpu reports it.
+        // The capacity exceeds the device's limit only if `size` itself does. wgpu reports that case.
         let limit = context.device.limits().max_buffer_size;
         let capacity = size.next_power_of_two().min(limit).max(size).next_multiple_of(4);
         let grown = Self::create(context, self.label, self.usage, capacity);
@@ -49,7 +51,8 @@ impl GrowingBuffer {
         true
     }
 
-    /// Writes `bytes` to the start, growing first; whether the buffer was exchanged.
+    /// Writes `bytes` to the start of the buffer, which grows first if needed. Returns whether the buffer was
+    /// replaced.
     pub fn write(&mut self, context: &RenderContext, bytes: &[u8]) -> bool {
         let regrown = self.reserve(context, bytes.len() as u64, false);
         if !bytes.is_empty() {

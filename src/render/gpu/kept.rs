@@ -1,10 +1,10 @@
-//! Something made of other things, kept while these are the same.
+//! A value that is made from other values and kept while these stay the same.
 
-/// A value and what it was made of, as a bind group and what it binds.
+/// A value and the key from which it was made, such as a bind group and its resources.
 #[derive(Debug)]
 pub struct Kept<K, V> {
     entry: Option<(K, V)>,
-    /// How often it was made; does not grow in a steady frame.
+    /// The number of times that the value was made. It does not grow in a steady frame.
     pub made: usize,
 }
 
@@ -15,7 +15,7 @@ impl<K, V> Default for Kept<K, V> {
 }
 
 impl<K: PartialEq, V> Kept<K, V> {
-    /// The value made of `key`: the last one, or another in its place.
+    /// Returns the value made from `key`. If the key has changed, a new value replaces the last one.
     pub fn get(&mut self, key: K, make: impl FnOnce() -> V) -> &V {
         if self.entry.as_ref().is_some_and(|(known, _)| *known != key) {
             self.entry = None;

@@ -5,20 +5,21 @@ use image::{ImageBuffer, Rgba, Rgba32FImage};
 
 use crate::scene::Texture;
 
-/// A texture with its mip levels, largest first, one after the other.
+/// A texture with its mip levels, largest first, stored one after the other.
 #[derive(Debug)]
 pub struct MipChain {
     /// Width of the first level, texels.
     pub width: u32,
     /// Height of the first level, texels.
     pub height: u32,
-    /// Number of levels down to 1×1.
+    /// The number of levels down to 1×1.
     pub levels: u32,
-    /// All texels.
+    /// The texels of all levels, four bytes each.
     pub rgba8: Vec<u8>,
 }
 
-/// Builds the chain; a texture beyond `limit` begins at its first level that fits.
+/// Builds the mip levels of a texture. If the texture is larger than `limit` texels along a side, the chain
+/// begins at the first level that fits.
 pub fn mip_chain(texture: &Texture, srgb: bool, limit: u32) -> MipChain {
     let (mut width, mut height) = (texture.width, texture.height);
     let mut level: Rgba32FImage = ImageBuffer::from_fn(width, height, |x, y| {
@@ -50,6 +51,8 @@ pub fn mip_chain(texture: &Texture, srgb: bool, limit: u32) -> MipChain {
     }
 }
 
+/// Decodes a texel to linear light.
+///
 /// Source: IEC 61966-2-1, the sRGB transfer function.
 fn decode(texel: [u8; 4], srgb: bool) -> [f32; 4] {
     let mut out = texel.map(|byte| f32::from(byte) / 255.0);

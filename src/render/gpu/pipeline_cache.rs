@@ -1,4 +1,4 @@
-//! The cache of pipelines: a description to its pipeline, made once for all views.
+//! The cache of pipelines. It maps a description to its pipeline, which is made once for all views.
 
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -18,7 +18,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// An entry point of a file.
+    /// Names an entry point of a file.
     pub const fn new(file: &'static str, entry: &'static str) -> Self {
         Self { file, entry }
     }
@@ -34,12 +34,12 @@ pub const EVERYWHERE_AT_DEPTH: Stage = Stage::new(FULL_SCREEN, "at_depth");
 /// Draws one triangle over the whole target, and gives the instance index to the fragment stage at location 0.
 pub const EVERYWHERE_WITH_INSTANCE: Stage = Stage::new(FULL_SCREEN, "with_instance");
 
-/// Everything that tells two pipelines apart: the key of the cache.
+/// Everything that distinguishes two pipelines. It is the key of the cache.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct PipelineDesc {
     /// The name that debuggers show.
     pub label: &'static str,
-    /// The layouts of the bind groups 0 to 3; `None` where the pipeline reads no such group.
+    /// The layouts of the bind groups 0 to 3. A layout is `None` if the pipeline reads no such group.
     pub groups: [Option<wgpu::BindGroupLayout>; 4],
     /// The vertex stage.
     pub vertex: Stage,
@@ -58,7 +58,7 @@ pub struct PipelineDesc {
 }
 
 impl PipelineDesc {
-    /// A pipeline of triangles without buffers, tests and targets.
+    /// Describes a pipeline of triangles without buffers, tests and targets.
     pub fn new(label: &'static str, vertex: Stage, fragment: Option<Stage>) -> Self {
         Self {
             label,
@@ -73,7 +73,7 @@ impl PipelineDesc {
         }
     }
 
-    /// The same with bind groups; `None` where a group is not read.
+    /// Sets the bind groups. A layout is `None` if the pipeline does not read that group.
     pub fn with_groups<const N: usize>(mut self, groups: [Option<&wgpu::BindGroupLayout>; N]) -> Self {
         for (slot, group) in self.groups.iter_mut().zip(groups) {
             *slot = group.cloned();
@@ -81,14 +81,14 @@ impl PipelineDesc {
         self
     }
 
-    /// The same with `override` constants of the fragment stage.
+    /// Adds `override` constants of the fragment stage.
     pub fn with_constants<const N: usize>(mut self, constants: [(&'static str, f64); N]) -> Self {
         self.constants
             .extend(constants.map(|(name, value)| (name, value.to_bits())));
         self
     }
 
-    /// The same with one more colour target.
+    /// Adds one more colour target.
     pub fn with_target(
         mut self,
         format: wgpu::TextureFormat,
@@ -103,7 +103,7 @@ impl PipelineDesc {
         self
     }
 
-    /// The same with a depth and stencil test.
+    /// Sets the depth and stencil test.
     pub fn with_depth(
         mut self,
         format: wgpu::TextureFormat,
@@ -122,7 +122,7 @@ impl PipelineDesc {
     }
 }
 
-/// Blending that adds.
+/// The blend state that adds.
 pub const ADD: wgpu::BlendState = {
     let component = wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::One,
@@ -161,12 +161,12 @@ impl PipelineCache {
         self.entries.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The number of pipelines made so far; it does not grow in a steady frame.
+    /// The number of pipelines made so far. It does not grow in a steady frame.
     pub fn count(&self) -> usize {
         self.entries().pipelines.len()
     }
 
-    /// The module of a shader file, composed on first use.
+    /// Returns the module of a shader file. It is composed on first use.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -179,7 +179,7 @@ impl PipelineCache {
         module(&mut self.entries(), context, shaders, file)
     }
 
-    /// The pipeline of a description, made on first use.
+    /// Returns the pipeline of a description. It is made on first use.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
@@ -267,8 +267,8 @@ fn create(
     })
 }
 
-/// The pipelines that one recorder draws with, by a key of its own. It holds handles into the shared cache, so that
-/// recording takes no lock.
+/// The pipelines with which one recorder draws, by a key of the recorder's own. They are handles into the
+/// shared cache, so recording takes no lock.
 #[derive(Debug)]
 pub struct Variants<K> {
     known: Vec<(K, wgpu::RenderPipeline)>,
@@ -281,7 +281,8 @@ impl<K> Default for Variants<K> {
 }
 
 impl<K: Copy + PartialEq> Variants<K> {
-    /// The pipeline of a key, if [`Variants::insert`] has stored it. A recorder has few: they are searched one by one.
+    /// Returns the pipeline of a key, if [`Variants::insert`] has stored it. The search is linear, because a
+    /// recorder has few pipelines.
     pub fn get(&self, key: K) -> Option<&wgpu::RenderPipeline> {
         let found = self.known.iter().find(|(known, _)| *known == key);
         found.map(|(_, pipeline)| pipeline)

@@ -1,21 +1,21 @@
-//! Textures and buffers back on the CPU, for pictures and tests.
+//! Copies of textures and buffers back to the CPU, for pictures and tests.
 
 use glam::UVec2;
 
 use crate::render::{RenderContext, RenderError};
 
-/// Rows of texels, from the top, without padding.
+/// The texels of a texture in rows from the top, without padding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TexelRows {
-    /// Texels.
+    /// The size of the picture, texels.
     pub size: UVec2,
-    /// Bytes of one texel.
+    /// The size of one texel, bytes.
     pub texel_size: usize,
-    /// All texels.
+    /// The bytes of all texels.
     pub bytes: Vec<u8>,
 }
 
-/// Waits for the GPU and reads the first `size` bytes of a buffer that can be copied from.
+/// Waits for the GPU and reads the first `size` bytes of a buffer. The buffer must have the usage `COPY_SRC`.
 ///
 /// # Errors
 /// [`RenderError::Readback`], [`RenderError::DeviceLost`].
@@ -32,7 +32,7 @@ pub fn read_buffer(
     map(context, &staging, what)
 }
 
-/// Waits for the GPU and reads one aspect of a 2D texture.
+/// Waits for the GPU and reads one aspect of a 2D texture. `what` names the texture in errors.
 ///
 /// # Errors
 /// [`RenderError::Readback`], [`RenderError::DeviceLost`].
@@ -106,7 +106,7 @@ fn map(context: &RenderContext, staging: &wgpu::Buffer, what: &str) -> Result<Ve
     };
     let (sender, receiver) = std::sync::mpsc::channel();
     staging.slice(..).map_async(wgpu::MapMode::Read, move |result| {
-        // The receiver is gone only if polling failed, which is reported below.
+        // The receiver is gone only if polling failed. That error is reported below.
         let _ = sender.send(result);
     });
     context

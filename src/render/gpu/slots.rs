@@ -1,10 +1,10 @@
-//! GPU resources in use, by index and by what they were made from.
+//! GPU resources in use, by index and by the key from which they were made.
 
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// Entries with stable indices, counted anew from [`Slots::begin`] to [`Slots::end`]: what was not asked for between
-/// is freed, and its index given out again.
+/// Entries with stable indices. Use is counted anew from [`Slots::begin`] to [`Slots::end`]: entries that
+/// were not requested between the two calls are freed, and their indices are reused.
 #[derive(Debug)]
 pub struct Slots<K, T> {
     entries: Vec<Option<T>>,
@@ -30,12 +30,13 @@ impl<K: Copy + Eq + Hash, T> Slots<K, T> {
         self.entries.get(index as usize)?.as_ref()
     }
 
-    /// Begins a count of what is in use.
+    /// Begins a new count of the entries in use.
     pub fn begin(&mut self) {
         self.used.fill(false);
     }
 
-    /// Index of the entry made from `key`, which counts as used, if there is one that `is_current`.
+    /// Returns the index of the entry made from `key`, if there is one for which `is_current` is true. The
+    /// entry then counts as used.
     pub fn acquire(&mut self, key: K, is_current: impl FnOnce(&T) -> bool) -> Option<u32> {
         let &index = self.by_key.get(&key)?;
         let entry = self.entries[index as usize].as_ref()?;
@@ -46,7 +47,8 @@ impl<K: Copy + Eq + Hash, T> Slots<K, T> {
         Some(index)
     }
 
-    /// Stores an entry that counts as used. One with the same key loses it, and is freed by [`Slots::end`].
+    /// Stores an entry that counts as used, and returns its index. An older entry with the same key loses the
+    /// key, and [`Slots::end`] frees it.
     pub fn insert(&mut self, key: K, entry: T) -> u32 {
         let index = self.free.pop().unwrap_or_else(|| {
             self.entries.push(None);
@@ -59,7 +61,7 @@ impl<K: Copy + Eq + Hash, T> Slots<K, T> {
         index
     }
 
-    /// Frees what was not asked for since [`Slots::begin`].
+    /// Frees the entries that were not requested since [`Slots::begin`].
     pub fn end(&mut self) {
         let used = &self.used;
         self.by_key.retain(|_, index| used[*index as usize]);

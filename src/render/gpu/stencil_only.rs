@@ -1,11 +1,13 @@
-//! Pipelines that write the stencil alone, in passes that share an attachment with the light pass.
+//! Descriptions of pipelines that write only the stencil, in passes that share an attachment with the light
+//! pass.
 
 use super::pipeline_cache::{PipelineDesc, Stage};
 use crate::render::RenderContext;
 use crate::render::frame::targets::RADIANCE_FORMAT;
 
-/// A pipeline that changes the stencil where the depth test passes, and where it fails, by one operation each; both faces
-/// alike, whatever the stencil holds. The fragment stage is `no_color` of `file`.
+/// Describes a pipeline that changes the stencil by one operation where the depth test passes, and by another
+/// where it fails. Both faces act alike, whatever the stencil holds. The fragment stage is `no_color` of
+/// `file`.
 pub fn stencil_by_depth(
     context: &RenderContext,
     label: &'static str,
@@ -35,7 +37,7 @@ pub fn stencil_by_depth(
     .with_depth(format, false, depth_compare, stencil)
 }
 
-/// The same with the radiance as a target that is not written.
+/// Adds the radiance as a target that is not written.
 pub fn without_color(desc: PipelineDesc) -> PipelineDesc {
     desc.with_target(RADIANCE_FORMAT, None, wgpu::ColorWrites::empty())
 }

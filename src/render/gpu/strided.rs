@@ -1,4 +1,4 @@
-//! Constants at a stride that a dynamic offset may have.
+//! Shader constants at offsets that can be bound dynamically.
 
 use std::marker::PhantomData;
 
@@ -7,7 +7,7 @@ use bytemuck::Pod;
 use super::buffers::GrowingBuffer;
 use crate::render::RenderContext;
 
-/// The largest alignment of dynamic offsets that WebGPU allows a device to ask for, bytes.
+/// The largest alignment of dynamic offsets that WebGPU allows a device to require, bytes.
 const ALIGNMENT: usize = 256;
 
 /// The bytes of constants of one type, each at an offset that can be bound dynamically.
@@ -30,12 +30,12 @@ impl<T: Pod> Strided<T> {
     /// The number of bytes from one constant to the next.
     pub const STRIDE: usize = size_of::<T>().next_multiple_of(ALIGNMENT);
 
-    /// Forgets the last frame's constants, and keeps their memory.
+    /// Removes the last frame's constants, and keeps their memory.
     pub fn clear(&mut self) {
         self.bytes.clear();
     }
 
-    /// Appends a constant; its offset in bytes.
+    /// Appends a constant, and returns its offset in bytes.
     pub fn push(&mut self, constant: &T) -> u32 {
         let at = self.bytes.len();
         self.bytes.resize(at + Self::STRIDE, 0);
@@ -43,12 +43,12 @@ impl<T: Pod> Strided<T> {
         at as u32
     }
 
-    /// The offset of a constant by its place in the order of [`Strided::push`], bytes.
+    /// Returns the offset in bytes of a constant, by its index in the order of [`Strided::push`].
     pub const fn offset(index: usize) -> u32 {
         (index * Self::STRIDE) as u32
     }
 
-    /// All constants.
+    /// The bytes of all constants, with the gaps between them.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
@@ -57,13 +57,13 @@ impl<T: Pod> Strided<T> {
 /// [`Strided`] constants in a uniform buffer that grows.
 #[derive(Debug)]
 pub struct StridedUniforms<T> {
-    /// This frame's constants.
+    /// The constants of this frame.
     pub constants: Strided<T>,
     buffer: GrowingBuffer,
 }
 
 impl<T: Pod> StridedUniforms<T> {
-    /// No constants yet.
+    /// Makes a uniform buffer without constants.
     pub fn new(context: &RenderContext, label: &'static str) -> Self {
         Self {
             constants: Strided::default(),
@@ -71,17 +71,17 @@ impl<T: Pod> StridedUniforms<T> {
         }
     }
 
-    /// Uploads the constants; whether the buffer was exchanged, so that it must be bound anew.
+    /// Uploads the constants. Returns whether the buffer was replaced, so that it must be bound again.
     pub fn write(&mut self, context: &RenderContext) -> bool {
         self.buffer.write(context, &self.constants.bytes)
     }
 
-    /// The buffer.
+    /// The buffer that holds the uploaded constants.
     pub fn buffer(&self) -> &GrowingBuffer {
         &self.buffer
     }
 
-    /// The binding of one constant, for a dynamic offset.
+    /// Returns the binding of one constant, for use with a dynamic offset.
     pub fn binding(&self) -> wgpu::BindingResource<'_> {
         wgpu::BindingResource::Buffer(wgpu::BufferBinding {
             buffer: &self.buffer.buffer,

@@ -1,13 +1,14 @@
-//! GPU time by pass, where the device has timestamp queries and they were asked for.
+//! The time of each pass on the GPU. It is measured where the device has timestamp queries, which must have
+//! been asked for.
 
 use std::sync::Mutex;
 
 use crate::render::{RenderContext, RenderError};
 
-/// Passes that can be timed in one frame; further ones are not.
+/// The largest number of passes that are timed in one frame. Further passes are not timed.
 const PASS_CAPACITY: u32 = 256;
 
-/// Records begin and end of passes.
+/// The timers of the passes of a frame.
 #[derive(Debug)]
 pub struct Timings {
     queries: Option<Queries>,
@@ -21,17 +22,17 @@ struct Queries {
     period_ns: f32,
 }
 
-/// GPU time of one pass.
+/// The time that one pass took on the GPU.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PassTime {
-    /// The pass's label.
+    /// The label of the pass.
     pub label: String,
-    /// Milliseconds.
+    /// The time of the pass, milliseconds.
     pub milliseconds: f64,
 }
 
 impl Timings {
-    /// Timers if the device has them, else an object that does nothing.
+    /// Makes timers if the device has timestamp queries. Otherwise it makes an object that does nothing.
     pub fn new(context: &RenderContext) -> Self {
         let queries = context
             .device
@@ -57,7 +58,7 @@ impl Timings {
         }
     }
 
-    /// Whether passes are timed.
+    /// Returns whether passes are timed.
     pub fn is_active(&self) -> bool {
         self.queries.is_some()
     }
@@ -68,12 +69,12 @@ impl Timings {
             .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Forgets the last frame's passes.
+    /// Removes the last frame's passes.
     pub fn begin_frame(&self) {
         self.labels().clear();
     }
 
-    /// What a pass with this label writes; `None` without timers.
+    /// Returns the timestamp writes of a pass with this label, or `None` without timers.
     pub fn pass(&self, label: &str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         let queries = self.queries.as_ref()?;
         let mut labels = self.labels();
@@ -89,13 +90,14 @@ impl Timings {
         })
     }
 
-    /// What a pass of one light writes, labelled `<light>/<pass>`. The label is made only where somebody looks at it.
+    /// Returns the timestamp writes of a pass of one light, which is labelled `<light>/<pass>`. The label is
+    /// made only if passes are timed.
     pub fn pass_of(&self, light: &str, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
         self.queries.as_ref()?;
         self.pass(&format!("{light}/{pass}"))
     }
 
-    /// Records the resolve; after the last pass.
+    /// Records the resolve of the timestamps. Call it after the last pass of the frame.
     pub fn end_frame(&self, encoder: &mut wgpu::CommandEncoder) {
         let count = self.labels().len() as u32;
         if let Some(queries) = self.queries.as_ref().filter(|_| count > 0) {
@@ -103,7 +105,7 @@ impl Timings {
         }
     }
 
-    /// Waits for the frame and reads its times; empty without timers.
+    /// Waits for the frame and returns the times of its passes. The result is empty without timers.
     ///
     /// # Errors
     /// [`RenderError::Readback`].

@@ -1,6 +1,6 @@
 //! Makes the mask of a light that a function scales: the result of the light's technique, times the function.
 //!
-//! Shaders `shaders/passes/light_function.wgsl`, `shaders/passes/visibility.wgsl` with `lit`; the shaders of the functions
+//! Shaders `shaders/passes/light_function.wgsl`, `lit` of `shaders/passes/visibility.wgsl`, those of functions
 //! Groups  0 view, 2 material
 //! Reads   depth, stencil.  Writes  the mask, inside the light's scissor
 //! Order   after the technique has marked or resolved the light, before `light_accumulate` of the same light

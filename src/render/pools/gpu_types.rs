@@ -6,15 +6,17 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct View {
-    /// Linear RGB radiance; w unused.
+    /// Linear RGB radiance of ambient light; w unused.
     pub ambient: [f32; 4],
-    /// Columns; from a pixel's NDC position and depth to eye-relative, to be divided by w. Computed in f64.
+    /// Columns of the map from a pixel's NDC position and depth to an eye-relative position, which must be
+    /// divided by w. It is computed in f64.
     pub relative_from_ndc: [[f32; 4]; 4],
-    /// Width and height of the picture, pixels, and their reciprocals.
+    /// Width and height of the picture in pixels, and their reciprocals.
     pub size: [f32; 4],
-    /// Upper left corner of the picture in its targets, pixels; z, w unused.
+    /// Upper left corner of the picture in its targets, pixels; zw unused.
     pub origin: [f32; 4],
-    /// w = 1: the eye is at the origin; w = 0: unit direction towards an orthographic view.
+    /// Place of the eye. With w = 1 the eye is at the origin. With w = 0, xyz is the unit direction towards
+    /// the viewer of an orthographic view.
     pub eye: [f32; 4],
 }
 
@@ -22,15 +24,15 @@ pub struct View {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Object {
-    /// Columns; computed in f64.
+    /// Columns of the map from local space to clip space, computed in f64.
     pub clip_from_local: [[f32; 4]; 4],
-    /// First row of the affine map from local to world axes with the origin at the eye.
+    /// First row of the affine map from local space to world axes with the origin at the eye.
     pub relative_from_local_x: [f32; 4],
-    /// Second row.
+    /// Second row of the affine map from local space to world axes with the origin at the eye.
     pub relative_from_local_y: [f32; 4],
-    /// Third row.
+    /// Third row of the affine map from local space to world axes with the origin at the eye.
     pub relative_from_local_z: [f32; 4],
-    /// x: sign of the determinant.
+    /// x: sign of the determinant of the object's transform; yzw unused.
     pub handedness: [f32; 4],
 }
 
@@ -38,11 +40,14 @@ pub struct Object {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct HostDepth {
-    /// Our depth is the quotient of the two, dotted with NDC, the host's depth, and 1.
+    /// Numerator of our depth, to be dotted with (NDC x, NDC y, the host's depth, 1). Our depth is
+    /// `numerator` over `denominator`.
     pub numerator: [f32; 4],
-    /// See `numerator`.
+    /// Denominator of our depth, to be dotted with (NDC x, NDC y, the host's depth, 1). Our depth is
+    /// `numerator` over `denominator`.
     pub denominator: [f32; 4],
-    /// What depths of one surface may differ by: factors of 1, of our depth and of its square; w unused.
+    /// Largest difference between two depths of one surface, as factors of 1, of our depth and of its square;
+    /// w unused.
     pub rounding: [f32; 4],
 }
 
@@ -50,17 +55,19 @@ pub struct HostDepth {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Light {
-    /// w = 1: position relative to the eye; w = 0: unit direction towards the light.
+    /// Place of the light. With w = 1, xyz is the position relative to the eye. With w = 0, xyz is the unit
+    /// direction towards the light.
     pub point_relative: [f32; 4],
-    /// Linear RGB times intensity; w: 1 / range², 0 without one.
+    /// Linear RGB times intensity; w: 1 / range², 0 without a range.
     pub emission: [f32; 4],
-    /// Unit direction of shining; w: 1 where emission falls with the cosine.
+    /// Unit direction in which the light shines; w: 1 if the emission falls with the cosine, else 0.
     pub axis: [f32; 4],
-    /// Scale and offset of a spot's falloff.
+    /// Scale and offset of a spot's falloff; zw unused.
     pub cone: [f32; 4],
-    /// Half the width of a rectangle, along it; w: radius of a sphere.
+    /// Vector along a rectangle's width with half its length; w: radius of a sphere.
     pub half_right: [f32; 4],
-    /// Half its height; w: 1 for rectangles and spheres that have an extent.
+    /// Vector along a rectangle's height with half its length; w: 1 for rectangles and spheres that have an
+    /// extent, else 0.
     pub half_up: [f32; 4],
 }
 
@@ -68,13 +75,13 @@ pub struct Light {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Slot {
-    /// Columns of the 2×2 part.
+    /// Columns of the 2×2 part of the transform of texture coordinates.
     pub uv_matrix: [f32; 4],
-    /// Translation.
+    /// Translation of texture coordinates.
     pub uv_offset: [f32; 2],
-    /// 0 or 1.
+    /// Set of texture coordinates, 0 or 1.
     pub uv_set: u32,
-    /// 0: the texture is a placeholder.
+    /// 1 if the material has the texture, 0 if the texture is a placeholder.
     pub present: u32,
 }
 
@@ -82,50 +89,50 @@ pub struct Slot {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Linear RGBA.
+    /// Base colour, linear RGBA.
     pub base_color: [f32; 4],
-    /// Linear RGB.
+    /// Emitted radiance, linear RGB.
     pub emissive: [f32; 3],
-    /// 0 unless alpha-masked.
+    /// Alpha below which an alpha-masked surface has holes; 0 for other surfaces.
     pub alpha_cutoff: f32,
-    /// 0..=1.
+    /// Share of metal, 0 to 1.
     pub metallic: f32,
-    /// Perceptual, 0..=1.
+    /// Perceptual roughness, 0 to 1.
     pub roughness: f32,
-    /// Scales the normal texture's X and Y.
+    /// Scale of the normal texture's X and Y.
     pub normal_scale: f32,
-    /// 0..=1.
+    /// Strength of the occlusion texture, 0 to 1.
     pub occlusion_strength: f32,
-    /// 1: shows the base colour and takes no light.
+    /// 1 if the surface shows its base colour and takes no light, else 0.
     pub unlit: u32,
-    /// 1: alpha is ignored.
+    /// 1 if alpha is ignored, else 0.
     pub opaque: u32,
-    /// Unused.
+    /// Unused padding.
     pub padding_a: u32,
-    /// Unused.
+    /// Unused padding.
     pub padding_b: u32,
-    /// Base colour texture.
+    /// The base colour texture.
     pub base_color_slot: Slot,
-    /// Metallic-roughness texture.
+    /// The metallic-roughness texture.
     pub metallic_roughness_slot: Slot,
-    /// Normal texture.
+    /// The normal texture.
     pub normal_slot: Slot,
-    /// Occlusion texture.
+    /// The occlusion texture.
     pub occlusion_slot: Slot,
-    /// Emissive texture.
+    /// The emissive texture.
     pub emissive_slot: Slot,
 }
 
-/// What a vertex has beside its position; vertex buffer 1 of drawn surfaces.
+/// The attributes of a vertex beside its position. They are the vertex buffer 1 of drawn surfaces.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SurfaceVertex {
-    /// Unit, local.
+    /// Unit normal, in local space.
     pub normal: [f32; 3],
-    /// Unit, local; w the bitangent's sign, 0: none.
+    /// Unit tangent, in local space; w: sign of the bitangent, 0 without a tangent.
     pub tangent: [f32; 4],
-    /// Set 0 in xy, set 1 in zw.
+    /// Texture coordinates: set 0 in xy, set 1 in zw.
     pub uv: [f32; 4],
-    /// Linear RGBA.
+    /// Vertex colour, linear RGBA.
     pub color: [f32; 4],
 }

@@ -1,4 +1,4 @@
-//! What the light pass needs of each light.
+//! The constants of each light in the light pass.
 
 use glam::{DVec3, Vec3};
 
@@ -6,7 +6,7 @@ use super::gpu_types;
 use crate::scene::LightKind;
 use crate::sets::FrameLight;
 
-/// The shader's view of one light.
+/// Makes the shader's constants of one light.
 pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light {
     let point = light.point_world;
     let point_relative = if point.w == 0.0 {
@@ -20,7 +20,7 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
     } else {
         0.0
     };
-    /// Beyond, dividing by the least squared distance would overflow.
+    /// The largest emission. A larger one would overflow when it is divided by the least squared distance.
     const BRIGHTEST: f32 = 1e30;
     let emission: Vec3 = (light.light.color * light.light.intensity).min(Vec3::splat(BRIGHTEST));
     let (scale, offset) = match light.light.kind {

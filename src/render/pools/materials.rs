@@ -14,19 +14,20 @@ use crate::render::{Gpu, RenderContext};
 use crate::scene::material::TextureWrap;
 use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
 
-/// A material ready to bind.
+/// A material that is ready to be bound.
 #[derive(Debug)]
 pub struct GpuMaterial {
-    /// Group 2 of drawn surfaces.
+    /// The bind group 2 of drawn surfaces.
     pub bind_group: wgpu::BindGroup,
-    /// Keeps the address of the material from being that of another.
+    /// Keeps the material alive, so that no other material can have its address.
     _source: Arc<Material>,
 }
 
-/// Largest scale of a normal texture; beyond, its normals lie in the surface to a thousandth.
+/// The largest scale of a normal texture. At a greater scale its normals would lie in the surface to within a
+/// thousandth.
 const STEEPEST: f32 = 1e3;
 
-/// How a texture's texels are read.
+/// The encoding in which a texture's texels are read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Encoding {
     Srgb,
@@ -49,14 +50,14 @@ pub struct SharedMaterials {
 
 #[derive(Debug, Default)]
 struct Known {
-    /// By the address of the material, which the entry keeps alive.
+    /// The materials by their addresses. Each entry keeps its material alive.
     materials: HashMap<usize, Weak<GpuMaterial>>,
     textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
     samplers: HashMap<SamplerKey, wgpu::Sampler>,
 }
 
 impl SharedMaterials {
-    /// No materials yet.
+    /// Makes a store without materials.
     pub fn new(context: &RenderContext) -> Self {
         let white = context.device.create_texture_with_data(
             &context.queue,
@@ -85,7 +86,7 @@ impl SharedMaterials {
         made
     }
 
-    /// Forgets what no view holds.
+    /// Removes the materials and textures that no view holds.
     fn forget_unused(&self) {
         let mut known = self.known();
         known.materials.retain(|_, material| material.strong_count() > 0);
@@ -99,7 +100,7 @@ impl SharedMaterials {
 /// The materials that one view uses, by index.
 #[derive(Debug, Default)]
 pub struct MaterialPool {
-    /// By the address of the material, which the entry keeps alive.
+    /// The materials by their addresses. Each entry keeps its material alive.
     slots: Slots<usize, Arc<GpuMaterial>>,
 }
 
@@ -109,18 +110,18 @@ impl MaterialPool {
         self.slots.get(index).map(Arc::as_ref)
     }
 
-    /// Begins a count of what is in use.
+    /// Begins a new count of the materials in use.
     pub fn begin(&mut self) {
         self.slots.begin();
     }
 
-    /// Frees what was not asked for since [`MaterialPool::begin`].
+    /// Frees the materials that were not requested since [`MaterialPool::begin`].
     pub fn end(&mut self, gpu: &Gpu) {
         self.slots.end();
         gpu.materials.forget_unused();
     }
 
-    /// Index of a material, uploaded if no view has it.
+    /// Returns the index of a material. The material is uploaded if no view has it yet.
     pub fn acquire(&mut self, gpu: &Gpu, material: &Arc<Material>) -> u32 {
         let address = Arc::as_ptr(material) as usize;
         if let Some(index) = self.slots.acquire(address, |_| true) {
@@ -311,7 +312,7 @@ fn constants(material: &Material) -> gpu_types::Material {
             }
         }
     };
-    // NaN has no nearest number that is allowed, and takes the default.
+    // NaN has no nearest allowed number, so it takes the default.
     let within = |x: f32, least: f32, most: f32, default: f32| {
         if x.is_nan() { default } else { x.clamp(least, most) }
     };

@@ -1,4 +1,5 @@
-//! Meshes on the GPU: one for each mesh shared by objects of any view, one for each posed object of a view.
+//! Meshes on the GPU. There is one for each mesh that objects of any view share, and one for each posed
+//! object of a view.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -15,25 +16,25 @@ use crate::render::gpu::slots::Slots;
 use crate::render::{Gpu, RenderContext};
 use crate::scene::{MeshData, PosedMesh, Submesh};
 
-/// A mesh in buffers.
+/// A mesh in GPU buffers.
 #[derive(Debug)]
 pub struct GpuMesh {
-    /// Positions, 12 bytes a vertex; volumes draw their caps and sides from the same buffer.
+    /// The positions, 12 bytes a vertex. Shadow volumes draw their caps and sides from the same buffer.
     pub positions: wgpu::Buffer,
-    /// The same as a storage buffer: [`BindGroupLayouts::positions`].
+    /// The bind group of the positions as a storage buffer, of the layout [`BindGroupLayouts::positions`].
     pub positions_group: wgpu::BindGroup,
-    /// [`SurfaceVertex`] each.
+    /// The attributes beside the position, one [`SurfaceVertex`] a vertex.
     pub surface: wgpu::Buffer,
-    /// `u32` each.
+    /// The indices, one `u32` each.
     pub indices: wgpu::Buffer,
-    /// One a material; cut to the indices that there are.
+    /// The submeshes, one for each material. Their ranges are cut to the indices that exist.
     pub submeshes: Vec<Submesh>,
     source: Arc<MeshData>,
-    /// Dropped with the mesh, which ends its part of the count.
+    /// Counts the bytes of the mesh until the mesh is dropped.
     _counted: Counted,
 }
 
-/// Bytes that are counted while this exists.
+/// A number of bytes that is part of a total while this value exists.
 #[derive(Debug)]
 struct Counted {
     bytes: u64,
@@ -56,7 +57,8 @@ impl Drop for Counted {
     }
 }
 
-/// The meshes without a pose that some view holds, by the address of their data, which the mesh keeps alive.
+/// The meshes without a pose that any view holds. The key is the address of the mesh's data, which the mesh
+/// keeps alive.
 #[derive(Debug, Default)]
 pub struct SharedMeshes {
     known: Mutex<HashMap<usize, Weak<GpuMesh>>>,
@@ -68,7 +70,7 @@ impl SharedMeshes {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The number of bytes of all meshes on the device, those of poses included.
+    /// The number of bytes that all meshes and their poses take on the device.
     pub fn bytes(&self) -> u64 {
         self.bytes.load(Ordering::Relaxed)
     }
@@ -82,25 +84,26 @@ impl SharedMeshes {
         self.known().insert(address, Arc::downgrade(mesh));
     }
 
-    /// Forgets the addresses of meshes that no view holds.
+    /// Removes the addresses of meshes that no view holds.
     fn forget_unused(&self) {
         self.known().retain(|_, mesh| mesh.strong_count() > 0);
     }
 }
 
-/// What a GPU mesh is the mesh of.
+/// The object or objects that a GPU mesh belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Key {
-    /// All unposed objects with this mesh; the address of the `Arc`'s content, which the entry keeps alive.
+    /// The mesh of all unposed objects that share it, by the address of the `Arc`'s content. The entry keeps
+    /// that content alive.
     Shared(usize),
-    /// One posed object.
+    /// The mesh of one posed object.
     Posed(Entity),
 }
 
 /// An object that is not drawn because the device allows no buffer of its mesh's size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct OversizedMesh {
-    /// The object.
+    /// The entity of the object.
     pub entity: Entity,
     /// Size of the buffer that the mesh needs, bytes.
     pub needed: u64,
@@ -123,20 +126,20 @@ impl MeshPool {
         self.slots.get(index).map(Arc::as_ref)
     }
 
-    /// Begins a count of what is in use.
+    /// Begins a new count of the meshes in use.
     pub fn begin(&mut self) {
         self.slots.begin();
         self.oversized.clear();
     }
 
-    /// Frees what was not asked for since [`MeshPool::begin`].
+    /// Frees the meshes that were not requested since [`MeshPool::begin`].
     pub fn end(&mut self, gpu: &Gpu) {
         self.slots.end();
         gpu.meshes.forget_unused();
     }
 
-    /// Index of an object's mesh, uploaded if it is new. `None` for a mesh without triangles or one that the
-    /// device cannot hold.
+    /// Returns the index of an object's mesh. The mesh is uploaded if it is new. Returns `None` for a mesh
+    /// without triangles, and for a mesh that the device cannot hold.
     pub fn acquire(
         &mut self,
         gpu: &Gpu,
@@ -232,7 +235,7 @@ impl MeshPool {
         }
     }
 
-    /// Writes this frame's pose of one object.
+    /// Uploads this frame's pose of one object.
     pub fn write_pose(&mut self, context: &RenderContext, index: u32, posed: &PosedMesh) {
         let Some(mesh) = self.slots.get(index) else {
             return;
@@ -248,7 +251,7 @@ impl MeshPool {
     }
 }
 
-/// The posed positions once there are any, else the mesh's own.
+/// Returns the posed positions once they have been computed, and the mesh's own positions before.
 fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a [Vec3] {
     match posed {
         Some(posed) if posed.positions.len() == mesh.positions.len() => &posed.positions,
@@ -256,8 +259,8 @@ fn posed_positions<'a>(mesh: &'a MeshData, posed: Option<&'a PosedMesh>) -> &'a 
     }
 }
 
-/// The mesh's indices, with triangles that name a vertex which is not there or not finite drawn together to a point:
-/// what a GPU makes of them is not defined.
+/// Returns the mesh's indices. Triangles with a vertex that is missing or not finite are collapsed to a
+/// point, because a GPU's result for them is not defined.
 fn drawable_indices(mesh: &MeshData) -> Cow<'_, [u32]> {
     let is_finite = |index: &u32| mesh.positions.get(*index as usize).is_some_and(|p| p.is_finite());
     if mesh.indices.iter().all(is_finite) {
@@ -273,8 +276,8 @@ fn drawable_indices(mesh: &MeshData) -> Cow<'_, [u32]> {
     Cow::Owned(indices)
 }
 
-/// Interleaves what a vertex has beside its position. What is missing or not finite has the value that does nothing;
-/// a normal points up.
+/// Interleaves the attributes of each vertex beside its position. An attribute that is missing or not finite
+/// takes a neutral value. A normal then points up.
 fn fill_surface(out: &mut Vec<SurfaceVertex>, mesh: &MeshData, posed: Option<&PosedMesh>) {
     let posed = posed.filter(|posed| posed.positions.len() == mesh.positions.len());
     let normals = posed.map_or(&mesh.normals, |posed| &posed.normals);

@@ -1,4 +1,4 @@
-//! Scene data on the GPU: meshes, materials, the table of objects, the constants of lights.
+//! Scene data on the GPU: meshes, materials, the table of objects, and the constants of lights.
 
 pub mod gpu_types;
 pub(crate) mod light_constants;

@@ -1,4 +1,4 @@
-//! The drawn objects of a frame: which mesh, materials and transform stands at which dense index.
+//! The drawn objects of a frame: the mesh, the materials and the transform at each dense index.
 
 use std::ops::Range;
 
@@ -13,45 +13,46 @@ use crate::render::Gpu;
 use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{Objects, ViewData};
 
-/// One submesh of one object: what a draw draws.
+/// One submesh of one object, with its material. A draw draws one item, or several equal ones.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
-    /// Index into the mesh's submeshes.
+    /// Index of the submesh among those of its mesh.
     pub submesh: u32,
-    /// Index into the [`MaterialPool`].
+    /// Index of the material in the [`MaterialPool`].
     pub material: u32,
-    /// Blended over what lies behind, after all lights.
+    /// True if the item is blended over the surfaces behind it, after all lights.
     pub blended: bool,
-    /// Drawn from both sides.
+    /// True if the item is drawn from both sides.
     pub double_sided: bool,
-    /// Takes no light.
+    /// True if the item takes no light.
     pub unlit: bool,
 }
 
-/// The mesh of an object that is not drawn.
+/// The mesh index of an object that is not drawn.
 pub const NO_MESH: u32 = u32::MAX;
 
-/// Mesh and materials by dense object index.
+/// The mesh and the materials of each object, by dense object index.
 #[derive(Debug, Default)]
 pub struct ObjectTable {
-    /// Index into the [`MeshPool`], or [`NO_MESH`].
+    /// The index of each object's mesh in the [`MeshPool`], or [`NO_MESH`].
     pub mesh: Vec<u32>,
-    /// Range of [`ObjectTable::items`].
+    /// The range of each object's items in [`ObjectTable::items`].
     pub item_range: Vec<Range<u32>>,
-    /// Items of all objects.
+    /// The items of all objects.
     pub items: Vec<Item>,
-    /// Sign of each object's determinant; 0 where the object cannot be drawn.
+    /// The sign of the determinant of each object's transform; 0 if the object cannot be drawn.
     pub handedness: Vec<f32>,
     constants: Vec<gpu_types::Object>,
 }
 
 impl ObjectTable {
-    /// The matrices of all objects for upload; never empty.
+    /// The matrices of all objects, for upload. They are never empty.
     pub fn constants(&self) -> &[gpu_types::Object] {
         &self.constants
     }
 
-    /// Distance of an object's origin from the eye, along the lines of sight of an orthographic view, metres.
+    /// Returns the distance of an object's origin from the eye, metres. In an orthographic view it is
+    /// measured along the lines of sight.
     pub fn distance_of(&self, object: usize, view: &ViewData) -> f32 {
         let constants = &self.constants[object];
         let relative = glam::Vec3::new(
@@ -66,8 +67,8 @@ impl ObjectTable {
         }
     }
 
-    /// Looks up meshes and materials of all objects, uploading new ones and freeing unused ones. Needed when
-    /// objects come and go, or exchange a mesh or material.
+    /// Looks up the meshes and materials of all objects, uploads new ones and frees unused ones. This is
+    /// needed when objects come and go, or when they exchange a mesh or material.
     pub fn rebuild(
         &mut self,
         gpu: &Gpu,
@@ -110,16 +111,16 @@ impl ObjectTable {
         materials.end(gpu);
     }
 
-    /// Items of one object.
+    /// Returns the items of one object.
     pub fn items_of(&self, object: usize) -> &[Item] {
         let range = &self.item_range[object];
         &self.items[range.start as usize..range.end as usize]
     }
 
-    /// Recomputes the matrices of all objects, from f64, for this view.
+    /// Computes the matrices of all objects for this view, in f64.
     ///
-    /// World positions are taken relative to the eye before they are rounded, so that a scene far from the
-    /// world's origin shades and tests depth as exactly as one at it.
+    /// World positions are made relative to the eye before they are rounded. So a scene far from the world's
+    /// origin is shaded and depth-tested as exactly as a scene near the origin.
     pub fn update_constants(
         &mut self,
         entities: &[Entity],
@@ -148,7 +149,7 @@ impl ObjectTable {
     }
 }
 
-/// The shader's view of one object.
+/// Makes the shader's constants of one object.
 pub fn object_constants(
     world_from_local: DMat4,
     clip_from_world: DMat4,

@@ -5,7 +5,7 @@ use glam::{DVec3, DVec4, Vec3, Vec4};
 
 use crate::geometry::{Aabb, BoxShadow};
 
-/// Extrusion of a volume that reaches infinity.
+/// The extrusion of a volume that reaches infinity.
 pub const TO_INFINITY: f32 = 0.0;
 
 /// Pushes a vertex away from the light and returns it as a homogeneous point.
@@ -39,9 +39,9 @@ pub fn finite_extrusion(
     bounds_world: &Aabb,
     receivers: &[Aabb],
 ) -> Option<f32> {
-    /// Above this factor the far corners are so far out that nothing is saved. Chosen by eye.
+    /// Above this factor the far corners are so far out that a finite volume saves nothing. Chosen by eye.
     const LARGEST: f64 = 1000.0;
-    /// Keeps the far cap beyond what is lit in spite of rounding.
+    /// Keeps the far cap beyond the lit surfaces in spite of rounding.
     const SLACK: f64 = 1.001;
     if light_world.w == 0.0 || bounds_world.is_empty() {
         return Some(TO_INFINITY);

@@ -1,4 +1,4 @@
-//! How far shadow volumes reach in orthographic views, where depth ends.
+//! The length of shadow volumes in orthographic views, where depth ends.
 //!
 //! A perspective view draws to infinity, and its depth has a value for a vertex with `w = 0`. The depth of an
 //! orthographic view is linear and ends. Faces that it clips are not counted at the surfaces in front of
@@ -110,16 +110,16 @@ pub fn include_rays(reach: &DepthReach, view: &ViewData, from: &Aabb, length: f3
 /// caster changes.
 #[derive(Clone, Debug, Default)]
 pub struct NearestSurfaces {
-    /// Ascending by light and caster.
+    /// The kept distances, ascending by light, part and caster.
     known: Vec<Known>,
     frame: u64,
 }
 
 #[derive(Clone, Debug)]
 struct Known {
-    /// Light, number of its part, caster.
+    /// The light, the number of its part, and the caster.
     key: (Entity, u32, Entity),
-    /// Revision of the light's silhouette of the caster.
+    /// The revision of the light's silhouette of the caster.
     revision: u64,
     point: DVec4,
     world_from_local: GlobalTransform,
@@ -127,7 +127,7 @@ struct Known {
     last_used: u64,
 }
 
-/// Frames that a distance is kept after its last use, as for silhouettes.
+/// The number of frames that a distance is kept after its last use. It is the same as for silhouettes.
 const KEPT_FRAMES: u64 = 120;
 
 impl NearestSurfaces {

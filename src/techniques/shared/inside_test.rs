@@ -1,4 +1,4 @@
-//! Whether the viewport may lie in a caster's shadow.
+//! A conservative test of whether the viewport may lie in a caster's shadow.
 //!
 //! The occlusion pyramid spans the near rectangle of the view and the light. A caster outside of it shadows
 //! no point of the viewport, so its volume may be counted towards the viewer.
@@ -22,8 +22,8 @@ impl OcclusionPyramid {
     ///
     /// A light in or near the plane of the rectangle makes a flat pyramid, which excludes nothing.
     pub fn new(near_corners_world: &[DVec3; 4], light_world: DVec4) -> Self {
-        /// A light nearer to the rectangle's plane than this share of the rectangle's size counts as in it:
-        /// rounding would determine the planes through it.
+        /// A light nearer to the rectangle's plane than this share of the rectangle's size counts as in the
+        /// plane, because rounding would determine the planes through it.
         const FLAT: f64 = 1e-6;
         let corners = near_corners_world;
         let center = corners.iter().sum::<DVec3>() * 0.25;
@@ -65,7 +65,8 @@ impl OcclusionPyramid {
         Self { planes }
     }
 
-    /// Whether nothing in the box can shadow the viewport. Conservative: `false` in case of doubt.
+    /// Returns whether nothing in the box can shadow the viewport. The test is conservative: it returns
+    /// `false` in case of doubt.
     pub fn excludes(&self, bounds_world: &Aabb) -> bool {
         let center = bounds_world.center().as_dvec3();
         let half = bounds_world.half_size().as_dvec3();

@@ -1,4 +1,5 @@
-//! Whether a caster's own drawn surface hides its near cap. If so, depth-pass need not draw the cap.
+//! A test of whether a caster's own drawn surface hides its near cap. If so, depth-pass need not draw the
+//! cap.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -6,7 +7,7 @@ use bevy_ecs::system::SystemParam;
 use crate::scene::FaceCulling;
 use crate::sets::{Objects, SeeThrough, SeenInto};
 
-/// What decides whether near caps are hidden.
+/// The sets that decide whether near caps are hidden.
 #[derive(SystemParam)]
 pub struct NearCaps<'w> {
     seen_into: Res<'w, SeenInto>,
@@ -15,8 +16,8 @@ pub struct NearCaps<'w> {
 }
 
 impl NearCaps<'_> {
-    /// Whether an object's near cap is nowhere seen, because its whole surface is drawn there and nothing
-    /// looks into the object.
+    /// Returns whether an object's near cap is nowhere visible, because its whole surface is drawn there and
+    /// nothing looks into the object.
     pub fn are_hidden(&self, objects: &Objects, object: usize, is_closed: impl FnOnce() -> bool) -> bool {
         objects.drawn.contains(object)
             && !self.seen_into.0.contains(object)

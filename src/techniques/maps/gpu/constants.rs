@@ -1,4 +1,4 @@
-//! The shader's constants of a light's map, which include how lenient its comparison is.
+//! The shader's constants of a light's map, including the tolerances of its depth comparison.
 
 use glam::DVec3;
 

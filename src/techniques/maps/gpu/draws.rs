@@ -18,16 +18,16 @@ use crate::scene::{AlphaMode, SceneMaterials};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
-/// One draw call, or one for each run of submeshes.
+/// One draw call, or one for each run of consecutive submeshes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MapDraw {
-    /// Material whose alpha cuts holes; `None`: solid.
+    /// Index of the material whose alpha cuts holes; `None` for solid casters.
     pub material: Option<u32>,
-    /// Index into the mesh pool.
+    /// Index of the mesh in the mesh pool.
     pub mesh: u32,
-    /// Index into the mesh's submeshes; `None`: all of them.
+    /// Index of the submesh among those of its mesh; `None` for all submeshes.
     pub submesh: Option<u32>,
-    /// Range of [`MapDraws::casters`].
+    /// Range of [`MapDraws::casters`] that the call draws.
     pub casters: Range<u32>,
 }
 
@@ -43,15 +43,15 @@ struct Part {
 /// The draws of a frame. The memory is reused.
 #[derive(Debug, Default)]
 pub struct MapDraws {
-    /// All draws.
+    /// All draws of the frame.
     pub draws: Vec<MapDraw>,
-    /// Matrices of the casters of all draws.
+    /// The matrices of the casters of all draws.
     pub casters: Vec<MapCaster>,
     parts: Vec<Part>,
 }
 
 impl MapDraws {
-    /// Forgets the draws of the last frame.
+    /// Removes the draws of the last frame.
     pub fn clear(&mut self) {
         self.draws.clear();
         self.casters.clear();
@@ -130,7 +130,8 @@ impl MapDraws {
         }
     }
 
-    /// Which of the two kinds of pipelines a range of draws needs: `true` for casters with holes.
+    /// Returns the kinds of pipelines that a range of draws needs: `true` for casters with holes, `false` for
+    /// solid casters.
     pub fn masked(&self, range: Range<usize>) -> impl Iterator<Item = bool> + use<> {
         let has = |masked| {
             self.draws[range.clone()]

@@ -1,4 +1,4 @@
-//! `#[repr(C)]` mirrors of WGSL structs; `tests/layout_contract.rs` compares names, offsets and sizes.
+//! `#[repr(C)]` mirrors of WGSL structs; `tests/gpu/layout_contract.rs` compares names, offsets and sizes.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,13 +6,14 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MapFace {
-    /// Rows of face from eye-relative.
+    /// First row of the map from eye-relative positions to the face's space.
     pub row_x: [f32; 4],
-    /// Second row.
+    /// Second row of the map from eye-relative positions to the face's space.
     pub row_y: [f32; 4],
-    /// Third row.
+    /// Third row of the map from eye-relative positions to the face's space.
     pub row_z: [f32; 4],
-    /// Half side at distance 1, near plane, texel at distance 1, unused; parallel: half side, length, texel, unused.
+    /// Projection of a perspective face: half side at distance 1, near plane, size of a texel at distance 1,
+    /// unused. For a parallel face: half side, length, size of a texel, unused.
     pub projection: [f32; 4],
 }
 
@@ -20,13 +21,16 @@ pub struct MapFace {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MapLight {
-    /// Faces.
+    /// The faces of the map. A map with fewer faces leaves the rest unused.
     pub faces: [MapFace; 6],
-    /// Texels along a side and their reciprocal, radius of the filter (at distance 1; parallel: metres), unused.
+    /// Texels along a side, their reciprocal, radius of the filter (at distance 1; for parallel faces in
+    /// metres), unused.
     pub size: [f32; 4],
-    /// Share of a texel along the normal, relative and absolute slack, metres towards the light.
+    /// Share of a texel along the normal, relative and absolute slack of the comparison, metres towards the
+    /// light.
     pub bias: [f32; 4],
-    /// Nearest and farthest depth that the light reaches, 1 / reach², share of a cascade that passes into the next.
+    /// Nearest and farthest depth that the light reaches, 1 / reach², share of a cascade that is blended into
+    /// the next.
     pub limits: [f32; 4],
 }
 
@@ -34,6 +38,6 @@ pub struct MapLight {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct MapCaster {
-    /// Columns; computed in f64.
+    /// Columns of the map from the caster's local space to the face's clip space, computed in f64.
     pub clip_from_local: [[f32; 4]; 4],
 }

@@ -8,15 +8,16 @@ use crate::techniques::maps::jitter;
 /// The bind group layouts of maps.
 #[derive(Debug)]
 pub struct MapLayouts {
-    /// Group 0 of casters: their matrices.
+    /// The layout of group 0 of casters: their matrices.
     pub casters: wgpu::BindGroupLayout,
-    /// Group 1 of casters that are peeled: the first surface.
+    /// The layout of group 1 of peeled casters: the first surface.
     pub first: wgpu::BindGroupLayout,
-    /// Group 1 of the conversion: first and second surface.
+    /// The layout of group 1 of the conversion: first and second surface.
     pub surfaces: wgpu::BindGroupLayout,
-    /// Group 2: the light's map at a dynamic offset, the comparison sampler, the jitter texture.
+    /// The layout of group 2: the light's map at a dynamic offset, the comparison sampler, the jitter
+    /// texture.
     pub map: wgpu::BindGroupLayout,
-    /// Group 3 of the lookup: depths and squared distances.
+    /// The layout of group 3 of the lookup: depths and squared distances.
     pub textures: wgpu::BindGroupLayout,
 }
 

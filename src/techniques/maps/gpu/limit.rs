@@ -1,11 +1,11 @@
-//! Holds maps to the size that the device allows.
+//! Limits the size of maps to the size that the device allows.
 
 use bevy_ecs::prelude::*;
 
 use crate::render::Renderer;
 use crate::techniques::maps::MapSettings;
 
-/// Lowers [`MapSettings::largest`] to what the device allows.
+/// Lowers [`MapSettings::largest`] to the largest texture that the device allows.
 ///
 /// Set: `BuildTechniques`, before `build_maps`.
 pub fn limit_to_device(renderer: Res<Renderer>, mut settings: ResMut<MapSettings>) {

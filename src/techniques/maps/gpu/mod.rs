@@ -2,11 +2,11 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `recorder` | which draws and lookups a frame needs |
+//! | `recorder` | the draws and lookups that a frame needs |
 //! | `passes` | the passes of one light's map |
 //! | `draws` | casters of a face as draw calls |
 //! | `pipelines`, `layouts` | pipelines and bind groups |
-//! | `recorded` | which faces are drawn, and what a dropped encoder takes back |
+//! | `recorded` | the faces that are drawn, and their withdrawal when an encoder is dropped |
 //! | `pool` | textures of kept and shared maps |
 //! | `constants` | the shader's constants of a light's map |
 

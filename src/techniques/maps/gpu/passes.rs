@@ -1,4 +1,4 @@
-//! The passes of one light's map: casters into faces, the copy under moving casters, the conversion, the
+//! The passes of one light's map: casters into faces, the copy under moving casters, the conversion, and the
 //! lookup.
 //!
 //! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
@@ -18,7 +18,7 @@ use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFormat, MapSurface};
 
 impl MapNode {
-    /// Records what the faces of one light need.
+    /// Records the passes that the faces of one light need.
     pub(in crate::techniques::maps) fn draw_faces(
         &self,
         slot: usize,

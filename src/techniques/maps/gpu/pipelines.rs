@@ -12,7 +12,7 @@ use crate::render::pools::gpu_types::SurfaceVertex;
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFilter, MapFormat, MapSurface};
 
-/// Format of the depth into which casters are drawn.
+/// The format of the depth into which casters are drawn.
 pub const MAP_DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Returns the texture format of a map that is looked up.
@@ -29,31 +29,31 @@ pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
 pub enum Key {
     /// Draws casters.
     Caster {
-        /// Whether holes are cut out.
+        /// True if holes are cut out of the casters.
         masked: bool,
-        /// Whether the first surface is left out.
+        /// True if the first surface is left out.
         peel: bool,
     },
     /// Converts depth to the texture that is looked up.
     Convert {
-        /// Format of the result.
+        /// The format of the converted texture.
         format: MapFormat,
-        /// Which surface of the casters it holds.
+        /// The surface of the casters that the texture holds.
         surface: MapSurface,
-        /// Whether the light is directional.
+        /// True if the light is directional.
         parallel: bool,
     },
     /// Looks up visibility.
     Resolve {
-        /// Number of the filter in the shader, from [`filter_constant`].
+        /// The number of the filter in the shader, from [`filter_constant`].
         filter: u32,
-        /// Arrangement of the faces.
+        /// The arrangement of the faces.
         shape: MapShape,
-        /// Number of cascades; 1 for other shapes.
+        /// The number of cascades; 1 for other shapes.
         cascade_count: u32,
-        /// Format of a texel.
+        /// The format of a texel.
         format: MapFormat,
-        /// Whether it writes the number of taps into the colours.
+        /// True if the lookup writes the number of taps into the colours of the mask.
         show_taps: bool,
     },
     /// Draws the edges of the volumes that faces show.
@@ -77,7 +77,7 @@ const CONVERT: &str = "techniques/maps/convert.wgsl";
 const RESOLVE: &str = "techniques/maps/resolve.wgsl";
 const FRUSTUM: &str = "techniques/maps/frustum.wgsl";
 
-/// The shader files.
+/// The shader files of maps.
 pub const FILES: [&str; 4] = [CASTER, CONVERT, RESOLVE, FRUSTUM];
 
 /// Describes the pipeline of a key.
@@ -117,7 +117,8 @@ pub fn describe(gpu: &Gpu, layouts: &MapLayouts, key: Key) -> PipelineDesc {
     }
 }
 
-/// Both sides are drawn: any triangle blocks, whichever way it faces.
+/// Describes the pipeline that draws casters. It draws both sides, because a triangle blocks light whichever
+/// way it faces.
 fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: bool) -> PipelineDesc {
     const POSITION: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
         array_stride: 12,

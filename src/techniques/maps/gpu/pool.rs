@@ -14,9 +14,9 @@ use crate::techniques::maps::settings::{MapFormat, MapSurface};
 /// An array of faces and a view of each.
 #[derive(Debug)]
 pub struct FaceArray {
-    /// The texture.
+    /// The array texture, with one layer for each face.
     pub texture: wgpu::Texture,
-    /// View of each layer.
+    /// The view of each layer.
     pub layers: Vec<wgpu::TextureView>,
 }
 
@@ -70,17 +70,17 @@ impl FaceArray {
 /// Everything that distinguishes two sets of textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapTexturesKey {
-    /// Light to which the map belongs; `None`: the map is shared.
+    /// The light to which the map belongs; `None` for a shared map.
     pub entity: Option<Entity>,
-    /// Texels along a side.
+    /// The number of texels along a side of a face.
     pub side: u32,
-    /// Number of faces.
+    /// The number of faces.
     pub layers: u32,
-    /// Format of the texture that is looked up.
+    /// The format of the texture that is looked up.
     pub format: MapFormat,
-    /// Which surface of the casters it holds.
+    /// The surface of the casters that the map holds.
     pub surface: MapSurface,
-    /// Whether there is a layer for casters that move.
+    /// True if there is a layer for casters that move.
     pub moving: bool,
 }
 
@@ -105,17 +105,17 @@ impl MapTexturesKey {
 /// The textures of one map.
 #[derive(Debug)]
 pub struct MapTextures {
-    /// Key of the set.
+    /// The key of this set of textures.
     pub key: MapTexturesKey,
-    /// Depth of still casters, or of all casters if there is no moving layer.
+    /// The depth of still casters, or of all casters if there is no moving layer.
     pub still: FaceArray,
-    /// Depth of all casters, if some move.
+    /// The depth of all casters, if some move.
     pub moving: Option<FaceArray>,
-    /// The converted texture that is looked up, if it is not one of the depths.
+    /// The converted texture that is looked up; `None` if a depth is looked up directly.
     pub shown: Option<FaceArray>,
-    /// Group 3 of the lookup.
+    /// The bind group 3 of the lookup.
     pub group: wgpu::BindGroup,
-    /// Revisions that each face holds.
+    /// The revisions that each face holds.
     pub records: Vec<FaceRecord>,
     in_use: bool,
 }
@@ -127,7 +127,7 @@ impl MapTextures {
     }
 }
 
-/// A texture through which maps are made: depth of the second surface of one face.
+/// A scratch texture with the depth of the second surface of one face.
 #[derive(Debug)]
 struct Scratch {
     side: u32,
@@ -145,7 +145,7 @@ pub struct MapPool {
 }
 
 impl MapPool {
-    /// An empty pool.
+    /// Makes an empty pool.
     pub fn new(context: &RenderContext) -> Self {
         let dummy = |format| FaceArray::new(context, "no map", 1, 1, format).array_view();
         Self {

@@ -1,17 +1,18 @@
-//! What the textures of maps hold, or will hold once a recorded frame is submitted.
+//! The content of the textures of maps, including faces that are recorded but not yet submitted.
 //!
-//! A face counts as drawn from the moment it is recorded, so that the next frame can be prepared before this one is
-//! submitted. A host may drop the encoder instead: then what it recorded is taken back, and drawn again.
+//! A face counts as drawn from the moment when it is recorded, so that the next frame can be prepared before
+//! this one is submitted. A host may drop the encoder instead. Its faces are then taken back, and drawn
+//! again.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The revisions of a face that its textures hold; 0 stands for nothing.
+/// The revisions of a face that its textures hold. The revision 0 means that they hold nothing.
 #[derive(Clone, Debug, Default)]
 pub struct FaceRecord {
     /// The revision of the still layer.
     pub still: Arc<AtomicU64>,
-    /// The revision of what is looked up.
+    /// The revision of the texture that is looked up.
     pub shown: Arc<AtomicU64>,
 }
 
@@ -29,13 +30,14 @@ impl Recorded {
         self.faces.push((record.clone(), still, shown));
     }
 
-    /// Takes the faces back if the encoder, or the command buffer made of it, is dropped without being submitted. In a
-    /// frame that draws no face this does nothing.
+    /// Takes the faces back if the encoder, or the command buffer made of it, is dropped without being
+    /// submitted. It does nothing in a frame that draws no face.
     pub fn confirm_on_submission(self, encoder: &wgpu::CommandEncoder) {
         if self.faces.is_empty() {
             return;
         }
-        // wgpu calls this once the work is done, and drops it uncalled with an encoder that is never submitted.
+        // wgpu calls this closure once the work is done. With an encoder that is never submitted, wgpu drops
+        // the closure without calling it.
         let unless_submitted = TakeBack(self.faces);
         encoder.on_submitted_work_done(move || unless_submitted.keep());
     }
@@ -53,7 +55,7 @@ impl TakeBack {
 impl Drop for TakeBack {
     fn drop(&mut self) {
         for (record, still, shown) in &self.0 {
-            // A later frame may have recorded the face again, which counts.
+            // A later frame may have recorded the face again. Its revision then stays.
             for (at, revision) in [(&record.still, *still), (&record.shown, *shown)] {
                 let _ = at.compare_exchange(revision, 0, Ordering::Relaxed, Ordering::Relaxed);
             }

@@ -6,8 +6,9 @@
 //! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
 //! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
 //!
-//! Faces are drawn by `draw_pictures`, once a frame, before any pass of the screen. Only a texture that several lights use
-//! in turn is drawn just before each lookup: lights whose maps are not kept share textures of equal size and format.
+//! Faces are drawn by `draw_pictures`, once a frame, before any pass on the screen. The exception is a
+//! texture that several lights use in turn, which is drawn just before each lookup. Lights whose maps are not
+//! kept share textures of equal size and format.
 //!
 //! The steps of a face are: draw still casters into their layer; copy it and draw moving casters over the
 //! copy; where the lookup needs more than the depth of the nearest surface, draw the second surface and
@@ -42,20 +43,20 @@ use crate::techniques::maps::light_map::LightMap;
 use crate::techniques::maps::request::{MapRequest, MapShape};
 use crate::techniques::maps::settings::{MapSettings, MapSurface};
 
-/// What must be drawn of one face.
+/// The draws that one face needs.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct FacePlan {
     pub face: usize,
     pub still: Option<Range<usize>>,
-    /// Draws over a copy of the still layer.
+    /// Draws of moving casters over a copy of the still layer.
     pub moving: Option<Range<usize>>,
-    /// Draws of all casters for the second surface; empty for the nearest.
+    /// Draws of all casters for the second surface. They are empty if the map holds the nearest surface.
     pub peeled: [Range<usize>; 2],
     pub still_revision: u64,
     pub revision: u64,
 }
 
-/// What must be recorded for one light.
+/// The passes and draws that one light needs.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct LightPlan {
     pub light: usize,
@@ -63,10 +64,11 @@ pub(in crate::techniques::maps) struct LightPlan {
     pub key: MapTexturesKey,
     pub lookup: Key,
     pub faces: Range<usize>,
-    /// Several lights use one texture in turn, as none of them keeps its map: it is drawn just before each lookup.
+    /// True if several lights use one texture in turn, because none of them keeps its map. The texture is
+    /// then drawn just before each lookup.
     pub takes_turns: bool,
     pub draw_count: usize,
-    /// Range of the matrices of the debug view.
+    /// Range of the matrices for the debug view.
     pub frusta: Range<u32>,
 }
 
@@ -87,7 +89,7 @@ impl LongLived {
                 label: Some("map comparison"),
                 mag_filter: wgpu::FilterMode::Linear,
                 min_filter: wgpu::FilterMode::Linear,
-                // Depth is reversed: lit where the receiver's is not less than the map's.
+                // Depth is reversed: a receiver is lit if its depth is not less than the map's.
                 compare: Some(wgpu::CompareFunction::GreaterEqual),
                 ..Default::default()
             }),
@@ -117,10 +119,10 @@ pub struct MapNode {
 }
 
 impl MapNode {
-    /// Compiles the shaders; pipelines and textures come when a frame needs them.
+    /// Compiles the shaders. Pipelines and textures are made when a frame needs them.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         gpu.compile(&FILES)?;
         let context = &gpu.context;
@@ -152,7 +154,7 @@ impl MapNode {
         gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, layouts, key))
     }
 
-    /// Plans the draws of one face; `None` if the face is up to date.
+    /// Plans the draws of one face. Returns `None` if the face is up to date.
     fn plan_face(
         &mut self,
         world: &World,
@@ -174,7 +176,7 @@ impl MapNode {
             return Ok(None);
         }
         let mut push = |set| self.draws.push(world, input, objects, &state.face, set);
-        // A map that is not kept has one layer, which holds all its casters.
+        // A map that is not kept has one layer, which holds all casters.
         let own = if map.cached { &state.still } else { &state.moving };
         let still = draw_still.then(|| push(own));
         let moving = key.moving.then(|| push(&state.moving));
@@ -206,7 +208,7 @@ impl MapNode {
         }))
     }
 
-    /// Matrices from each face's clip space to the view's, for the debug view.
+    /// Computes the matrices from each face's clip space to the view's, for the debug view.
     fn plan_frusta(
         &mut self,
         map: &LightMap,
@@ -219,7 +221,8 @@ impl MapNode {
         }
         self.require(input.gpu, Key::Frustum)?;
         for state in &map.faces {
-            // Reversed depth reaches infinity, where no edge would end, so faces are cut at the reach.
+            // Reversed depth reaches infinity, where no edge would end. So perspective faces are cut at the
+            // reach.
             let (far, length) = match state.face.projection {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
                 FaceProjection::Parallel { .. } => (0.0, 1.0),
@@ -234,7 +237,7 @@ impl MapNode {
         Ok(first..self.draws.casters.len() as u32)
     }
 
-    /// Finds the lights that share a texture, which no light keeps.
+    /// Finds the lights that use one texture in turn, because none of them keeps its map.
     fn find_turns(&mut self) {
         for at in 0..self.lights.len() {
             let key = self.lights[at].key;
@@ -312,7 +315,7 @@ impl Resolve for MapNode {
             return;
         };
         if plan.takes_turns {
-            // Another light may have used the texture since, so it is drawn before each lookup.
+            // Another light may have used the texture since, so the texture is drawn before each lookup.
             self.draw_faces(slot, plan, encoder, &input.pictures(), &mut Recorded::default());
         }
         if let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))

@@ -14,11 +14,12 @@ use crate::render::{Gpu, RenderContext, RenderError};
 /// The textures of one form.
 #[derive(Debug)]
 pub struct Sums {
-    /// Number and format of the textures.
+    /// The form of the textures, which is their number and format.
     pub form: Form,
-    /// One or two textures per layer, facing then averted; or one for both layers.
+    /// The views of the textures: one or two for each layer, the facing layer first, then the averted one.
+    /// Some forms have one texture for both layers.
     pub views: Vec<wgpu::TextureView>,
-    /// Group 3 of the resolve: one bind group for each of the two combined textures that it may read.
+    /// The bind groups 3 of the resolve, one for each of the two combined textures that it may read.
     pub groups: [wgpu::BindGroup; 2],
 }
 
@@ -63,7 +64,7 @@ pub struct SumTextures {
 }
 
 impl SumTextures {
-    /// None yet.
+    /// Makes a store without textures.
     pub fn new(gpu: &Gpu) -> Self {
         Self {
             size: UVec2::ZERO,
@@ -74,7 +75,7 @@ impl SumTextures {
         }
     }
 
-    /// Layout of [`Sums::groups`].
+    /// The layout of [`Sums::groups`].
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
         &self.layout.0
     }
@@ -84,17 +85,17 @@ impl SumTextures {
         &self.overflow
     }
 
-    /// The textures, if [`SumTextures::require`] has made them.
+    /// Returns the textures of a form, if [`SumTextures::require`] has made them.
     pub fn get(&self, form: Form) -> Option<&Sums> {
         self.all.iter().find(|sums| sums.form == form)
     }
 
-    /// Two textures that take turns to hold the combined coverage.
+    /// The two textures that take turns to hold the combined coverage.
     pub fn combined(&self) -> Option<&[wgpu::TextureView; 2]> {
         self.combined.as_ref()
     }
 
-    /// Makes the textures that are missing at this size, and drops those of another size.
+    /// Makes the textures of a form that are missing at this size, and drops textures of another size.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -154,8 +155,8 @@ impl SumTextures {
     }
 }
 
-/// Counts pixels whose bytes ran full, and reads the count back some frames later without waiting for the
-/// GPU.
+/// Counts the pixels whose bytes overflowed, and reads the count back some frames later without waiting for
+/// the GPU.
 #[derive(Debug)]
 pub struct OverflowReport {
     counter: wgpu::Buffer,

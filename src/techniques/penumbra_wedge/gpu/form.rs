@@ -1,22 +1,24 @@
 //! The textures in which the coverage of edges is summed.
 
-/// Number and format of the textures into which sums are blended.
+/// The number and the format of the textures into which sums are blended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// One 32-bit float per layer.
+    /// One 32-bit float in each layer.
     Float,
-    /// One half float per layer.
+    /// One half float in each layer.
     Half,
-    /// Four 32-bit floats per layer: by colour and by area.
+    /// Four 32-bit floats in each layer: sums by colour and by area.
     Color,
-    /// Four half floats per layer, for devices that cannot blend 32-bit floats.
+    /// Four half floats in each layer: sums by colour and by area, for devices that cannot blend 32-bit
+    /// floats.
     HalfColor,
     /// Four 32-bit floats for both layers together: the sum with the count of hard shadows, and nine places
     /// on the light.
     Sampled,
-    /// Four 32-bit floats per layer: the sum with the count of hard shadows, and nine places on the light.
+    /// Four 32-bit floats in each layer: the sum with the count of hard shadows, and nine places on the
+    /// light.
     SampledLayers,
-    /// Two textures of four bytes per layer.
+    /// Two textures of four bytes in each layer.
     Split8,
 }
 
@@ -34,12 +36,12 @@ impl Form {
         }
     }
 
-    /// Whether places on the light are counted.
+    /// Returns whether places on the light are counted.
     pub fn is_sampled(self) -> bool {
         matches!(self, Self::Sampled | Self::SampledLayers)
     }
 
-    /// Whether there are sums by colour.
+    /// Returns whether there are sums by colour.
     pub fn is_textured(self) -> bool {
         matches!(self, Self::Color | Self::HalfColor)
     }

@@ -1,4 +1,5 @@
-//! Records the passes of one light: bounds, sums group by group, and their resolve into the mask.
+//! Records the passes of one light: the depth bounds, the sums group by group, and their resolve into the
+//! mask.
 
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ use crate::techniques::penumbra_wedge::geometry::topology::{
 use crate::techniques::penumbra_wedge::wedges::Group;
 
 impl PenumbraWedgeNode {
-    /// Leaves the mask of one light.
+    /// Records the passes that leave the mask of one light.
     pub(in crate::techniques::penumbra_wedge) fn record_mask(
         &self,
         light: usize,
@@ -84,7 +85,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Draws one group into the sums. The pass has its scissor already.
+    /// Draws one group into the sums. The scissor of the pass is already set.
     fn record_group(
         &self,
         pass: &mut wgpu::RenderPass,

@@ -10,70 +10,71 @@ use crate::render::nodes::pipelines::front_face;
 /// The part of wedges or hard shadows that a draw covers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Cap triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers), on
-    /// the caster.
+    /// Cap triangles on the caster, of these
+    /// [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers).
     NearCap(u8),
-    /// Cap triangles of these [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers),
-    /// pushed to infinity.
+    /// Cap triangles pushed to infinity, of these
+    /// [layers](crate::techniques::penumbra_wedge::geometry::silhouette_layers).
     FarCap(u8),
-    /// Back faces of shells, wherever the surface is.
+    /// Back faces of shells, whether they lie behind the surface or not.
     ShellEverywhere,
     /// Back faces of shells that lie behind the surface.
     Shell,
-    /// Separators with the hard shadow's sides.
+    /// Separators, together with the sides of the hard shadow.
     Separator,
     /// Sides of the hard shadow.
     HardSide,
-    /// Marks the pixels behind which the front of a half lies, for section 4.4.
+    /// Front faces of a half that lie behind the surface. They mark their pixels, as in section 4.4.
     Mark,
-    /// Back faces of an outer half, where it is not marked.
+    /// Back faces of an outer half, at pixels that are not marked.
     OuterHalf,
-    /// Back faces of an inner half, where it is not marked.
+    /// Back faces of an inner half, at pixels that are not marked.
     InnerHalf,
-    /// The debug view.
+    /// Faces of wedges, for the debug view.
     Show,
 }
 
-/// Everything that distinguishes two pipelines of these passes.
+/// Everything that distinguishes two pipelines of the passes that draw wedges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
     /// The part that is drawn, which chooses stages and states.
     pub part: Part,
-    /// Form of the targets.
+    /// The form of the targets.
     pub form: Form,
-    /// Whether the light is a sphere.
+    /// True if the light is a sphere.
     pub is_sphere: bool,
-    /// Whether angles and areas come from tables.
+    /// True if angles and areas come from tables.
     pub looks_up: bool,
-    /// Whether faces in front of the surface count instead of those behind it.
+    /// True if faces in front of the surface count instead of those behind it.
     pub towards: bool,
-    /// Whether the view mirrors.
+    /// True if the view mirrors.
     pub mirrored: bool,
 }
 
 /// Everything that distinguishes two pipelines of the resolve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ResolveKey {
-    /// Form of the sums that are read.
+    /// The form of the sums that are read.
     pub form: Form,
-    /// Whether the light is a sphere.
+    /// True if the light is a sphere.
     pub is_sphere: bool,
-    /// Whether it writes the combined coverage instead of the mask.
+    /// True if the resolve writes the combined coverage instead of the mask.
     pub combines: bool,
-    /// Whether it reads the combined coverage.
+    /// True if the resolve reads the combined coverage.
     pub is_combined: bool,
 }
 
-/// Format of the combined coverage of groups.
+/// The format of the combined coverage of groups.
 pub const COMBINED_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 const WEDGE: &str = "techniques/penumbra_wedge/wedge.wgsl";
 const RESOLVE: &str = "techniques/penumbra_wedge/resolve.wgsl";
 
-/// The shader files.
+/// The shader files of wedges.
 pub const FILES: [&str; 2] = [WEDGE, RESOLVE];
 
-/// The fragment stages of a part: that which sums into floats, and that which sums into bytes.
+/// Returns the two fragment stages of a part: the stage that sums into floats, and the stage that sums into
+/// bytes.
 fn fragments(part: Part) -> [&'static str; 2] {
     match part {
         Part::NearCap(_) | Part::FarCap(_) => ["cap", "cap_split"],
@@ -136,8 +137,8 @@ pub fn describe(gpu: &Gpu, wedges: &wgpu::BindGroupLayout, key: Key) -> Pipeline
     for &format in formats {
         desc = desc.with_target(format, Some(ADD), writes);
     }
-    // Faces behind the surface or on it count: what lies on it counts as behind for both halves and for caps. Counted
-    // towards the viewer, it is the rest that counts.
+    // Faces behind the surface count, and so do faces on it, for both halves and for caps. If a caster is
+    // counted towards the viewer, the faces in front of the surface count instead.
     let compare = match key.part {
         Part::ShellEverywhere => Always,
         Part::Show => Greater,

@@ -1,4 +1,4 @@
-//! What the recorder draws for each light and part of it, and the shader's view of a part.
+//! The draws of each light and of its parts, and the shader's record of a part.
 
 use std::ops::Range;
 
@@ -23,26 +23,26 @@ pub(in crate::techniques::penumbra_wedge) struct CapDraw {
     pub(in crate::techniques::penumbra_wedge) towards: bool,
 }
 
-/// What is recorded for one part.
+/// The draws of one part of a light.
 #[derive(Clone, Debug)]
 pub(in crate::techniques::penumbra_wedge) struct PartPlan {
-    /// Index among the frame's parts.
+    /// The index of the part among the frame's parts.
     pub(in crate::techniques::penumbra_wedge) index: u32,
     pub(in crate::techniques::penumbra_wedge) groups: Range<usize>,
-    /// The part's share of the light: rgb by colour, a by area.
+    /// The part's share of the light: by colour in rgb, by area in a.
     pub(in crate::techniques::penumbra_wedge) share: [f64; 4],
     pub(in crate::techniques::penumbra_wedge) has_extent: bool,
     pub(in crate::techniques::penumbra_wedge) is_sphere: bool,
 }
 
 impl PartPlan {
-    /// Offset of the part's record in the buffer of lights, bytes.
+    /// Returns the offset of the part's record in the buffer of lights, bytes.
     pub(in crate::techniques::penumbra_wedge) fn light_offset(&self) -> u32 {
         Strided::<WedgeLight>::offset(self.index as usize)
     }
 }
 
-/// What is recorded for one light.
+/// The settings, the form and the parts with which one light is drawn.
 #[derive(Clone, Debug)]
 pub(in crate::techniques::penumbra_wedge) struct LightPlan {
     pub(in crate::techniques::penumbra_wedge) light: usize,
@@ -51,7 +51,7 @@ pub(in crate::techniques::penumbra_wedge) struct LightPlan {
     pub(in crate::techniques::penumbra_wedge) parts: Range<usize>,
 }
 
-/// Whether this part of a wedge has a pipeline that counts towards the viewer.
+/// Returns whether this part of a wedge has a pipeline that counts towards the viewer.
 pub(in crate::techniques::penumbra_wedge) fn counts_towards(part: Part) -> bool {
     matches!(part, Part::Separator | Part::Shell | Part::HardSide)
 }

@@ -1,9 +1,10 @@
-//! Leaves the visibility mask of one light: for each part, the sums of hard shadow and coverage, weighted by
-//! its share.
+//! Leaves the visibility mask of one light. It sums hard shadow and coverage for each part of the light,
+//! weighted by the part's share.
 //!
 //! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
 //! Groups  0 view, 1 receiver, 2 wedges; the resolve also 3 sums
-//! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
+//! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with
+//!         [`WedgeCulling::Stencil`] the stencil's count, which is 0 again afterwards
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
 //! Faces behind the surface count, so the camera may be inside shadows and wedges. For casters that certainly
@@ -70,7 +71,7 @@ impl LongLived {
     }
 }
 
-/// The recorder.
+/// The recorder of penumbra wedges.
 #[derive(Debug)]
 pub struct PenumbraWedgeNode {
     pub(in crate::techniques::penumbra_wedge) pipelines: Variants<Key>,
@@ -95,10 +96,10 @@ pub struct PenumbraWedgeNode {
 }
 
 impl PenumbraWedgeNode {
-    /// Compiles the shaders; pipelines and textures come when a frame needs them.
+    /// Compiles the shaders. Pipelines and textures are made when a frame needs them.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         gpu.compile(&FILES)?;
         let context = &gpu.context;
@@ -151,8 +152,8 @@ impl PenumbraWedgeNode {
             .sum()
     }
 
-    /// Returns the form of a light's sums. A textured light needs sums by colour, for which there are no byte
-    /// formats.
+    /// Returns the form of a light's sums. A textured light needs sums by colour, which have no form in
+    /// bytes.
     fn form(&self, light: &LightWedges) -> Form {
         if light.texture.is_some() {
             return if self.blends_floats {
@@ -171,7 +172,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Uploads what changed.
+    /// Uploads the data that changed.
     fn upload(&mut self, context: &RenderContext, world: &PenumbraWedges, view: &ViewData) {
         self.light_records.clear();
         self.light_records
@@ -295,7 +296,7 @@ impl Recorder for PenumbraWedgeNode {
         if wedges.lights.is_empty() {
             return Ok(());
         }
-        // Wedges are drawn from as many bindings as they need, but their casters from one.
+        // Wedges may use several bindings, but their casters must fit in one.
         let limit = input.context.device.limits().max_storage_buffer_binding_size;
         let needed = size_of_val(&wedges.caster_records[..]) as u64;
         if needed > limit {

@@ -1,5 +1,5 @@
 //! The buffers of a frame's wedges. A device limits the size of a binding, so there are as many buffers
-//! ("windows") as needed, and a draw of wedges that spans several windows becomes as many draws.
+//! ("windows") as needed. A draw of wedges that spans several windows becomes one draw for each.
 
 use std::ops::Range;
 
@@ -10,19 +10,19 @@ use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeLight};
 /// The buffers of group 2 that all windows share.
 #[derive(Clone, Copy, Debug)]
 pub struct Shared<'a> {
-    /// Binding 0.
+    /// The casters of all wedges, at binding 0.
     pub casters: &'a GrowingBuffer,
-    /// Binding 2, with a dynamic offset.
+    /// The records of the lights' parts, at binding 2 with a dynamic offset.
     pub lights: &'a GrowingBuffer,
-    /// Binding 3.
+    /// The coverage tables, at binding 3.
     pub tables: &'a GrowingBuffer,
 }
 
-/// The buffers of a frame's wedges; there is always one.
+/// The buffers of a frame's wedges. There is always at least one.
 #[derive(Debug)]
 pub struct WedgeWindows {
     windows: Vec<Window>,
-    /// Number of wedges in a full window.
+    /// The number of wedges in a full window.
     capacity: u32,
 }
 
@@ -82,8 +82,8 @@ impl WedgeWindows {
         &self.windows[0].group
     }
 
-    /// Draws a range of the frame's wedges, one window at a time. Sets group 2 with the part's record, then
-    /// draws the instances.
+    /// Draws a range of the frame's wedges, one window at a time. For each window it sets group 2 with the
+    /// part's record, and draws the instances.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -100,7 +100,7 @@ impl WedgeWindows {
     }
 }
 
-/// Returns the windows that a range spans, with its part in each.
+/// Returns the windows that a range spans, with the part of the range in each.
 fn pieces(capacity: u32, range: Range<u32>) -> impl Iterator<Item = (usize, Range<u32>)> {
     let windows = range.start / capacity..range.end.div_ceil(capacity);
     windows.filter_map(move |window| {

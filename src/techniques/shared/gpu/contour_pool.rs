@@ -1,4 +1,4 @@
-//! Silhouettes on the GPU: two buffers hold edges and caps of all kept (light, caster) pairs.
+//! Silhouettes on the GPU. Two buffers hold the edges and the caps of all kept pairs of light and caster.
 
 use bevy_ecs::prelude::*;
 use offset_allocator::{Allocation, Allocator};
@@ -7,16 +7,16 @@ use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::{RenderContext, RenderError};
 use crate::silhouettes::{Contour, Silhouettes};
 
-/// Position of one silhouette in the pool.
+/// The place of one silhouette in the pool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PooledContour {
-    /// Index of the first edge.
+    /// Index of the first edge in the buffer of edges.
     pub first_edge: u32,
     /// Number of edges that count once. They come first.
     pub single_count: u32,
     /// Number of edges that count twice. They follow those that count once.
     pub double_count: u32,
-    /// Position of the first cap index.
+    /// Position of the first cap index in the buffer of caps.
     pub first_cap: u32,
     /// Number of cap indices.
     pub cap_count: u32,
@@ -26,7 +26,7 @@ pub struct PooledContour {
 }
 
 impl PooledContour {
-    /// Whether two silhouettes have equal counts, wherever they are in the pool.
+    /// Returns whether two silhouettes have equal counts, wherever they are in the pool.
     pub fn is_like(&self, other: &Self) -> bool {
         let counts = |contour: &Self| {
             (
@@ -40,7 +40,7 @@ impl PooledContour {
     }
 }
 
-/// Bytes of an edge, which is two vertex indices.
+/// The size of an edge, bytes. An edge is two vertex indices.
 const EDGE_SIZE: u64 = 8;
 
 #[derive(Default)]
@@ -56,8 +56,8 @@ struct LightSlots {
     slots: Vec<Slot>,
 }
 
-/// Edges and caps of all kept silhouettes in two buffers. It uploads what changed, frees what was forgotten,
-/// and grows as needed.
+/// The edges and caps of all kept silhouettes, in two buffers. Updates upload changed silhouettes, free
+/// forgotten ones, and grow the buffers as needed.
 pub struct ContourPool {
     lights: Vec<LightSlots>,
     edges: Arena,
@@ -103,7 +103,7 @@ impl Arena {
         }
     }
 
-    /// Writes elements to a new range, one part after the other; `None` if there is no room.
+    /// Writes elements to a new range, one part after the other. Returns `None` if there is no room.
     fn put<T: bytemuck::Pod>(
         &mut self,
         context: &RenderContext,
@@ -127,7 +127,7 @@ impl Arena {
     fn reset(&mut self, context: &RenderContext, elements: u64) -> Result<(), RenderError> {
         let limits = context.device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        // Twice what is needed, because the allocator rounds sizes up and ranges fragment.
+        // The capacity is twice the need, because the allocator rounds sizes up and ranges fragment.
         let capacity = (2 * elements).next_power_of_two().max(u64::from(self.capacity));
         let capacity = capacity.min(limit / self.element_size);
         if elements > capacity {
@@ -145,7 +145,7 @@ impl Arena {
 }
 
 impl ContourPool {
-    /// An empty pool.
+    /// Makes an empty pool.
     pub fn new(context: &RenderContext) -> Self {
         Self {
             lights: Vec::new(),
@@ -192,7 +192,7 @@ impl ContourPool {
         if self.upload(context, silhouettes) {
             return Ok(false);
         }
-        // There is no room: everything is placed again in larger buffers.
+        // There is no room, so everything is placed again in larger buffers.
         let (mut edges, mut caps) = (0, 0);
         for silhouette in silhouettes.lights().iter().flat_map(|light| &light.slots) {
             let contour = &silhouette.contour;
@@ -246,7 +246,7 @@ impl ContourPool {
         }
     }
 
-    /// Uploads all stale silhouettes; returns `false` when there is no room.
+    /// Uploads all stale silhouettes. Returns `false` if there is no room.
     fn upload(&mut self, context: &RenderContext, silhouettes: &Silhouettes) -> bool {
         for (entry, light) in self.lights.iter_mut().zip(silhouettes.lights()) {
             entry.slots.resize_with(light.slots.len(), Slot::default);

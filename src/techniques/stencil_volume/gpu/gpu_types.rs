@@ -1,4 +1,4 @@
-//! `#[repr(C)]` mirrors of WGSL structs; `tests/layout_contract.rs` compares names, offsets and sizes.
+//! `#[repr(C)]` mirrors of WGSL structs; `tests/gpu/layout_contract.rs` compares names, offsets and sizes.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -6,22 +6,24 @@ use bytemuck::{Pod, Zeroable};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Caster {
-    /// w = 1: a position; w = 0: xyz points towards the light.
+    /// Place of the light in the caster's space. With w = 1, xyz is a position. With w = 0, xyz points
+    /// towards the light.
     pub light_local: [f32; 4],
-    /// Index into the objects of the frame.
+    /// Index of the caster among the objects of the frame.
     pub object: u32,
-    /// Factor on the distance from the light; 0: to infinity.
+    /// Factor on the distance from the light, by which far ends are pushed away. The value 0 pushes them to
+    /// infinity.
     pub extrusion: f32,
-    /// 4 for quads, 3 for triangles.
+    /// Vertices of the side of one edge: 4 for a quad, 3 for a triangle.
     pub corners_per_edge: u32,
-    /// In the pool.
+    /// Index of the first edge in the pool of silhouettes.
     pub first_edge: u32,
-    /// Edges that count once; those after them count twice.
+    /// Number of edges that count once. The edges after them count twice.
     pub single_count: u32,
-    /// Unused.
+    /// Unused padding.
     pub padding_a: u32,
-    /// Unused.
+    /// Unused padding.
     pub padding_b: u32,
-    /// Unused.
+    /// Unused padding.
     pub padding_c: u32,
 }

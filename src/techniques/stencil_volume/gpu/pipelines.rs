@@ -18,28 +18,28 @@ pub enum Part {
     FarCap,
 }
 
-/// Everything that distinguishes two pipelines of this pass.
+/// Everything that distinguishes two pipelines of the pass that marks volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     /// The part that is drawn, which chooses the vertex stage.
     pub part: Part,
-    /// Whether the volume is counted towards the viewer.
+    /// True if the volume is counted towards the viewer.
     pub depth_pass: bool,
-    /// Whether the part's outward faces wind clockwise on the screen. They do if view or caster mirrors, but
-    /// not both, and the other way round for triangles that are wound inward.
+    /// True if the part's outward faces wind clockwise on the screen. They do if either the view or the
+    /// caster mirrors, but not both. Triangles that are wound inward wind the other way round.
     pub clockwise: bool,
 }
 
-/// What a volume is drawn for.
+/// The purpose of drawing a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// Counting in the stencil.
+    /// The volume is counted in the stencil.
     Count,
-    /// The debug view.
+    /// The volume is shown by the debug view.
     Show,
 }
 
-/// The shader file.
+/// The shader file of shadow volumes.
 pub const FILE: &str = "techniques/stencil_volume/volume.wgsl";
 
 /// Describes the pipeline of a key; `casters` is the layout of group 2.
@@ -64,7 +64,8 @@ pub fn describe(gpu: &Gpu, casters: &wgpu::BindGroupLayout, key: Key, purpose: P
     let (desc, stencil) = match purpose {
         Purpose::Count => (without_color(desc("no_color")), counting_stencil(key.depth_pass)),
         Purpose::Show => {
-            // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
+            // Colours are RGBA bytes with red lowest. Depth-pass shows blue fronts and green backs.
+            // Depth-fail shows orange fronts and magenta backs.
             let [front, back] = if key.depth_pass {
                 [0xff40_1000_u32, 0xff10_4000]
             } else {

@@ -1,4 +1,4 @@
-//! Indices of side quads: two triangles that share two of four vertices.
+//! Indices of side quads. A quad is two triangles that share two of its four vertices.
 
 use std::ops::Range;
 
@@ -6,13 +6,13 @@ use wgpu::util::DeviceExt;
 
 use crate::render::RenderContext;
 
-/// Number of vertices of a quad.
+/// The number of vertices of a quad.
 pub const CORNERS: u32 = 4;
 
-/// Number of quads that indices of 16 bits can address.
+/// The number of quads that 16-bit indices can address.
 const CHUNK: u32 = (1 << 16) / CORNERS;
 
-/// One index buffer for all quads. Beyond its length, further draws use another first vertex.
+/// One index buffer for all quads. More quads than it holds take further draws with another first vertex.
 #[derive(Debug)]
 pub struct QuadIndices {
     buffer: wgpu::Buffer,

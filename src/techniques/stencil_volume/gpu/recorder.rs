@@ -1,4 +1,5 @@
-//! Stencil pass of one light: leaves the count 0 exactly where no volume covers the visible surface.
+//! Records the stencil pass of one light. It leaves the count 0 exactly where no volume covers the visible
+//! surface.
 //!
 //! Shader  `shaders/techniques/stencil_volume/volume.wgsl`; twin [`extrude`](crate::techniques::shared::extrude)
 //! Groups  0 view, 2 casters, 3 positions of the caster's mesh
@@ -40,9 +41,9 @@ struct Draw {
     mesh: u32,
     /// True if light and far ends are at infinity, where the far ends of a side are one point.
     is_directional: bool,
-    /// First index of a cap in the pool; 0 for sides.
+    /// Index of the first cap index in the pool; 0 for sides.
     first: u32,
-    /// Number of cap indices, or of sides.
+    /// The number of cap indices, or of sides.
     count: u32,
     /// Index of the first caster.
     caster: u32,
@@ -55,7 +56,7 @@ struct LightDraws {
     draws: std::ops::Range<usize>,
 }
 
-/// What all views share.
+/// The parts of the recorder that all views of a device share.
 #[derive(Debug)]
 struct LongLived {
     /// The layout of group 2: casters and silhouette edges.
@@ -81,7 +82,7 @@ impl LongLived {
     }
 }
 
-/// The recorder.
+/// The recorder of stencil volumes.
 #[derive(Debug)]
 pub struct StencilVolumeNode {
     pipelines: Variants<(Key, Purpose)>,
@@ -95,15 +96,15 @@ pub struct StencilVolumeNode {
     order: Vec<(Likeness, usize)>,
 }
 
-/// Casters for which this is equal have the same silhouette: the mesh, the light in its space bit for bit,
-/// and the cap mode.
+/// The key of casters with one silhouette: the mesh, the light in the caster's space bit for bit, and the cap
+/// mode. Casters with equal keys have equal silhouettes.
 type Likeness = (u32, [u32; 4], bool);
 
 impl StencilVolumeNode {
-    /// Compiles the shader; pipelines come when a frame needs them.
+    /// Compiles the shader. Pipelines are made when a frame needs them.
     ///
     /// # Errors
-    /// [`RenderError::Shader`].
+    /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         gpu.compile(&[FILE])?;
         let context = &gpu.context;
@@ -159,7 +160,7 @@ impl StencilVolumeNode {
             let Some(mesh) = input.meshes.get(draw.mesh) else {
                 continue;
             };
-            // Caps get it too, although they do not read it, because all parts share a layout.
+            // Caps get this group too, although they do not read it, because all parts share a layout.
             pass.set_bind_group(3, &mesh.positions_group, &[]);
             let is_quads = draw.key.part == Part::Side && !draw.is_directional;
             if has_quads != is_quads {
@@ -181,7 +182,7 @@ impl StencilVolumeNode {
         }
     }
 
-    /// Appends the draws of a light's casters; those with equal silhouettes are adjacent.
+    /// Appends the draws of a light's casters. Casters with equal silhouettes become adjacent.
     fn push_light(&mut self, volumes: &[CasterVolume], known: &LightSilhouettes, input: &PrepareInput) {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
