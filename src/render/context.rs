@@ -9,7 +9,7 @@ use glam::UVec2;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// No driver offers an adapter.
+    /// No driver offers an adapter. The field holds the reason that wgpu gave.
     #[error("no GPU adapter: {0} (a software Vulkan driver such as Mesa's lavapipe is enough)")]
     NoAdapter(String),
     /// The adapter gave no device.
@@ -120,7 +120,8 @@ impl RenderContext {
     /// (`WGPU_BACKEND` and so on).
     ///
     /// # Errors
-    /// [`RenderError::NoAdapter`] and [`RenderError::NoDevice`].
+    /// [`RenderError::NoAdapter`] if no driver offers an adapter, [`RenderError::NoDevice`] if the adapter
+    /// gives none.
     pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let adapter = instance

@@ -38,7 +38,7 @@ pub enum ShadowKind {
 }
 
 impl Leaves<'_> {
-    /// The kind, for choosing pipelines.
+    /// The kind of the result, which chooses pipelines.
     pub fn kind(&self) -> ShadowKind {
         match self {
             Self::Stencil(_) => ShadowKind::Stencil,

@@ -32,8 +32,8 @@ use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
 
-/// Draws the frames of one view. It is a resource: the systems of [`prepare`](super::frame::prepare) prepare
-/// a frame, and [`Renderer::record`] records it.
+/// Draws the frames of one view. It is a resource: the systems of the set `PrepareGpu` prepare a frame, and
+/// [`Renderer::record`] records it.
 #[derive(Resource)]
 pub struct Renderer {
     /// The settings by which the frame is drawn.

@@ -9,16 +9,16 @@ use crate::render::pools::objects::{NO_MESH, ObjectTable};
 /// The properties that distinguish the pipelines of one surface pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Variant {
-    /// View and object together mirror, so front faces wind clockwise.
+    /// True if view and object together mirror, so that front faces wind clockwise.
     pub mirrored: bool,
-    /// Back faces are culled.
+    /// True if back faces are culled.
     pub culled: bool,
-    /// The surface shows no shadows, because the object is no receiver or the light has no technique.
+    /// True if the surface shows no shadows, because the object is no receiver or the light has no technique.
     pub unshadowed: bool,
 }
 
 impl Variant {
-    /// The index of the variant, from 0 and below [`VARIANT_COUNT`].
+    /// The index of the variant, from 0 and below `VARIANT_COUNT`.
     pub fn index(self) -> usize {
         usize::from(self.mirrored) | usize::from(self.culled) << 1 | usize::from(self.unshadowed) << 2
     }
@@ -27,7 +27,7 @@ impl Variant {
 /// The number of [`Variant`]s.
 pub const VARIANT_COUNT: usize = 8;
 
-/// One draw call.
+/// One draw call, for one submesh with one material.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Batch {
     /// The variant that chooses the pipeline.
@@ -66,7 +66,7 @@ pub enum ItemFilter {
     OpaqueLit,
 }
 
-/// Whether the surfaces of a list show the shadows of the light that they are drawn for.
+/// Decides whether the surfaces of a list show the shadows of the light that they are drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shadows {
     /// Surfaces of receivers show shadows.

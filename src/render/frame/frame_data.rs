@@ -42,7 +42,7 @@ pub struct TechniqueIndex(pub usize);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LightSlot(pub usize);
 
-/// How the shadow of one light is drawn.
+/// The recorder that draws the shadow of one light, and the kind of its result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightShadow {
     /// The recorder that draws the shadow.
@@ -58,11 +58,11 @@ pub struct ActiveLight {
     pub entity: Entity,
     /// Index of the light in [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
-    /// Slot of the light's constants.
+    /// The slot of the light's constants.
     pub slot: LightSlot,
     /// The technique of the light; `None` if nothing shadows the light.
     pub technique: Option<LightTechnique>,
-    /// How the light's shadow is drawn; `None` if nothing shadows the light.
+    /// The recorder and the kind of the light's shadow; `None` if nothing shadows the light.
     pub shadow: Option<LightShadow>,
     /// True if a [`LightFunction`](crate::render::LightFunction) scales the light. The light then has a mask.
     pub is_scaled: bool,
@@ -123,7 +123,7 @@ pub struct FrameData {
     pub dark: Vec<(usize, Range<usize>)>,
     /// The blended surfaces, farthest first.
     pub blended: Vec<BlendedDraw>,
-    /// The lights of the blended surfaces. Each [`BlendedDraw`] has a range of them.
+    /// The lights of the blended surfaces. Each entry of `blended` has a range of them.
     pub blended_lights: Vec<BlendedLight>,
     /// Range of `batches`: all blended surfaces.
     pub blended_batches: Range<usize>,

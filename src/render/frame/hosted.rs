@@ -1,7 +1,7 @@
 //! Frames of a host: another renderer draws and lights them, and takes visibility from here.
 //!
-//! An engine that has a picture and its depth (of a depth prepass or a G-buffer) keeps its own materials and its own
-//! light shader. It says where the view is ([`Renderer::set_host`]), runs the systems, and calls
+//! An engine that has a picture and its depth (of a depth prepass or a G-buffer) keeps its own materials and
+//! its own light shader. It says where the view is ([`Renderer::set_host`]), runs the systems, and calls
 //! [`Renderer::record_hosted`] in place of [`Renderer::record`]. That call hands each light back to the
 //! engine. The engine adds the light with its own shader, tested against the stencil or multiplied by the
 //! mask.
@@ -96,8 +96,8 @@ impl HostView {
 }
 
 impl Renderer {
-    /// Makes the renderer draw for a host from now on, or with `None` alone again. Call it before the set
-    /// `PrepareGpu` of a frame.
+    /// Makes the renderer draw for a host from now on. With `None` it draws without a host again. Call it
+    /// before the set `PrepareGpu` of a frame.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.

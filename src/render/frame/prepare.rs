@@ -19,7 +19,8 @@ use crate::scene::FaceCulling;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
 
-/// Uploads meshes, materials and matrices that changed, sizes the targets, and forgets the last frame's draws.
+/// Uploads the meshes, materials and matrices that changed, sizes the targets, and resets the state of the
+/// last frame.
 ///
 /// Set: `PrepareGpu`, first. Reads [`Objects`], [`View`]; writes [`Renderer`].
 pub fn prepare_objects(

@@ -1,4 +1,4 @@
-//! The frame: its passes in order. Start reading here.
+//! The passes of a frame, in their order. Start reading here.
 
 use std::ops::Range;
 

@@ -12,7 +12,7 @@ pub struct Recording<'a> {
     pub encoder: &'a mut wgpu::CommandEncoder,
     /// The targets that passes draw into.
     pub canvas: Canvas<'a>,
-    /// Group 0: the view and its objects.
+    /// The bind group 0: the view and its objects.
     pub view: &'a wgpu::BindGroup,
     /// The meshes, materials and instances that the batches refer to by index.
     pub surfaces: SurfaceResources<'a>,
@@ -38,7 +38,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Begins the pass of one light or of several, which keeps the radiance that is there.
+    /// Begins the pass of one light or of several. It keeps the radiance that is there.
     pub fn begin_light_pass(&mut self, label: &str) -> wgpu::RenderPass<'_> {
         let timer = self.timings.pass(label);
         self.canvas.begin_light_pass(self.encoder, label, timer)

@@ -1,4 +1,4 @@
-//! The frame's textures.
+//! The textures that the passes of a frame write.
 //!
 //! | texture | format | cleared to | written by | read by |
 //! | --- | --- | --- | --- | --- |
@@ -23,7 +23,7 @@ use crate::render::{RenderContext, RenderError};
 pub const RADIANCE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// The format of the visibility mask of one light ([`Leaves::Mask`](crate::render::recorder::Leaves::Mask)).
-/// It is half floats, which have 2048 steps below 1. Eight bits show bands beside a bright light.
+/// Half floats have steps of 1/2048 just below 1. Eight bits show bands beside a bright light.
 pub const MASK_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// The format of the depth that techniques read.

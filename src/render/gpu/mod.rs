@@ -1,4 +1,5 @@
-//! Tools on top of wgpu that know nothing of scenes and frames: buffers that grow, slots, bind groups, timings, read-back.
+//! Tools on top of wgpu that know nothing of scenes and frames: buffers that grow, slots, bind groups,
+//! timings, read-back.
 
 pub(crate) mod bind_groups;
 pub(crate) mod buffers;

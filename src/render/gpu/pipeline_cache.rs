@@ -31,7 +31,8 @@ const FULL_SCREEN: &str = "passes/full_screen.wgsl";
 pub const EVERYWHERE: Stage = Stage::new(FULL_SCREEN, "everywhere");
 /// Draws one triangle over the whole target, at the depth whose bits are the instance index.
 pub const EVERYWHERE_AT_DEPTH: Stage = Stage::new(FULL_SCREEN, "at_depth");
-/// Draws one triangle over the whole target, and gives the instance index to the fragment stage at location 0.
+/// Draws one triangle over the whole target, and gives the instance index to the fragment stage at location
+/// 0.
 pub const EVERYWHERE_WITH_INSTANCE: Stage = Stage::new(FULL_SCREEN, "with_instance");
 
 /// Everything that distinguishes two pipelines. It is the key of the cache.
@@ -51,7 +52,7 @@ pub struct PipelineDesc {
     pub constants: SmallVec<[(&'static str, u64); 8]>,
     /// The colour targets.
     pub targets: SmallVec<[Option<wgpu::ColorTargetState>; 4]>,
-    /// Topology, culling and winding.
+    /// The topology, the culling and the winding of triangles.
     pub primitive: wgpu::PrimitiveState,
     /// The depth and stencil test, if the pass has such an attachment.
     pub depth_stencil: Option<wgpu::DepthStencilState>,

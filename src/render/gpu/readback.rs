@@ -18,7 +18,7 @@ pub struct TexelRows {
 /// Waits for the GPU and reads the first `size` bytes of a buffer. The buffer must have the usage `COPY_SRC`.
 ///
 /// # Errors
-/// [`RenderError::Readback`], [`RenderError::DeviceLost`].
+/// [`RenderError::Readback`] if the copy fails, [`RenderError::DeviceLost`] if the device is lost.
 pub fn read_buffer(
     context: &RenderContext,
     buffer: &wgpu::Buffer,
@@ -35,7 +35,7 @@ pub fn read_buffer(
 /// Waits for the GPU and reads one aspect of a 2D texture. `what` names the texture in errors.
 ///
 /// # Errors
-/// [`RenderError::Readback`], [`RenderError::DeviceLost`].
+/// [`RenderError::Readback`] if the copy fails, [`RenderError::DeviceLost`] if the device is lost.
 pub fn read_texture(
     context: &RenderContext,
     texture: &wgpu::Texture,

@@ -108,7 +108,7 @@ impl Timings {
     /// Waits for the frame and returns the times of its passes. The result is empty without timers.
     ///
     /// # Errors
-    /// [`RenderError::Readback`].
+    /// [`RenderError::Readback`] if the copy fails, [`RenderError::DeviceLost`] if the device is lost.
     pub fn read(&self, context: &RenderContext) -> Result<Vec<PassTime>, RenderError> {
         let labels = self.labels().clone();
         let Some(queries) = self.queries.as_ref().filter(|_| !labels.is_empty()) else {

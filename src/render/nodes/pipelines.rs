@@ -77,7 +77,7 @@ enum Where {
     Shadowed,
 }
 
-/// How one pass draws surfaces.
+/// The shader stages and the fixed state of one pass that draws surfaces.
 #[derive(Clone, Copy, Debug)]
 struct PassState {
     file: &'static str,
@@ -88,7 +88,7 @@ struct PassState {
     /// The format of the colour target; `None` if the pass writes no colour.
     format: Option<wgpu::TextureFormat>,
     blend: Option<wgpu::BlendState>,
-    /// The surfaces are blended, and the shader multiplies by their alpha.
+    /// True if the surfaces are blended. The shader then multiplies by their alpha.
     is_blended: bool,
     writes_depth: bool,
     compare: wgpu::CompareFunction,

@@ -31,7 +31,7 @@ pub enum SurfacePass {
     VisibilityFront,
     /// Writes a visibility of 0 on surfaces of objects that the light does not see.
     Dark,
-    /// Writes the plane of the triangle.
+    /// Writes the plane of the triangle that each pixel shows.
     ReceiverPlane,
     /// Adds one light times its mask, also to surfaces that show no shadows, because a function scales the
     /// light.

@@ -90,7 +90,7 @@ impl SharedMaterials {
     fn forget_unused(&self) {
         let mut known = self.known();
         known.materials.retain(|_, material| material.strong_count() > 0);
-        // A texture that nothing else holds is used by no material.
+        // No material uses a texture that only this map holds.
         known
             .textures
             .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);

@@ -116,7 +116,8 @@ pub struct OversizedMesh {
 pub struct MeshPool {
     slots: Slots<Key, Arc<GpuMesh>>,
     scratch: Vec<SurfaceVertex>,
-    /// Objects that are not drawn because the device allows no buffer of their mesh's size, in the order of the objects.
+    /// The objects that are not drawn because the device allows no buffer of their mesh's size. They are in
+    /// the order of the objects.
     pub oversized: Vec<OversizedMesh>,
 }
 

@@ -23,11 +23,11 @@ pub fn far_position(light_local: Vec4, extrusion: f32, position_local: Vec3) -> 
 }
 
 /// Returns the factor on the distance from the light that moves every point of a caster beyond everything it
-/// may shadow. That is the nearer of the light's range and the farthest receiver; `None` if the caster
-/// shadows no receiver.
+/// may shadow, which ends at the light's range or at the farthest receiver, whichever is nearer. Returns
+/// `None` if the caster shadows no receiver.
 ///
 /// Scaling about the light keeps each side in its plane, so a finite volume is a part of the infinite one.
-/// The whole far cap is the scaled caster, so no part of it reaches back into what is lit, however wide the
+/// The whole far cap is the scaled caster, so no part of it reaches back to lit surfaces, however wide the
 /// caster is.
 ///
 /// Returns [`TO_INFINITY`] for directional lights, and where the light is inside the bounds or so near them

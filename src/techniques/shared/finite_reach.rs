@@ -21,19 +21,20 @@ pub struct FiniteReach {
     receivers: Aabb,
 }
 
-/// Factor by which volumes end beyond what they must reach, so that rounding does not matter.
+/// The factor by which volumes reach beyond all receivers, so that rounding does not matter.
 const SLACK: f64 = 1.002;
 
-/// From this factor on, the caster's nearest surface is worth computing instead of its bounds. Chosen by eye.
+/// The ratio of the farthest receiver's distance to the distance of the caster's bounds from which the
+/// distance of the caster's nearest surface is computed instead. Chosen by eye.
 const COSTLY: f64 = 16.0;
 
-/// Largest factor on the distance from the light. A surface so near a light that it needs more casts a
-/// shorter shadow.
+/// The largest factor on the distance from the light. A surface so near to a light that it needs a larger one
+/// casts a shorter shadow.
 const LARGEST: f64 = 1e4;
 
 impl FiniteReach {
-    /// Makes the reach of a light, or of the part of one around `point_world`. `None` in a perspective view,
-    /// which needs none.
+    /// Makes the reach of a light, or of the part of a light around `point_world`. Returns `None` in a
+    /// perspective view, where volumes may reach infinity.
     pub fn new(view: &ViewData, light: &FrameLight, point_world: DVec4) -> Option<Self> {
         view.frustum.far()?;
         let seen = Aabb::from_points(view.frustum.corners.map(|corner| corner.truncate())).padded();
@@ -43,8 +44,8 @@ impl FiniteReach {
         })
     }
 
-    /// Returns the distance within which all receivers are, metres: from the light or, for a directional
-    /// light, along its light from the world's origin.
+    /// Returns the distance within which all receivers are, metres. It is measured from the light or, for a
+    /// directional light, along its light from the world's origin.
     pub fn distance(&self) -> f64 {
         let corners = self.receivers.corners().map(|corner| corner.as_dvec3());
         let light = self.light.truncate();
@@ -106,8 +107,8 @@ pub fn include_rays(reach: &DepthReach, view: &ViewData, from: &Aabb, length: f3
     reach.include(deepest + gradient.length() * f64::from(length));
 }
 
-/// Distances of lights from the surfaces of casters whose bounds they are in. Each is kept until light or
-/// caster changes.
+/// The distances of lights from the surfaces of casters whose bounds they are in or near. Each distance is
+/// kept until light or caster changes.
 #[derive(Clone, Debug, Default)]
 pub struct NearestSurfaces {
     /// The kept distances, ascending by light, part and caster.

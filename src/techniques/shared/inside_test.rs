@@ -70,8 +70,8 @@ impl OcclusionPyramid {
     pub fn excludes(&self, bounds_world: &Aabb) -> bool {
         let center = bounds_world.center().as_dvec3();
         let half = bounds_world.half_size().as_dvec3();
-        // Bounds are `f32`. Neither their rounding nor that of the vertices that the GPU transforms may
-        // decide.
+        // Bounds are `f32`. Their rounding must not decide, and neither must the rounding of the vertices
+        // that the GPU transforms.
         let slack = 1e-5 * (center.abs().max_element() + half.max_element());
         self.planes.iter().any(|plane| {
             let normal = plane.truncate();

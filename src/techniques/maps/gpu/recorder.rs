@@ -10,9 +10,9 @@
 //! texture that several lights use in turn, which is drawn just before each lookup. Lights whose maps are not
 //! kept share textures of equal size and format.
 //!
-//! The steps of a face are: draw still casters into their layer; copy it and draw moving casters over the
-//! copy; where the lookup needs more than the depth of the nearest surface, draw the second surface and
-//! convert. A step is skipped while its revision is unchanged.
+//! A face is drawn in steps. Still casters are drawn into their layer. The layer is copied, and moving
+//! casters are drawn over the copy. Where the lookup needs more than the depth of the nearest surface, the
+//! second surface is drawn and the depths are converted. A step is skipped while its revision is unchanged.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -392,7 +392,7 @@ impl Recorder for MapNode {
         }
     }
 
-    /// Returns the number of draws of casters. The lookup is one more, of one triangle.
+    /// Returns the number of draws of casters. It leaves out the lookup, which is one draw of one triangle.
     fn batch_count(&self, light: usize) -> usize {
         self.plan_of(light).map_or(0, |(_, plan)| plan.draw_count)
     }

@@ -19,7 +19,8 @@ pub struct Sums {
     /// The views of the textures: one or two for each layer, the facing layer first, then the averted one.
     /// Some forms have one texture for both layers.
     pub views: Vec<wgpu::TextureView>,
-    /// The bind groups 3 of the resolve, one for each of the two combined textures that it may read.
+    /// The bind groups for group 3 of the resolve, one for each of the two combined textures that it may
+    /// read.
     pub groups: [wgpu::BindGroup; 2],
 }
 

@@ -210,9 +210,11 @@ pub fn describe_resolve(
     .with_target(format, blend, wgpu::ColorWrites::ALL)
 }
 
-/// Every draw tests the in-bounds bit. Section 4.4: fronts of a half that are behind the surface mark it.
-/// Backs are shaded where nothing is marked, and clear the mark elsewhere. The paper marks what is in front
-/// of the surface; marking what is behind it stays right when the eye is inside the wedge.
+/// Returns the stencil state of a part. Every draw tests the in-bounds bit.
+///
+/// As in section 4.4 of the paper, front faces of a half that are behind the surface mark their pixels. Back
+/// faces are shaded where nothing is marked, and clear the mark elsewhere. The paper marks faces in front of
+/// the surface instead. Marking faces behind it stays right when the eye is inside the wedge.
 fn stencil(part: Part) -> wgpu::StencilState {
     use wgpu::StencilOperation::{IncrementClamp, Keep, Zero};
     let (fail_op, pass_op, write_mask, read_mask) = match part {

@@ -8,7 +8,7 @@
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
 //! Faces behind the surface count, so the camera may be inside shadows and wedges. For casters that certainly
-//! shadow no part of the viewport, the faces in front of the surface count instead; they are fewer and need
+//! shadow no part of the viewport, the faces in front of the surface count instead. These are fewer and need
 //! no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
 

@@ -6,12 +6,14 @@
 //! Reads   depth, the in-bounds bit.  Writes  the stencil's count only: no colour, no depth
 //! Order   after `light_begin`, before `light_accumulate` of the same light
 //!
-//! Depth-fail counts the faces that fail the depth test, front −1 and back +1. So it counts what is behind
+//! Depth-fail counts the faces that fail the depth test, front −1 and back +1. So it counts faces behind
 //! the surface, and the camera may be inside a volume. Depth-pass counts the faces that pass, front +1 and
 //! back −1. Both wrap, so order does not matter and casters of either kind mix. A face exactly on the surface
-//! does not pass: caps that coincide with the surface of an open caster count as behind it. Depth is
-//! reversed: far caps at infinity have depth 0, the clear value, and do not pass either, as they must.
-//! Source: Everitt & Kilgard 2002, "Practical and Robust Stenciled Shadow Volumes"; McGuire 2004, GPU Gems ch. 9.
+//! does not pass, so caps that coincide with the surface of an open caster count as behind it. Depth is
+//! reversed, so far caps at infinity have depth 0, which is the clear value. They do not pass either, as they
+//! must not.
+//! Source: Everitt & Kilgard 2002, "Practical and Robust Stenciled Shadow Volumes";
+//! McGuire 2004, GPU Gems ch. 9.
 
 use std::sync::Arc;
 
