@@ -131,10 +131,10 @@ pub enum MapSurface {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(from = "ManualBias"))]
 pub enum MapBias {
-    /// Derived from the map's texel and the surface; there is nothing to set.
+    /// The bias is derived from the map's texel and the surface; there is nothing to set.
     #[default]
     Auto,
-    /// Values that replace the share of a texel by which `Auto` raises the receiver's plane. Higher values
+    /// Fixed values replace the share of a texel by which `Auto` raises the receiver's plane. Higher values
     /// remove false shadows on lit surfaces, but separate shadows from their casters.
     Manual {
         /// Offset along the surface's normal, texels; at least 0.
@@ -148,7 +148,7 @@ pub enum MapBias {
     },
 }
 
-/// A bias as a file has it: [`MapBias::Auto`] is no bias in the file.
+/// A bias as a file holds it. A file without a bias gives [`MapBias::Auto`].
 #[cfg(feature = "serde")]
 #[derive(Default, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -260,7 +260,8 @@ pub struct MapSettings {
     /// whenever a caster starts or ceases to count as moving: higher values avoid that for casters that
     /// pause, lower values stop drawing resting casters every frame sooner. 0 counts as 1. Default: 8.
     pub still_after: u32,
-    /// Longest side of a map, texels; the device's limit if that is less. Default: 8192.
+    /// Longest side of a map, texels. The device's limit applies if it is less. Higher values allow sharper
+    /// shadows, at up to four times the memory for each doubling. Default: 8192.
     pub largest: u32,
     /// Debug view: writes the number of taps of each pixel, divided by 64, into the mask's colours. Default:
     /// off.
@@ -279,7 +280,7 @@ impl Default for MapSettings {
     }
 }
 
-/// Why a light's map is less than what was asked for.
+/// The reason why a light's map is poorer than asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
