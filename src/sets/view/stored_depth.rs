@@ -39,7 +39,7 @@ impl ViewDepth {
     pub fn stored_slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth * share,
-            Self::Finite { .. } => share, // relative to 1, the largest stored depth
+            Self::Finite { .. } => share, // relative to 1, from which the depths are subtracted
         }
     }
 
