@@ -119,7 +119,7 @@ pub fn standalone_schedule() -> Schedule {
     schedule
 }
 
-/// Adds all systems of the crate to a schedule, in the chained sets [`AntumbraSystems`]. Transforms must have been
+/// Adds all systems of the crate to a schedule, in the chained sets [`AntumbraSystems`]. Transforms must be
 /// propagated before [`AntumbraSystems::UpdateBounds`].
 pub fn add_systems(schedule: &mut Schedule) {
     let [update, collect, silhouettes, techniques, prepare] = AntumbraSystems::ALL;

@@ -126,7 +126,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             Render,
             prepare_views
-                .run_if(resource_exists::<DeferredLightingLayout>) // absent if a game leaves out deferred lighting
+                .run_if(resource_exists::<DeferredLightingLayout>) // a game may lack it
                 .in_set(RenderSystems::PrepareResources)
                 .in_set(AntumbraRenderSystems::Prepare)
                 .before(prepare_deferred_lighting_pipelines),

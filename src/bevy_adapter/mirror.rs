@@ -124,7 +124,7 @@ impl Mirror {
         mirrored
     }
 
-    /// Removes what stands for an entity of the game that is gone or has lost its `GlobalTransform`.
+    /// Despawns the mirror's entity for an entity of the game that is gone or has lost its `GlobalTransform`.
     pub fn despawn(&mut self, main: Entity) {
         if let Some(mirrored) = self.map.remove(main) {
             self.world.despawn(mirrored);

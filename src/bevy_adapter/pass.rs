@@ -3,7 +3,8 @@
 //!
 //! Shaders `shaders/bevy/base.wgsl`, `shaders/bevy/light.wgsl`
 //! Reads   Bevy's G-buffer and depth prepass.  Writes  radiance
-//! Order   after Bevy's deferred lighting (skipped for such views), before screen-space reflections, which read it
+//! Order   after Bevy's deferred lighting, which such views skip; before screen-space reflections, which read
+//! it
 
 use std::sync::PoisonError;
 

@@ -2,7 +2,7 @@
 //! shaders.
 //!
 //! Shaders `shaders/bevy/base.wgsl`, `shaders/bevy/light.wgsl`
-//! Groups  0 Bevy's view, 1 Bevy's binding arrays, 2 ours, 3 the mask of a light
+//! Groups  0 Bevy's view, 1 Bevy's binding arrays, 2 the managed lights or one light, 3 the mask of a light
 //!
 //! Shader definitions and the layouts of groups 0 and 1 depend on features of Bevy that another crate cannot
 //! see. So each descriptor starts as the one that Bevy makes for its own deferred lighting of the view.

@@ -82,7 +82,7 @@ pub struct MapRequest {
     pub filter: MapFilter,
     /// Format of a texel.
     pub format: MapFormat,
-    /// Which surface of the casters the map holds.
+    /// Surface of the casters that the map holds.
     pub surface: MapSurface,
     /// Bias that keeps a surface from shadowing itself.
     pub bias: MapBias,
