@@ -23,8 +23,9 @@
 //! # The map
 //!
 //! Dependencies point one way: a module may use the modules above it in this table and none below it
-//! (`tests/core/layers.rs` tests this). [`reference`](mod@reference) uses only `conventions`, `geometry`,
-//! `scene` and `sets`, because it must not depend on the code that it judges.
+//! (`tests/core/layers.rs` tests this). [`reference`](mod@reference) stands apart. It uses only `conventions`,
+//! `geometry`, `scene` and `sets`, because it must not depend on the code that it judges, and no other module
+//! uses it.
 //!
 //! | folder | holds |
 //! | --- | --- |

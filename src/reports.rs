@@ -9,7 +9,7 @@
 //! | topic | about | raised by |
 //! | --- | --- | --- |
 //! | `light` | lights that cannot shine | [`sets`](crate::sets) |
-//! | `object` | objects that are neither drawn nor cast | [`sets`](crate::sets) |
+//! | `object` | objects that are neither drawn nor cast shadows | [`sets`](crate::sets) |
 //! | `cell` | cells and portals that hide less than they should | [`sets`](crate::sets) |
 //! | `caster` | meshes that cast no shadow | [`silhouettes`](crate::silhouettes) |
 //! | `mesh` | meshes that the device cannot hold, or whose data the host cannot give | [`render`](crate::render), the adapter |

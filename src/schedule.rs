@@ -1,4 +1,4 @@
-//! System sets and schedules. This file orders every system of the crate; techniques add their own systems.
+//! System sets and schedules. This file names every system of the core; each technique adds its own systems.
 
 use std::time::{Duration, Instant};
 
@@ -36,7 +36,7 @@ pub enum AntumbraSystems {
 }
 
 impl AntumbraSystems {
-    /// All sets in their order.
+    /// All sets in the order in which they run.
     pub const ALL: [Self; 5] = [
         Self::UpdateBounds,
         Self::CollectSets,

@@ -44,7 +44,7 @@ impl ManagedLights<'_> {
 }
 
 /// Warns once about a marked camera that cannot show shadows correctly: it has no `Hdr`, or has
-/// `OcclusionCulling`. Without `Hdr`, Bevy lights the camera alone until it is mended.
+/// `OcclusionCulling`. Without `Hdr`, Bevy alone lights the camera's view until this is mended.
 pub(super) fn warn_of_marked(
     mut commands: Commands,
     cameras: Query<

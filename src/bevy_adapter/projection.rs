@@ -71,8 +71,8 @@ fn perspective(m: &Mat4) -> Option<Camera> {
     }
     let half = Vec2::new(m.x_axis.x, m.y_axis.y).recip();
     let shift = -m.z_axis.truncate().truncate();
-    // The view depth at which the ray through each corner, (x, y, -1) times depth, meets the near plane z =
-    // w.
+    // The view depth at which the ray through each corner, (x, y, -1) times depth, meets the near plane, on which
+    // z is w.
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
     let depths = corners.map(|(x, y)| {
         let ray = (Vec2::new(x, y) - shift) * half;
@@ -91,8 +91,8 @@ fn perspective(m: &Mat4) -> Option<Camera> {
     })
 }
 
-/// Returns the camera and the slope of its lines of sight ([`ViewProjection::lean`]). Stored depth is `a · z
-/// + b`: 1 on the near plane, 0 on the far plane.
+/// Returns the camera and the slope of its lines of sight ([`ViewProjection::lean`]). Stored depth is
+/// `a · z + b`: 1 on the near plane, 0 on the far plane.
 fn orthographic(m: &Mat4) -> Option<(Camera, Vec2)> {
     if [m.x_axis.z, m.y_axis.z] != [0.0; 2] {
         return None;

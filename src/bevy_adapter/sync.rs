@@ -34,8 +34,8 @@ pub(super) fn sync_cameras(
     }
 }
 
-/// Copies changed transforms of objects, joints and lights to the mirrors, and despawns the mirrors' entities of
-/// those that are gone. In a steady frame it only reads change ticks.
+/// Copies changed transforms of objects, joints and lights to the mirrors. Despawns the mirrors' entities for
+/// game entities that are gone. In a steady frame it only reads change ticks.
 ///
 /// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync), first. Entities that appear
 /// in this frame get their transform when the later systems of the set spawn them.

@@ -13,8 +13,7 @@ use crate::render::RenderError;
 use crate::render::gpu::strided::Strided;
 
 /// A light without an index from Bevy, identified by the values that Bevy uploads for it. WGSL mirror:
-/// `Unindexed` in
-/// `shaders/bevy/base.wgsl`.
+/// `Unindexed` in `shaders/bevy/base.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Unindexed {
@@ -120,7 +119,7 @@ pub struct ViewState {
     /// Bind groups of the view. They are made while the view is drawn; the mutex allows this although the
     /// mirror is only read then.
     pub groups: Mutex<ViewGroups>,
-    /// The error because of which the view can never be drawn on this device.
+    /// The error that keeps the view from ever being drawn on this device; `None` if there is none.
     pub failed: Option<RenderError>,
     /// Whether the view is left to Bevy because it is neither perspective nor orthographic.
     pub odd_projection: bool,

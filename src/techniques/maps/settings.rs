@@ -117,12 +117,10 @@ pub enum MapSurface {
     #[default]
     Nearest,
     /// The map holds the second surface, or the nearest where there is only one. Source: Wang & Molnar 1994,
-    /// "Second-Depth
-    /// Shadow Mapping".
+    /// "Second-Depth Shadow Mapping".
     Second,
     /// The map holds the middle between the nearest and the second surface. Source: Woo 1992, "The Shadow
-    /// Depth Map
-    /// Revisited".
+    /// Depth Map Revisited".
     Midpoint,
 }
 
@@ -231,9 +229,8 @@ pub struct Cascades {
     /// nearby. Default: infinite, which reaches as far as surfaces are seen.
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
-    /// equal ratios, which gives
-    /// near surfaces finer texels and far ones coarser. Default: 0.75. Source: Zhang et al. 2006,
-    /// "Parallel-Split Shadow Maps".
+    /// equal ratios, which gives near surfaces finer texels and far ones coarser. Default: 0.75. Source:
+    /// Zhang et al. 2006, "Parallel-Split Shadow Maps".
     pub log_share: f32,
     /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
     /// change of resolution better, but more pixels look up two maps. Default: 0.1.
