@@ -1,7 +1,7 @@
 //! Data-oriented shadows and lighting for game engines on `bevy_ecs` and `wgpu`.
 //!
-//! Each light chooses its own shadow technique; all techniques share one set of visibility sets, one silhouette
-//! extractor, one visibility contract and one light pass.
+//! Each light chooses its own shadow technique. All techniques share the visibility sets, the silhouette
+//! extractor, the visibility contract and the light pass.
 //!
 //! # The frame, as data flow
 //!
@@ -9,35 +9,42 @@
 //! scene components ──► bounds ──► sets F V L I S ──► hull, scissor, depth bounds ──► silhouettes ──► technique geometry
 //!   (ECS entities)      SoA          bitsets               per light                   per light×caster     per light
 //!                                                                                                             │
-//!        ambient + depth (V) ◄────────────────────────────── GPU prepare ◄────────────────────────────────────┘
+//!        ambient + depth (V) ◄───────── shadow maps ◄─────── GPU prepare ◄────────────────────────────────────┘
 //!             │
-//!             └─► for each light of the frame: mark visibility (S) ─► add its light (I), blend ONE ONE ─► tonemap
+//!             └─► for each light of the frame: mark visibility (S) ─► add its light (I), blend ONE ONE
+//!                                                                                     │
+//!                                                         tonemap ◄─ blended surfaces ◄┘
 //! ```
 //!
-//! The sets of [`AntumbraSystems`](schedule::AntumbraSystems) are the arrows of the upper row; `render/frame/record.rs` is the
-//! lower row, a call a pass.
+//! The upper row is the CPU: its steps run in the system sets of
+//! [`AntumbraSystems`](schedule::AntumbraSystems), and the last of these sets prepares the GPU. The lower
+//! rows are the passes on the GPU: `render/frame/record.rs` calls them in order.
 //!
 //! # The map
 //!
-//! Arrows point one way: a later folder may use an earlier one, never back (`tests/core/layers.rs` holds it).
+//! Dependencies point one way: a module may use the modules above it in this table and none below it
+//! (`tests/core/layers.rs` tests this). [`reference`](mod@reference) stands apart. It uses only `conventions`,
+//! `geometry`, `scene` and `sets`, because it must not depend on the code that it judges, and no other module
+//! uses it.
 //!
 //! | folder | holds |
 //! | --- | --- |
-//! | [`conventions`] | handedness, depth, units, and the constants that WGSL has too |
+//! | [`conventions`] | handedness, depth, units, and the constants that shaders share |
 //! | [`geometry`] | mathematics on `glam`: bounds, planes, frustum, light hull, edge meshes; no ECS |
-//! | [`reports`] | what is refused, skipped or short, with the entity and what to do about it |
+//! | [`reports`] | messages about refused, skipped or limited things, each with its entity and a remedy |
 //! | [`scene`] | components that a user spawns; glTF import, poses, animation |
-//! | [`sets`] | who is seen, lit and casts: F, V, L, I, S, scissors, depth bounds |
+//! | [`sets`] | the sets of seen, lit and casting objects: F, V, L, I, S, scissors, depth bounds |
 //! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
-//! | [`reference`](mod@reference) | ray-cast visibility, slow and exact: the judge of the others (feature `reference`) |
-//! | [`render`] | all of wgpu that no technique owns (feature `render`) |
-//! | [`techniques`] | one folder each: component, CPU geometry, recorder; the trait and the one list of them |
+//! | [`reference`](mod@reference) | ray-cast visibility, slow and exact, with which techniques are compared (feature `reference`) |
+//! | [`render`] | all code on wgpu that belongs to no technique (feature `render`) |
+//! | [`techniques`] | one folder for each technique: component, CPU geometry, recorder; also the trait and the list of techniques |
 //! | [`schedule`] | system sets and schedules |
-//! | [`bevy_adapter`] | the plugin in a game of Bevy's (feature `bevy`) |
-//! | [`plugin`] | the plugin, in a plain `App` and in Bevy's |
+//! | [`bevy_adapter`] | the connection to Bevy's renderer (feature `bevy`) |
+//! | [`plugin`] | the plugin for a plain `App` and for a Bevy game |
 //!
-//! `shaders/` mirrors the Rust files: `passes/<node>.wgsl` for `render/nodes/<node>.rs`,
-//! `techniques/<technique>/<pass>.wgsl` for `techniques/<technique>/`, and `common/` for what both import.
+//! `shaders/` mirrors the Rust files: `passes/<node>.wgsl` belongs to `render/nodes/<node>.rs`,
+//! `techniques/<technique>/<pass>.wgsl` to `techniques/<technique>/`, and `bevy/` to `bevy_adapter/`.
+//! `common/` holds files that passes and techniques import.
 //!
 //! # Features
 //!
@@ -45,13 +52,13 @@
 //! | --- | --- | --- |
 //! | `render` | yes | the wgpu renderer |
 //! | `gltf` | yes | import of glTF 2.0 scenes |
-//! | `reference` | no | ray-cast truth on the CPU |
-//! | `serde` | no | settings of techniques from files |
-//! | `profile` | no | GPU timers |
-//! | `bevy` | no | the plugin for Bevy, and Bevy's light visibility as a baseline in `benches/sets` |
-//! | `bevy-window` | no | a window for the examples with Bevy |
+//! | `reference` | no | ray-cast reference visibility on the CPU |
+//! | `serde` | no | reading of techniques' settings from files |
+//! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |
+//! | `bevy` | no | the plugin for Bevy, with `render`; also Bevy's light visibility as a baseline in `benches/sets` |
+//! | `bevy-window` | no | a window for the examples with Bevy, with `bevy` |
 //!
-//! Without any, the ECS core remains: sets, silhouettes and shadow volumes as flat arrays.
+//! Without any feature the ECS core remains: sets, silhouettes, and the CPU geometry of the techniques.
 
 #[cfg(feature = "bevy")]
 pub mod bevy_adapter;
@@ -74,12 +81,13 @@ pub mod techniques;
 #[doc = include_str!("../README.md")]
 pub struct Readme;
 
-/// Insides that the tests of this crate look at. No part of the API: they change without notice.
+/// Internal items that the tests and examples of this crate use. They are not part of the API and change
+/// without notice.
 #[doc(hidden)]
 pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
-    /// The mirrors of all WGSL structs but those of wedges.
+    /// Rust mirrors of all WGSL structs except those of penumbra wedges.
     #[cfg(feature = "render")]
     pub mod gpu_types {
         pub use crate::render::pools::gpu_types::*;
@@ -97,7 +105,7 @@ pub mod insides {
     pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
 
-    /// Constants that shaders have too.
+    /// Constants that shaders define with the same values.
     #[cfg(feature = "render")]
     pub mod constants {
         pub use crate::render::nodes::receiver_plane::NO_PLANE;
@@ -112,7 +120,7 @@ pub mod insides {
     }
 }
 
-/// What most users name.
+/// The names that most users need.
 pub mod prelude {
     pub use super::plugin::AntumbraPlugin;
     #[cfg(feature = "render")]

@@ -1,4 +1,4 @@
-//! The plugin: the systems of the crate in an [`App`].
+//! The plugin, which adds the systems of the crate to an [`App`].
 
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
@@ -10,12 +10,14 @@ use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, syn
 use crate::schedule::{AntumbraSystems, add_systems, init_resources};
 use crate::techniques::{AddTechnique, Row, Technique, add_row};
 
-/// Adds the systems to an [`App`], in `PostUpdate` after transforms are propagated.
+/// Adds the systems of the crate to an [`App`], in `PostUpdate` after transforms are propagated.
 ///
-/// It can be added before or after other plugins: transforms are propagated by [`TransformPlugin`] if the app has it when
-/// it is finished, and by this plugin if not. In an app with Bevy's renderer the systems run for each marked camera
-/// instead. A [`Renderer`](crate::render::Renderer) is a resource that the app inserts when it has a device; without one the CPU
-/// side runs alone.
+/// The plugin can be added before or after other plugins. If the finished app has [`TransformPlugin`], that
+/// plugin propagates transforms; otherwise this plugin does. In an app with Bevy's renderer the systems do
+/// not run in `PostUpdate`, but in the render world, once for each marked camera.
+///
+/// The app inserts a [`Renderer`](crate::render::Renderer) as a resource when it has a device. Without a
+/// renderer only the CPU side runs.
 ///
 /// ```
 /// use antumbra::prelude::*;
@@ -67,7 +69,7 @@ impl Plugin for AntumbraPlugin {
     }
 }
 
-/// Adds the systems of the core. They run unless a renderer of Bevy's turns up before the app is finished.
+/// Adds the systems of the core. They run unless the app gets Bevy's renderer before it is finished.
 fn add_core(app: &mut App) {
     if !app.is_plugin_added::<TransformPlugin>() {
         app.insert_resource(PropagatesTransforms);
@@ -92,12 +94,12 @@ fn add_core(app: &mut App) {
     });
 }
 
-/// The app has no [`TransformPlugin`], and this plugin does its work. Adding that plugin here would forbid the app to add
-/// it later.
+/// Marks an app without [`TransformPlugin`], in which this plugin propagates transforms. Adding that plugin
+/// here would forbid the app to add it later.
 #[derive(Resource)]
 struct PropagatesTransforms;
 
-/// The schedule of what [`TransformPlugin`] would do.
+/// Label of the schedule that propagates transforms in place of [`TransformPlugin`].
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 struct PropagateTransforms;
 
@@ -119,7 +121,8 @@ fn propagate_transforms(world: &mut World) {
 }
 
 impl AddTechnique for App {
-    /// In an app of Bevy's, lights of Bevy's with the component get their shadows from us; before the first frame.
+    /// Adds the technique `T` to the app. Call it before the first frame. In an app with Bevy's renderer,
+    /// Bevy's lights with the component `T` then get their shadows from this crate.
     fn add_technique<T: Technique>(&mut self) -> &mut Self {
         #[cfg(feature = "bevy")]
         if crate::bevy_adapter::techniques::add_technique::<T>(self) {

@@ -1,27 +1,28 @@
-//! Reports: whatever is refused, skipped, short or overflowing, with the entity and what to do about it.
+//! Reports about everything that is refused, skipped, limited or overflowing. A report names the entity and
+//! says what to do about it.
 //!
-//! Each source of reports is a *topic*. Once a frame a topic goes through a [`Round`]: what is raised in it stands in
-//! [`Reports`], and what was raised in the frame before and is not raised again is withdrawn. A host shows a report when
-//! it is new and again when its code changes ([`Reports::drain_new`]); the lists themselves are for statistics and tests.
-//! A round in which nothing changed allocates nothing.
+//! Each source of reports is a *topic*. Once a frame a topic goes through a [`Round`]. [`Reports`] holds the
+//! reports that were raised in the latest round; a report of the frame before that is not raised again is
+//! withdrawn. A host shows a report when it is new and again when its code changes ([`Reports::drain_new`]).
+//! Statistics and tests read the whole list. A round in which nothing changed allocates nothing.
 //!
 //! | topic | about | raised by |
 //! | --- | --- | --- |
 //! | `light` | lights that cannot shine | [`sets`](crate::sets) |
-//! | `object` | objects that are left out | [`sets`](crate::sets) |
+//! | `object` | objects that are neither drawn nor cast shadows | [`sets`](crate::sets) |
 //! | `cell` | cells and portals that hide less than they should | [`sets`](crate::sets) |
 //! | `caster` | meshes that cast no shadow | [`silhouettes`](crate::silhouettes) |
-//! | `mesh` | meshes that the device cannot hold, or that the host cannot give | [`render`](crate::render), the adapter |
+//! | `mesh` | meshes that the device cannot hold, or whose data the host cannot give | [`render`](crate::render), the adapter |
 //! | `renderer` | a frame or a view that is not drawn | [`render`](crate::render), the adapter |
-//! | `technique` | a shadow technique without a light, or two on one light | [`techniques`](crate::techniques) |
-//! | a technique's name | what a technique cannot do for a light | [`techniques`](crate::techniques) |
+//! | `technique` | a shadow technique without a light, or several on one light | [`techniques`](crate::techniques), the adapter |
+//! | a technique's name | lights whose shadow is refused or reduced by the technique | [`techniques`](crate::techniques) |
 
 use std::cmp::Ordering;
 use std::fmt::{self, Write as _};
 
 use bevy_ecs::prelude::*;
 
-/// One thing that is wrong now.
+/// A report about one thing that is wrong now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Report {
     /// Source of the report, in snake case: `light`, `mesh`, or the name of a technique.
@@ -30,13 +31,13 @@ pub struct Report {
     pub entity: Option<Entity>,
     /// Number of the fault within its topic. A report whose code changes is new.
     pub code: u32,
-    /// One or two sentences: what is wrong, and what to do about it.
+    /// One or two sentences that say what is wrong and what to do about it.
     pub message: String,
 }
 
-/// Everything that is wrong now, ascending by topic, entity and code. Written in the set `PrepareGpu`.
+/// Everything that is wrong now, sorted by topic, entity and code. The set `PrepareGpu` writes it.
 ///
-/// An app without Bevy's log shows what is new after each frame:
+/// An app without Bevy's log shows new reports after each frame:
 ///
 /// ```
 /// # use antumbra::prelude::*;
@@ -54,12 +55,12 @@ pub struct Report {
 /// # assert_eq!(app.world().resource::<Reports>().iter().count(), 1);
 /// ```
 ///
-/// In a game of Bevy's the resource is in the main world, one frame late, and the plugin logs what is new: a game reads
-/// [`Reports::iter`].
+/// In a Bevy game the resource is in the main world and one frame late. The plugin takes the new reports and
+/// logs them, so a game reads [`Reports::iter`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Reports {
     entries: Vec<Entry>,
-    /// Holds a message while it is compared; kept for its allocation.
+    /// Scratch space for a message while it is compared. It is kept to reuse its allocation.
     line: String,
 }
 
@@ -71,14 +72,15 @@ struct Entry {
 }
 
 impl Reports {
-    /// Begins the frame's round of a topic. The round ends when it is dropped.
+    /// Begins this frame's round of a topic. The round ends when it is dropped.
     pub fn round(&mut self, topic: &'static str) -> Round<'_> {
         self.begin(Some(topic));
         Round { reports: self, topic }
     }
 
-    /// Takes the reports of other lists over, each with the entity that stands for its own here. Reports that are in
-    /// none of the lists are withdrawn; of several with one topic, entity and code the first counts.
+    /// Replaces all reports by those of other lists, each given with the entity that it is about in this
+    /// world. Reports that are in none of the lists are withdrawn. If several have the same topic, entity and
+    /// code, the first counts.
     pub fn gather<'a>(&mut self, all: impl IntoIterator<Item = (Option<Entity>, &'a Report)>) {
         self.begin(None);
         for (entity, report) in all {
@@ -92,23 +94,23 @@ impl Reports {
         self.end(None);
     }
 
-    /// All reports, ascending by topic, entity and code.
+    /// Yields all reports, sorted by topic, entity and code.
     pub fn iter(&self) -> impl Iterator<Item = &Report> {
         self.entries.iter().map(|entry| &entry.report)
     }
 
-    /// Reports of one entity.
+    /// Yields the reports about one entity.
     pub fn of_entity(&self, entity: Entity) -> impl Iterator<Item = &Report> {
         self.iter().filter(move |report| report.entity == Some(entity))
     }
 
-    /// Whether [`Reports::drain_new`] would give something.
+    /// Whether [`Reports::drain_new`] would yield anything.
     pub fn has_new(&self) -> bool {
         self.entries.iter().any(|entry| entry.is_new)
     }
 
-    /// Gives each report that was raised, or changed its code, since it was last given. A report that was withdrawn
-    /// before anyone asked is not given.
+    /// Yields each new report once. A report is new when it is first raised and again when its code changes.
+    /// A report that was withdrawn before this call is not yielded.
     pub fn drain_new(&mut self) -> impl Iterator<Item = &Report> {
         self.entries
             .iter_mut()
@@ -126,7 +128,7 @@ impl Reports {
             .retain(|entry| entry.is_raised || topic.is_some_and(|topic| entry.report.topic != topic));
     }
 
-    /// Where a report stands, or belongs.
+    /// Returns the index of a report, or as an error the index at which to insert it.
     fn find(&self, topic: &str, entity: Option<Entity>, code: u32) -> Result<usize, usize> {
         self.entries.binary_search_by(|entry| -> Ordering {
             let report = &entry.report;
@@ -150,7 +152,7 @@ impl Reports {
             Ok(at) => {
                 let entry = &mut self.entries[at];
                 if std::mem::replace(&mut entry.is_raised, true) {
-                    return; // the first one of the round counts
+                    return; // the first message of the round counts
                 }
                 self.line.clear();
                 let written = self.line.write_fmt(message);
@@ -171,7 +173,7 @@ impl Reports {
     }
 }
 
-/// The reports of one topic in one frame.
+/// A round, in which the reports of one topic are raised for one frame.
 #[derive(Debug)]
 pub struct Round<'a> {
     reports: &'a mut Reports,
@@ -179,9 +181,10 @@ pub struct Round<'a> {
 }
 
 impl Round<'_> {
-    /// Raises a report whose message does not change while its code is the same: it is made only if the report is new.
+    /// Raises a report whose message stays the same while its code does. The message is built only if the
+    /// report is new.
     ///
-    /// An entity has one report of a topic for each code that is raised in a frame.
+    /// An entity has one report of the topic for each code that is raised in the frame.
     pub fn raise(&mut self, entity: Option<Entity>, code: u32, message: impl FnOnce() -> String) {
         let topic = self.topic;
         match self.reports.find(topic, entity, code) {
@@ -198,8 +201,8 @@ impl Round<'_> {
         }
     }
 
-    /// Raises a report whose message holds numbers that may change: the message follows them, and the report is not new
-    /// because of that.
+    /// Raises a report whose message holds numbers that may change. The message is updated, and a change of
+    /// its numbers alone does not make the report new.
     pub fn state(&mut self, entity: Option<Entity>, code: u32, message: fmt::Arguments<'_>) {
         self.reports.state(self.topic, entity, code, message);
     }

@@ -1,4 +1,4 @@
-//! System sets and schedules: the one file that knows every system.
+//! System sets and schedules. This file names every system of the core; each technique adds its own systems.
 
 use std::time::{Duration, Instant};
 
@@ -18,10 +18,11 @@ use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
 
-/// What is true after each stage of a frame. Chained in this order.
+/// The stages of a frame as system sets, chained in this order. Each set says what is true after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AntumbraSystems {
-    /// After this set every object's [`WorldBounds`](crate::scene::WorldBounds) are those of this frame's pose.
+    /// After this set every object's [`WorldBounds`](crate::scene::WorldBounds) fit its pose and transform in
+    /// this frame.
     UpdateBounds,
     /// After this set the view and every light have their sets F, V, L, I, S, scissors and depth bounds.
     CollectSets,
@@ -29,12 +30,13 @@ pub enum AntumbraSystems {
     BuildSilhouettes,
     /// After this set every technique has its geometry on the CPU.
     BuildTechniques,
-    /// After this set the GPU holds all that the frame draws, and [`Reports`] holds all that is wrong with it.
+    /// After this set the GPU holds everything that the frame draws, and [`Reports`] holds everything that is
+    /// wrong with the frame.
     PrepareGpu,
 }
 
 impl AntumbraSystems {
-    /// All sets in their order.
+    /// All sets in the order in which they run.
     pub const ALL: [Self; 5] = [
         Self::UpdateBounds,
         Self::CollectSets,
@@ -43,7 +45,7 @@ impl AntumbraSystems {
         Self::PrepareGpu,
     ];
 
-    /// For statistics, in snake case.
+    /// Name of the set in statistics, in snake case.
     pub fn name(self) -> &'static str {
         match self {
             Self::UpdateBounds => "update_bounds",
@@ -58,7 +60,7 @@ impl AntumbraSystems {
 /// CPU time of each set in the last frame.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct SetTimes {
-    /// By the order of [`AntumbraSystems::ALL`].
+    /// CPU time of each set, in the order of [`AntumbraSystems::ALL`].
     pub durations: [Duration; 5],
     last: Option<Instant>,
 }
@@ -67,9 +69,9 @@ pub struct SetTimes {
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct AntumbraSchedule;
 
-/// Inserts the resources that the systems need, those that are missing.
+/// Inserts the missing ones of the resources that the systems need.
 pub fn init_resources(world: &mut World) {
-    world.init_resource::<StaticTransformOptimizations>(); // what `TransformPlugin` would do
+    world.init_resource::<StaticTransformOptimizations>(); // as `TransformPlugin` does
     sets::init_set_resources(world);
     world.init_resource::<SeenInto>();
     world.init_resource::<seen_into::SeeThrough>();
@@ -84,7 +86,7 @@ pub fn init_resources(world: &mut World) {
     }
 }
 
-/// A schedule of transform propagation and all systems of the crate, for an engine that has no `App`.
+/// Builds a schedule of transform propagation and all systems of the crate, for an engine without an `App`.
 ///
 /// ```
 /// use antumbra::schedule::{init_resources, standalone_schedule};
@@ -117,7 +119,7 @@ pub fn standalone_schedule() -> Schedule {
     schedule
 }
 
-/// Adds all systems of the crate to a schedule, in the chained sets [`AntumbraSystems`]. Transforms must have been
+/// Adds all systems of the crate to a schedule, in the chained sets [`AntumbraSystems`]. Transforms must be
 /// propagated before [`AntumbraSystems::UpdateBounds`].
 pub fn add_systems(schedule: &mut Schedule) {
     let [update, collect, silhouettes, techniques, prepare] = AntumbraSystems::ALL;
@@ -183,8 +185,9 @@ pub fn add_systems(schedule: &mut Schedule) {
 
 /// Collects everything that is wrong in this frame.
 ///
-/// Set: `PrepareGpu`, last. Exclusive: each source is asked for what it refused. In a frame that changes nothing it
-/// allocates nothing and compares a message for each report.
+/// Set: `PrepareGpu`, last. The system is exclusive, because it asks every source of reports, and techniques
+/// read whatever resources they like. In a frame that changes nothing it allocates nothing and compares at
+/// most one message for each report.
 pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
     world.resource_scope(|world, mut reports: Mut<Reports>| {
         let reports = reports.bypass_change_detection();

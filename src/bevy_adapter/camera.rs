@@ -1,4 +1,5 @@
-//! The camera that shows our shadows: what its marker brings, keeps and takes back.
+//! The marker of cameras that show the shadows of this crate, and the components that the marker adds and
+//! removes.
 
 use bevy::camera::{Camera3d, Hdr};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
@@ -10,39 +11,42 @@ use bevy::prelude::ReflectDefault;
 use bevy::reflect::Reflect;
 use bevy::render::view::Msaa;
 
-/// Shows the shadows of managed lights: put it beside `Camera3d`, at any time, and take it away at any time.
+/// Marks a camera that shows the shadows of managed lights. Insert it beside `Camera3d` at any time, and
+/// remove it at any time.
 ///
-/// A camera without it is Bevy's alone: its materials are forward or deferred as Bevy has them, and its MSAA stays.
+/// A camera without the marker is rendered by Bevy alone: its materials are forward or deferred as Bevy has
+/// them, and its MSAA stays.
 ///
-/// The marker brings what shadows are computed from: [`Hdr`], [`DepthPrepass`] and [`DeferredPrepass`], those that the
-/// camera does not have. It switches [`Msaa`] off, because deferred shading has one sample a pixel, and logs that once;
-/// spawn the camera with `Msaa::Off` to agree in advance. Antialias with TAA, FXAA or SMAA instead. While the marker is
-/// there, a prepass that is taken away is put back. When the marker is removed, the camera loses what the marker brought
-/// and has its MSAA again.
+/// The marker adds the components that shadows need, if the camera lacks them: [`Hdr`], [`DepthPrepass`] and
+/// [`DeferredPrepass`]. While the marker is there, a prepass that is removed is inserted again. The marker
+/// also sets [`Msaa`] to off, because deferred shading has one sample a pixel, and logs a warning once. Spawn
+/// the camera with `Msaa::Off` to avoid the warning, and antialias with TAA, FXAA or SMAA instead. When the
+/// marker is removed, the components that it added are removed too, and the camera gets its MSAA back.
 ///
-/// Opaque and alpha-masked meshes of materials whose `opaque_render_method` is `Auto` are drawn deferred for this camera
-/// and stay as they are for others. A material that has no deferred shader stays forward, keeps its look, and is named in
-/// the log.
+/// Opaque and alpha-masked meshes of materials whose `opaque_render_method` is `Auto` are drawn deferred for
+/// this camera. For other cameras they are drawn as before. A material without a deferred shader stays
+/// forward, keeps its look, and is named in the log.
 ///
-/// Each such camera keeps a copy of the shadow scene of its own (bounds, silhouettes, buffers), so that its costs in
-/// time and memory count once for each camera. Meshes in main memory and their edges are shared.
+/// Each marked camera keeps its own copy of the shadow scene (bounds, silhouettes, buffers), so its cost in
+/// time and memory counts once for each camera. Meshes in main memory and their edges are shared.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Component, Default, Debug, Clone, PartialEq)]
 #[component(on_add = on_marked, on_remove = on_unmarked)]
 #[require(Camera3d)]
 pub struct AntumbraCamera;
 
-/// What the marker brought to a camera and takes back when it goes.
+/// The changes that the marker made to a camera. They are undone when the marker is removed.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(super) struct Brought {
     hdr: bool,
     depth_prepass: bool,
     deferred_prepass: bool,
-    /// The MSAA that was switched off.
+    /// The MSAA that the camera had before the marker switched it off; `None` if it was off.
     msaa: Option<Msaa>,
 }
 
-/// What was said about a camera. It stays when the marker goes: everything is said once.
+/// Warnings that were already logged about a camera. The component stays when the marker is removed, so that
+/// each warning is logged once.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub(super) struct Told {
     msaa: bool,
@@ -65,9 +69,9 @@ fn on_unmarked(mut world: DeferredWorld, context: HookContext) {
 
 fn bring(mut camera: EntityWorldMut) {
     if !camera.contains::<AntumbraCamera>() {
-        return; // it was taken away in the same breath
+        return; // the marker was removed before this command ran
     }
-    // A clone of a marked camera has what its original was brought.
+    // A clone of a marked camera also has a clone of the original's `Brought`.
     let mut brought = camera.get::<Brought>().copied().unwrap_or_default();
     let mut told = camera.get::<Told>().copied().unwrap_or_default();
     brought.hdr |= !camera.contains::<Hdr>();
@@ -83,7 +87,7 @@ fn bring(mut camera: EntityWorldMut) {
 
 fn take_back(mut camera: EntityWorldMut) {
     if camera.contains::<AntumbraCamera>() {
-        return; // it came back in the same breath
+        return; // the marker was inserted again before this command ran
     }
     let Some(brought) = camera.take::<Brought>() else {
         return;
@@ -102,7 +106,7 @@ fn take_back(mut camera: EntityWorldMut) {
     }
 }
 
-/// Remembers the MSAA of a camera for the time after the marker, and says once that it is off.
+/// Records the MSAA that the camera gets back when the marker is removed, and warns once that MSAA is off.
 fn switch_off(msaa: Msaa, brought: &mut Brought, told: &mut Told, named: &str) {
     if msaa == Msaa::Off {
         return;
@@ -117,8 +121,10 @@ fn switch_off(msaa: Msaa, brought: &mut Brought, told: &mut Told, named: &str) {
     }
 }
 
-/// Switches MSAA off that a game set on a marked camera. `PostUpdate`, before Bevy looks at it, and again in `Last`, for
-/// what was set in between.
+/// Switches off the MSAA that a game has set on a marked camera.
+///
+/// Runs in `PostUpdate`, before Bevy reads the MSAA, and again in `Last`, because systems in between may set
+/// it.
 pub(super) fn keep_msaa_off(
     mut cameras: Query<
         (Entity, Option<&Name>, &mut Msaa, &mut Brought, &mut Told),
@@ -133,8 +139,8 @@ pub(super) fn keep_msaa_off(
     }
 }
 
-/// Puts a prepass back that was taken from a marked camera, before a frame is drawn without it: Bevy would panic in its
-/// prepass for deferred materials. An observer.
+/// Observes the removal of the prepass `P` from a marked camera, and inserts the prepass again before a frame
+/// is drawn. Without it, Bevy's prepass would panic on deferred materials.
 pub(super) fn put_back<P: Component + Default>(
     removed: On<Remove, P>,
     mut commands: Commands,
@@ -147,7 +153,7 @@ pub(super) fn put_back<P: Component + Default>(
         .entity(removed.entity)
         .queue_silenced(|mut camera: EntityWorldMut| {
             if !camera.contains::<AntumbraCamera>() || camera.contains::<P>() {
-                return; // the marker went in the same breath, or the prepass came back
+                return; // the marker is gone too, or the prepass is back already
             }
             camera.insert(P::default());
             let named = named(camera.id(), camera.get());
@@ -163,7 +169,7 @@ pub(super) fn put_back<P: Component + Default>(
         });
 }
 
-/// An entity as a log names it.
+/// Returns the text that names an entity in the log.
 pub(super) fn named(entity: Entity, name: Option<&Name>) -> String {
     match name {
         Some(name) => format!("`{name}` ({entity})"),

@@ -1,4 +1,4 @@
-//! Warnings of cameras that show no shadows of ours, each given once.
+//! Warnings about cameras that cannot show the shadows of this crate. Each is logged once.
 
 use bevy::camera::{Camera, Camera3d, Hdr};
 use bevy::ecs::archetype::Archetypes;
@@ -11,15 +11,15 @@ use bevy::render::occlusion_culling::OcclusionCulling;
 use super::camera::{AntumbraCamera, named};
 use super::techniques::TechniqueComponents;
 
-/// A camera's warning has been given. Goes when the camera is right again.
+/// Marks a camera whose fault has been logged. It is removed when the fault is mended.
 #[derive(Component)]
 pub(super) struct Warned;
 
-/// It has been said that the camera is not marked.
+/// Marks a camera whose missing [`AntumbraCamera`] has been logged.
 #[derive(Component)]
 pub(super) struct ToldUnmarked;
 
-/// Whether the game has a managed light.
+/// Access to the game's archetypes, which show whether the game has a managed light.
 #[derive(SystemParam)]
 pub(super) struct ManagedLights<'w> {
     techniques: Res<'w, TechniqueComponents>,
@@ -43,7 +43,8 @@ impl ManagedLights<'_> {
     }
 }
 
-/// Warns once of a marked camera that cannot show our shadows: until it is changed, its lights are Bevy's.
+/// Warns once about a marked camera that cannot show shadows correctly: it has no `Hdr`, or has
+/// `OcclusionCulling`. Without `Hdr`, Bevy alone lights the camera's view until this is mended.
 pub(super) fn warn_of_marked(
     mut commands: Commands,
     cameras: Query<
@@ -78,7 +79,7 @@ pub(super) fn warn_of_marked(
     }
 }
 
-/// Says once of each camera without the marker that managed lights throw no shadows for it.
+/// Warns once about each active camera without the marker that it shows no shadows of managed lights.
 pub(super) fn warn_of_unmarked(
     mut commands: Commands,
     cameras: Query<
@@ -100,7 +101,7 @@ pub(super) fn warn_of_unmarked(
     }
 }
 
-/// Warns once of a marked camera in an app that has no renderer.
+/// Warns once about a marked camera in an app that has no renderer.
 pub(super) fn warn_without_renderer(
     cameras: Query<(Entity, Option<&Name>), Added<AntumbraCamera>>,
     mut warned: Local<bool>,

@@ -1,9 +1,10 @@
-//! Which materials are drawn deferred for marked cameras, and what the others miss.
+//! The decision which materials are drawn deferred for marked cameras, and advice about those that are not.
 //!
-//! Bevy decides once for all cameras: a prepared material is forward or deferred. We leave that decision alone and make
-//! our own for each marked camera (`deferred_views`). A `StandardMaterial` is deferred there if its method is `Auto`; a
-//! material of another type, whose method can no longer be told from `Forward` once it is prepared, if it has shaders
-//! for deferred drawing of its own or needs none.
+//! Bevy decides once for all cameras whether a prepared material is forward or deferred. We leave that
+//! decision alone and make another one for marked cameras (`deferred_views`). A `StandardMaterial` is
+//! deferred there if its method is `Auto`. A prepared material of another type no longer shows whether its
+//! method was `Auto` or `Forward`. Such a material is deferred if it has its own shaders for deferred drawing
+//! or has no shaders of its own.
 
 use std::any::TypeId;
 
@@ -21,12 +22,13 @@ use bevy::shader::{Shader, ShaderRef};
 
 use super::camera::named;
 
-/// Why a material is drawn forward for marked cameras too.
+/// The reason why a material is drawn forward for marked cameras too.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Forward {
-    /// A `StandardMaterial` that asks for it, or lets light through, which Bevy's deferred shading cannot show.
+    /// The material is a `StandardMaterial` whose method is `Forward`, or which transmits light. Bevy's
+    /// deferred shading cannot show transmission.
     Chosen,
-    /// `enable_prepass` is false.
+    /// The material's `enable_prepass` is false.
     NoPrepass,
     /// The named fragment shader has no deferred counterpart.
     FragmentShader(String),
@@ -35,7 +37,7 @@ pub(super) enum Forward {
 }
 
 impl Forward {
-    /// What to do about it, if there is something to do.
+    /// Returns advice for the log; `None` if the game has chosen forward drawing.
     fn advice(&self) -> Option<String> {
         match self {
             Self::Chosen => None,
@@ -50,18 +52,19 @@ impl Forward {
     }
 }
 
-/// What is known of the game's materials; in the render world.
+/// Facts about the game's materials that decide whether they are deferred. It is in the render world.
 #[derive(Resource, Debug)]
 pub(super) struct Deferral {
-    /// Bevy's shader of `StandardMaterial`, which draws deferred whatever it does not know.
+    /// Bevy's deferred shader of `StandardMaterial`. A material that inherits it beside a fragment shader of
+    /// its own has no deferred counterpart of that shader.
     standard_shader: Option<AssetPath<'static>>,
-    /// Standard materials that are not to be deferred.
+    /// Standard materials whose render method is `Forward`.
     chosen_forward: HashSet<AssetId<StandardMaterial>>,
-    /// Entities whose lightmap is sampled bicubically, which only the game's world tells.
+    /// Entities whose lightmap is sampled bicubically. Only the game's world has this information.
     pub bicubic_lightmaps: MainEntityHashSet,
-    /// Types of materials that were named, for they stay forward.
+    /// Types of materials that have been named in the log because they stay forward.
     told: HashSet<TypeId>,
-    /// Entities with such a material, to be named in the next frame, and the advice.
+    /// Entities whose material stays forward, with advice. The next frame names them in the log.
     to_tell: Vec<(MainEntity, String)>,
 }
 
@@ -82,7 +85,10 @@ impl Default for Deferral {
 }
 
 impl Deferral {
-    /// Whether a material that Bevy draws forward is deferred for marked cameras.
+    /// Checks whether a material that Bevy draws forward can be deferred for marked cameras.
+    ///
+    /// # Errors
+    /// The reason why the material stays forward.
     pub(super) fn check(&self, id: UntypedAssetId, material: &MaterialProperties) -> Result<(), Forward> {
         if let Ok(id) = id.try_typed::<StandardMaterial>()
             && self.chosen_forward.contains(&id)
@@ -96,7 +102,7 @@ impl Deferral {
         let deferred = material.get_shader(DeferredFragmentShader);
         let is_standard = |shader: &ShaderHandle| shader.path() == self.standard_shader.as_ref();
         let has_counterpart = match (&fragment, &deferred) {
-            (_, None) => false, // Bevy's default writes no surface
+            (_, None) => false, // Bevy's default deferred shader writes no surface
             (Some(fragment), Some(deferred)) => fragment == deferred || !is_standard(deferred),
             (None, Some(_)) => true,
         };
@@ -110,7 +116,8 @@ impl Deferral {
         Ok(())
     }
 
-    /// Notes a material that stays forward, the first of its type.
+    /// Records a material that stays forward, to be named in the log. Only the first of each type is
+    /// recorded.
     pub(super) fn report(&mut self, entity: MainEntity, id: UntypedAssetId, why: &Forward) {
         if let Some(advice) = why.advice()
             && self.told.insert(id.type_id())
@@ -122,15 +129,17 @@ impl Deferral {
 
 type ShaderHandle = bevy::asset::Handle<Shader>;
 
-/// A blank and the name of a shader, if it has one.
+/// Returns a space and the path of a shader in backticks, or nothing if the shader has no path.
 fn name_of(shader: Option<&ShaderHandle>) -> String {
     match shader.and_then(ShaderHandle::path) {
         Some(path) => format!(" `{path}`"),
-        None => String::new(), // made in code
+        None => String::new(), // the shader was made in code
     }
 }
 
-/// Follows the render methods of standard materials, and lightmaps. `ExtractSchedule`.
+/// Updates the render methods of standard materials and the lightmaps' sampling.
+///
+/// Runs in `ExtractSchedule`.
 pub(super) fn collect_methods(
     mut deferral: ResMut<Deferral>,
     mut events: Extract<MessageReader<AssetEvent<StandardMaterial>>>,
@@ -166,7 +175,9 @@ pub(super) fn collect_methods(
     }
 }
 
-/// Names the materials that stay forward. `ExtractSchedule`, where entities have names.
+/// Names the recorded materials that stay forward in the log.
+///
+/// Runs in `ExtractSchedule`, where the names of entities can be read.
 pub(super) fn tell_of_forward(mut deferral: ResMut<Deferral>, names: Extract<Query<&Name>>) {
     if deferral.to_tell.is_empty() {
         return;

@@ -1,9 +1,10 @@
-//! Opaque meshes of marked cameras move from Bevy's forward phases to its deferred ones.
+//! Moves the opaque meshes of marked cameras from Bevy's forward phases to its deferred phases.
 //!
-//! Bevy asks a prepared material whether it is deferred, and thus decides for all cameras at once. We leave materials
-//! forward, as is Bevy's default, so that cameras of others see what they saw. After Bevy has queued the meshes that are
-//! new or changed in a view, those of a marked view that can be drawn deferred ([`Deferral`]) are taken out of the
-//! forward phases and put into the deferred ones, with the pipeline that Bevy would give a deferred material.
+//! Bevy stores with a prepared material whether it is deferred, and thus decides for all cameras at once. We
+//! leave materials forward, which is Bevy's default, so that unmarked cameras render as before. Bevy queues
+//! the meshes that are new or changed in a view. After that, the meshes of a marked view that can be drawn
+//! deferred ([`Deferral`]) are removed from the forward phases and added to the deferred ones, with the
+//! pipeline that Bevy would give a deferred material.
 
 use std::mem::swap;
 
@@ -41,19 +42,20 @@ use bevy::render::view::{
 use super::deferral::Deferral;
 use super::mirror::Mirrors;
 
-/// The views whose opaque meshes are deferred by us; in the render world.
+/// The views whose opaque meshes this module moves to the deferred phases, now and in the frame before. It is
+/// in the render world.
 #[derive(Resource, Default)]
 pub(super) struct DeferredViews {
     now: HashSet<RetainedViewEntity>,
     before: HashSet<RetainedViewEntity>,
 }
 
-/// A view of a camera that draws a depth prepass and a deferred one.
+/// Filter of the views of cameras that draw a depth prepass and a deferred prepass.
 type CanBeDeferred = (With<ExtractedCamera>, With<DepthPrepass>, With<DeferredPrepass>);
 
-/// Has Bevy queue all meshes of a view again that was marked or unmarked in this frame.
+/// Makes Bevy queue all meshes of a view again if the view's camera was marked or unmarked in this frame.
 ///
-/// `Render`, in `PrepareAssets`.
+/// Runs in `Render`, in `PrepareAssets`.
 pub(super) fn collect_deferred_views(
     mut deferred: ResMut<DeferredViews>,
     mut dirty: ResMut<DirtySpecializations>,
@@ -70,7 +72,7 @@ pub(super) fn collect_deferred_views(
     dirty.views.extend(now.symmetric_difference(before).copied());
 }
 
-/// What Bevy knows of the meshes of the frame.
+/// Bevy's resources about the meshes of the frame.
 #[derive(SystemParam)]
 pub(super) struct Meshes<'w> {
     meshes: Res<'w, RenderAssets<RenderMesh>>,
@@ -85,7 +87,7 @@ pub(super) struct Meshes<'w> {
     pending: Res<'w, PendingPrepassMeshMaterialQueues>,
 }
 
-/// The phases that meshes move between.
+/// The phases of all views between which meshes are moved.
 #[derive(SystemParam)]
 pub(super) struct Phases<'w> {
     opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
@@ -96,7 +98,7 @@ pub(super) struct Phases<'w> {
     masked_deferred: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dDeferred>>,
 }
 
-/// The phases of one view.
+/// The phases of one view between which meshes are moved.
 struct ViewPhases<'a> {
     opaque: &'a mut BinnedRenderPhase<Opaque3d>,
     masked: &'a mut BinnedRenderPhase<AlphaMask3d>,
@@ -119,7 +121,7 @@ impl Phases<'_> {
     }
 }
 
-/// Pipelines of Bevy's deferred prepass.
+/// Resources that specialize the pipelines of Bevy's deferred prepass.
 #[derive(SystemParam)]
 pub(super) struct Pipelines<'w> {
     cache: Res<'w, PipelineCache>,
@@ -127,9 +129,9 @@ pub(super) struct Pipelines<'w> {
     specialized: ResMut<'w, SpecializedMeshPipelines<PrepassPipelineSpecializer>>,
 }
 
-/// Moves the meshes of marked views that are new or changed in this frame.
+/// Moves those meshes of marked views that are new or changed in this frame.
 ///
-/// `Render`, in `QueueMeshes`, after Bevy's queueing of the prepass and of the main pass.
+/// Runs in `Render`, in `QueueMeshes`, after Bevy has queued the prepass and the main pass.
 pub(super) fn queue_deferred(
     deferred: Res<DeferredViews>,
     mut deferral: ResMut<Deferral>,
@@ -184,7 +186,8 @@ fn queue_mesh(
         RenderPhaseType::Transmissive | RenderPhaseType::Transparent => return None,
     };
     if properties.render_method == OpaqueRendererMethod::Deferred {
-        // Bevy has queued it; and a masked one a second time, forward, over the deferred light.
+        // Bevy has queued the mesh in a deferred phase. Bevy also queues a masked mesh in the forward phase,
+        // where it would be drawn over the deferred light.
         phases.masked.remove(entity);
         return None;
     }
@@ -231,8 +234,8 @@ fn queue_mesh(
     Some(())
 }
 
-/// What of a pipeline's key comes from one mesh of the game, as Bevy has it for deferred materials
-/// (`specialize_prepass_material_meshes`).
+/// Returns the part of a pipeline's key that comes from one mesh of the game. It follows Bevy's key for
+/// deferred materials (`specialize_prepass_material_meshes`).
 fn mesh_key(
     entity: MainEntity,
     view_key: MeshPipelineKey,
@@ -270,7 +273,7 @@ fn mesh_key(
     key
 }
 
-/// Bevy's pipeline of the deferred prepass; one for all meshes with this key.
+/// Returns Bevy's pipeline of the deferred prepass. All meshes with this key share it.
 fn specialize(
     key: MeshPipelineKey,
     material_type: std::any::TypeId,

@@ -1,4 +1,4 @@
-//! Registration: what [`AntumbraPlugin`](crate::plugin::AntumbraPlugin) does in an app of Bevy's.
+//! Registration of the adapter in a Bevy app, called by [`AntumbraPlugin`](crate::plugin::AntumbraPlugin).
 
 use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
@@ -37,23 +37,24 @@ use crate::reports::Reports;
 use crate::scene::LightSelection;
 use crate::techniques::add_builtin;
 
-/// What the adapter adds to an app whether or not there is a renderer in it.
+/// Registers types, and adds the system that an app without a renderer needs. Every app gets these.
 pub fn register(app: &mut App) {
     app.register_type::<AntumbraCamera>()
         .register_type::<LightSelection>()
         .add_systems(
             Last,
-            warn_without_renderer.run_if(not(resource_exists::<Installed>)), // where nothing of the core runs
+            warn_without_renderer.run_if(not(resource_exists::<Installed>)), // no renderer shows shadows
         );
     add_builtin(&mut Reflected(app));
 }
 
-/// Installs the adapter once the app has Bevy's renderer of 3D scenes; `false` if it does not have it (yet).
+/// Installs the adapter if the app has Bevy's renderer of 3D scenes. Returns `false` if the app does not have
+/// it (yet).
 pub fn install(app: &mut App) -> bool {
     if app.world().contains_resource::<Installed>() {
         return true;
     }
-    // Both bring schedules and resources that ours need.
+    // Both plugins add schedules and resources that the adapter needs.
     let renders = app.is_plugin_added::<CorePipelinePlugin>() && app.is_plugin_added::<PbrPlugin>();
     if !renders || app.get_sub_app(RenderApp).is_none() {
         return false;
@@ -125,7 +126,7 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             Render,
             prepare_views
-                .run_if(resource_exists::<DeferredLightingLayout>) // a game may do without
+                .run_if(resource_exists::<DeferredLightingLayout>) // a game may lack it
                 .in_set(RenderSystems::PrepareResources)
                 .in_set(AntumbraRenderSystems::Prepare)
                 .before(prepare_deferred_lighting_pipelines),
@@ -142,7 +143,9 @@ pub fn install(app: &mut App) -> bool {
     true
 }
 
-/// What they hold on the GPU went with the device. `RenderStartup`.
+/// Removes all mirrors, because what they hold on the GPU is lost with the device.
+///
+/// Runs in `RenderStartup`.
 fn forget_mirrors(mut mirrors: ResMut<Mirrors>) {
     mirrors.clear();
 }

@@ -1,4 +1,4 @@
-//! From Bevy's lights to ours, and from render layers to selection masks.
+//! Conversion of Bevy's lights to [`Light`], and of render layers to selection masks.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::color::{Color, ColorToComponents, LinearRgba};
@@ -8,22 +8,23 @@ use glam::Vec3;
 
 use crate::scene::{Light, LightKind, LightSelection};
 
-/// Which of Bevy's light functions a light is computed by.
+/// The kind of a Bevy light. It selects the light function by which Bevy's shaders compute the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BevyLight {
-    /// `PointLight`.
+    /// The light is a `PointLight`.
     Point,
-    /// `SpotLight`.
+    /// The light is a `SpotLight`.
     Spot,
-    /// `DirectionalLight`.
+    /// The light is a `DirectionalLight`.
     Directional,
-    /// `RectLight`.
+    /// The light is a `RectLight`.
     Rect,
 }
 
-/// Our light for an entity with one of Bevy's; `None` if it has none. A point light with a radius is a sphere, which
-/// techniques of soft shadows take as it is. Of colour and intensity only whether there is any matters here: Bevy's own
-/// functions shade.
+/// Converts the Bevy light of an entity; `None` if the entity has none.
+///
+/// A point light with a radius becomes a sphere, so that techniques with soft shadows know its size. Colour
+/// and intensity only show whether the light is dark, because Bevy's own functions shade.
 pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
     if let Some(light) = entity.get::<PointLight>() {
         let kind = if light.radius > 0.0 {
@@ -37,7 +38,7 @@ pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
         ));
     }
     if let Some(light) = entity.get::<SpotLight>() {
-        // Bevy allows cones that are sharp at their edge and as wide as a half space.
+        // Bevy allows cones with a sharp edge and cones as wide as a half space.
         let outer_angle = light.outer_angle.min(std::f32::consts::FRAC_PI_2);
         let kind = LightKind::Spot {
             inner_angle: 0.0,
@@ -77,7 +78,8 @@ fn make(kind: LightKind, color: Color, intensity: f32, range: f32) -> Light {
     }
 }
 
-/// Layers as bits. Layer 31 stands for itself and all beyond: what is on one of those is selected by lights on any.
+/// Converts layers to bits. Layers from 31 on share bit 31, so a light on one of them selects objects on any
+/// of them. An entity without layers is on layer 0.
 pub fn layer_bits(layers: Option<&RenderLayers>) -> u32 {
     let Some(layers) = layers else {
         return 1;
@@ -93,8 +95,9 @@ pub fn layer_bits(layers: Option<&RenderLayers>) -> u32 {
     bits
 }
 
-/// What a light acts on: it lights all, as Bevy's lights do, and is blocked by what shares a layer with it, as Bevy's
-/// shadow maps have it. A [`LightSelection`] of its own cuts both further.
+/// Returns the selection of a light. The light affects all objects, as Bevy's lights do, and objects that
+/// share a layer with it cast for it, as in Bevy's shadow maps. A [`LightSelection`] on the light's entity
+/// (`own`) restricts both further.
 pub fn selection(layers: Option<&RenderLayers>, own: Option<&LightSelection>) -> LightSelection {
     let own = own.copied().unwrap_or_default();
     LightSelection {

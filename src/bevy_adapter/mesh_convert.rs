@@ -1,33 +1,33 @@
-//! From a Bevy mesh to ours.
+//! Conversion of Bevy meshes to [`MeshData`].
 
 use bevy::mesh::{Indices, Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use glam::{Vec3, Vec4};
 
 use crate::scene::{MeshData, MorphTarget, Submesh};
 
-/// Why a mesh of Bevy's cannot cast shadows.
+/// The reason why a Bevy mesh cannot cast shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshRefusal {
-    /// Its data were given to the GPU alone before they could be read.
+    /// The mesh's data were moved to the render world before they could be read.
     #[error(
         "its vertices are in the render world only; its asset usage must hold MAIN_WORLD, or it must be changed together with its data"
     )]
     RenderWorldOnly,
-    /// No attribute of that name and form.
+    /// The mesh has no positions of three 32-bit floats.
     #[error("it has no Mesh::ATTRIBUTE_POSITION of Float32x3")]
     NoPositions,
-    /// Points and lines block no light.
+    /// The mesh consists of points or lines, which block no light.
     #[error("it is a mesh of {0:?}, not of triangles")]
     NotTriangles(PrimitiveTopology),
-    /// Points outside of the mesh.
+    /// An index refers to a vertex that the mesh does not have.
     #[error("triangle {triangle} names vertex {vertex}, of {count}")]
     Index {
-        /// The triangle.
+        /// Number of the triangle, from 0.
         triangle: usize,
-        /// What it names.
+        /// Index of the missing vertex.
         vertex: u32,
-        /// Vertices that there are.
+        /// Number of vertices of the mesh.
         count: usize,
     },
 }
@@ -41,11 +41,11 @@ impl From<MeshAccessError> for MeshRefusal {
     }
 }
 
-/// Copies what shadows need of a mesh: positions, triangles, normals, joints and morph targets. Triangle strips become
-/// triangles, meshes without indices get them. Cost: the vertices of the mesh.
+/// Copies the parts of a mesh that shadows need: positions, triangles, normals, joints and morph targets.
+/// Triangle strips become triangles, and meshes without indices get indices. Cost: the vertices of the mesh.
 ///
 /// # Errors
-/// [`MeshRefusal`] says what the mesh lacks.
+/// [`MeshRefusal`] says why the mesh cannot cast shadows.
 pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
     let topology = mesh.primitive_topology();
     if !matches!(
@@ -98,7 +98,8 @@ pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
     Ok(data)
 }
 
-/// Whole triangles, all wound as the first; a strip turns every other one.
+/// Returns the whole triangles of a list or strip, all wound like the first. Every other triangle of a strip
+/// is turned for this.
 fn triangles(mut list: Vec<u32>, topology: PrimitiveTopology) -> Vec<u32> {
     if topology == PrimitiveTopology::TriangleList {
         list.truncate(list.len() - list.len() % 3);
@@ -113,7 +114,7 @@ fn triangles(mut list: Vec<u32>, topology: PrimitiveTopology) -> Vec<u32> {
         .collect()
 }
 
-/// Bevy keeps them one target after the other, an entry a vertex.
+/// Converts the morph targets. Bevy stores one target after the other, with one entry for each vertex.
 fn morph_targets(mesh: &Mesh, vertices: usize) -> Result<Vec<MorphTarget>, MeshRefusal> {
     let targets = match mesh.try_morph_targets() {
         Ok(targets) => targets,

@@ -1,4 +1,4 @@
-//! The meshes of the game as shadows need them, by asset.
+//! The game's meshes, converted for shadows, by asset.
 
 use std::sync::Arc;
 
@@ -14,49 +14,50 @@ use crate::geometry::edge_mesh::EdgeMeshError;
 use crate::scene::MeshData;
 use crate::silhouettes::CasterMesh;
 
-/// A mesh that shadows can be made of.
+/// A mesh that is ready to cast shadows.
 #[derive(Clone, Debug)]
 pub struct ReadyMesh {
-    /// Its triangles.
+    /// Vertices and triangles of the mesh.
     pub data: Arc<MeshData>,
-    /// Its edges; an error: it is lit and casts nothing.
+    /// Edges of the mesh, from which silhouettes are found. With an error the mesh is lit but casts no
+    /// shadow.
     pub edges: Result<Arc<CasterMesh>, EdgeMeshError>,
 }
 
-/// What is known of a mesh.
+/// The state of a mesh in the library.
 #[derive(Debug)]
 pub enum MeshEntry {
-    /// On its way.
+    /// The mesh is being made ready on another thread.
     Building(Task<ReadyMesh>),
-    /// There.
+    /// The mesh is ready.
     Ready(ReadyMesh),
-    /// Never.
+    /// The mesh cannot cast shadows.
     Refused(MeshRefusal),
 }
 
-/// The meshes of the game, by asset. Written in `PostUpdate`, in
+/// The game's meshes, by asset. They are updated in `PostUpdate`, in
 /// [`CollectMeshes`](super::AntumbraMainSystems::CollectMeshes).
 #[derive(Resource, Debug, Default)]
 pub struct MeshLibrary {
     entries: HashMap<AssetId<Mesh>, MeshEntry>,
-    /// Meshes that are on their way.
+    /// Meshes that are being made ready on other threads.
     building: Vec<AssetId<Mesh>>,
-    /// Meshes whose entry became another one in this frame, in the order of their events.
+    /// Meshes whose entry changed in this frame, in the order of the changes.
     changed: Vec<AssetId<Mesh>>,
 }
 
 impl MeshLibrary {
-    /// What is known of a mesh; `None` before its asset is there.
+    /// Returns the state of a mesh; `None` while its asset is not loaded.
     pub fn get(&self, id: AssetId<Mesh>) -> Option<&MeshEntry> {
         self.entries.get(&id)
     }
 
-    /// Meshes whose entry became another one in this frame.
+    /// Returns the meshes whose entry changed in this frame.
     pub fn changed(&self) -> &[AssetId<Mesh>] {
         &self.changed
     }
 
-    /// Meshes that are still on their way.
+    /// Returns the number of meshes that are being made ready on other threads.
     pub fn building(&self) -> usize {
         self.building.len()
     }
@@ -68,7 +69,7 @@ impl MeshLibrary {
                 return false;
             };
             let MeshEntry::Building(task) = entry else {
-                return false; // it was exchanged for one that is there already
+                return false; // a newer version of the mesh is ready or refused
             };
             let Some(ready) = block_on(poll_once(task)) else {
                 return true;
@@ -81,7 +82,8 @@ impl MeshLibrary {
 
     fn convert(&mut self, id: AssetId<Mesh>, mesh: &Mesh, immediate_triangles: usize) {
         let entry = match convert_mesh(mesh, &format!("mesh {id}")) {
-            // A change that we were not shown the data of: what is known stays as near as anything.
+            // The mesh changed, but its new data cannot be read. The known shape is the best guess, so it
+            // stays.
             Err(MeshRefusal::RenderWorldOnly)
                 if matches!(self.entries.get(&id), Some(MeshEntry::Ready(_))) =>
             {
@@ -94,7 +96,7 @@ impl MeshLibrary {
         if matches!(entry, MeshEntry::Building(_)) && !self.building.contains(&id) {
             self.building.push(id);
         }
-        // Under construction too: the old shape casts no shadow of a new one.
+        // A mesh under construction also counts as changed, so that its old shape casts no shadow.
         self.changed.push(id);
         self.entries.insert(id, entry);
     }
@@ -108,11 +110,12 @@ fn build(data: MeshData) -> ReadyMesh {
     }
 }
 
-/// Makes meshes ready that were added or changed, and forgets those that are gone.
+/// Makes added and changed meshes ready, and forgets meshes that are gone.
 ///
-/// `PostUpdate`, after asset events and before extraction: the last moment in which meshes for the render world alone
-/// can be read. Copies vertices here; edges are built on other threads for all but small meshes
-/// ([`AntumbraSettings::immediate_triangles`]). Frames without events look at the meshes under construction only.
+/// Runs in `PostUpdate`, after asset events and before extraction. This is the last moment at which meshes
+/// that only the render world keeps can be read. The system copies the vertices. Other threads build the
+/// edges, except those of small meshes ([`AntumbraSettings::immediate_triangles`]). A frame without events
+/// only polls the meshes under construction.
 pub(super) fn collect_meshes(
     mut library: ResMut<MeshLibrary>,
     mut events: MessageReader<AssetEvent<Mesh>>,

@@ -1,4 +1,5 @@
-//! The shadow scene of one camera: a world of our own components, with our own systems, that follows the game's.
+//! The shadow scene of one camera: a world with this crate's components and systems that follows the game's
+//! world.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::prelude::*;
@@ -17,16 +18,16 @@ use crate::schedule;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
 use crate::techniques::{Techniques, add_row};
 
-/// The schedule of a mirror.
+/// Label of a mirror's schedule.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct MirrorSchedule;
 
-/// What a mirror's light stands for.
+/// The Bevy light that a mirror's light stands for.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HostLight {
-    /// In the render world.
+    /// Entity of the light in the render world.
     pub render_entity: Entity,
-    /// Whose function shades it.
+    /// Kind of the light, which selects Bevy's light function.
     pub kind: BevyLight,
 }
 
@@ -34,11 +35,12 @@ pub struct HostLight {
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HostEntity(pub Entity);
 
-/// Bounds of a mesh that has none of our data, local space: it is lit, and casts nothing.
+/// Bounds, in local space, of an object whose mesh is not ready or was refused. The object is lit and casts
+/// nothing.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct HostBounds(pub Aabb);
 
-/// All that makes an entity an object.
+/// All components that make an entity of a mirror an object.
 type ObjectComponents = (
     SceneMesh,
     SceneMaterials,
@@ -57,30 +59,30 @@ type ObjectComponents = (
 
 /// The shadow scene of one camera.
 ///
-/// One a camera, and not one for all: what is visible, which silhouettes and maps are needed and what the GPU holds
-/// depends on the view, and is kept from frame to frame.
+/// Each camera has its own mirror. Visible sets, silhouettes, maps and GPU buffers depend on the view and are
+/// kept from frame to frame, so cameras cannot share them.
 pub struct Mirror {
-    /// The scene and what follows from it.
+    /// World with the scene and everything that is computed from it.
     pub world: World,
-    /// Layers that the camera sees.
+    /// Render layers that the camera sees.
     pub layers: RenderLayers,
-    /// The camera's entity.
+    /// Entity of the camera in the mirror's world.
     pub camera: Entity,
-    /// Everything is to be taken over, as nothing was yet.
+    /// True until the first synchronisation, which copies everything instead of only what changed.
     pub fresh: bool,
-    /// What of it the GPU draws with.
+    /// State with which the GPU draws the camera's lights.
     pub view: ViewState,
     schedule: Schedule,
     map: EntityMap,
 }
 
 impl Mirror {
-    /// An empty scene.
+    /// Makes an empty scene for a camera that sees `layers`.
     pub fn new(layers: RenderLayers, techniques: &Techniques) -> Self {
         let mut world = World::new();
         schedule::init_resources(&mut world);
         let mut schedule = Schedule::new(MirrorSchedule);
-        // Systems spread their own work over all threads; one after the other they wait for nobody.
+        // Each system spreads its own work over all threads, so systems need not run side by side.
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule::add_systems(&mut schedule);
         for &row in techniques.rows() {
@@ -98,18 +100,19 @@ impl Mirror {
         }
     }
 
-    /// Computes the frame.
+    /// Runs the systems of one frame.
     pub fn run(&mut self) {
         self.schedule.run(&mut self.world);
         self.world.clear_trackers();
     }
 
-    /// What stands for an entity of the game.
+    /// Returns the mirror's entity that stands for an entity of the game.
     pub fn get(&self, main: Entity) -> Option<Entity> {
         self.map.get(main)
     }
 
-    /// What stands for an entity of the game, made if need be.
+    /// Returns the mirror's entity that stands for an entity of the game. Spawns it at `transform` if there
+    /// is none.
     pub fn get_or_spawn(&mut self, main: Entity, transform: &GlobalTransform) -> Entity {
         if let Some(known) = self.map.get(main) {
             return known;
@@ -121,14 +124,15 @@ impl Mirror {
         mirrored
     }
 
-    /// The entity is gone, or has no place any more.
+    /// Despawns the mirror's entity for an entity of the game that is gone or has lost its `GlobalTransform`.
     pub fn despawn(&mut self, main: Entity) {
         if let Some(mirrored) = self.map.remove(main) {
             self.world.despawn(mirrored);
         }
     }
 
-    /// The entity is no object any more; it may still be a light or a joint.
+    /// Removes the object components for an entity of the game that is no object any more. The entity may
+    /// still be a light or a joint.
     pub fn remove_object(&mut self, main: Entity) {
         if let Some(mirrored) = self.map.get(main)
             && self.world.get::<SelectionLayers>(mirrored).is_some()
@@ -137,7 +141,7 @@ impl Mirror {
         }
     }
 
-    /// The entity is no managed light any more.
+    /// Removes the light components for an entity of the game that is no managed light any more.
     pub fn remove_light(&mut self, main: Entity, techniques: &Techniques) {
         if let Some(mirrored) = self.map.get(main)
             && self.world.get::<HostLight>(mirrored).is_some()
@@ -150,7 +154,7 @@ impl Mirror {
         }
     }
 
-    /// Moves what stands for an entity of the game, if anything does.
+    /// Moves the mirror's entity that stands for an entity of the game, if there is one.
     pub fn place(&mut self, main: Entity, transform: &GlobalTransform) {
         let Some(mirrored) = self.map.get(main) else {
             return;
@@ -167,24 +171,25 @@ impl Mirror {
     }
 }
 
-/// The mirrors, ascending by the camera's entity in the game.
+/// The mirrors of all marked cameras.
 #[derive(Resource, Default)]
 pub struct Mirrors {
+    /// The mirrors with their camera in the game, in ascending order of that entity.
     entries: Vec<(Entity, Mirror)>,
 }
 
 impl Mirrors {
-    /// All of them, each with its camera in the game.
+    /// Yields all mirrors, each with its camera in the game, in ascending order of that entity.
     pub fn iter(&self) -> impl Iterator<Item = (Entity, &Mirror)> {
         self.entries.iter().map(|(camera, mirror)| (*camera, mirror))
     }
 
-    /// All of them.
+    /// Yields all mirrors, in ascending order of their camera's entity in the game.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Mirror> {
         self.entries.iter_mut().map(|(_, mirror)| mirror)
     }
 
-    /// That of a camera of the game.
+    /// Returns the mirror of a camera of the game.
     pub fn get(&self, camera: Entity) -> Option<&Mirror> {
         let at = self
             .entries
@@ -193,7 +198,7 @@ impl Mirrors {
         Some(&self.entries[at].1)
     }
 
-    /// That of a camera of the game.
+    /// Returns the mirror of a camera of the game, to change it.
     pub fn get_mut(&mut self, camera: Entity) -> Option<&mut Mirror> {
         let at = self
             .entries
@@ -202,19 +207,19 @@ impl Mirrors {
         Some(&mut self.entries[at].1)
     }
 
-    /// Keeps the mirrors of these cameras.
+    /// Removes the mirrors of cameras for which `keep` is false.
     pub fn retain(&mut self, keep: impl Fn(Entity) -> bool) {
         self.entries.retain(|&(camera, _)| keep(camera));
     }
 
-    /// Adds one that is not there.
+    /// Adds the mirror of a camera. Does nothing if the camera has a mirror.
     pub fn insert(&mut self, camera: Entity, mirror: Mirror) {
         if let Err(at) = self.entries.binary_search_by_key(&camera, |&(camera, _)| camera) {
             self.entries.insert(at, (camera, mirror));
         }
     }
 
-    /// Forgets all: they are made anew from the game in the next frame.
+    /// Removes all mirrors. The next frame makes them again from the game's world.
     pub fn clear(&mut self) {
         self.entries.clear();
     }

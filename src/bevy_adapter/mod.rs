@@ -1,4 +1,4 @@
-//! The plugin in a game of Bevy's (feature `bevy`).
+//! The plugin in a Bevy game (feature `bevy`).
 //!
 //! ```text
 //!  main world                     render world
@@ -7,30 +7,32 @@
 //!  transforms, lights, … ──┘             (a World of our core components)
 //! ```
 //!
-//! [`AntumbraPlugin`](crate::plugin::AntumbraPlugin), added before or after `DefaultPlugins`, installs it. A camera with
-//! [`AntumbraCamera`] shows the shadows of every *managed* light: a `PointLight`, `SpotLight`, `DirectionalLight` or
-//! `RectLight` with a component of [`techniques`](crate::techniques) beside it. Its brightness, colour, cookie and falloff
-//! stay Bevy's, computed by Bevy's own shader functions; only its visibility is ours.
+//! [`AntumbraPlugin`](crate::plugin::AntumbraPlugin), added before or after `DefaultPlugins`, installs the
+//! adapter. A camera with [`AntumbraCamera`] shows the shadows of every *managed* light: a `PointLight`,
+//! `SpotLight`, `DirectionalLight` or `RectLight` with a component of [`techniques`](crate::techniques)
+//! beside it. Bevy's own shader functions compute the light's brightness, colour, cookie and falloff. This
+//! crate only computes its visibility.
 //!
-//! # What is Bevy's, and what is ours
+//! # What Bevy does, and what this crate does
 //!
-//! | | |
+//! | subject | behaviour |
 //! | --- | --- |
-//! | cameras without [`AntumbraCamera`] | Bevy's in everything: forward or deferred as they were, with their MSAA |
-//! | opaque and alpha-masked meshes in marked cameras | drawn deferred, lit by Bevy's functions, shadowed by us |
-//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | forward, as for other cameras; the latter are named in the log |
-//! | forward, transparent and transmissive meshes, volumetric fog | lit by Bevy, shadowed by Bevy's maps if `shadow_maps_enabled` is left on; they cast our shadows |
-//! | lights without a technique | Bevy's |
-//! | `NotShadowCaster`, `NotShadowReceiver` | as Bevy has them |
-//! | `RenderLayers` | a light is blocked by meshes that share a layer with it; layers from 31 on count as one |
+//! | cameras without [`AntumbraCamera`] | rendered by Bevy alone: forward or deferred as they were, with their MSAA |
+//! | opaque and alpha-masked meshes in marked cameras | drawn deferred, lit by Bevy's functions, shadowed by this crate |
+//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras; materials without a deferred shader are named in the log |
+//! | forward, transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
+//! | lights without a technique | lit and shadowed by Bevy |
+//! | `NotShadowCaster`, `NotShadowReceiver` | work as in Bevy |
+//! | `RenderLayers` of a mesh | the mesh blocks a light if they share a layer; layers from 31 on count as one |
 //! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
-//! | `RenderLayers` of a light | as Bevy has them, it lights all that a camera sees with which it shares a layer |
-//! | [`LightSelection`](crate::scene::LightSelection) on a light | of the meshes' layers, those that it lights and those that block it |
-//! | `Camera`s | any number, perspective or orthographic; render targets, viewports, jitter of TAA, fog; without MSAA if marked, because deferred shading has one sample a pixel |
+//! | `RenderLayers` of a light | work as in Bevy: if the light and a camera share a layer, the light lights everything that the camera sees |
+//! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, and of those that block it |
+//! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
 //!
-//! `DefaultOpaqueRendererMethod` stays what it is. A material of another type than `StandardMaterial` is deferred for marked
-//! cameras if it has a deferred shader of its own, or no shaders of its own: an extension draws in both ways if it returns
-//! one shader from `fragment_shader` and `deferred_fragment_shader`, and ends it with
+//! The adapter does not change `DefaultOpaqueRendererMethod`. A material of another type than
+//! `StandardMaterial` is deferred for marked cameras if it has a deferred shader of its own, or no shaders of
+//! its own. An extension draws in both ways if it returns the same shader from `fragment_shader` and
+//! `deferred_fragment_shader`, and the shader ends with
 //!
 //! ```wgsl
 //! #ifdef PREPASS_PIPELINE
@@ -42,22 +44,23 @@
 //! #endif
 //! ```
 //!
-//! Leave `shadow_maps_enabled` of managed lights off: Bevy would render its maps all the same, and nothing opaque reads
-//! them. We create no views of Bevy's.
+//! Leave `shadow_maps_enabled` of managed lights off. If it is on, Bevy renders its maps too, although no
+//! opaque surface reads them. The adapter creates no Bevy views.
 //!
-//! Alpha-masked casters block whole in volumes and wedges, and so do they in maps here, whose textures are Bevy's. Meshes
-//! of several levels of detail (`VisibilityRange`) cast with all of them.
+//! Alpha-masked casters block light with their whole triangles. Volumes and wedges always do this; in Bevy
+//! maps do it too, because the adapter does not read the textures of Bevy's materials. Meshes with several
+//! levels of detail (`VisibilityRange`) cast with all levels.
 //!
 //! | file | subject |
 //! | --- | --- |
-//! | `install`, `systems`, `settings` | registration and order |
-//! | `camera`, `camera_warnings` | the marker, what it brings and takes back; warnings |
-//! | `deferral`, `deferred_views` | which materials are deferred for marked cameras, and their queues |
-//! | `report` | what is wrong, in the game's [`Reports`](crate::reports::Reports) and in the log |
+//! | `install`, `systems`, `settings` | registration, order of systems, settings |
+//! | `camera`, `camera_warnings` | the marker, the components that it adds and removes, warnings |
+//! | `deferral`, `deferred_views` | the choice of materials that are deferred for marked cameras, and their queues |
+//! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
-//! | `surfaces` | which objects one looks through |
-//! | `mirror`, `entity_map`, `techniques` | the scene of one camera |
-//! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | what the game changed |
+//! | `surfaces` | opaque and see-through objects |
+//! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
+//! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;

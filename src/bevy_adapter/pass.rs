@@ -1,8 +1,10 @@
-//! The light of a view: Bevy's own less the managed lights, then each managed light times its visibility.
+//! The light of a view. The base draw is Bevy's deferred lighting without the managed lights; then each
+//! managed light is added, multiplied by its visibility.
 //!
 //! Shaders `shaders/bevy/base.wgsl`, `shaders/bevy/light.wgsl`
 //! Reads   Bevy's G-buffer and depth prepass.  Writes  radiance
-//! Order   after Bevy's deferred lighting (skipped for such views), before screen-space reflections, which read it
+//! Order   after Bevy's deferred lighting, which such views skip; before screen-space reflections, which read
+//! it
 
 use std::sync::PoisonError;
 
@@ -23,7 +25,7 @@ use crate::render::frame::hosted::{HostFrame, HostedLight};
 
 /// Lights one view. `Core3d` runs this once for each marked camera, and not for Bevy's shadow views.
 ///
-/// [`Light`](super::AntumbraRenderSystems::Light).
+/// Set: [`Light`](super::AntumbraRenderSystems::Light).
 pub(super) fn light_view(
     view: ViewQuery<(
         &MainEntity,
@@ -52,7 +54,7 @@ pub(super) fn light_view(
     };
     let pass_id = &pass_id.texture.default_view;
     let device = ctx.render_device().clone();
-    // No other view has these; a panic in another frame leaves them whole.
+    // No other view uses these groups, and a panic in an earlier frame leaves them intact.
     let mut groups = mirror.view.groups.lock().unwrap_or_else(PoisonError::into_inner);
     let Some((base_group, light_group)) = groups.own(&device, &cache, &pipelines, &mirror.view, pass_id)
     else {
@@ -83,7 +85,7 @@ pub(super) fn light_view(
     };
     let shade = &mut |pass: &mut wgpu::RenderPass<'_>, light: &HostedLight| {
         let Some(slot) = mirror.view.draws.get(light.light).copied().flatten() else {
-            return; // left to Bevy
+            return; // Bevy draws this light
         };
         let visibility = match light.mask {
             Some(_) if light.is_scaled => VisibilitySource::Scaled,

@@ -1,11 +1,12 @@
-//! Pipelines of the base draw and of the lights: Bevy's own deferred lighting, with our shaders in its place.
+//! Pipelines of the base draw and of the lights. They are Bevy's pipelines of deferred lighting with other
+//! shaders.
 //!
 //! Shaders `shaders/bevy/base.wgsl`, `shaders/bevy/light.wgsl`
-//! Groups  0 Bevy's view, 1 Bevy's binding arrays, 2 ours, 3 the mask of a light
+//! Groups  0 Bevy's view, 1 Bevy's binding arrays, 2 the managed lights or one light, 3 the mask of a light
 //!
-//! Shader definitions and layouts of groups 0 and 1 depend on features of Bevy that another crate cannot see. So each
-//! descriptor is the one that Bevy makes for its own deferred lighting of this view, with shader, group 2, blending and
-//! stencil exchanged.
+//! Shader definitions and the layouts of groups 0 and 1 depend on features of Bevy that another crate cannot
+//! see. So each descriptor starts as the one that Bevy makes for its own deferred lighting of the view.
+//! Shader, group 2, blending and stencil are then replaced.
 
 use std::sync::Arc;
 
@@ -31,31 +32,32 @@ use super::view_state::LightDraw;
 use crate::render::Gpu;
 use crate::render::frame::hosted;
 
-/// Where a light's visibility comes from.
+/// The source of a light's visibility.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VisibilitySource {
-    /// The stencil test keeps what is lit.
+    /// The stencil test passes lit pixels.
     Stencil,
-    /// The stencil test keeps what is shadowed; of that, what shows no shadows is lit.
+    /// The stencil test passes shadowed pixels, and the shader lights those whose surface shows no shadows.
     Unshadowed,
-    /// A mask, where the stencil test keeps what the light reaches and affects.
+    /// The mask holds the visibility, and the stencil test passes pixels that the light reaches and affects.
+    /// Surfaces that show no shadows ignore the mask.
     Mask,
-    /// The same, and the mask holds for surfaces that show no shadows too.
+    /// The mask holds the visibility as for `Mask`, and it also applies to surfaces that show no shadows.
     Scaled,
 }
 
-/// The pipelines of one kind of light in one view, by [`VisibilitySource`].
+/// The pipelines of one kind of light in one view, indexed by [`VisibilitySource`].
 #[derive(Clone, Copy, Debug)]
 pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 4]);
 
 impl LightPipelines {
-    /// That for a kind of visibility, if it was asked for.
+    /// Returns the pipeline for a source of visibility, if it was asked for.
     pub fn get(&self, visibility: VisibilitySource) -> Option<CachedRenderPipelineId> {
         self.0[visibility as usize]
     }
 }
 
-/// Our shaders, as assets of the main world.
+/// Handles of this crate's shaders for Bevy, which are assets of the main world.
 #[derive(Resource, Clone)]
 pub struct AntumbraShaders {
     base: Handle<Shader>,
@@ -63,7 +65,7 @@ pub struct AntumbraShaders {
 }
 
 impl AntumbraShaders {
-    /// Adds them.
+    /// Adds the shaders to the assets.
     pub fn add(shaders: &mut Assets<Shader>) -> Self {
         let mut add = |text: &'static str, path: &str| shaders.add(Shader::from_wgsl(text, path));
         Self {
@@ -79,24 +81,28 @@ impl AntumbraShaders {
     }
 }
 
-/// Layouts of our groups, and every pipeline that was asked for. Made anew with each device.
+/// Layouts of this crate's bind groups, and every pipeline that was asked for. The resource is made again
+/// with each device.
 #[derive(Resource)]
 pub struct AntumbraPipelines {
-    /// Pipelines, meshes and materials of our own passes, for all views; `None` before the first.
+    /// Pipelines, meshes and materials of this crate's own passes, shared by all views; `None` before the
+    /// first view.
     pub resident: Option<Arc<Gpu>>,
     shaders: AntumbraShaders,
     vertex: VertexState,
-    /// Group 2 of the base draw.
+    /// Layout of group 2 of the base draw.
     pub base_layout: BindGroupLayoutDescriptor,
-    /// Group 2 of a light.
+    /// Layout of group 2 of a light.
     pub light_layout: BindGroupLayoutDescriptor,
-    /// Group 3 of a light with a mask.
+    /// Layout of group 3 of a light with a mask.
     pub mask_layout: BindGroupLayoutDescriptor,
     base: HashMap<MeshPipelineKey, CachedRenderPipelineId>,
     lights: HashMap<(MeshPipelineKey, BevyLight, VisibilitySource, TextureFormat), CachedRenderPipelineId>,
 }
 
-/// Makes [`AntumbraPipelines`]. `RenderStartup`: after a lost device too.
+/// Makes [`AntumbraPipelines`].
+///
+/// Runs in `RenderStartup`, which Bevy also runs after it has replaced a lost device.
 pub(super) fn init_pipelines(
     mut commands: Commands,
     shaders: Res<AntumbraShaders>,
@@ -127,7 +133,7 @@ pub(super) fn init_pipelines(
 }
 
 impl AntumbraPipelines {
-    /// The pipeline of the base draw of views with this key.
+    /// Returns the pipeline of the base draw of views with this key. Queues it if it is new.
     pub fn base(
         &mut self,
         cache: &PipelineCache,
@@ -145,7 +151,8 @@ impl AntumbraPipelines {
         queued
     }
 
-    /// The pipeline of lights of a kind in views with this key. `depth_stencil` is the format of our attachment.
+    /// Returns the pipeline of lights of a kind in views with this key. Queues it if it is new.
+    /// `depth_stencil` is the format of this crate's depth and stencil attachment.
     pub fn light(
         &mut self,
         cache: &PipelineCache,
@@ -231,7 +238,7 @@ impl AntumbraPipelines {
     }
 }
 
-/// Adds light; alpha stays.
+/// Blending that adds light and keeps alpha.
 const ADD: BlendState = BlendState {
     color: BlendComponent {
         src_factor: BlendFactor::One,
@@ -245,7 +252,7 @@ const ADD: BlendState = BlendState {
     },
 };
 
-/// Whether a pipeline can be drawn with in this frame, or will be before it is drawn.
+/// Whether a pipeline is compiled, so that this frame can draw with it.
 pub(super) fn is_ready(cache: &PipelineCache, id: CachedRenderPipelineId) -> bool {
     matches!(cache.get_render_pipeline_state(id), CachedPipelineState::Ok(_))
 }

@@ -1,4 +1,4 @@
-//! What a game names.
+//! The names that a Bevy game needs.
 
 pub use super::{AntumbraCamera, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;

@@ -1,4 +1,4 @@
-//! Each view's frame on the CPU, and what the GPU needs of it.
+//! Runs each view's frame on the CPU, and writes what the GPU needs to light the view.
 
 use std::sync::Arc;
 
@@ -28,14 +28,15 @@ use crate::render::{Gpu, RenderContext, RenderError, Renderer};
 use crate::scene::Camera;
 use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};
 
-/// A view that is lit by us in this frame; on the view's entity in the render world.
+/// Marks a view that this crate lights in this frame. The component is on the view's entity in the render
+/// world.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct AntumbraView {
     /// Pipeline of the base draw.
     pub base: CachedRenderPipelineId,
 }
 
-/// What views are drawn with.
+/// The resources with which views are drawn.
 #[derive(SystemParam)]
 pub struct DrawnWith<'w> {
     device: Res<'w, RenderDevice>,
@@ -48,7 +49,7 @@ pub struct DrawnWith<'w> {
 }
 
 impl DrawnWith<'_> {
-    /// What all views share, made with the first of them.
+    /// Returns the GPU resources that all views share. The first view makes them.
     fn resident(&mut self) -> Result<Arc<Gpu>, RenderError> {
         if let Some(gpu) = &self.pipelines.resident {
             return Ok(gpu.clone());
@@ -64,7 +65,7 @@ impl DrawnWith<'_> {
     }
 }
 
-/// How Bevy names lights to its shaders.
+/// Bevy's data from which its shaders identify lights.
 #[derive(SystemParam)]
 pub struct BevyLights<'w, 's> {
     clustered: Res<'w, GlobalClusterableObjectMeta>,
@@ -84,10 +85,10 @@ type ViewItem<'a> = (
     Has<AntumbraView>,
 );
 
-/// Runs the frame of every marked view, and takes its deferred lighting over from Bevy as soon as all that it takes is
-/// there.
+/// Runs the frame of every marked view. As soon as everything needed to draw is ready, the view's deferred
+/// lighting is taken over from Bevy.
 ///
-/// `Render`, in `PrepareResources`, [`Prepare`](super::AntumbraRenderSystems::Prepare).
+/// Runs in `Render`, in `PrepareResources`. Set: [`Prepare`](super::AntumbraRenderSystems::Prepare).
 pub(super) fn prepare_views(
     mut commands: Commands,
     mut mirrors: ResMut<Mirrors>,
@@ -151,7 +152,7 @@ fn prepare_view(
     let base = gpu.pipelines.base(&gpu.cache, &gpu.bevy, key);
 
     if !mirror.world.contains_resource::<Renderer>() {
-        // Pipelines, meshes and materials are those of all views.
+        // The renderer shares pipelines, meshes and materials with the other views.
         let made = gpu.resident().and_then(Renderer::on);
         match made {
             Ok(renderer) => mirror.world.insert_resource(renderer),
@@ -182,14 +183,14 @@ fn prepare_view(
     let depth_stencil = renderer.context().depth_stencil_format();
     mirror.run();
     if mirror.world.resource::<Renderer>().failure().is_some() {
-        return None; // reported by the mirror; of this frame, perhaps: the next may be smaller
+        return None; // the mirror reports it; the next frame tries again, because it may need less
     }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
     is_ready(&gpu.cache, base).then_some(AntumbraView { base })
 }
 
-/// Lists the lights of the frame as Bevy's shaders know them. A light whose pipelines or index are not there yet is left
-/// to Bevy.
+/// Lists the managed lights of the frame in the form in which Bevy's shaders know them. A light whose
+/// pipelines or index are not ready yet is left to Bevy.
 fn prepare_lights(
     mirror: &mut Mirror,
     key: MeshPipelineKey,
@@ -253,7 +254,7 @@ fn prepare_lights(
     );
 }
 
-/// A light as Bevy's shaders know it; `None` if they do not.
+/// Returns the data by which Bevy's shaders know a light; `None` if Bevy has not extracted the light.
 fn describe(host: &HostLight, lights: &BevyLights) -> Option<LightDraw> {
     let mut draw = LightDraw::default();
     match host.kind {
@@ -261,7 +262,7 @@ fn describe(host: &HostLight, lights: &BevyLights) -> Option<LightDraw> {
             let index = *lights.clustered.entity_to_index.get(&host.render_entity)?;
             draw.index[0] = u32::try_from(index).ok()?;
         }
-        // The expressions by which Bevy fills its uniforms, so that the shader finds the same bits.
+        // These are the expressions by which Bevy fills its uniforms, so the shader finds the same bits.
         BevyLight::Directional => {
             let light = lights.directional.get(host.render_entity).ok()?;
             let color = Vec4::from_slice(&light.color.to_f32_array()) * light.illuminance;
@@ -284,7 +285,7 @@ fn unindexed(color: Vec4, place: Vec3) -> Unindexed {
     }
 }
 
-/// Takes a light from the base draw; `false` if there is no room for it.
+/// Lists a light as managed, so that the base draw leaves it out. Returns `false` if there is no room for it.
 fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &LightDraw) -> bool {
     let Managed {
         counts,
@@ -311,7 +312,8 @@ fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &Li
     true
 }
 
-/// The wanted pipelines of a kind of light, by [`VisibilitySource`], once all are compiled.
+/// Returns the wanted pipelines of a kind of light, indexed by [`VisibilitySource`]; `None` until all are
+/// compiled.
 fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,

@@ -1,4 +1,4 @@
-//! From Bevy's view to our camera. The one file that knows how either writes a projection.
+//! Conversion of Bevy's views to [`Camera`]. Only this file knows how Bevy and this crate write projections.
 
 use bevy::math::{Mat4, UVec2};
 use bevy::render::camera::TemporalJitter;
@@ -7,35 +7,37 @@ use glam::{Affine3A, DMat4, Vec2};
 
 use crate::scene::Camera;
 
-/// A view as Bevy renders it.
+/// The projection of a view that Bevy renders.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewProjection {
-    /// What it shows.
+    /// Camera of this crate that shows the same picture.
     pub camera: Camera,
-    /// By how much lines of sight lean to the right and up, metres a metre: Bevy's jitter of orthographic views.
+    /// Slope of the lines of sight to the right and up, metres per metre of depth. Bevy's jitter causes it in
+    /// orthographic views; elsewhere it is 0.
     pub lean: Vec2,
-    /// The matrix that Bevy's depth is of, jitter of temporal antialiasing included.
+    /// Projection with which Bevy draws its depth, including the jitter of temporal antialiasing.
     pub clip_from_view: DMat4,
 }
 
 impl ViewProjection {
-    /// Where our camera stands for a view that stands there.
+    /// Returns the transform of [`ViewProjection::camera`] for a view with the transform `world_from_view`.
     pub fn place(&self, world_from_view: &GlobalTransform) -> GlobalTransform {
         if self.lean == Vec2::ZERO {
             return *world_from_view;
         }
-        // A point at depth 1 straight ahead of ours is aside of Bevy's.
+        // A point straight ahead of our camera at depth 1 is beside the axis of Bevy's view.
         let mut lean = Affine3A::IDENTITY;
         lean.matrix3.z_axis -= self.lean.extend(0.0).to_vec3a();
         GlobalTransform::from(world_from_view.affine() * lean)
     }
 }
 
-/// The projection of a view of a size in pixels; `None` for one that is neither perspective nor orthographic: the lights
-/// of such a view are Bevy's.
+/// Converts the projection of a view. `viewport` is the size of the view in pixels. Returns `None` if the
+/// projection is neither perspective nor orthographic; Bevy then lights the view alone.
 ///
-/// Perspectives may be off-centre, have a far plane, or a near plane that is not parallel to the picture: the depth of
-/// ours is then that of its nearest visible point. Orthographic views may be off-centre.
+/// Perspective views may be off-centre and may have a far plane. Their near plane need not be parallel to the
+/// picture; the near plane of [`ViewProjection::camera`] is then at the depth of its nearest visible point.
+/// Orthographic views may be off-centre.
 pub fn projection_of(
     clip_from_view: &Mat4,
     jitter: Option<&TemporalJitter>,
@@ -69,7 +71,8 @@ fn perspective(m: &Mat4) -> Option<Camera> {
     }
     let half = Vec2::new(m.x_axis.x, m.y_axis.y).recip();
     let shift = -m.z_axis.truncate().truncate();
-    // Where the ray through a corner, (x, y, -1) times its depth, meets the plane on which z is w.
+    // The view depth at which the ray through each corner, (x, y, -1) times depth, meets the near plane, on which
+    // z is w.
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
     let depths = corners.map(|(x, y)| {
         let ray = (Vec2::new(x, y) - shift) * half;
@@ -88,7 +91,8 @@ fn perspective(m: &Mat4) -> Option<Camera> {
     })
 }
 
-/// The camera, and how it leans. Depth is `a · z + b`: 1 on the near plane, 0 on the far one.
+/// Returns the camera and the slope of its lines of sight ([`ViewProjection::lean`]). Stored depth is
+/// `a · z + b`: 1 on the near plane, 0 on the far plane.
 fn orthographic(m: &Mat4) -> Option<(Camera, Vec2)> {
     if [m.x_axis.z, m.y_axis.z] != [0.0; 2] {
         return None;
@@ -152,7 +156,7 @@ mod tests {
 
     #[test]
     fn an_oblique_near_plane_has_the_depth_of_its_nearest_visible_point() {
-        // A plane through (0, 0, -2), tilted.
+        // The near plane goes through (0, 0, -2) and is tilted.
         let normal = glam::vec3(0.3, 0.0, -1.0).normalize();
         let plane = normal.extend(-normal.dot(glam::vec3(0.0, 0.0, -2.0)));
         let view = projection_of(&bevy(Some(plane)), None, SIZE).unwrap();
@@ -183,7 +187,7 @@ mod tests {
             offset: Vec2::new(0.25, -0.375),
         };
         let jittered = projection_of(&projection.get_clip_from_view(), Some(&jitter), SIZE).unwrap();
-        // The same picture of any point, by way of a camera that leans.
+        // The leaning camera and Bevy's jittered projection must show any point at the same place.
         let place = GlobalTransform::from(bevy::transform::components::Transform::from_xyz(1.0, 2.0, 3.0));
         let from = |place: &GlobalTransform| place.affine().inverse();
         for point in [glam::vec3(0.3, 0.7, -4.0), glam::vec3(-2.0, 1.0, -30.0)] {

@@ -1,4 +1,4 @@
-//! Meshes that cannot cast, reported once each.
+//! Meshes that cannot cast shadows, each reported once.
 
 use bevy::asset::{AssetId, AssetPath};
 use bevy::ecs::prelude::*;
@@ -8,7 +8,7 @@ use bevy::platform::collections::HashMap;
 use super::mesh_convert::MeshRefusal;
 use crate::reports::Reports;
 
-/// Meshes that cannot cast shadows and are in use, and why; in the render world.
+/// Meshes that are in use but cannot cast shadows, each with the reason. The resource is in the render world.
 #[derive(Resource, Debug, Default)]
 pub struct RefusedMeshes {
     entries: HashMap<AssetId<Mesh>, Refused>,
@@ -17,24 +17,25 @@ pub struct RefusedMeshes {
 #[derive(Debug)]
 struct Refused {
     why: MeshRefusal,
-    /// The first entity that was met with the mesh; it may be gone.
+    /// First entity that was found to use the mesh. It may have been despawned since.
     user: Entity,
-    /// Path or id of the asset.
+    /// Path of the asset, or its id if it has no path.
     name: String,
 }
 
 impl RefusedMeshes {
-    /// How many there are.
+    /// Returns the number of refused meshes.
     pub fn count(&self) -> usize {
         self.entries.len()
     }
 
-    /// Why a mesh cannot cast.
+    /// Returns the reason why a mesh cannot cast shadows; `None` if it was not refused.
     pub fn get(&self, mesh: AssetId<Mesh>) -> Option<MeshRefusal> {
         Some(self.entries.get(&mesh)?.why)
     }
 
-    /// Takes note of an entity with such a mesh. The first of several stands for the mesh.
+    /// Records that an entity uses a refused mesh. If several entities use the mesh, its report names the
+    /// first.
     pub(super) fn insert(
         &mut self,
         mesh: AssetId<Mesh>,
@@ -48,14 +49,14 @@ impl RefusedMeshes {
         }
     }
 
-    /// Forgets meshes that are gone, or can cast now.
+    /// Removes those of the changed meshes that are gone or can cast shadows now.
     pub(super) fn resolve(&mut self, changed: &[AssetId<Mesh>], is_refused: impl Fn(AssetId<Mesh>) -> bool) {
         for mesh in changed.iter().filter(|&&mesh| !is_refused(mesh)) {
             self.entries.remove(mesh);
         }
     }
 
-    /// Raises the topic `mesh`.
+    /// Raises the reports of the topic `mesh`, one for each refused mesh.
     pub(super) fn raise(&self, reports: &mut Reports) {
         let mut round = reports.round("mesh");
         for Refused { why, user, name } in self.entries.values() {
@@ -67,7 +68,8 @@ impl RefusedMeshes {
     }
 }
 
-/// Number of a refusal, and what to do about it. Numbers from 10 on: the renderer has those below.
+/// Returns the report code of a refusal, and advice on how to mend it. Codes start at 10, because the
+/// renderer uses lower codes of the same topic.
 fn advice(why: &MeshRefusal) -> (u32, &'static str) {
     match why {
         MeshRefusal::RenderWorldOnly => (10, "Load it with `RenderAssetUsages::default()`."),

@@ -1,4 +1,5 @@
-//! What is wrong, from the mirrors and the adapter to the game's [`Reports`] and to the log, each once.
+//! Copies the reports of the mirrors and of the adapter to the game's [`Reports`], and logs each new one
+//! once.
 
 use bevy::ecs::prelude::*;
 use bevy::ecs::world::EntityRef;
@@ -11,13 +12,14 @@ use crate::render::report::raise_failure;
 use crate::reports::{Report, Reports};
 use crate::techniques::Techniques;
 
-/// Entities of the game that have a shadow technique and no light, ascending; in the render world. Kept up to date where
-/// lights are taken over.
+/// Entities of the game that have a shadow technique but no light, in ascending order. The resource is in the
+/// render world and is updated when lights are synchronised.
 #[derive(Resource, Debug, Default)]
 pub struct LightlessTechniques(Vec<Entity>);
 
 impl LightlessTechniques {
-    /// Looks at an entity whose light or technique may have changed; `None` if it is gone.
+    /// Updates the list for an entity whose light or technique may have changed. `light` is `None` if the
+    /// entity is gone.
     pub(super) fn look_at(&mut self, entity: Entity, light: Option<&EntityRef>, techniques: &Techniques) {
         let lacks_light = light
             .is_some_and(|light| techniques.on(*light).next().is_some() && convert_light(light).is_none());
@@ -31,10 +33,11 @@ impl LightlessTechniques {
     }
 }
 
-/// Puts what was wrong in the last frame of all views into the game's [`Reports`], by the game's entities, and warns of
-/// what is new. What several cameras say of one entity is said once.
+/// Copies the reports of all views' last frame to the game's [`Reports`], with the game's entities, and logs
+/// the new ones as warnings. If several cameras report the same fault of an entity, it is reported once.
 ///
-/// `ExtractSchedule`, before [`Collect`](super::AntumbraExtractSystems::Collect): the mirrors are those that ran.
+/// Runs in `ExtractSchedule`, before [`Collect`](super::AntumbraExtractSystems::Collect), while the mirrors
+/// are still those that ran.
 pub(super) fn publish_reports(
     mut main: ResMut<MainWorld>,
     mirrors: Res<Mirrors>,
@@ -90,10 +93,11 @@ fn raise_views(mirrors: &Mirrors, own: &mut Reports) {
     }
 }
 
-/// Beyond the codes of [`raise_failure`].
+/// Report code of a camera with an unsupported projection. It is greater than the codes of [`raise_failure`].
 const ODD_PROJECTION: u32 = 100;
 
-/// What a mirror reports, by the game's entities. What is about an entity that is gone is left out.
+/// Yields the reports of a mirror with the game's entities. Reports about entities that are gone are left
+/// out.
 fn reports_of_view(camera: Entity, mirror: &Mirror) -> impl Iterator<Item = (Option<Entity>, &Report)> {
     let reports = mirror.world.get_resource::<Reports>();
     reports
@@ -109,14 +113,14 @@ fn reports_of_view(camera: Entity, mirror: &Mirror) -> impl Iterator<Item = (Opt
         })
 }
 
-/// Frames in which a topic has at most [`LINES`] lines: a game that does something wrong in every frame has heard it by
-/// then.
+/// Number of frames in which a topic logs at most [`LINES`] lines, so that a fault in every frame does not
+/// flood the log.
 const FRAMES: u64 = 600;
 
-/// Lines that a topic has in [`FRAMES`] frames at most.
+/// Largest number of lines that a topic logs in [`FRAMES`] frames.
 const LINES: u32 = 32;
 
-/// Lines that were logged lately.
+/// Counts of the lines that were logged lately, by topic.
 #[derive(Debug, Default)]
 pub struct Log {
     frame: u64,
@@ -135,7 +139,8 @@ impl Log {
         self.frame += 1;
     }
 
-    /// Whether a topic may have a line more, and whether that is the last for a while.
+    /// Counts a line of a topic. Returns `None` if the line must not be logged, otherwise whether it is the
+    /// last for a while.
     fn admit(&mut self, topic: &'static str) -> Option<bool> {
         let frame = self.frame;
         let at = self.topics.iter().position(|known| known.name == topic);

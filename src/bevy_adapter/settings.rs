@@ -1,13 +1,14 @@
-//! What a game sets once.
+//! Settings of the adapter.
 
 use bevy::ecs::prelude::*;
 
-/// How the adapter works. Insert it before or after the plugin, or change it at any time.
+/// Settings of the adapter. Insert the resource before or after the plugin, or change it at any time.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraSettings {
-    /// Meshes of at most so many triangles are made ready in the frame in which they appear; larger ones on the threads
-    /// of the `AsyncComputeTaskPool`. Until it is ready, a mesh is lit and casts no shadow. `usize::MAX` waits for all,
-    /// which makes frames repeatable.
+    /// Largest number of triangles of a mesh that is made ready in the frame in which it appears. Larger
+    /// meshes are made ready on the threads of the `AsyncComputeTaskPool`; until then they are lit but cast
+    /// no shadow. Higher values make shadows appear sooner, but lengthen frames in which meshes appear.
+    /// `usize::MAX` waits for all meshes, which makes frames repeatable. Default: 2048.
     pub immediate_triangles: usize,
 }
 

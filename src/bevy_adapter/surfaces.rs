@@ -1,7 +1,8 @@
-//! What of Bevy's materials matters to shadows: whether one looks through a surface, and from which sides it is seen.
+//! The properties of Bevy's materials that matter to shadows: whether a surface is opaque, and from which
+//! sides it is seen.
 //!
-//! Opaque objects may hide others from the camera and from lights, and their own surface may hide the near cap of their
-//! shadow volume. Whatever is not surely opaque does neither.
+//! An opaque object may hide others from the camera and from lights, and its surface may hide the near cap of
+//! its own shadow volume. An object that is not surely opaque does neither.
 
 use std::sync::Arc;
 
@@ -16,43 +17,45 @@ use bevy::render::render_resource::Face;
 
 use crate::scene::{AlphaMode, Material, SceneMaterials};
 
-/// How an object shows.
+/// The kind of an object's surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surface {
-    /// Opaque, and culled from behind.
+    /// The surface is opaque, and its back faces are culled.
     OneSided,
-    /// Opaque from both sides.
+    /// The surface is opaque from both sides.
     TwoSided,
-    /// With holes, blended, of another material than Bevy's standard one, or not known yet.
+    /// The surface may be seen through: it is alpha-masked, blended, transmissive or culled in front, its
+    /// material is not a `StandardMaterial`, or its material is not known yet.
     SeenThrough,
 }
 
 impl Surface {
-    /// That of a material.
+    /// Returns the surface of a material.
     pub fn of_material(material: &StandardMaterial) -> Self {
         if material.alpha_mode != BevyAlphaMode::Opaque || material.specular_transmission > 0.0 {
             return Self::SeenThrough;
         }
         match material.cull_mode {
             Some(Face::Back) => Self::OneSided,
-            Some(Face::Front) => Self::SeenThrough, // what is seen is not what faces us
+            Some(Face::Front) => Self::SeenThrough, // only faces that are turned away are seen
             None => Self::TwoSided,
         }
     }
 }
 
-/// The surfaces of the game's materials, and three materials of ours that stand for them. In the render world.
+/// The surfaces of the game's materials, and three materials of this crate that stand for them. The resource
+/// is in the render world.
 #[derive(Resource, Debug)]
 pub struct Surfaces {
     known: HashMap<AssetId<StandardMaterial>, Surface>,
-    /// Materials that became another surface in this frame.
+    /// Materials whose surface changed in this frame.
     changed: Vec<AssetId<StandardMaterial>>,
     materials: [SceneMaterials; 3],
 }
 
 impl Default for Surfaces {
     fn default() -> Self {
-        // Bevy shades: only these two fields matter.
+        // Bevy shades the objects, so only these two fields matter.
         let material = |alpha_mode, double_sided| {
             SceneMaterials(
                 [Arc::new(Material {
@@ -76,32 +79,33 @@ impl Default for Surfaces {
 }
 
 impl Surfaces {
-    /// How an object of the game shows.
+    /// Returns the surface of an object of the game.
     pub fn of_object(&self, object: &EntityRef) -> Surface {
         let material = object.get::<MeshMaterial3d<StandardMaterial>>();
         let known = material.and_then(|material| self.known.get(&material.0.id()));
         known.copied().unwrap_or(Surface::SeenThrough)
     }
 
-    /// Our materials for it; one for all objects that show alike.
+    /// Returns the materials for a surface. All objects with the same surface share them.
     pub fn materials(&self, surface: Surface) -> &SceneMaterials {
         &self.materials[surface as usize]
     }
 
-    /// Whether a material became another surface in this frame.
+    /// Whether the surface of a material changed in this frame.
     pub fn changed(&self, material: AssetId<StandardMaterial>) -> bool {
         self.changed.contains(&material)
     }
 
-    /// Whether any did.
+    /// Whether the surface of any material changed in this frame.
     pub fn any_changed(&self) -> bool {
         !self.changed.is_empty()
     }
 }
 
-/// Reads materials that were added or changed. A material whose colour alone is animated changes nothing.
+/// Reads the surfaces of materials that were added or changed. A change of colour alone does not change the
+/// surface.
 ///
-/// `ExtractSchedule`, [`Collect`](super::AntumbraExtractSystems::Collect).
+/// Runs in `ExtractSchedule`. Set: [`Collect`](super::AntumbraExtractSystems::Collect).
 pub(super) fn collect_surfaces(
     mut surfaces: ResMut<Surfaces>,
     mut events: Extract<MessageReader<AssetEvent<StandardMaterial>>>,

@@ -1,4 +1,5 @@
-//! From the game's world to the mirrors: cameras, places, and what is gone. Objects and lights have files of their own.
+//! Synchronisation of the mirrors with the game's world: cameras, transforms and removed entities. Objects
+//! and lights have files of their own.
 
 use bevy::camera::visibility::RenderLayers;
 use bevy::ecs::prelude::*;
@@ -9,10 +10,10 @@ use super::camera::AntumbraCamera;
 use super::mirror::{Mirror, Mirrors};
 use crate::techniques::Techniques;
 
-/// Gives every marked camera a mirror, and takes those of others away. A camera that sees other layers than before gets
-/// a new one.
+/// Gives every marked camera a mirror, and removes the mirrors of other cameras. A camera whose layers
+/// changed gets a new mirror.
 ///
-/// `ExtractSchedule`, [`Collect`](super::AntumbraExtractSystems::Collect).
+/// Runs in `ExtractSchedule`. Set: [`Collect`](super::AntumbraExtractSystems::Collect).
 pub(super) fn sync_cameras(
     mut mirrors: ResMut<Mirrors>,
     techniques: Res<Techniques>,
@@ -33,10 +34,11 @@ pub(super) fn sync_cameras(
     }
 }
 
-/// Moves what moved: objects, joints and lights alike. In a steady frame it only reads change ticks.
+/// Copies changed transforms of objects, joints and lights to the mirrors. Despawns the mirrors' entities for
+/// game entities that are gone. In a steady frame it only reads change ticks.
 ///
-/// `ExtractSchedule`, [`Sync`](super::AntumbraExtractSystems::Sync), first. What appears in this frame takes its place
-/// when it is made.
+/// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync), first. Entities that appear
+/// in this frame get their transform when the later systems of the set spawn them.
 pub(super) fn sync_transforms(
     mut mirrors: ResMut<Mirrors>,
     moved: Extract<Query<(Entity, &GlobalTransform), Changed<GlobalTransform>>>,
@@ -56,9 +58,9 @@ pub(super) fn sync_transforms(
     }
 }
 
-/// Everything has been taken over.
+/// Marks all mirrors as synchronised.
 ///
-/// `ExtractSchedule`, [`Sync`](super::AntumbraExtractSystems::Sync), last.
+/// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync), last.
 pub(super) fn end_sync(mut mirrors: ResMut<Mirrors>) {
     for mirror in mirrors.iter_mut() {
         mirror.fresh = false;

@@ -1,4 +1,4 @@
-//! From Bevy's lights with a technique to the lights of the mirrors.
+//! Synchronisation of the mirrors' lights with the game's lights that have a technique.
 
 use bevy::camera::visibility::{InheritedVisibility, RenderLayers};
 use bevy::ecs::prelude::*;
@@ -14,7 +14,7 @@ use super::techniques::TouchedLights;
 use crate::scene::{Light, LightSelection};
 use crate::techniques::Techniques;
 
-/// A light changed in a way that is to be taken over.
+/// Filter of lights that changed in a way that the mirrors must copy.
 type LightChanged = (
     Or<(
         With<PointLight>,
@@ -34,7 +34,7 @@ type LightChanged = (
     )>,
 );
 
-/// Of what a light lost, that which matters.
+/// Removed components that force a light to be synchronised again.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct RemovedFromLights<'w, 's> {
     point: Extract<'w, 's, RemovedComponents<'static, 'static, PointLight>>,
@@ -45,9 +45,10 @@ pub struct RemovedFromLights<'w, 's> {
     selection: Extract<'w, 's, RemovedComponents<'static, 'static, LightSelection>>,
 }
 
-/// Takes over lights that appeared, changed, were hidden or lost their technique.
+/// Copies lights that appeared, changed, were hidden or lost their technique to the mirrors.
 ///
-/// `ExtractSchedule`, [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only reads change ticks.
+/// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only
+/// reads change ticks.
 pub(super) fn sync_lights(
     main: Res<MainWorld>,
     mut mirrors: ResMut<Mirrors>,

@@ -1,4 +1,4 @@
-//! From Bevy's meshes to the objects of the mirrors.
+//! Synchronisation of the mirrors' objects with the game's meshes.
 
 use std::sync::Arc;
 
@@ -29,7 +29,8 @@ use crate::scene::{
 use crate::silhouettes::CasterMeshes;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
 
-/// An object changed in a way that is to be taken over. Places are taken over by themselves.
+/// Filter of objects that changed in a way that the mirrors must copy. Transforms are copied by another
+/// system.
 type ObjectChanged = (
     With<Mesh3d>,
     Or<(
@@ -45,7 +46,7 @@ type ObjectChanged = (
     )>,
 );
 
-/// Of what an object lost, that which matters.
+/// Removed components that force an object to be synchronised again.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct RemovedFromObjects<'w, 's> {
     mesh: Extract<'w, 's, RemovedComponents<'static, 'static, Mesh3d>>,
@@ -57,13 +58,14 @@ pub struct RemovedFromObjects<'w, 's> {
     material: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMaterial3d<StandardMaterial>>>,
 }
 
-/// Weights that meshes share by naming the entity that has them.
+/// Query of changed morph weights that meshes share. Such a mesh refers to the entity that has the weights.
 type SharedWeights<'w, 's> = Query<'w, 's, (), Changed<BevyMorphWeights>>;
 
-/// Takes over objects that appeared, changed, were hidden, or whose mesh changed.
+/// Copies objects that appeared, changed or were hidden, or whose mesh or material changed, to the mirrors.
 ///
-/// `ExtractSchedule`, [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only reads change ticks; in
-/// frames in which a mesh changed it asks every object for its mesh.
+/// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only
+/// reads change ticks and tests the morphed meshes for shared weights. In frames in which a mesh asset
+/// changed it reads the mesh handle of every object.
 pub(super) fn sync_objects(
     main: Res<MainWorld>,
     mut mirrors: ResMut<Mirrors>,
@@ -233,7 +235,7 @@ fn insert_mesh(mirror: &mut Mirror, mirrored: Entity, ready: &ReadyMesh) {
     target.insert(SceneMesh(ready.data.clone()));
 }
 
-/// A mesh that is not there, or never will be, is lit all the same: its bounds say where.
+/// Gives an object bounds in place of a mesh that is not ready or was refused. With bounds the object is lit.
 fn insert_bounds(mirror: &mut Mirror, mirrored: Entity, object: &EntityRef, transform: &GlobalTransform) {
     let bounds = object.get::<BevyAabb>().map_or(EVERYWHERE, |aabb| Aabb {
         min: Vec3::from(aabb.min()),
@@ -255,14 +257,15 @@ fn insert_bounds(mirror: &mut Mirror, mirrored: Entity, object: &EntityRef, tran
     }
 }
 
-/// Of a mesh without bounds, which Bevy does not cull either. A thousand kilometres: far beyond what is drawn, and exact
-/// enough when squared.
+/// Bounds of a mesh to which Bevy has given no bounds, and which Bevy does not cull either. They reach a
+/// thousand kilometres: this is far beyond what is drawn, and its square is still exact enough.
 const EVERYWHERE: Aabb = Aabb {
     min: Vec3::splat(-1e6),
     max: Vec3::splat(1e6),
 };
 
-/// Skin and morph weights, as Bevy has them; `false` while the asset of a skin is not there.
+/// Copies the skin and the morph weights of an object. Returns `false` while the inverse bind poses of its
+/// skin are not loaded.
 fn sync_pose(mirror: &mut Mirror, main: &World, object: &EntityRef, mirrored: Entity) -> bool {
     let binds = main.resource::<Assets<SkinnedMeshInverseBindposes>>();
     let skin = object.get::<SkinnedMesh>().and_then(|skin| {

@@ -1,21 +1,22 @@
-//! Where our systems run, for those who order theirs against them.
+//! System sets of the adapter. Order other systems before or after them.
 
 use bevy::ecs::prelude::*;
 
 /// Sets in the main world.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AntumbraMainSystems {
-    /// `PostUpdate`: after this set marked cameras have no MSAA, and cameras that cannot show our shadows have been
-    /// warned of.
+    /// A set of `PostUpdate`. After this set marked cameras have no MSAA, and warnings about cameras that
+    /// cannot show shadows have been logged.
     CheckCameras,
-    /// `PostUpdate`: after this set the [`MeshLibrary`](super::MeshLibrary) knows the meshes of this frame.
+    /// A set of `PostUpdate`. After this set the [`MeshLibrary`](super::MeshLibrary) knows the meshes of this
+    /// frame.
     CollectMeshes,
 }
 
 /// Sets in `ExtractSchedule`, chained.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AntumbraExtractSystems {
-    /// After this set every marked camera has a mirror, and touched lights are listed.
+    /// After this set every marked camera has a mirror, and lights whose technique changed are listed.
     Collect,
     /// After this set the mirrors hold the game's scene of this frame.
     Sync,
@@ -24,12 +25,15 @@ pub enum AntumbraExtractSystems {
 /// Sets in the render world.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AntumbraRenderSystems {
-    /// `Render`, in `PrepareResources`: after this set each view has its sets, silhouettes and buffers of this frame.
+    /// A set of `Render`, in `PrepareResources`. After this set each view has its sets, silhouettes and
+    /// buffers of this frame.
     Prepare,
-    /// `Core3d`, in the main pass, after Bevy's deferred lighting: after this set the managed lights shine.
+    /// A set of `Core3d`, in the main pass, after Bevy's deferred lighting. After this set the picture has
+    /// the managed lights.
     Light,
 }
 
-/// The app has Bevy's renderer, and the adapter is in it: nothing of the core runs in the main world.
+/// Marks an app with Bevy's renderer in which the adapter is installed. The core's systems do not run in its
+/// main world.
 #[derive(Resource)]
 pub struct Installed;

@@ -1,4 +1,4 @@
-//! Which components make a light managed: the shadow techniques, ours and those of others.
+//! The components that make a light managed: the shadow techniques of this crate and of others.
 
 use std::any::TypeId;
 
@@ -14,24 +14,27 @@ use super::systems::Installed;
 use crate::schedule::AntumbraSystems;
 use crate::techniques::{AddTechnique, Technique, Techniques};
 
-/// Lights of the game whose technique was set, changed or taken away in this frame; in the render world.
+/// Lights of the game whose technique was inserted, changed or removed in this frame. The resource is in the
+/// render world.
 #[derive(Resource, Default)]
 pub struct TouchedLights {
-    /// The lights; one may be there several times.
+    /// Entities of the lights in the game's world. An entity may occur several times.
     pub lights: Vec<Entity>,
-    /// Components that are watched.
+    /// Types of the techniques whose changes are watched.
     watched: Vec<TypeId>,
 }
 
-/// The components of all techniques; in the main world.
+/// Ids of the components of all techniques. The resource is in the main world.
 #[derive(Resource, Default)]
 pub struct TechniqueComponents(pub Vec<ComponentId>);
 
-/// Techniques that were added before the app had a renderer; in the main world.
+/// Functions that add the techniques that were added before the app had a renderer. The resource is in the
+/// main world.
 #[derive(Resource, Default)]
 struct Waiting(Vec<fn(&mut App) -> bool>);
 
-/// Adds the techniques that waited for a renderer. What they added to the core in the main world does not run.
+/// Adds the techniques that waited for a renderer. The systems that they have added to the main world are
+/// switched off.
 pub(super) fn add_waiting(app: &mut App) {
     let Some(waiting) = app.world_mut().remove_resource::<Waiting>() else {
         return;
@@ -44,8 +47,9 @@ pub(super) fn add_waiting(app: &mut App) {
     }
 }
 
-/// Adds a technique to an app with Bevy's renderer: to its list in the render world, from which each camera's mirror takes
-/// it. `false` if the app has no such renderer; if it gets one before it is finished, the technique is added then.
+/// Adds a technique to the render world's list in an app with Bevy's renderer. Each camera's mirror takes its
+/// techniques from this list. Returns `false` if the app has no such renderer. If the app gets one before it
+/// is finished, the technique is added then.
 pub fn add_technique<T: Technique>(app: &mut App) -> bool {
     register_type::<T>(app);
     if app.get_sub_app(RenderApp).is_none() {
@@ -78,7 +82,7 @@ fn register_type<T: Technique>(app: &mut App) {
     T::register_type(&mut world.resource::<AppTypeRegistry>().write());
 }
 
-/// An app without a renderer, which learns the types of techniques alone.
+/// Registers only the types of techniques in an app, whether or not the app has a renderer.
 pub struct Reflected<'a>(pub &'a mut App);
 
 impl AddTechnique for Reflected<'_> {

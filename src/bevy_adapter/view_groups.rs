@@ -1,4 +1,4 @@
-//! Bind groups of one view, kept while what they bind is the same.
+//! Bind groups of one view. They are kept as long as their resources stay the same.
 
 use bevy::render::render_resource::{
     BindGroup, BindGroupEntries, BufferBinding, BufferId, IntoBinding, PipelineCache, TextureView,
@@ -11,7 +11,7 @@ use super::view_state::{LightDraw, ViewState};
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::kept::Kept;
 
-/// Groups 2 and 3 of a view's draws. They go with the device, as the view's buffers do.
+/// Bind groups 2 and 3 of a view's draws. They are lost with the device, like the view's buffers.
 #[derive(Debug, Default)]
 pub struct ViewGroups {
     base: Kept<(BufferId, BufferId, TextureViewId), BindGroup>,
@@ -20,13 +20,13 @@ pub struct ViewGroups {
 }
 
 impl ViewGroups {
-    /// Groups made so far; does not grow in a steady frame.
+    /// Returns the number of groups made so far. It does not grow in a steady frame.
     pub fn made(&self) -> usize {
         self.base.made + self.light.made + self.mask.made
     }
 
-    /// Group 2 of the base draw and of the lights; `None` before the view's buffers are written. `pass_id`: Bevy's id of
-    /// the deferred pass that lights a pixel.
+    /// Returns group 2 of the base draw and group 2 of the lights; `None` before the view's buffers are
+    /// written. The texture `pass_id` holds, for each pixel, Bevy's id of the deferred pass that lights it.
     pub(super) fn own(
         &mut self,
         device: &RenderDevice,
@@ -62,7 +62,7 @@ impl ViewGroups {
         Some((base.clone(), light.clone()))
     }
 
-    /// Group 3 of lights with a mask. The lights of a frame share one mask.
+    /// Returns group 3 of lights with a mask. The lights of a frame share one mask.
     pub(super) fn mask(
         &mut self,
         device: &RenderDevice,

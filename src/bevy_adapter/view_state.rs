@@ -1,4 +1,4 @@
-//! What of a mirror the GPU draws with: which lights are managed, and each light as the shader takes it.
+//! The state with which the GPU draws a mirror's lights: the managed lights, and the uniforms of each light.
 
 use std::sync::Mutex;
 
@@ -12,48 +12,51 @@ use super::view_groups::ViewGroups;
 use crate::render::RenderError;
 use crate::render::gpu::strided::Strided;
 
-/// A light that Bevy gives no index that we can see, told by what Bevy uploads of it. Mirror: `Unindexed` of
-/// `shaders/bevy/base.wgsl`.
+/// A light without an index from Bevy, identified by the values that Bevy uploads for it. WGSL mirror:
+/// `Unindexed` in `shaders/bevy/base.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Unindexed {
-    /// As Bevy uploads it: linear RGBA times lux or lumens.
+    /// Colour as Bevy uploads it: linear RGBA times lux or lumens.
     pub color: [f32; 4],
-    /// Unit direction to a directional light, or position of a rectangle's centre; w is 0.
+    /// Unit direction towards a directional light, or position of a rectangle's centre, world space; w is 0.
     pub place: [f32; 4],
 }
 
-/// Mirror: `Managed` of `shaders/bevy/base.wgsl`.
+/// The managed lights of a view, which the base draw leaves out. WGSL mirror: `Managed` in
+/// `shaders/bevy/base.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Managed {
-    /// Directional lights, rectangles, words of the bits.
+    /// Number of directional lights in x, of rectangles in y, and of words with bits of point and spot lights
+    /// in z.
     pub counts: [u32; 4],
-    /// The directional lights.
+    /// Managed directional lights; `counts` says how many.
     pub directional: [Unindexed; MAX_DIRECTIONAL_LIGHTS],
-    /// The rectangles.
+    /// Managed rectangle lights; `counts` says how many.
     pub rect: [Unindexed; MAX_RECT_LIGHTS],
 }
 
-/// Mirror: `LightDraw` of `shaders/bevy/light.wgsl`.
+/// Uniforms of the draw of one light. WGSL mirror: `LightDraw` in `shaders/bevy/light.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct LightDraw {
-    /// Of a light without an index.
+    /// Values that identify a directional or rectangle light, which has no index.
     pub unindexed: Unindexed,
-    /// x: Bevy's index of a point or spot light.
+    /// Bevy's index of a point or spot light in x.
     pub index: [u32; 4],
 }
 
-// As the shaders have them; naga cannot read those without Bevy's. `tests/bevy/shading.rs` would see a difference.
+// These are the sizes in the shaders. Naga cannot read those shaders without Bevy's, so no test compares the
+// structs. `tests/bevy/shading.rs` would show a difference in the picture.
 const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 48);
 
-/// How a light of the frame is drawn.
+/// The uniforms and pipelines with which a light of the frame is drawn.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawSlot {
-    /// Where its [`LightDraw`] is, bytes.
+    /// Offset in bytes of the light's [`LightDraw`] in [`ViewState::lights`].
     pub offset: u32,
-    /// Pipelines of its kind.
+    /// Pipelines of the light's kind.
     pub pipelines: LightPipelines,
 }
 
@@ -65,7 +68,7 @@ pub struct Uploaded {
 }
 
 impl Uploaded {
-    /// Makes the buffer hold these bytes; `true` if it is another buffer than before.
+    /// Makes the buffer hold these bytes. Returns `true` if a new buffer was made.
     pub fn write(
         &mut self,
         device: &RenderDevice,
@@ -94,39 +97,42 @@ impl Uploaded {
         grown
     }
 
-    /// The buffer, once written.
+    /// Returns the buffer; `None` before the first write.
     pub fn buffer(&self) -> Option<&Buffer> {
         self.buffer.as_ref()
     }
 }
 
-/// What of a mirror the GPU draws with.
+/// The state with which the GPU draws a mirror's lights.
 #[derive(Debug, Default)]
 pub struct ViewState {
-    /// How each light of the frame is drawn, by the order of [`FrameLights`](crate::sets::FrameLights); `None`: it is
-    /// left to Bevy.
+    /// Draws of the frame's lights, in the order of [`FrameLights`](crate::sets::FrameLights). A light with
+    /// `None` is left to Bevy.
     pub draws: Vec<Option<DrawSlot>>,
-    /// [`Managed`].
+    /// Buffer with the view's [`Managed`] lights.
     pub managed: Uploaded,
-    /// A bit for each point and spot light, by Bevy's index.
+    /// Buffer with one bit for each point and spot light, by Bevy's index. The bit is set if the light is
+    /// managed.
     pub bits: Uploaded,
-    /// [`LightDraw`]s at dynamic offsets.
+    /// Buffer with the lights' [`LightDraw`]s at dynamic offsets.
     pub lights: Uploaded,
-    /// Written where the view is drawn, which only reads the mirror.
+    /// Bind groups of the view. They are made while the view is drawn; the mutex allows this although the
+    /// mirror is only read then.
     pub groups: Mutex<ViewGroups>,
-    /// Why it cannot be drawn, and never will be on this device.
+    /// The error that keeps the view from ever being drawn on this device; `None` if there is none.
     pub failed: Option<RenderError>,
     /// Whether the view is left to Bevy because it is neither perspective nor orthographic.
     pub odd_projection: bool,
-    /// Whether objects are in view that show no shadows.
+    /// Whether any visible object shows no shadows.
     pub unshadowed_in_view: bool,
-    /// Kept for their allocations.
+    /// Words of `bits`. They are kept to reuse their allocation.
     pub(super) bit_words: Vec<u32>,
+    /// Contents of `lights`. They are kept to reuse their allocation.
     pub(super) light_draws: Strided<LightDraw>,
 }
 
 impl ViewState {
-    /// Gives the view up for good, and leaves it to Bevy.
+    /// Records an error and leaves the view to Bevy for good.
     pub(super) fn fail<T>(&mut self, error: RenderError) -> Option<T> {
         self.failed = Some(error);
         None

@@ -1,4 +1,4 @@
-//! The parts of convex solids: half-spaces, and the edges between their planes.
+//! Parts of convex solids: half-spaces, and edges between their planes.
 
 use glam::{DVec3, DVec4};
 
@@ -21,10 +21,10 @@ impl HalfSpace {
     /// moved outward by as much as rounding can lose.
     ///
     /// A test `n·c + |n|·h + d ≥ 0` in `f32` is wrong by less than nine roundings (2⁻²⁴ each) of the sum of
-    /// its terms' magnitudes: the normal's own rounding, the products, the additions. Eight epsilons (2⁻²³
-    /// each) of `d` are added here, and eight of the box's coordinates by
-    /// [`Aabb::padded`](super::Aabb::padded). The second term covers the construction in `f64`, whose planes
-    /// are tilted by at most 1e-11 rad.
+    /// its terms' magnitudes. The roundings are those of the normal, of the products and of the additions.
+    /// This function adds eight epsilons (2⁻²³ each) of `d`, and [`Aabb::padded`](super::Aabb::padded) adds
+    /// eight of the box's coordinates. The second term of the slack covers the construction in `f64`, whose
+    /// planes are tilted by at most 1e-11 rad.
     pub(super) fn to_world(self, origin: DVec3) -> Plane {
         let offset = self.offset - self.normal.dot(origin);
         let slack = 8.0 * f64::from(f32::EPSILON) * offset.abs() + 1e-10 * origin.abs().max_element();
@@ -35,8 +35,8 @@ impl HalfSpace {
     }
 }
 
-/// An edge of a convex solid. From its first corner to its second it runs counter-clockwise around its first
-/// plane, seen from outside.
+/// An edge of a convex solid. The edge runs from its first corner to its second, and seen from outside this
+/// is counter-clockwise around its first plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolidEdge {
     /// Indices of the two corners that the edge connects.

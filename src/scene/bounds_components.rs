@@ -5,8 +5,8 @@ use bevy_ecs::prelude::*;
 use super::churn::count_churn;
 use crate::geometry::Aabb;
 
-/// Bounds of the mesh in its current pose, local space. Empty for a mesh without triangles or finite
-/// positions.
+/// Bounds of an object's mesh in its current pose, local space. They are empty for a mesh without triangles
+/// or without finite positions.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 pub struct LocalBounds(pub Aabb);
 
@@ -19,8 +19,9 @@ impl Default for LocalBounds {
 /// Bounds of an object in world space. They are empty for an object that is left out because it has no
 /// triangles, or because its transform is singular or not finite.
 ///
-/// A change of this component means that the object moved: [`update_world_bounds`](super::update_world_bounds) marks it whenever the
-/// transform or the local bounds changed, even if the box came out equal.
+/// A change of this component means that the object moved.
+/// [`update_world_bounds`](super::update_world_bounds) marks the component as changed whenever the transform
+/// or the local bounds changed, even if the box stays equal.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct WorldBounds(pub Aabb);

@@ -1,4 +1,5 @@
-//! What the sets leave out, as reports: lights that cannot shine, objects without bounds, cells that cannot hide.
+//! Reports about lights that cannot shine, objects without usable bounds, and cells and portals that hide too
+//! little.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
@@ -9,7 +10,7 @@ use crate::reports::Reports;
 use crate::scene::bounds::is_usable_transform;
 use crate::scene::{LightError, SceneMesh};
 
-/// Raises the topics `light`, `object` and `cell`.
+/// Raises the reports of the topics `light`, `object` and `cell`.
 pub fn report_sets(world: &World, reports: &mut Reports) {
     report_lights(world.resource::<FrameLights>(), reports);
     report_objects(world, world.resource::<Objects>(), reports);
@@ -29,7 +30,7 @@ fn report_lights(lights: &FrameLights, reports: &mut Reports) {
     }
 }
 
-/// Number of a light's fault, and what to do about it.
+/// Returns the report code of a light's error, and advice on how to mend it.
 fn light_advice(error: &LightError) -> (u32, &'static str) {
     match error {
         LightError::Range(_) => (1, "Set a range in metres; infinity is allowed."),
@@ -44,8 +45,9 @@ fn light_advice(error: &LightError) -> (u32, &'static str) {
     }
 }
 
-/// An object that shows nothing anyway is no fault: a mesh without triangles, bounds that are empty on purpose, or a
-/// scale of 0 along all axes, by which games hide things.
+/// Raises reports about objects that the sets left out. An object that would show nothing anyway is not
+/// reported: its mesh has no triangles, its bounds are empty on purpose, or its scale is 0 along all axes,
+/// which games use to hide things.
 fn report_objects(world: &World, objects: &Objects, reports: &mut Reports) {
     let mut round = reports.round("object");
     if objects.left_out == 0 {
@@ -106,7 +108,7 @@ fn report_cells(cells: &Cells, reports: &mut Reports) {
     }
 }
 
-/// Number of a cell's or portal's fault, and what to do about it.
+/// Returns the report code of a cell's or portal's issue, and advice on how to mend it.
 fn cell_advice(issue: CellIssue) -> (u32, &'static str) {
     match issue {
         CellIssue::Volume => (

@@ -1,4 +1,4 @@
-//! Cap triangles of a contour, and with the edges the whole of it.
+//! Extraction of a contour's cap triangles, and of a whole contour with its edges and caps.
 
 use super::contour::{CapMode, Contour, fits};
 use super::edges::extract_edges;
@@ -6,16 +6,18 @@ use super::facing::{FacingBits, HAS_BACK, HAS_FACING};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
 
-/// Extracts edges and caps. They come in the order of the mesh, so the same bits give the same contour.
+/// Extracts the edges and caps of a contour. They are in the order of the mesh, so equal bits give equal
+/// contours.
 ///
-/// The contour is empty if the bits are not those of this mesh. It holds vertex indices, so it serves for the
-/// pose from which its bits were computed.
+/// The contour is empty if the bits do not fit the mesh. It holds vertex indices, not positions. It is valid
+/// for the pose from which the bits were computed.
 pub fn extract_contour(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     extract_edges(mesh, facing, mode, contour);
     extract_caps(mesh, facing, mode, contour);
 }
 
-/// Extracts the caps of a contour: one half of [`extract_contour`].
+/// Extracts only the caps of a contour, and leaves its edges as they are. The caps are empty if the bits do
+/// not fit the mesh.
 pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     contour.caps.clear();
     contour.caps_away_start = 0;
@@ -43,7 +45,8 @@ pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour
     }
 }
 
-/// Pushes the triangles of a cluster whose bits are set. A whole cluster takes one copy.
+/// Appends the corners of those triangles of a cluster whose bits are set in `word`. A whole cluster is
+/// appended by one copy.
 fn push_caps(mesh: &EdgeMesh, cluster: &Cluster, word: u64, is_any_set: bool, caps: &mut Vec<u32>) {
     if !is_any_set {
         return;

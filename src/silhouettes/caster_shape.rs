@@ -1,4 +1,4 @@
-//! A caster as it stands in this frame: its edges, place and pose.
+//! Query of a caster's shape in this frame: its edges, transform and pose.
 
 use bevy_ecs::query::QueryData;
 use bevy_transform::prelude::GlobalTransform;
@@ -8,36 +8,38 @@ use super::casters::{CasterEdges, PosedPlanes};
 use super::planes::FacingPlanes;
 use crate::scene::{PosedMesh, SceneMesh};
 
-/// A caster as it stands in this frame.
+/// The shape of a caster in this frame.
 #[derive(QueryData)]
 pub struct CasterShape {
-    /// The welded edges and triangles of its mesh.
+    /// Welded edges and triangles of the caster's mesh.
     pub edges: &'static CasterEdges,
     mesh: &'static SceneMesh,
-    /// Its place.
+    /// Transform of the caster from local to world space.
     pub transform: &'static GlobalTransform,
     posed: Option<(&'static PosedMesh, &'static PosedPlanes)>,
 }
 
 impl CasterShapeItem<'_, '_> {
-    /// Whether the caster has a pose, whole or not.
+    /// Whether the caster has a pose, even one that lacks positions for some vertices.
     pub fn is_posed(&self) -> bool {
         self.posed.is_some()
     }
 
-    /// The pose, if it has a position for every vertex.
+    /// Returns the pose if it has a position for every vertex.
     fn whole_pose(&self) -> Option<(&PosedMesh, &PosedPlanes)> {
         let is_whole = |posed: &PosedMesh| posed.positions.len() >= self.edges.0.edges.vertex_count();
         self.posed.filter(|(posed, _)| is_whole(posed))
     }
 
-    /// The positions of its vertices, local space: those of the pose once that is whole, else those of the mesh.
+    /// Returns the positions of the caster's vertices, local space. They are those of the pose if it has a
+    /// position for every vertex, otherwise those of the mesh.
     pub fn positions(&self) -> &[Vec3] {
         self.whole_pose()
             .map_or(&self.mesh.0.positions, |(posed, _)| &posed.positions)
     }
 
-    /// The planes of its triangles, local space, of the same pose as [`CasterShapeItem::positions`].
+    /// Returns the planes of the caster's triangles, local space. They fit the positions that
+    /// [`CasterShapeItem::positions`] returns.
     pub fn planes(&self) -> &FacingPlanes {
         self.whole_pose()
             .map_or(&self.edges.0.planes, |(_, planes)| &planes.0)

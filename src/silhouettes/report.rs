@@ -1,4 +1,4 @@
-//! Casters that cast nothing, as reports.
+//! Reports about meshes that cast no shadow.
 
 use bevy_ecs::prelude::*;
 
@@ -7,11 +7,11 @@ use crate::geometry::edge_mesh::EdgeMeshError;
 use crate::reports::Reports;
 use crate::scene::{SceneMesh, ShadowCaster};
 
-/// The casters that [`report_casters`] asks for.
+/// The query of [`report_casters`]: casters whose mesh was refused.
 pub type RefusedCasters =
     QueryState<(Entity, &'static RefusedCaster, &'static SceneMesh), With<ShadowCaster>>;
 
-/// Raises the topic `caster`.
+/// Raises the reports of the topic `caster`, one for each caster whose mesh was refused.
 pub fn report_casters(world: &World, casters: &mut RefusedCasters, reports: &mut Reports) {
     let mut round = reports.round("caster");
     for (entity, RefusedCaster(error), mesh) in casters.iter(world) {
@@ -22,7 +22,7 @@ pub fn report_casters(world: &World, casters: &mut RefusedCasters, reports: &mut
     }
 }
 
-/// Number of a mesh's fault, and what to do about it.
+/// Returns the report code of a mesh's error, and advice on how to mend it.
 fn advice(error: &EdgeMeshError) -> (u32, &'static str) {
     match error {
         EdgeMeshError::IndexOutOfRange { .. } => (1, "Repair the triangle's indices, or add the vertices."),

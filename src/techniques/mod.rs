@@ -1,11 +1,12 @@
-//! Shadow techniques, one folder each: its component, its CPU geometry and systems, its recorder.
+//! Shadow techniques. Each has a folder with its component, its CPU geometry and systems, and its recorder.
 //!
-//! A technique is a component on a light. Each light chooses its own, and any mix renders in one frame. A
-//! technique leaves visibility: 1 where a surface point sees the whole light, 0 where it sees none of it. The
-//! light pass multiplies by visibility and knows nothing else about techniques.
+//! A technique is a component on a light. Each light chooses its own technique, and any mix renders in one
+//! frame. A technique computes visibility: 1 where a surface point sees the whole light, 0 where it sees none
+//! of it. The light pass multiplies by visibility and knows nothing else about techniques.
 //!
-//! [`Technique`] is the trait, and [`add_builtin`] is the one list: a new technique is a folder here and a line
-//! there. A technique of somebody else is a type and a call ([`AddTechnique`]).
+//! [`Technique`] is the trait, and [`add_builtin`] is the list of the crate's techniques. A new technique of
+//! the crate is a folder here and a line in that list. A technique of another crate is a type that implements
+//! the trait, added by one call ([`AddTechnique`]).
 
 pub mod maps;
 pub mod omni_map;
@@ -16,7 +17,7 @@ pub(crate) mod shared;
 pub mod stencil_volume;
 
 pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
-/// What [`Technique::parse`] reads from.
+/// The crate whose deserializers [`Technique::parse`] reads from.
 #[cfg(feature = "serde")]
 pub use erased_serde;
 pub use omni_map::OmniMap;

@@ -1,4 +1,4 @@
-//! The edges of triangles, sorted so that those between the same vertices are neighbours.
+//! Half edges of triangles, sorted so that half edges between the same two vertices are neighbours.
 
 /// One side of a triangle, stored from its lower to its higher vertex.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,7 +19,7 @@ impl HalfEdge {
     }
 }
 
-/// The half edges of all triangles, those of one edge behind one another.
+/// Returns the half edges of all triangles, sorted so that the half edges of one edge are consecutive.
 pub(super) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
     let mut half_edges: Vec<HalfEdge> = (0u32..)
         .zip(triangles)
@@ -35,7 +35,7 @@ pub(super) fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
     half_edges
 }
 
-/// Yields the half edges of each edge, one edge after another.
+/// Yields, for each edge, the slice of its half edges. The half edges must be sorted.
 pub(super) fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
     half_edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high))
 }

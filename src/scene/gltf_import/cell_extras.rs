@@ -1,20 +1,20 @@
-//! The entries in one node's `extras` about cells, portals and occluders.
+//! The entries in a glTF node's `extras` about cells, portals and occluders.
 
 use glam::Vec3;
 use gltf::json::Value;
 
-/// The entries in a node's `extras` that concern visibility.
+/// The entries in a glTF node's `extras` about cells, portals and occluders.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GltfVisibility {
     /// Name of the cell, if the node is a cell.
     pub cell: Option<String>,
     /// The portal, if the node is a portal.
     pub portal: Option<GltfPortal>,
-    /// Half of the size of the cell or portal, metres. `None` takes the size of the mesh.
+    /// Half of the size of the cell or portal, metres. `None` takes the size of the node's mesh.
     pub half_size: Option<Vec3>,
     /// Names of the cells that the node's mesh is in.
     pub in_cells: Option<Vec<String>>,
-    /// Whether the node's mesh hides others. `None` leaves it to the default rule.
+    /// Whether the node's mesh hides the objects behind it. `None` leaves the choice to the default rule.
     pub occluder: Option<bool>,
 }
 
@@ -83,7 +83,7 @@ fn portal(value: &Value) -> Result<GltfPortal, String> {
     })
 }
 
-/// Parses a list of two or three positive numbers. A missing third number is 1.
+/// Parses `half_size`, a list of two or three positive numbers. A missing third number is 1.
 fn half_size(value: &Value) -> Result<Vec3, String> {
     let numbers = value.as_array().map(Vec::as_slice).unwrap_or_default();
     let mut size = Vec3::ONE;

@@ -1,4 +1,4 @@
-//! Bounds of the boxes of a word.
+//! The box around the 64 boxes that one word of a bitset stands for.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -6,7 +6,7 @@ use wide::f32x8;
 use super::boxes::Group;
 use crate::geometry::Aabb;
 
-/// The box around the boxes of a word. It is empty if all lanes are absent.
+/// Returns the box around the boxes of a word. It is empty if all boxes are absent.
 pub(in crate::sets) fn word_bounds(groups: &[Group]) -> Aabb {
     let mut min = [f32x8::splat(f32::INFINITY); 3];
     let mut max = [f32x8::splat(f32::NEG_INFINITY); 3];
@@ -20,7 +20,7 @@ pub(in crate::sets) fn word_bounds(groups: &[Group]) -> Aabb {
     reduce(min, max)
 }
 
-/// Joins the boxes of all lanes.
+/// Returns the box around the eight boxes in the lanes.
 pub(super) fn reduce(min: [f32x8; 3], max: [f32x8; 3]) -> Aabb {
     let fold = |lanes: [f32x8; 3], f: fn(f32, f32) -> f32| {
         Vec3::from_array(lanes.map(|v| v.to_array().into_iter().reduce(f).unwrap_or(f32::NAN)))

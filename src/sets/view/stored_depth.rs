@@ -1,4 +1,4 @@
-//! How the depth of a view is stored.
+//! The mapping from view depth to stored depth.
 
 /// The mapping from view depth to stored depth. Stored depth is reversed: 1 on the near plane, 0 at the far
 /// end.
@@ -19,14 +19,14 @@ pub enum ViewDepth {
 }
 
 impl ViewDepth {
-    /// View depth of the near plane.
+    /// Returns the view depth of the near plane.
     pub fn near(self) -> f64 {
         match self {
             Self::Infinite { near } | Self::Finite { near, .. } => near,
         }
     }
 
-    /// The value that is stored for a view depth.
+    /// Returns the stored depth of a view depth.
     pub fn stored(self, depth: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth,
@@ -34,8 +34,8 @@ impl ViewDepth {
         }
     }
 
-    /// Error of the stored depth of a surface at `depth`, if `f32` arithmetic has a relative error of
-    /// `share`.
+    /// Returns the error of the stored depth of a surface at view depth `depth`, if `f32` arithmetic has a
+    /// relative error of `share`.
     pub fn stored_slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { near } => near / depth * share,
@@ -43,7 +43,8 @@ impl ViewDepth {
         }
     }
 
-    /// Error of the view depth of a surface at `depth`, if `f32` arithmetic has a relative error of `share`.
+    /// Returns the error of the view depth of a surface at view depth `depth`, if `f32` arithmetic has a
+    /// relative error of `share`.
     pub fn slack(self, depth: f64, share: f64) -> f64 {
         match self {
             Self::Infinite { .. } => depth.abs() * share,

@@ -1,14 +1,14 @@
-//! The part of a frame that maps look at.
+//! The part of a frame that maps are built from.
 
 use crate::sets::{Objects, ViewData};
 
-/// The frame's data from which faces are made, besides the light.
+/// The data of the frame, besides the light, from which the faces of a map are made.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
-    /// All objects.
+    /// All objects of the frame.
     pub objects: &'a Objects,
     /// The view of the frame.
     pub view: &'a ViewData,
-    /// Generation of the view.
+    /// Generation of the view. It changes when the view changes, so that cascades are drawn again.
     pub view_generation: u64,
 }

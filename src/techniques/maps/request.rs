@@ -1,4 +1,4 @@
-//! What a light asks for, whatever its technique, with everything refused that cannot be drawn.
+//! The map that a light asks for, whatever its technique. Requests that cannot be drawn are refused.
 
 use bevy_ecs::prelude::*;
 
@@ -11,21 +11,22 @@ use crate::techniques::registry::Refusal;
 /// The stages of maps within [`BuildTechniques`](crate::schedule::AntumbraSystems::BuildTechniques), chained.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapSystems {
-    /// After this set the [`MapRequests`] hold what the lights of every technique with maps ask for.
+    /// After this set [`MapRequests`] holds the requests of the lights of every technique with maps.
     Request,
     /// After this set the [`Maps`](super::Maps) are those of this frame.
     Build,
 }
 
-/// What the lights of this frame ask for. Written by a system of each technique with maps, in [`MapSystems::Request`].
+/// The maps that the lights of this frame ask for. Each technique with maps writes its lights' requests in
+/// the set [`MapSystems::Request`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct MapRequests {
-    /// Index into [`FrameLights`], and what the light asks for.
+    /// Index of a light in [`FrameLights`], and the light's request.
     requests: Vec<(usize, MapRequest)>,
 }
 
 impl MapRequests {
-    /// Lists the lights that are shadowed by the technique whose component is `T`.
+    /// Adds the requests of the lights that are shadowed by the technique with the component `T`.
     pub fn list<T: Component>(
         &mut self,
         lights: &FrameLights,
@@ -36,7 +37,7 @@ impl MapRequests {
             if !light.is_shadowed_by::<T>() {
                 continue;
             }
-            // Whoever is refused has no technique in this frame.
+            // A refused light has no technique in this frame, so it does not get here.
             let asked = components.get(light.entity).map(|map| request(map, &light.light));
             if let Ok(Ok(request)) = asked {
                 self.requests.push((index, request));
@@ -44,14 +45,14 @@ impl MapRequests {
         }
     }
 
-    /// Gives the requests, ascending by light, and forgets them.
+    /// Removes all requests and yields them in ascending order of their light's index.
     pub fn drain(&mut self) -> impl Iterator<Item = (usize, MapRequest)> + '_ {
         self.requests.sort_unstable_by_key(|(light, _)| *light);
         self.requests.drain(..)
     }
 }
 
-/// Of numbers that may be any finite one from 0 on.
+/// Text of refusals about settings that may be any finite number from 0 on.
 const FINITE: &str = "it must be finite and at least 0";
 
 fn resolution(texels: u32) -> Refusal {
@@ -66,38 +67,38 @@ pub enum MapShape {
     Spot,
     /// Six faces of a cube.
     Cube,
-    /// Boxes for consecutive parts of the view depth.
+    /// Boxes of a directional light, one for each of consecutive parts of the view depth.
     Cascades,
 }
 
-/// What a light asks for, with valid numbers.
+/// The map that a light asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRequest {
     /// Arrangement of the faces.
     pub shape: MapShape,
-    /// Texels along a side.
+    /// Number of texels along a side.
     pub resolution: MapResolution,
-    /// How comparisons are combined.
+    /// Filter that combines the comparisons of a pixel with the map.
     pub filter: MapFilter,
     /// Format of a texel.
     pub format: MapFormat,
-    /// Which surface of the casters the map holds.
+    /// Surface of the casters that the map holds.
     pub surface: MapSurface,
-    /// How a surface is kept from shadowing itself.
+    /// Bias that keeps a surface from shadowing itself.
     pub bias: MapBias,
-    /// Distance within which nothing casts, metres; `None`: a share of the range.
+    /// Distance from the light within which nothing casts, metres. `None` takes a share of the light's range.
     pub near: Option<f32>,
     /// Whether the map is kept from frame to frame.
     pub cached: bool,
-    /// Cascades of a directional light.
+    /// Cascades of a directional light. Other shapes ignore them.
     pub cascades: Cascades,
 }
 
 impl MapRequest {
-    /// The request, if everything in it can be drawn for a light.
+    /// Returns the request if it can be drawn for the light.
     ///
     /// # Errors
-    /// The first setting that cannot be drawn with.
+    /// The refusal of the first setting with which nothing can be drawn.
     pub fn validated(self, light: &Light) -> Result<Self, Refusal> {
         let usable = |x: f32| x.is_finite() && x >= 0.0;
         match self.resolution {

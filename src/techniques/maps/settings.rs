@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-/// How the comparisons of a pixel with the map are combined into visibility. Each tap compares with up to
-/// four texels.
+/// The filter that combines the comparisons of a pixel with the map into visibility. Each tap compares with
+/// up to four texels. Default: [`MapFilter::Bilinear`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -71,8 +71,8 @@ impl MapFilter {
     }
 }
 
-/// What a texel of an omnidirectional map holds. Formats other than depth take a conversion pass, a texture
-/// more, and comparisons in the shader.
+/// The format of a texel of an omnidirectional map. Formats other than depth take a conversion pass, a second
+/// texture, and comparisons in the shader. Default: [`MapFormat::Depth`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -85,20 +85,22 @@ impl MapFilter {
     serde(rename_all = "snake_case")
 )]
 pub enum MapFormat {
-    /// Depth, compared in hardware. It is the fastest.
+    /// The texel holds depth, which hardware compares. This is the fastest format.
     #[default]
     Depth,
-    /// Squared distance as a 32-bit float. Source: Gerasimov 2004, GPU Gems ch. 12, §12.2.3.
+    /// The texel holds the squared distance as a 32-bit float. Source: Gerasimov 2004, GPU Gems ch. 12,
+    /// §12.2.3.
     R32Float,
-    /// Squared distance in two of four bytes, the cheaper method of §12.3. Its steps are 1/65280 of the
-    /// squared range, so it is coarse near the light.
+    /// The texel holds the squared distance in two of four bytes, by the cheaper method of Gerasimov 2004,
+    /// §12.3. The steps are 1/65280 of the squared range, so this format is coarse near the light.
     Rgba8TwoBytes,
-    /// Squared distance in four bytes, the other method of §12.3. It is as exact as a float.
+    /// The texel holds the squared distance in four bytes, by the other method of Gerasimov 2004, §12.3. This
+    /// format is as exact as a float.
     Rgba8FourBytes,
 }
 
-/// Which surface of the casters the map holds. A surface other than the nearest draws the casters of a face
-/// twice and takes a conversion pass and a texture more.
+/// The surface of the casters that the map holds. A surface other than the nearest draws the casters of a
+/// face twice, and takes a conversion pass and a second texture. Default: [`MapSurface::Nearest`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -111,18 +113,18 @@ pub enum MapFormat {
     serde(rename_all = "snake_case")
 )]
 pub enum MapSurface {
-    /// The surface nearest to the light. It is the fastest, and right for any caster.
+    /// The map holds the surface nearest to the light. This is the fastest choice, and right for any caster.
     #[default]
     Nearest,
-    /// The second surface, or the nearest where there is only one. Source: Wang & Molnar 1994, "Second-Depth
-    /// Shadow Mapping".
+    /// The map holds the second surface, or the nearest where there is only one. Source: Wang & Molnar 1994,
+    /// "Second-Depth Shadow Mapping".
     Second,
-    /// The middle between the nearest and the second surface. Source: Woo 1992, "The Shadow Depth Map
-    /// Revisited".
+    /// The map holds the middle between the nearest and the second surface. Source: Woo 1992, "The Shadow
+    /// Depth Map Revisited".
     Midpoint,
 }
 
-/// How a surface is kept from shadowing itself.
+/// The bias that keeps a surface from shadowing itself. Default: [`MapBias::Auto`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -131,10 +133,10 @@ pub enum MapSurface {
 )]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(from = "ManualBias"))]
 pub enum MapBias {
-    /// Derived from the map's texel and the surface; there is nothing to set.
+    /// The bias is derived from the map's texel and the surface; there is nothing to set.
     #[default]
     Auto,
-    /// Values that replace the share of a texel by which `Auto` raises the receiver's plane. Higher values
+    /// Fixed values replace the share of a texel by which `Auto` raises the receiver's plane. Higher values
     /// remove false shadows on lit surfaces, but separate shadows from their casters.
     Manual {
         /// Offset along the surface's normal, texels; at least 0.
@@ -148,7 +150,7 @@ pub enum MapBias {
     },
 }
 
-/// A bias as a file has it: [`MapBias::Auto`] is no bias in the file.
+/// A bias as a file holds it. A file without a bias gives [`MapBias::Auto`].
 #[cfg(feature = "serde")]
 #[derive(Default, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -207,7 +209,7 @@ impl Default for MapResolution {
     }
 }
 
-/// How a directional light's maps share the view depth.
+/// The cascades of a directional light: its maps, which divide the view depth among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -226,9 +228,9 @@ pub struct Cascades {
     /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
     /// nearby. Default: infinite, which reaches as far as surfaces are seen.
     pub distance: f32,
-    /// How depth is divided, 0 to 1. 0 makes equal parts of the view depth; 1 makes equal ratios, which gives
-    /// near surfaces finer texels and far ones coarser. Default: 0.75. Source: Zhang et al. 2006,
-    /// "Parallel-Split Shadow Maps".
+    /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
+    /// equal ratios, which gives near surfaces finer texels and far ones coarser. Default: 0.75. Source:
+    /// Zhang et al. 2006, "Parallel-Split Shadow Maps".
     pub log_share: f32,
     /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
     /// change of resolution better, but more pixels look up two maps. Default: 0.1.
@@ -260,7 +262,8 @@ pub struct MapSettings {
     /// whenever a caster starts or ceases to count as moving: higher values avoid that for casters that
     /// pause, lower values stop drawing resting casters every frame sooner. 0 counts as 1. Default: 8.
     pub still_after: u32,
-    /// Longest side of a map, texels; the device's limit if that is less. Default: 8192.
+    /// Longest side of a map, texels. The device's limit applies if it is less. Higher values allow sharper
+    /// shadows, at up to four times the memory for each doubling. Default: 8192.
     pub largest: u32,
     /// Debug view: writes the number of taps of each pixel, divided by 64, into the mask's colours. Default:
     /// off.
@@ -279,7 +282,7 @@ impl Default for MapSettings {
     }
 }
 
-/// Why a light's map is less than what was asked for.
+/// The reason why a light's map is poorer than asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {

@@ -1,4 +1,4 @@
-//! What all techniques with maps bring into the frame, once for all of them.
+//! Resources, systems, statistics and reports that all techniques with maps share.
 
 use bevy_ecs::prelude::*;
 
@@ -9,14 +9,14 @@ use crate::reports::Round;
 use crate::sets::FrameLights;
 use crate::techniques::registry::{Statistics, TechniqueSystems};
 
-/// Inserts the resources of maps, those that are missing.
+/// Inserts the missing ones of the resources of maps.
 pub fn init(world: &mut World) {
     world.init_resource::<MapSettings>();
     world.init_resource::<MapRequests>();
     world.init_resource::<Maps>();
 }
 
-/// Adds the systems of maps to a schedule that has none.
+/// Adds the systems of maps to a schedule, unless the schedule has them already.
 pub fn add(schedule: &mut Schedule) {
     if schedule.graph().system_sets.contains(MapSystems::Build) {
         return;
@@ -25,7 +25,7 @@ pub fn add(schedule: &mut Schedule) {
         (MapSystems::Request, MapSystems::Build)
             .chain()
             .in_set(TechniqueSystems),
-        // Each lists its own lights, and `build_maps` sorts them.
+        // The order does not matter: each system lists its own lights, and `build_maps` sorts the requests.
         MapSystems::Request.ambiguous_with(MapSystems::Request),
     ));
     schedule.add_systems(build_maps.in_set(MapSystems::Build));
@@ -38,7 +38,8 @@ pub fn add(schedule: &mut Schedule) {
     );
 }
 
-/// Sets `map`, what is known of the map of a light; nothing if the light has none that is looked up.
+/// Sets the statistic `map`: values of the light's map, or no value if the light has no map that is looked
+/// up.
 pub fn statistics(world: &World, light: usize, out: &mut Statistics) {
     let map = world.resource::<Maps>().of_light(light).map(|map| {
         let mut of_map = Statistics::default();
@@ -51,7 +52,7 @@ pub fn statistics(world: &World, light: usize, out: &mut Statistics) {
     out.set("map", map);
 }
 
-/// Sets what is known of all maps together.
+/// Sets the statistics of all maps together: `map_bytes` and `map_reports`.
 pub fn frame_statistics(world: &World, out: &mut Statistics) {
     let maps = world.resource::<Maps>();
     let reports = maps.reports.iter().map(|report| report.error.to_string());
@@ -59,7 +60,7 @@ pub fn frame_statistics(world: &World, out: &mut Statistics) {
     out.set("map_reports", reports.collect::<Vec<String>>());
 }
 
-/// Raises what is less than was asked for, of the lights with a component `T`.
+/// Raises reports about maps that are poorer than asked for, for the lights that the technique `T` shadows.
 pub fn report<T: 'static>(world: &World, round: &mut Round) {
     let lights = world.resource::<FrameLights>();
     for report in &world.resource::<Maps>().reports {

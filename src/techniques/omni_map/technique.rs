@@ -1,4 +1,4 @@
-//! How the maps of all directions join the frame.
+//! The omnidirectional shadow map as a technique.
 
 use bevy_ecs::prelude::*;
 
@@ -16,7 +16,7 @@ use crate::techniques::maps::request::{MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
 use crate::techniques::registry::{Refusal, Statistics, Technique};
 
-/// Lists what the lights with a [`OmniMap`] ask for.
+/// Lists the map requests of the lights that an [`OmniMap`] shadows.
 ///
 /// Set: `BuildTechniques`, before `build_maps`. Reads [`FrameLights`]; writes [`MapRequests`].
 pub fn request_omni_maps(mut requests: ResMut<MapRequests>, lights: Res<FrameLights>, maps: Query<&OmniMap>) {

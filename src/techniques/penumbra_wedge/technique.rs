@@ -1,4 +1,4 @@
-//! How penumbra wedges join the frame.
+//! Penumbra wedges as a technique.
 
 use bevy_ecs::prelude::*;
 
@@ -16,7 +16,7 @@ use crate::scene::Light;
 use crate::sets::{FrameLights, NeededSilhouettes, Needs, View};
 use crate::techniques::registry::{Refusal, Technique, TechniqueSystems};
 
-/// A light of less extent counts as a point, metres.
+/// Radius in metres below which a light counts as a point.
 const LEAST_EXTENT: f64 = 1e-6;
 
 impl Technique for PenumbraWedge {

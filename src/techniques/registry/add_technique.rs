@@ -1,8 +1,8 @@
-//! The one call that adds a technique.
+//! The call that adds a technique.
 
 use super::technique::Technique;
 
-/// Takes shadow techniques: a world with its schedule, a plain [`App`](bevy_app::App), an app of Bevy's.
+/// Adds shadow techniques to a world with its schedule, to a plain [`App`](bevy_app::App) or to a Bevy app.
 ///
 /// ```
 /// use antumbra::prelude::*;
@@ -21,6 +21,7 @@ use super::technique::Technique;
 /// (&mut world, &mut schedule).add_technique::<MyShadow>();
 /// ```
 pub trait AddTechnique {
-    /// Lights with the component `T` are shadowed by its technique. A technique that is there already is not added again.
+    /// Adds a technique, which then shadows lights with the component `T`. A technique that is known already
+    /// is not added again.
     fn add_technique<T: Technique>(&mut self) -> &mut Self;
 }

@@ -1,9 +1,10 @@
-//! The one list.
+//! The list of the crate's techniques.
 
 use super::add_technique::AddTechnique;
 use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
 
-/// The one list: adds the crate's own techniques. Where a light has several, the first that stands here shadows it.
+/// Adds the crate's own techniques. This is their only list. If a light has several techniques, the one that
+/// was added first shadows it.
 pub fn add_builtin(to: &mut impl AddTechnique) {
     to.add_technique::<StencilVolume>();
     to.add_technique::<PenumbraWedge>();

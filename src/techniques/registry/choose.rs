@@ -1,4 +1,4 @@
-//! Which technique shadows a light in this frame.
+//! The choice of the technique that shadows a light in this frame.
 
 use bevy_ecs::prelude::*;
 
@@ -6,15 +6,17 @@ use super::refusal::RefusedLight;
 use super::techniques::Techniques;
 use crate::sets::{FrameLight, FrameLights, LightTechnique};
 
-/// Finds the technique of every light of the frame: the first of the world's list whose component is on the light,
-/// unless it refuses the light ([`Technique::check`](super::Technique::check)).
+/// Chooses the technique of every light of the frame. It is the first technique of the world's list whose
+/// component is on the light. If that technique refuses the light
+/// ([`Technique::check`](super::Technique::check)), the light has none.
 ///
-/// One light has one technique. Of several components the first of the list counts, whichever was inserted first, so that
-/// a frame depends on what is there and not on what was; the others do nothing, and are reported. Nothing is kept from
-/// frame to frame: a technique may be added, removed or exchanged at any time.
+/// A light with several components uses the first in the order of the list, not in the order of insertion, so
+/// that a frame does not depend on history. The other components have no effect and are reported. Nothing is
+/// kept from frame to frame, so techniques may be added, removed or exchanged at any time.
 ///
-/// Set: `CollectSets`, after `collect_frame_lights`. Exclusive: components are asked for by the list. Writes
-/// [`FrameLight::technique`]. Cost: a look at each light for each technique.
+/// Set: `CollectSets`, after `collect_frame_lights`. The system is exclusive, because the list determines
+/// which components it reads. Writes [`FrameLight::technique`]. Cost: one component lookup for each light and
+/// technique.
 pub fn choose_techniques(world: &mut World) {
     let mut frame = std::mem::take(&mut *world.resource_mut::<FrameLights>());
     let mut techniques = world.resource_mut::<Techniques>();

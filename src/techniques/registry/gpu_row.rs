@@ -1,4 +1,4 @@
-//! The GPU side of a row.
+//! The GPU side of a technique's row.
 
 use std::any::TypeId;
 
@@ -7,7 +7,7 @@ use crate::render::recorder::Recorder;
 use crate::render::shaders::ShaderFile;
 use crate::render::{Gpu, RenderError};
 
-/// The GPU side of a [`Row`](super::Row).
+/// The GPU side of a [`Row`](super::Row): the recorder's type, the shaders and the recorder's constructor.
 #[derive(Clone, Copy)]
 pub(super) struct GpuRow {
     pub kind: TypeId,

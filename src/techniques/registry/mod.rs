@@ -1,23 +1,23 @@
-//! What a shadow technique is, and the list of those that a world knows.
+//! The trait of shadow techniques, and the list of the techniques that a world knows.
 //!
-//! A technique is a component on a light that implements [`Technique`]. [`Row::of`] makes a row of it, which has no type
-//! parameter; [`Techniques`] holds the rows of a world. Everything that must treat all techniques alike goes through the
-//! rows: the choice of the light's technique, the renderer, Bevy, scene files, statistics, reports. A new technique of
-//! the crate is one folder and one line in [`add_builtin`]; a new technique of somebody else is one call of
-//! [`AddTechnique::add_technique`].
+//! A technique is a component on a light that implements [`Technique`]. [`Row::of`] makes a row of it, which
+//! has no type parameter, and [`Techniques`] holds the rows of a world. Code that treats all techniques alike
+//! uses the rows: the choice of a light's technique, the renderer, the Bevy adapter, scene files, statistics
+//! and reports. A new technique of the crate is one folder and one line in [`add_builtin`]. A technique of
+//! another crate is added by one call of [`AddTechnique::add_technique`].
 //!
 //! | file | holds |
 //! | --- | --- |
 //! | `technique` | the trait |
-//! | `builtin` | the one list |
-//! | `add_technique` | the one call that adds a technique |
+//! | `builtin` | the list of the crate's techniques |
+//! | `add_technique` | the call that adds a technique |
 //! | `row` | the trait without its type, and settings of any technique |
 //! | `techniques` | the rows of a world |
-//! | `choose` | which technique shadows a light in this frame |
-//! | `refusal` | why a technique does not shadow a light |
-//! | `statistics` | what a technique counts |
+//! | `choose` | the choice of a light's technique in each frame |
+//! | `refusal` | the reasons why a technique does not shadow a light |
+//! | `statistics` | named values that a technique reports of its lights and of the frame |
 //! | `report` | reports of all techniques |
-//! | `systems` | where the systems of techniques run |
+//! | `systems` | the set in which the systems of techniques run |
 //! | `gpu_row`, `recorders` | recorders and shaders of the rows (feature `render`) |
 
 mod add_technique;

@@ -8,10 +8,9 @@ use super::techniques::Techniques;
 use crate::render::Renderer;
 use crate::render::shaders::FILES;
 
-/// Gives a renderer the recorder of each technique, one for all techniques whose recorders are of one type.
+/// Gives the renderer a recorder for each technique. Techniques whose recorders have the same type share one.
 ///
-/// Set: `PrepareGpu`, before `prepare_techniques`. Only a frame after which there are more techniques does more than
-/// compare two numbers.
+/// Set: `PrepareGpu`, before `prepare_techniques`. A frame without new techniques only compares two numbers.
 pub fn add_recorders(mut renderer: ResMut<Renderer>, techniques: Res<Techniques>) {
     for row in techniques.rows.iter().skip(renderer.recorders().row_count()) {
         let made = renderer.add_recorder(row.gpu.kind, |gpu| {
@@ -20,15 +19,15 @@ pub fn add_recorders(mut renderer: ResMut<Renderer>, techniques: Res<Techniques>
         });
         if let Err(error) = made {
             renderer.fail(error);
-            return; // and again in the next frame
+            return; // the next frame tries again
         }
     }
 }
 
-/// Path and text of every WGSL file that others import, of the renderer and of the crate's techniques.
+/// Path and text of every WGSL file of the renderer and the crate's techniques that other files import.
 pub static COMMON: LazyLock<Vec<(&str, &str)>> = LazyLock::new(|| files(true));
 
-/// Path and text of every WGSL file with entry points.
+/// Path and text of every WGSL file of the renderer and the crate's techniques that has entry points.
 pub static PASSES: LazyLock<Vec<(&str, &str)>> = LazyLock::new(|| files(false));
 
 fn files(imported: bool) -> Vec<(&'static str, &'static str)> {

@@ -1,12 +1,13 @@
-//! Why a technique does not shadow a light.
+//! The reasons why a technique does not shadow a light.
 
 use bevy_ecs::prelude::Entity;
 
 use crate::scene::{Light, LightKind};
 
-/// Why a technique does not shadow a light that has its component. The light shines without a shadow then.
+/// The reason why a technique does not shadow a light that has its component. The light then shines without a
+/// shadow.
 ///
-/// It is made anew in each frame in which the light is refused, and so it holds no text of its own.
+/// The value is made again in each frame in which the light is refused, so it holds no allocated text.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// The technique does not fit the kind of light.
@@ -14,25 +15,25 @@ pub enum Refusal {
     Kind {
         /// Kind of the light, as [`Refusal::kind`] names it.
         light: &'static str,
-        /// What the technique needs, and what to use instead.
+        /// Text that says what the technique needs and what to use instead.
         instead: &'static str,
     },
-    /// A number that nothing can be drawn with.
+    /// A setting has a value with which nothing can be drawn.
     #[error("{setting} is {value}{unit}: {allowed}")]
     Setting {
         /// Name of the setting.
         setting: &'static str,
-        /// Its value.
+        /// Value of the setting.
         value: f32,
         /// Unit of the value with a space before it; empty for a bare number.
         unit: &'static str,
-        /// What the setting may be.
+        /// Text that says which values are allowed.
         allowed: &'static str,
     },
 }
 
 impl Refusal {
-    /// A technique that does not fit the kind of a light.
+    /// Makes the refusal of a light whose kind the technique does not fit.
     pub fn kind(light: &Light, instead: &'static str) -> Self {
         let light = match light.kind {
             LightKind::Point => "point",
@@ -44,7 +45,7 @@ impl Refusal {
         Self::Kind { light, instead }
     }
 
-    /// A number without a unit that nothing can be drawn with.
+    /// Makes the refusal of a setting, without a unit, with whose value nothing can be drawn.
     pub fn setting(setting: &'static str, value: f32, allowed: &'static str) -> Self {
         Self::Setting {
             setting,
@@ -54,7 +55,8 @@ impl Refusal {
         }
     }
 
-    /// Number of the fault among the reports of its technique. Those that a technique raises itself are below.
+    /// Code of the refusal in the reports of its technique. The codes that a technique raises itself are
+    /// lower.
     pub(super) fn code(&self) -> u32 {
         match self {
             Self::Kind { .. } => u32::MAX,
@@ -63,13 +65,13 @@ impl Refusal {
     }
 }
 
-/// A light that its technique does not shadow, and why.
+/// A light that its technique does not shadow, with the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefusedLight {
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// Index of the technique.
+    /// Index of the technique in [`Techniques::rows`](super::Techniques::rows).
     pub row: usize,
-    /// What is wrong.
+    /// Reason why the light is refused.
     pub refusal: Refusal,
 }

@@ -1,4 +1,4 @@
-//! What the shadow techniques cannot do, as reports.
+//! Reports of shadow techniques that have no effect or cannot shadow a light.
 
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
@@ -8,7 +8,7 @@ use super::techniques::Techniques;
 use crate::reports::Reports;
 use crate::scene::Light;
 
-/// Raises the topic `technique` and those of the techniques, which have their names.
+/// Raises the topic `technique`, and for each technique the topic of its name.
 pub fn report_techniques(world: &World, reports: &mut Reports) {
     let techniques = world.resource::<Techniques>();
     report_components(world, techniques, reports);
@@ -24,7 +24,8 @@ pub fn report_techniques(world: &World, reports: &mut Reports) {
     }
 }
 
-/// Raises techniques without a light, and several on one. Asks archetypes, not entities.
+/// Raises techniques on entities without a light, and several techniques on one light. It tests archetypes,
+/// not single entities.
 fn report_components(world: &World, techniques: &Techniques, reports: &mut Reports) {
     let mut round = reports.round("technique");
     let components = world.components();

@@ -12,7 +12,8 @@ use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::Needs;
 
-/// A [`Technique`] without its type: functions instead of a type parameter. Made by [`Row::of`] and nowhere else.
+/// A [`Technique`] without its type: it holds functions instead of a type parameter. Only [`Row::of`] makes
+/// rows.
 #[derive(Clone, Copy)]
 pub struct Row {
     name: &'static str,
@@ -50,7 +51,7 @@ impl std::fmt::Debug for Row {
 }
 
 impl Row {
-    /// The row of a technique.
+    /// Makes the row of a technique.
     pub fn of<T: Technique>() -> Self {
         Self {
             name: T::NAME,
@@ -76,91 +77,92 @@ impl Row {
         }
     }
 
-    /// Name of the technique, in snake case.
+    /// Returns the name of the technique, in snake case.
     pub fn name(&self) -> &'static str {
         self.name
     }
 
-    /// What the technique needs.
+    /// Returns what the stages before and after the technique do for its lights ([`Technique::NEEDS`]).
     pub fn needs(&self) -> Needs {
         self.needs
     }
 
-    /// Type of the technique's component.
+    /// Returns the type of the technique's component.
     pub fn component(&self) -> TypeId {
         self.component
     }
 
-    /// Whether a light has the component.
+    /// Whether a light has the technique's component.
     pub fn is_on(&self, light: &EntityRef) -> bool {
         (self.is_on)(light)
     }
 
-    /// Whether the technique can shadow a light that has its component.
+    /// Checks whether the technique can shadow a light that has its component.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The reason why it cannot.
     pub fn check(&self, entity: &EntityRef, light: &Light) -> Result<(), Refusal> {
         (self.check)(entity, light)
     }
 
-    /// The settings of a light that has the component.
+    /// Copies the technique's settings from a light; `None` if the light does not have the component.
     pub fn settings_of(&self, light: &EntityRef) -> Option<Settings> {
         (self.settings_of)(light)
     }
 
-    /// The settings that the technique has by default.
+    /// Returns the technique's default settings.
     pub fn defaults(&self) -> Settings {
         (self.defaults)()
     }
 
-    /// Reads settings from a file.
+    /// Reads settings of the technique from a file.
     ///
     /// # Errors
-    /// Names the setting that is wrong.
+    /// The error names the setting that is wrong.
     #[cfg(feature = "serde")]
     pub fn parse<'de>(&self, from: impl serde::Deserializer<'de>) -> Result<Settings, erased_serde::Error> {
         (self.parse)(&mut <dyn erased_serde::Deserializer>::erase(from))
     }
 
-    /// Makes the component of one light that of another: inserts, changes or removes it. What is equal is left alone, so
-    /// that it does not count as changed.
+    /// Makes the component of the light `to` equal to that of the light `from`, by inserting, changing or
+    /// removing it. A component that is equal already is not touched, so it does not count as changed.
     pub fn copy(&self, from: &EntityRef, to: &mut EntityWorldMut) {
         (self.copy)(from, to);
     }
 
-    /// Takes the component off a light.
+    /// Removes the technique's component from a light.
     pub fn remove(&self, light: &mut EntityWorldMut) {
         (self.remove)(light);
     }
 
-    /// Inserts the technique's resources, those that are missing.
+    /// Inserts the missing ones of the technique's resources.
     pub fn init(&self, world: &mut World) {
         (self.init)(world);
     }
 
-    /// Adds the technique's systems.
+    /// Adds the technique's systems to a schedule.
     pub fn add_systems(&self, schedule: &mut Schedule) {
         (self.add_systems)(schedule);
     }
 
-    /// Sets what the technique knows of one light of the frame, of whatever technique the light is.
+    /// Sets the technique's statistics of one light of the frame, whichever technique shadows that light.
+    /// `light` is an index into [`FrameLights`](crate::sets::FrameLights).
     pub fn statistics(&self, world: &World, light: usize, out: &mut Statistics) {
         (self.statistics)(world, light, out);
     }
 
-    /// Sets what the technique knows of the frame.
+    /// Sets the technique's statistics of the whole frame.
     pub fn frame_statistics(&self, world: &World, out: &mut Statistics) {
         (self.frame_statistics)(world, out);
     }
 
-    /// The technique's WGSL files, each after those that it imports.
+    /// Returns the technique's WGSL files. Each file comes after the files that it imports.
     #[cfg(feature = "render")]
     pub fn shaders(&self) -> &'static [crate::render::ShaderFile] {
         self.gpu.shaders
     }
 
-    /// Raises what the technique cannot do in this frame.
+    /// Raises the technique's own reports of this frame.
     pub(super) fn report(&self, world: &World, round: &mut Round) {
         (self.report)(world, round);
     }
@@ -183,7 +185,7 @@ fn copy<T: Technique>(from: &EntityRef, to: &mut EntityWorldMut) {
     }
 }
 
-/// Settings of any technique: the component, without its type.
+/// Settings of any technique: a component without its type.
 #[derive(Clone)]
 pub struct Settings {
     row: Row,
@@ -212,7 +214,7 @@ impl std::fmt::Debug for Settings {
 }
 
 impl Settings {
-    /// A component as settings.
+    /// Makes settings from a technique's component.
     pub fn of<T: Technique>(component: T) -> Self {
         Self {
             row: Row::of::<T>(),
@@ -220,20 +222,21 @@ impl Settings {
         }
     }
 
-    /// The technique whose settings these are.
+    /// Returns the row of the technique to which the settings belong.
     pub fn row(&self) -> Row {
         self.row
     }
 
-    /// Whether a light can be shadowed with these settings.
+    /// Checks whether a light can be shadowed with these settings.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The reason why it cannot.
     pub fn check(&self, light: &Light) -> Result<(), Refusal> {
         self.component.check(light)
     }
 
-    /// Gives a light these settings. The world must know the technique ([`AddTechnique`](super::AddTechnique)).
+    /// Inserts the settings as a component of a light. The world must know the technique
+    /// ([`AddTechnique`](super::AddTechnique)).
     pub fn insert(&self, light: &mut EntityWorldMut) {
         self.component.insert(light);
     }

@@ -1,30 +1,30 @@
-//! What a technique counts.
+//! Statistics of techniques: named values of a light or of a frame.
 
-/// Names and values in the order in which they were first set.
+/// Named values, in the order in which the names were first set.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics(Vec<(&'static str, Statistic)>);
 
-/// One value.
+/// A value of a statistic.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Statistic {
-    /// There is nothing to tell.
+    /// There is no value, for example because a light has no map.
     Nothing,
-    /// Yes or no.
+    /// The value is true or false.
     Flag(bool),
-    /// A whole number.
+    /// The value is a whole number.
     Count(u64),
-    /// A number.
+    /// The value is any number.
     Number(f64),
-    /// A word or a sentence.
+    /// The value is a word or a sentence.
     Text(String),
-    /// Several values.
+    /// The value is a list of values.
     List(Vec<Statistic>),
-    /// Values with names of their own.
+    /// The value is a group of values that have names of their own.
     Group(Statistics),
 }
 
 impl Statistics {
-    /// Sets a value, in place of an earlier one of this name.
+    /// Sets the value of a name. An earlier value of the name is replaced.
     pub fn set(&mut self, name: &'static str, value: impl Into<Statistic>) {
         let value = value.into();
         match self.0.iter_mut().find(|(known, _)| *known == name) {
@@ -33,13 +33,13 @@ impl Statistics {
         }
     }
 
-    /// The value of a name.
+    /// Returns the value of a name, if it was set.
     pub fn get(&self, name: &str) -> Option<&Statistic> {
         self.iter()
             .find_map(|(known, value)| (known == name).then_some(value))
     }
 
-    /// Names and values.
+    /// Yields the names with their values.
     pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Statistic)> {
         self.0.iter().map(|(name, value)| (*name, value))
     }

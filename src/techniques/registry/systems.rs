@@ -1,8 +1,8 @@
-//! Where the systems of techniques run.
+//! The set in which the systems of techniques run.
 
 use bevy_ecs::prelude::*;
 
-/// The systems that build what the techniques draw; all of
-/// [`BuildTechniques`](crate::schedule::AntumbraSystems::BuildTechniques).
+/// The set of the systems that build the techniques' geometry. It is in
+/// [`BuildTechniques`](crate::schedule::AntumbraSystems::BuildTechniques) and holds all systems of that set.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TechniqueSystems;

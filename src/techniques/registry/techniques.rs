@@ -8,16 +8,16 @@ use super::refusal::RefusedLight;
 use super::row::{Row, Settings};
 use super::technique::Technique;
 
-/// The techniques that a world knows, those of the crate first.
+/// The techniques that a world knows. The crate's own techniques come first.
 #[derive(Resource, Clone, Debug)]
 pub struct Techniques {
     pub(super) rows: Vec<Row>,
-    /// Lights that their technique does not shadow in this frame.
+    /// Lights whose technique refuses to shadow them in this frame.
     pub(super) refused: Vec<RefusedLight>,
 }
 
 impl Default for Techniques {
-    /// The crate's own techniques.
+    /// Returns the crate's own techniques.
     fn default() -> Self {
         let mut techniques = Self {
             rows: Vec::new(),
@@ -43,7 +43,7 @@ impl AddTechnique for (&mut World, &mut Schedule) {
     }
 }
 
-/// Adds a technique to a world and to the schedule of its frame, unless the world knows the technique.
+/// Adds a technique to a world and its systems to the world's schedule, unless the world knows the technique.
 pub fn add_row(row: Row, world: &mut World, schedule: &mut Schedule) {
     world.init_resource::<Techniques>();
     if world.resource_mut::<Techniques>().add(row) {
@@ -53,7 +53,7 @@ pub fn add_row(row: Row, world: &mut World, schedule: &mut Schedule) {
 }
 
 impl Techniques {
-    /// Adds a row; `false` if the technique is in the list.
+    /// Adds a row. Returns `false` if the technique is already in the list.
     fn add(&mut self, row: Row) -> bool {
         let is_new = !self.rows.contains(&row);
         if is_new {
@@ -62,23 +62,23 @@ impl Techniques {
         is_new
     }
 
-    /// The techniques in their order.
+    /// Returns the techniques in the order in which they were added.
     pub fn rows(&self) -> &[Row] {
         &self.rows
     }
 
-    /// The technique of a name, in snake case.
+    /// Finds the technique of a name, in snake case.
     pub fn named(&self, name: &str) -> Option<Row> {
         self.rows.iter().copied().find(|row| row.name() == name)
     }
 
-    /// The techniques whose components are on an entity; the first shadows the light.
+    /// Yields the techniques whose components are on an entity. The first of them shadows the light.
     pub fn on<'a>(&'a self, entity: EntityRef<'a>) -> impl Iterator<Item = Row> + 'a {
         self.rows.iter().copied().filter(move |row| row.is_on(&entity))
     }
 
-    /// Takes all techniques off a light. Gives them, in their order, so that they can be put back
-    /// ([`Settings::insert`]).
+    /// Removes the components of all techniques from a light. Returns their settings in the order of the
+    /// list, so that [`Settings::insert`] can put them back.
     pub fn take(&self, light: &mut EntityWorldMut) -> Vec<Settings> {
         let settings: Vec<Settings> = self
             .rows

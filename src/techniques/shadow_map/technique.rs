@@ -1,4 +1,4 @@
-//! How the maps of spot and directional lights join the frame.
+//! The shadow map of spot and directional lights as a technique.
 
 use bevy_ecs::prelude::*;
 
@@ -16,7 +16,7 @@ use crate::techniques::maps::request::{MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
 use crate::techniques::registry::{Refusal, Statistics, Technique};
 
-/// Lists what the lights with a [`ShadowMap`] ask for.
+/// Lists the map requests of the lights that a [`ShadowMap`] shadows.
 ///
 /// Set: `BuildTechniques`, before `build_maps`. Reads [`FrameLights`]; writes [`MapRequests`].
 pub fn request_shadow_maps(

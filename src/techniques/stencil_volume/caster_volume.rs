@@ -1,25 +1,27 @@
-//! The shadow volume of one caster in one light.
+//! Parameters of the shadow volume of one caster in one light.
 
 use glam::Vec4;
 
-/// The shadow volume of one caster in one light.
+/// The shadow volume of one caster in one light: the parts that are drawn, and how they are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CasterVolume {
-    /// Dense index of the caster.
+    /// Dense index of the caster in [`Objects`](crate::sets::Objects).
     pub object: u32,
-    /// Slot of its silhouette in the light's [`LightSilhouettes`](crate::silhouettes::LightSilhouettes).
+    /// Slot of the caster's silhouette in the light's
+    /// [`LightSilhouettes`](crate::silhouettes::LightSilhouettes).
     pub slot: u32,
     /// The light as a homogeneous point in the caster's space.
     pub light_local: Vec4,
-    /// Factor on the distance from the light, or metres for a light at infinity, by which the far corners are
-    /// pushed; 0: to infinity.
+    /// Extrusion of the far corners away from the light: a factor on a vertex's distance from the light or,
+    /// for a light at infinity, a distance in metres. 0 pushes the corners to infinity.
     pub extrusion: f32,
-    /// True if the volume is counted towards the viewer (depth-pass), false if away from it (depth-fail).
+    /// True if the stencil counts the volume's faces between the viewer and the surface (depth-pass), false
+    /// if it counts those behind the surface (depth-fail).
     pub depth_pass: bool,
-    /// Whether the sides are drawn.
+    /// Whether the sides of the volume are drawn.
     pub sides: bool,
-    /// Whether the near cap is drawn.
+    /// Whether the near cap of the volume is drawn.
     pub near_cap: bool,
-    /// Whether the far cap is drawn.
+    /// Whether the far cap of the volume is drawn.
     pub far_cap: bool,
 }

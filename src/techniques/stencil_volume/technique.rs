@@ -1,4 +1,4 @@
-//! How stencil shadow volumes join the frame.
+//! Stencil shadow volumes as a technique.
 
 use bevy_ecs::prelude::*;
 
