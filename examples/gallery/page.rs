@@ -61,7 +61,7 @@ pub struct PlacedMesh {
     pub mesh: Arc<MeshData>,
     /// Surface of the mesh.
     pub material: Material,
-    /// Its place.
+    /// Transform in the scene.
     pub transform: Transform,
 }
 
@@ -72,7 +72,7 @@ pub struct NamedLight {
     pub name: &'static str,
     /// The light component.
     pub light: Light,
-    /// Its place.
+    /// Transform in the scene.
     pub transform: Transform,
 }
 
