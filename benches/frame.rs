@@ -1,12 +1,13 @@
-//! What a shadowed light costs: whole frames, from the schedule to the last pixel, as ratios to the same frame with the
-//! light unshadowed, and what each optimisation of the stencil volumes is worth.
+//! Cost of shadowed lights. Whole frames are timed, from the schedule to the last pixel, as ratios to the same frame
+//! without shadows. Variants show what each optimisation of the stencil volumes is worth.
 //!
 //! ```sh
 //! cargo bench --bench frame -- [--short] [--size 640x360] [--models FOLDER]
 //! ```
 //!
-//! Times are wall clock from the start of the frame to the end of the GPU's work, median of the repetitions; every variant
-//! of a scene is measured in turn, so that drift meets all alike. The picture is asserted once, then timed.
+//! A time is wall clock from the start of the frame to the end of the GPU's work, and the median of the repetitions.
+//! The variants of a scene take turns, so that drift affects all of them equally. The picture is asserted once before
+//! anything is timed.
 
 use antumbra_stage as support;
 
@@ -25,16 +26,16 @@ use support::stage::Stage;
 /// Measures frames.
 #[derive(Parser)]
 struct Arguments {
-    /// Few repetitions, small pictures.
+    /// Runs few repetitions on small pictures.
     #[arg(long)]
     short: bool,
-    /// Width and height.
+    /// Width and height of the pictures, pixels.
     #[arg(long, default_value = "640x360")]
     size: String,
-    /// Folder with `interior.glb`.
+    /// Folder that has `interior.glb`.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/models"))]
     models: PathBuf,
-    /// What cargo passes to every bench.
+    /// Cargo passes this to every bench; it has no effect.
     #[arg(long, hide = true)]
     bench: bool,
 }
@@ -44,7 +45,7 @@ struct Variant {
     name: &'static str,
     shadow: Option<StencilVolume>,
     settings: RenderSettings,
-    /// Moves the light every frame, so that silhouettes are extracted anew.
+    /// Moves the light every frame, so that silhouettes are extracted again.
     moving: bool,
 }
 
@@ -160,7 +161,7 @@ fn spawn(stage: &mut Stage, mesh: Arc<MeshData>, material: &Arc<Material>, trans
     ));
 }
 
-/// 400 balls and boxes on a ground, eight point lights.
+/// 400 balls and boxes on a ground, under eight point lights.
 fn field(size: UVec2) -> Bench {
     let aspect = size.x as f32 / size.y as f32;
     let camera = Camera {
@@ -226,7 +227,7 @@ fn measure(bench: &mut Bench, repetitions: usize) {
     for repetition in 0..repetitions + 1 {
         for (variant, times) in variants.iter().zip(&mut times) {
             apply(stage, variant);
-            frame(stage); // uploads and pipelines are not what is measured
+            frame(stage); // uploads and new pipelines are not measured
             if repetition == 0 && !variant.moving && variant.shadow.is_some() {
                 let picture = stage.render().expect("the frame renders").picture;
                 let first = first_picture.get_or_insert_with(|| picture.clone());
@@ -238,7 +239,7 @@ fn measure(bench: &mut Bench, repetitions: usize) {
                 assert!(wrong * 1000 < picture.len(), "{}: {wrong} differ", variant.name);
                 lights = stage.world.resource::<Renderer>().frame().lights.len();
             }
-            // Not while pictures are compared.
+            // The light stands still while pictures are compared.
             if variant.moving && repetition > 0 {
                 shift(stage, repetition);
             }
@@ -276,7 +277,7 @@ fn apply(stage: &mut Stage, variant: &Variant) {
     }
 }
 
-/// Moves every light by a little, there and back.
+/// Moves every light a little to and fro.
 fn shift(stage: &mut Stage, repetition: usize) {
     let step = if repetition.is_multiple_of(2) { 0.01 } else { -0.01 };
     for &light in &stage.lights {
@@ -286,7 +287,7 @@ fn shift(stage: &mut Stage, repetition: usize) {
     }
 }
 
-/// One frame, without reading anything back.
+/// Draws one frame without reading anything back.
 fn frame(stage: &mut Stage) {
     stage.schedule.run(&mut stage.world);
     let renderer = stage.world.resource::<Renderer>();

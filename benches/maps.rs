@@ -1,12 +1,12 @@
-//! What maps cost: whole frames, from the schedule to the last pixel, as ratios to the same frame with its lights
-//! unshadowed: by kind of map, filter and cache, at rest and with a caster that moves.
+//! Cost of maps. Whole frames are timed, from the schedule to the last pixel, as ratios to the same frame without
+//! shadows. The variants are kinds of map, filters and caches, at rest and with a moving caster.
 //!
 //! ```sh
 //! cargo bench --all-features --bench maps -- [--short]
 //! ```
 //!
-//! Times are wall clock, median of the repetitions; every variant is measured in turn, so that drift meets all alike.
-//! That the shadows are there is asserted once, then timed.
+//! A time is wall clock, and the median of the repetitions. The variants take turns, so that drift affects all of
+//! them equally. The presence of the shadows is asserted once before anything is timed.
 
 use antumbra_stage as support;
 
@@ -24,15 +24,15 @@ use support::stage::Stage;
 /// Measures frames.
 #[derive(Parser)]
 struct Arguments {
-    /// Few repetitions, small pictures.
+    /// Runs few repetitions on small pictures.
     #[arg(long)]
     short: bool,
-    /// What cargo passes to every bench.
+    /// Cargo passes this to every bench; it has no effect.
     #[arg(long, hide = true)]
     bench: bool,
 }
 
-/// What shadows the lights.
+/// One way to shadow the lights.
 #[derive(Clone, Copy, PartialEq)]
 enum Shadow {
     None,
@@ -87,7 +87,7 @@ fn variants() -> Vec<Variant> {
     ]
 }
 
-/// A hall of 200 boxes under four lights, and one ball that may move.
+/// Builds a hall of 200 boxes under four lights, and one ball that can move.
 fn stage(size: UVec2, context: &RenderContext, shadow: Shadow) -> (Stage, Entity) {
     let camera = Camera {
         aspect: size.x as f32 / size.y as f32,
@@ -142,7 +142,7 @@ fn stage(size: UVec2, context: &RenderContext, shadow: Shadow) -> (Stage, Entity
     (stage, ball)
 }
 
-/// One frame, waited for; milliseconds.
+/// Draws a frame and waits for it. Returns milliseconds.
 fn frame(stage: &mut Stage, ball: Entity, moving: bool, time: f32) -> f64 {
     if moving {
         let place = Transform::from_xyz(time.sin(), 1.0, time.cos());
@@ -181,7 +181,7 @@ fn main() {
         let dark = rendered.visibility.iter().flatten().filter(|v| **v < 0.5).count();
         assert_eq!(dark > 20, variant.shadow != Shadow::None, "{}", variant.name);
         for i in 0..12 {
-            frame(stage, *ball, variant.moving, i as f32 * 0.1); // what stands still has joined the others
+            frame(stage, *ball, variant.moving, i as f32 * 0.1); // still casters settle
         }
     }
     let mut times = vec![Vec::new(); variants.len()];

@@ -1,16 +1,19 @@
-//! Time and memory of silhouettes on one thread, beside a plain loop of GPU Gems chapter 9.
+//! Time and memory of silhouettes on one thread, compared with the plain loop of GPU Gems chapter 9.
 //!
 //! ```sh
 //! cargo bench --bench silhouettes [-- --short]
 //! ```
 //!
-//! Each repetition takes the next of 48 lights: directional, or on shells at 1.2, 2, 4 and 16 radii around the mesh, in
-//! random order, so that neither branch predictor nor caches know the answer. Mode `ClosedBackFacing`; how the figures
-//! come about: [`time_ns`]. Edges are counted in all (`ns/edge`), not only those found (`found`, in the last light).
-//! `shuffled`: triangles and vertices of the input in random order. `by mesh`: each mesh of the file has its own edge
-//! mesh, as in a scene, and a light takes them all; without it they are one mesh. `posed` and `static`: planes without
-//! and with what is kept for meshes that keep their pose. Chapter 9 emits indices of both caps, ours of the one whose
-//! copy the GPU extrudes. `ANTUMBRA_BENCH_ONLY=interior` measures only what has that in its name.
+//! Each repetition takes the next of 48 lights. They are directional, or on shells at 1.2, 2, 4 and 16 radii around
+//! the mesh. Their order is random, so that neither the branch predictor nor the caches know the answer. The mode is
+//! `ClosedBackFacing`. [`time_ns`] explains how the figures are computed.
+//!
+//! `ns/edge` divides by all edges, not only by the silhouette edges (`found`, under the last light). `shuffled` means
+//! that triangles and vertices of the input are in random order. `by mesh` means that each mesh of the file has its own
+//! edge mesh, as in a scene, and that each light does all of them; otherwise they are joined into one mesh. `posed` and
+//! `static` are planes without and with the data that is kept for meshes that keep their pose. Chapter 9 emits indices
+//! of both caps. Our code emits those of one cap, and the GPU extrudes a copy of it. `ANTUMBRA_BENCH_ONLY=interior`
+//! measures only workloads with that in their name.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -107,13 +110,13 @@ fn model_workloads() -> Vec<Workload> {
     Vec::new()
 }
 
-/// All that is kept of a part of a workload, and what a light leaves behind.
+/// Everything that is kept for a part of a workload, and the results for a light.
 struct Part<'a> {
     positions: &'a [Vec3],
     mesh: EdgeMesh,
     planes: FacingPlanes,
     baseline: ChapterMesh,
-    /// Bits of every light, made beforehand: extraction is also timed alone.
+    /// Bits for every light, made beforehand, because extraction is also timed alone.
     all_bits: Vec<FacingBits>,
     contour: Contour,
     volume: ChapterVolume,
@@ -206,11 +209,12 @@ fn print_row(workload: &Workload, effort: Effort) {
     );
 }
 
-/// Nanoseconds to do the work for every part in one light: of each light the least over the rounds, since what else the
-/// machine does can only add; of these the median over the lights, so that one that is dear does not speak for all.
+/// Returns the nanoseconds of the work for all parts under one light. Of each light, the least time over the rounds
+/// counts, because other work of the machine can only add time. The result is the median over the lights, so that an
+/// expensive one does not dominate.
 ///
-/// The least of each round's median was not enough: on a busy machine no round was quiet from first to last. Work on
-/// small meshes is done for several lights at a time, so that the clock is not what is measured.
+/// The least of the rounds' medians would not do: on a busy machine, no round is quiet from start to end. Work on
+/// small meshes is timed for several lights together, so that the clock's own cost does not matter.
 fn time_ns(effort: Effort, parts: &mut [Part], mut work: impl FnMut(usize, &mut Part)) -> f64 {
     let start = Instant::now();
     for light in 0..48 {
@@ -240,8 +244,8 @@ fn bits_of(mesh: &EdgeMesh, planes: &FacingPlanes, light: Vec4) -> FacingBits {
     bits
 }
 
-/// The bits are those of the scalar twin, and on a closed mesh there are as many sides as chapter 9 finds, but for
-/// triangles so near to edge-on that its rounding decides otherwise.
+/// Asserts that the bits equal those of the scalar version. On a closed mesh, it also asserts that there are as many
+/// sides as chapter 9 finds, except where a triangle is so nearly edge-on that rounding decides.
 fn assert_answer(
     mesh: &EdgeMesh,
     positions: &[Vec3],

@@ -1,11 +1,11 @@
-//! A cube, a floor, and a light with hard shadows, in a game of Bevy's.
+//! A cube, a floor, and a light with hard shadows, in a Bevy game.
 //!
 //! ```sh
 //! cargo run --features bevy-window --example bevy_minimal
 //! cargo run --features bevy --example bevy_minimal -- --headless --out DIR
 //! ```
 //!
-//! The second writes `DIR/bevy_minimal.png`.
+//! The second command writes `DIR/bevy_minimal.png`.
 
 use antumbra::bevy_adapter::prelude::*;
 use bevy::prelude::*;

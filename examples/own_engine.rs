@@ -1,4 +1,5 @@
-//! An engine with its own wgpu device, target and encoder, and no `App`: a world, a schedule, a call per frame.
+//! An engine with its own wgpu device, target and encoder, and without an `App`: a world, a schedule, and one call
+//! for each frame.
 //!
 //! ```sh
 //! cargo run --example own_engine -- --out DIR
@@ -19,14 +20,14 @@ use glam::{UVec2, Vec3};
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // What an engine has already: a device, a queue, something to draw into.
+    // An engine has these already: a device, a queue and a texture to draw into.
     let size = UVec2::new(640, 360);
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter = pollster::block_on(instance.request_adapter(&Default::default()))?;
     let (device, queue) = pollster::block_on(adapter.request_device(&Default::default()))?;
     let name = adapter.get_info().name;
 
-    // Once: the systems in a world, a renderer on that device.
+    // Do this once: add the systems to a world, and create a renderer on the device.
     let context = RenderContext::from_device(device.clone(), queue.clone(), name);
     let frame = create_target(&context, "frame", size, FORMAT)?;
     let mut renderer = Renderer::new(context.clone())?;
@@ -49,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let towards = Transform::IDENTITY.looking_to(Vec3::new(-1.0, -2.0, -1.0), Vec3::Y);
     world.spawn((sun, StencilVolume::default(), towards));
 
-    // Every frame: run the systems, record into the engine's own encoder, submit.
+    // Do this every frame: run the systems, record into the engine's own encoder, and submit.
     schedule.run(&mut world);
     let mut renderer = world.resource_mut::<Renderer>();
     if let Some(failure) = renderer.take_failure() {

@@ -1,12 +1,12 @@
-//! Turns a shot file into a picture, per-light visibility and statistics.
+//! Turns a shot file into a picture, the visibility of each light, and statistics.
 //!
 //! ```sh
 //! cargo run --release --example render -- SHOT.json --out DIR
 //! ```
 //!
-//! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is one
-//! line on stderr that names the file and the element, exit status 1, and nothing is written. What is wrong with a light
-//! or an object is no error: it is a line on stderr too, and stands in `stats.json`.
+//! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is
+//! one line on stderr that names the file and the element. The exit status is then 1, and nothing is written. A fault
+//! of a light or an object is not an error: it is reported in a line on stderr and in `stats.json`.
 
 use antumbra_stage as support;
 
@@ -25,20 +25,20 @@ use support::{picture, stats};
 struct Arguments {
     /// The shot file.
     shot: PathBuf,
-    /// Folder for the results; made if it is not there.
+    /// Folder for the results; created if missing.
     #[arg(long)]
     out: PathBuf,
-    /// Factor on radiance before the tonemap.
+    /// Factor that multiplies radiance before the tonemap.
     #[arg(long, default_value_t = 1.0)]
     exposure: f32,
-    /// Shows only the front faces of materials that are not double-sided. Without it every surface is seen from both
-    /// sides, as it blocks light from both.
+    /// Shows only the front faces of materials that are not double-sided. By default every surface is visible from
+    /// both sides, because it blocks light from both.
     #[arg(long)]
     cull_back_faces: bool,
     /// Draws the shadow volumes over the picture: depth-pass blue and green, depth-fail orange and magenta.
     #[arg(long)]
     show_volumes: bool,
-    /// Asks the device for nothing beyond WebGPU's baseline.
+    /// Requests no device feature beyond WebGPU's baseline.
     #[arg(long)]
     baseline: bool,
 }

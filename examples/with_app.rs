@@ -1,4 +1,4 @@
-//! The plugin on a `bevy_app` App, drawn without a window.
+//! The plugin in a `bevy_app` `App` that draws without a window.
 //!
 //! ```sh
 //! cargo run --example with_app -- --out DIR
@@ -19,7 +19,7 @@ use glam::{UVec2, Vec3};
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
 
-/// Objects, a camera, and a light that chooses its technique.
+/// Spawns objects, a camera, and a light that chooses its technique.
 fn spawn_scene(mut commands: Commands) {
     let material = |color| SceneMaterials([Arc::new(Material::matte(color))].into());
     let floor = SceneMesh(Arc::new(MeshData::plane(6.0)));

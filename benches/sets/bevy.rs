@@ -1,20 +1,22 @@
-//! Beside Bevy 0.19.1's `check_point_light_mesh_visibility`: one world, one run, two threads for each.
+//! Comparison with Bevy 0.19.1's `check_point_light_mesh_visibility`, in one world and one run, with two threads for
+//! each side.
 //!
-//! Timed on Bevy's side: that one system, which transforms the local bounds of every mesh for every visible light, tests them
-//! against the light's ball and the six frusta of its cube map, and sorts what it keeps. It has neither an I nor an S.
+//! On Bevy's side, only that system is timed. For every visible light, it transforms the local bounds of every mesh,
+//! tests them against the light's ball and the six frusta of its cube map, and sorts what it keeps. It computes
+//! neither an I nor an S.
 //!
-//! Timed on ours, all of it: `update_world_bounds` (boxes in world space of what moved, from `LocalBounds` and
-//! `GlobalTransform`) and the chain `collect_sets()`, which is `collect_objects`, `collect_view`, `collect_frustum_set`,
-//! `collect_visible_set`, `collect_frame_lights`, `collect_light_sets`, `collect_light_occlusion`,
-//! `collect_illumination` (with scissors and depth bounds) and `collect_shadow_sets`: F, V, L, I and S of all lights,
-//! seen or not. Each side runs in a schedule of its own; ours on the single-threaded executor, for its systems are a
-//! chain, with tasks inside.
+//! On our side, everything is timed: `update_world_bounds` (boxes in world space of what moved, from `LocalBounds`
+//! and `GlobalTransform`) and the chain `collect_sets()`. The chain is `collect_objects`, `collect_view`,
+//! `collect_frustum_set`, `collect_visible_set`, `collect_frame_lights`, `collect_light_sets`,
+//! `collect_light_occlusion`, `collect_illumination` (with scissors and depth bounds) and `collect_shadow_sets`. It
+//! computes F, V, L, I and S of all lights, seen or not. Each side runs in a schedule of its own. Ours uses the
+//! single-threaded executor, because its systems are a chain with tasks inside.
 //!
-//! Timed on neither: the motion itself, the propagation of transforms, what finds the frusta and the visible lights
-//! (Bevy has that in other systems).
+//! Neither side's time includes the motion itself, the propagation of transforms, or the search for frusta and
+//! visible lights (other systems of Bevy do that).
 //!
-//! Both are run in turns, and the least time counts. Before and after, S is asserted to hold nothing that Bevy would not
-//! draw into the light's shadow map, and L to hold all that Bevy draws and that is in range.
+//! Both sides take turns, and the least time counts. Two assertions hold before and after: S holds nothing that Bevy
+//! would not draw into the light's shadow map, and L holds everything in range that Bevy draws.
 
 use std::any::TypeId;
 use std::collections::HashSet;
@@ -38,7 +40,7 @@ use glam::{DVec3, UVec2, Vec3};
 
 use crate::field::{self, Random};
 
-/// Which objects move in a frame: each so many-th; 0 for none.
+/// Which objects move in a frame: every n-th one, or none if it is 0.
 const MOTIONS: [(&str, usize); 3] = [("static", 0), ("moving10", 10), ("moving", 1)];
 
 /// Times every case.
@@ -115,7 +117,7 @@ fn compare(objects: usize, lights: usize, range: f32, short: bool) {
     }
 }
 
-/// The field in a world that both run in.
+/// Builds the field in a world that both sides use.
 fn app(objects: usize, lights: usize, range: f32) -> App {
     let mut app = App::new();
     app.add_plugins(TaskPoolPlugin {
@@ -129,7 +131,7 @@ fn app(objects: usize, lights: usize, range: f32) -> App {
         LightPlugin,
     ));
     bevy::asset::AssetApp::init_asset::<bevy::image::Image>(&mut app);
-    // What Bevy's renderer would insert.
+    // Bevy's renderer would insert these.
     app.insert_resource(GlobalClusterSettings {
         supports_storage_buffers: true,
         clustered_decals_are_usable: false,
@@ -182,14 +184,14 @@ fn app(objects: usize, lights: usize, range: f32) -> App {
     app
 }
 
-/// What was held against what.
+/// Counts of what was compared.
 struct Agreement {
     lights: usize,
     drawn: usize,
     cast: usize,
 }
 
-/// Holds our sets against what Bevy would draw into the shadow maps of the lights that it sees.
+/// Compares our sets with what Bevy would draw into the shadow maps of the lights that it sees.
 fn compare_sets(world: &mut World) -> Result<Agreement, String> {
     let mut views = world.query::<&VisibleEntities>();
     let visible: HashSet<Entity> = views
@@ -230,7 +232,7 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
             }
         }
         for entity in light.s.ones().map(|object| objects.entities[object]) {
-            // At the very border both may round either way; ours in favour of the object, at 200 m by some 0.3 mm.
+            // At the border, either side may round either way. Ours favours the object, by about 0.3 mm at 200 m.
             let beyond = gap_of_oriented_box(&place(entity)?, ball.center) - f64::from(ball.radius);
             if !in_map.contains(&entity) && beyond.abs() > 1e-3 {
                 return Err(format!(
@@ -259,7 +261,7 @@ fn assert_agrees(world: &mut World) -> Agreement {
     }
 }
 
-/// The comparison finds one object too many in S, and one missing in L.
+/// Negative control: the comparison finds one extra object in S and one missing from L.
 fn assert_comparison_can_fail(world: &mut World) {
     type Spoil = fn(&mut FrameLight);
     let spoil: [Spoil; 2] = [|light| light.s.insert_range(..), |light| light.l.clear()];
@@ -275,7 +277,7 @@ fn assert_comparison_can_fail(world: &mut World) {
     }
 }
 
-/// Distance from a point to the box in world space around an object of the field.
+/// Returns the distance from a point to the world-space box around an object of the field.
 fn gap_of_box(place: &GlobalTransform, point: Vec3) -> f64 {
     let affine = place.affine();
     let half = DVec3::from_array(
@@ -285,7 +287,8 @@ fn gap_of_box(place: &GlobalTransform, point: Vec3) -> f64 {
     (offset - half).max(DVec3::ZERO).length()
 }
 
-/// Distance from a point to the plane that touches an object of the field, across the line between them.
+/// Returns the distance from a point to the plane that touches an object of the field and is perpendicular to the
+/// line between them.
 fn gap_of_oriented_box(place: &GlobalTransform, point: Vec3) -> f64 {
     let offset = place.translation().as_dvec3() - point.as_dvec3();
     let normal = offset.normalize();

@@ -1,4 +1,5 @@
-//! The field of all cases: unit boxes in 400×20×400 m, lights over its middle, a camera that sees 61 % of it.
+//! The field that all cases use: unit boxes in 400×20×400 m, lights over its middle, and a camera that sees 61 % of
+//! it.
 
 use antumbra::scene::{
     Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, update_world_bounds,
@@ -10,16 +11,16 @@ use bevy_ecs::schedule::SingleThreadedExecutor;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{Quat, UVec2, Vec3};
 
-/// Xorshift; what Bevy's side of the comparison was measured with.
+/// An xorshift generator. Bevy's side of the comparison was measured with the same one.
 pub struct Random(u64);
 
 impl Random {
-    /// The field's seed.
+    /// Starts with the field's seed.
     pub fn new() -> Self {
         Self(0x2545_F491_4F6C_DD1D)
     }
 
-    /// From 0 to 1.
+    /// Returns a number from 0 to 1.
     pub fn unit(&mut self) -> f32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -28,17 +29,17 @@ impl Random {
     }
 }
 
-/// The camera: where Bevy's measured one is, with its angle of view.
+/// Place of the camera, the same as that of Bevy's measured camera.
 pub const EYE: Vec3 = Vec3::new(0.0, 60.0, 180.0);
 
-/// Half sizes of all objects, in local space.
+/// Half size of each object, in local space.
 pub const HALF: Vec3 = Vec3::splat(0.5);
 
-/// Marks an object of the field, and has its place among them.
+/// Marks an object of the field and holds its index.
 #[derive(Component, Clone, Copy)]
 pub struct Index(pub usize);
 
-/// Where the objects are.
+/// Returns the positions of the objects.
 pub fn objects(random: &mut Random, count: usize) -> Vec<Transform> {
     let mut place = |_| {
         let at = Vec3::new(
@@ -52,14 +53,14 @@ pub fn objects(random: &mut Random, count: usize) -> Vec<Transform> {
     (0..count).map(&mut place).collect()
 }
 
-/// Where the lights are.
+/// Returns the positions of the lights.
 pub fn lights(random: &mut Random, count: usize) -> Vec<Transform> {
     let mut place =
         |_| Transform::from_xyz(random.unit() * 200.0 - 100.0, 5.0, random.unit() * 200.0 - 100.0);
     (0..count).map(&mut place).collect()
 }
 
-/// What an object is to us.
+/// Our components of an object.
 pub fn object(index: usize) -> impl Bundle {
     let local = Aabb {
         min: -HALF,
@@ -75,7 +76,7 @@ pub fn object(index: usize) -> impl Bundle {
     )
 }
 
-/// What a light is to us.
+/// Our components of a light.
 pub fn light(range: f32) -> Light {
     Light::point(Vec3::ONE, 1000.0, range)
 }
@@ -93,7 +94,7 @@ pub fn spawn_camera(world: &mut World) {
     world.spawn((camera, GlobalTransform::from(place)));
 }
 
-/// The world of ours alone.
+/// Builds a world with our side only.
 pub fn world(count: usize, light_count: usize, range: f32) -> World {
     let mut world = World::new();
     init_set_resources(&mut world);
@@ -108,7 +109,7 @@ pub fn world(count: usize, light_count: usize, range: f32) -> World {
     world
 }
 
-/// All of ours that is timed: world bounds of what moved, and the sets.
+/// The part of our side that is timed: world bounds of what moved, and the sets.
 pub fn schedule() -> Schedule {
     let mut schedule = Schedule::default();
     schedule.set_executor(SingleThreadedExecutor::new());
@@ -116,7 +117,7 @@ pub fn schedule() -> Schedule {
     schedule
 }
 
-/// Moves each `every`-th object a little to and fro; outside of all timings, for that is the game's.
+/// Moves each `every`-th object a little to and fro. This is never timed, because a game does it.
 pub fn shake(world: &mut World, every: usize, step: f32) {
     let mut objects = world.query::<(&Index, &mut GlobalTransform)>();
     for (index, mut transform) in objects.iter_mut(world) {

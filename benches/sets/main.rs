@@ -1,7 +1,7 @@
-//! Time of the sets F, V, L, I, S: `cargo bench --bench sets --features bevy [-- [--short] [--only PART]]`.
+//! Time of the sets F, V, L, I and S: `cargo bench --bench sets --features bevy [-- [--short] [--only PART]]`.
 //!
-//! [`bevy`](mod@bevy) (feature `bevy`) is the comparison that counts: beside Bevy's own light visibility, in one
-//! world and one run. [`naive`] compares with the obvious loop, [`touched`] shows what the cost follows. Answers are
+//! The main comparison is [`bevy`](mod@bevy) (feature `bevy`): our sets and Bevy's own light visibility, in one world
+//! and one run. [`naive`] compares with the obvious loop. [`touched`] shows what the cost depends on. Results are
 //! asserted before anything is timed.
 
 #[cfg(feature = "bevy")]

@@ -1,7 +1,9 @@
-//! Beside the obvious loop with the same outcome: it reads the bounds from the world into an array of structures, tests
-//! each with scalars, keeps a `Vec` of indices a set and projects the boxes of I for the scissor. It does so every
-//! frame, so one figure stands for both kinds of frame. Both are asserted to agree before they are timed: ours may keep
-//! more in F, L, I, by rounding only, and has fewer in S, where it asks for receivers. Both on one thread.
+//! Comparison with the obvious loop that has the same result. The loop reads the bounds from the world into an array
+//! of structures, tests each with scalars, keeps a `Vec` of indices for each set and projects the boxes of I for the
+//! scissor. It does so every frame, so its time is the same for both kinds of frame.
+//!
+//! Both are asserted to agree before they are timed. Rounding may keep more objects in our F, L and I. Our S has
+//! fewer, because it also tests receivers. Both run on one thread.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -21,7 +23,7 @@ struct Object {
     aabb: Aabb,
 }
 
-/// L, I and S of a light by the obvious loop.
+/// Computes L, I and S of a light by the obvious loop.
 #[derive(Default)]
 struct NaiveSets {
     l: Vec<usize>,
@@ -47,7 +49,7 @@ pub fn run(short: bool) {
 fn compare(objects: usize, lights: usize, budget: Duration) {
     let (mut world, mut schedule) = scene(objects, lights);
     schedule.run(&mut world);
-    // By dense index, so that the sets compare.
+    // In the order of the dense index, so that the sets can be compared.
     let bounds = |&entity: &Entity| {
         world
             .get::<WorldBounds>(entity)
@@ -78,7 +80,7 @@ fn compare(objects: usize, lights: usize, budget: Duration) {
             bounds.0.max.x += step;
         }
     };
-    // The moving itself is the game's: measured alone and taken off.
+    // A game moves the objects, so that time is measured alone and subtracted.
     let moving = time(budget, || move_all(&mut world));
     let moved = time(budget, || {
         move_all(&mut world);
@@ -97,7 +99,7 @@ fn compare(objects: usize, lights: usize, budget: Duration) {
     }
 }
 
-/// Mean seconds of a call, warm.
+/// Returns the mean time of a warm call, seconds.
 fn time(budget: Duration, mut call: impl FnMut()) -> f64 {
     call();
     let start = Instant::now();
@@ -209,7 +211,7 @@ fn assert_agrees((f, lights): &(Vec<usize>, Vec<NaiveSets>), world: &World) {
         if !light.is_skipped() {
             more("I", &naive.i, &light.i);
         }
-        // S is smaller than the naive one: it asks for receivers too.
+        // Our S is smaller than the naive one, because it also tests receivers.
         assert!(light.s.count_ones(..) <= naive.s.len() + 1);
     }
 }

@@ -1,4 +1,4 @@
-//! What the cost follows: pairs of a light and an object within its range, not objects × lights.
+//! Shows that the cost follows the number of pairs of a light and an object within its range, not objects × lights.
 
 use std::time::Instant;
 
@@ -37,7 +37,7 @@ pub fn run(short: bool) {
     };
     let lights: &[usize] = if short { &[64] } else { &[8, 64, 256] };
     for &objects in objects {
-        // What finding out that nothing changed costs without any light.
+        // Cost of finding out that nothing changed, without any light.
         let idle = Measured::of(objects, 0, 20.0, frames).at_rest;
         for &lights in lights {
             for range in [5.0, 20.0, 60.0] {
@@ -60,9 +60,9 @@ pub fn run(short: bool) {
     }
 }
 
-/// Microseconds of a frame, least of some.
+/// Frame times in microseconds, each the least of several.
 struct Measured {
-    /// Pairs of a light and an object in its range.
+    /// Number of pairs of a light and an object in its range.
     touched: usize,
     at_rest: f64,
     objects_move: f64,

@@ -1,7 +1,8 @@
-//! The baseline: silhouettes as GPU Gems chapter 9 has them, for closed meshes.
+//! The baseline: silhouettes of closed meshes as in GPU Gems chapter 9.
 //!
-//! Source: McGuire 2004, "Efficient Shadow Volume Rendering", Listings 9-5 to 9-7, with the face normals and edges
-//! prepared as its section 9.2.2 asks. Edges with other than two faces are left out; it has no use for them.
+//! Source: McGuire 2004, "Efficient Shadow Volume Rendering", listings 9-5 to 9-7. Face normals and edges are
+//! prepared as section 9.2.2 asks. Edges that do not have exactly two faces are left out, because the chapter cannot
+//! use them.
 
 use antumbra::geometry::edge_mesh::EdgeMesh;
 use glam::{Vec3, Vec4};
@@ -29,7 +30,7 @@ pub struct ChapterVolume {
 }
 
 impl ChapterMesh {
-    /// From triangles in the order of the input and an edge mesh, for its welding only.
+    /// Builds the mesh from triangles in the order of the input. The edge mesh is used only for its welding.
     pub fn new(positions: &[Vec3], indices: &[u32], welded: &EdgeMesh) -> Self {
         let mut ids: Vec<(u128, u32)> = Vec::with_capacity(positions.len());
         let bits = |p: Vec3| {
@@ -79,7 +80,7 @@ impl ChapterMesh {
                 _ => None,
             })
             .collect();
-        // In the order in which a loop over the faces would have met them.
+        // In the order in which a loop over the faces would meet them.
         edges.sort_unstable_by_key(|edge| edge.faces[0].min(edge.faces[1]));
         let is_manifold = welded.is_closed() && welded.irregular_vertices().is_empty();
         assert!(!is_manifold || edges.len() * 2 == welded.triangle_count() * 3);

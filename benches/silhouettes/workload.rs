@@ -9,7 +9,7 @@ pub struct Workload {
     pub parts: Vec<(Vec<Vec3>, Vec<u32>)>,
 }
 
-/// All parts as one mesh.
+/// Joins all parts into one mesh.
 pub fn joined(workload: &Workload) -> Workload {
     let (mut all_positions, mut all_indices) = (Vec::new(), Vec::new());
     for (positions, indices) in &workload.parts {
@@ -33,7 +33,7 @@ pub fn icosphere(name: &str, subdivisions: u32) -> Workload {
     }
 }
 
-/// The same triangles in random order, over vertices in random order.
+/// Returns the mesh with its triangles and vertices in random order.
 pub fn shuffled(mesh: &Workload) -> Workload {
     let (positions, indices) = &mesh.parts[0];
     let mut random = Random(1);
@@ -55,7 +55,7 @@ pub fn shuffled(mesh: &Workload) -> Workload {
     }
 }
 
-/// 44 point lights on shells around the mesh and four directional ones, in random order.
+/// Returns 44 point lights on shells around the mesh and four directional lights, in random order.
 pub fn lights_around(positions: &[Vec3]) -> Vec<Vec4> {
     let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
@@ -63,7 +63,7 @@ pub fn lights_around(positions: &[Vec3]) -> Vec<Vec4> {
     let mut random = Random(2);
     let mut lights: Vec<Vec4> = (0..48)
         .map(|i| {
-            // A Fibonacci sphere: directions spread evenly.
+            // A Fibonacci sphere spreads the directions evenly.
             let y = 1.0 - (i as f32 + 0.5) / 24.0;
             let (sin, cos) = (i as f32 * 2.399_963_2).sin_cos();
             let around = (1.0 - y * y).sqrt();
@@ -83,7 +83,7 @@ struct Random(u64);
 impl Random {
     fn shuffle<T>(&mut self, values: &mut [T]) {
         for i in (1..values.len()).rev() {
-            // Knuth's constants, MMIX; the high bits are the good ones.
+            // Knuth's constants (MMIX); the high bits are the most random.
             self.0 = self
                 .0
                 .wrapping_mul(6_364_136_223_846_793_005)

@@ -1,4 +1,4 @@
-//! What frames cost: without shadows, with Bevy's maps, with our volumes.
+//! Costs of frames without shadows, with Bevy's maps and with our volumes.
 
 use std::time::Instant;
 
@@ -6,7 +6,7 @@ use crate::Arguments;
 use crate::game::{Game, Shadows};
 use crate::rooms::Rooms;
 
-/// Milliseconds of a frame.
+/// Time of a frame, milliseconds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Cost {
     cpu: f64,
@@ -19,7 +19,7 @@ impl Cost {
     }
 }
 
-/// Frames that nobody times: pipelines are made, textures allocated.
+/// Number of frames before timing starts. They create pipelines and allocate textures.
 const WARM_UP: usize = 4;
 
 fn median(mut values: Vec<f64>) -> f64 {
@@ -27,7 +27,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Frames of a game in which the camera turns and four balls move.
+/// Times frames of a game in which the camera turns and four balls move.
 fn cost(rooms: &Rooms, shadows: Shadows, lights: usize, arguments: &Arguments) -> Cost {
     let mut game = Game::new(rooms, shadows, lights, arguments.size);
     let mut times = Vec::new();

@@ -1,4 +1,5 @@
-//! How far the lit pictures are from the truth: Bevy's own light on every surface, times the ray caster's visibility.
+//! Errors of the lit pictures. The truth is Bevy's own light on every surface, multiplied by the ray caster's
+//! visibility.
 
 use antumbra::reference::{LightSource, RayScene, VisibilityImage, hard_visibility, primary_hits};
 use antumbra::scene::{Light, LightSelection};
@@ -10,10 +11,10 @@ use crate::Arguments;
 use crate::game::{Game, Shadows};
 use crate::rooms::{LUMENS, RANGE, Rooms};
 
-/// Lights of the pictures.
+/// Number of lights in the pictures.
 const LIGHTS: usize = 9;
 
-/// Frames until pictures stay the same.
+/// Number of frames until the picture no longer changes.
 const FRAMES: usize = 4;
 
 fn picture(rooms: &Rooms, shadows: Shadows, size: UVec2) -> Vec<Vec3> {
@@ -22,7 +23,7 @@ fn picture(rooms: &Rooms, shadows: Shadows, size: UVec2) -> Vec<Vec3> {
     game.radiance()
 }
 
-/// Without a shadow: the picture of no light, then that of each alone.
+/// Returns pictures without shadows: first without any light, then with each light alone.
 fn parts(rooms: &Rooms, size: UVec2) -> Vec<Vec<Vec3>> {
     let mut game = Game::new(rooms, Shadows::None, LIGHTS, size);
     let lights = game.lights.clone();
@@ -63,8 +64,8 @@ fn visibilities(rooms: &mut Rooms, size: UVec2) -> Result<Vec<VisibilityImage>, 
         .collect()
 }
 
-/// Share of the pixels whose colour is wrong by more than a tenth of what it should be, and the root mean square of the
-/// relative error.
+/// Returns the share of the pixels whose colour is wrong by more than a tenth of the true colour, and the root mean
+/// square of the relative error.
 fn error(got: &[Vec3], truth: &[Vec3]) -> (f64, f64) {
     let relative = |(got, truth): (&Vec3, &Vec3)| {
         let scale = truth.max_element().max(0.02);
@@ -87,7 +88,7 @@ fn bytes(picture: &[Vec3]) -> Vec<u8> {
         .collect()
 }
 
-/// Green where it is right to red where it is wrong by as much as there is.
+/// Draws the relative error: green is 0, and red is 1 or more.
 fn heat(got: &[Vec3], truth: &[Vec3]) -> Vec<Vec3> {
     let pairs = got.iter().zip(truth);
     pairs
@@ -100,7 +101,7 @@ fn heat(got: &[Vec3], truth: &[Vec3]) -> Vec<Vec3> {
         .collect()
 }
 
-/// Pictures in a row.
+/// Puts pictures side by side.
 fn beside(pictures: &[&[Vec3]], size: UVec2) -> (UVec2, Vec<Vec3>) {
     let width = size.x as usize;
     let rows =
@@ -123,7 +124,7 @@ pub fn compare(mut rooms: Rooms, arguments: &Arguments) -> Result<(), String> {
     let truth: Vec<Vec3> = (0..dark.len())
         .map(|p| {
             let lit = alone.iter().zip(&visible).map(|(alone, visible)| {
-                // Where it does not count no light arrives.
+                // Where visibility is undefined, no light arrives.
                 let share = visible.values()[p];
                 (alone[p] - dark[p]) * if share.is_nan() { 0.0 } else { share }
             });

@@ -1,4 +1,4 @@
-//! The rooms as a game of Bevy's.
+//! The rooms as a Bevy game.
 
 use antumbra::bevy_adapter::prelude::*;
 use antumbra::scene::{Material, MeshData, SceneMaterials, SceneMesh, Submesh};
@@ -19,26 +19,26 @@ use std::time::Instant;
 use crate::frames;
 use crate::rooms::{LUMENS, Mover, RANGE, Rooms};
 
-/// Who throws shadows.
+/// The technique that makes the shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shadows {
-    /// Nobody.
+    /// No shadows.
     None,
-    /// Bevy's shadow maps, as its defaults have them.
+    /// Bevy's shadow maps with their default settings.
     Bevy,
     /// Stencil shadow volumes.
     Antumbra,
 }
 
-/// When the frame's commands were ready for the device.
+/// The moment at which the frame's commands were ready for the device.
 #[derive(Resource, Clone, Copy)]
 struct Recorded(Instant);
 
-/// A mover of the game.
+/// Marks a moving object of the game.
 #[derive(Component, Clone, Copy)]
 pub struct Moves(Mover);
 
-/// One of our submeshes as a mesh of Bevy's.
+/// Converts one of our submeshes to a Bevy mesh.
 pub fn mesh_of(data: &MeshData, submesh: &Submesh) -> Mesh {
     let positions: Vec<[f32; 3]> = data.positions.iter().map(|p| p.to_array()).collect();
     let normals: Vec<[f32; 3]> = data.normals.iter().map(|n| n.to_array()).collect();
@@ -49,7 +49,8 @@ pub fn mesh_of(data: &MeshData, submesh: &Submesh) -> Mesh {
         .with_inserted_indices(Indices::U32(indices))
 }
 
-/// Our material as one of Bevy's, without its textures. Seen from both sides, as the ray caster sees it.
+/// Converts our material to a Bevy material, without its textures. It is visible from both sides, as in the ray
+/// caster.
 pub fn material_of(material: &Material) -> StandardMaterial {
     let [r, g, b, _] = material.base_color.to_array();
     StandardMaterial {
@@ -62,7 +63,7 @@ pub fn material_of(material: &Material) -> StandardMaterial {
     }
 }
 
-/// Spawns what the rooms hold, and the first `lights` of their lamps.
+/// Spawns everything in the rooms, and the first `lights` of their lamps.
 pub fn furnish(world: &mut World, rooms: &Rooms, shadows: Shadows, lights: usize) -> Vec<Entity> {
     for entity in rooms.world.iter_entities() {
         let (Some(mesh), Some(materials), Some(transform)) = (
@@ -107,7 +108,7 @@ pub fn furnish(world: &mut World, rooms: &Rooms, shadows: Shadows, lights: usize
         .collect()
 }
 
-/// What every camera has.
+/// Returns the components of every camera.
 pub fn lens(rooms: &Rooms) -> impl Bundle {
     let projection = Projection::Perspective(PerspectiveProjection {
         fov: rooms.camera.vertical_fov,
@@ -118,16 +119,16 @@ pub fn lens(rooms: &Rooms) -> impl Bundle {
     (Camera3d::default(), deferred, projection, rooms.view)
 }
 
-/// A game without a window, frame by frame.
+/// A game without a window that runs frame by frame.
 pub struct Game {
     apps: SubApps,
     camera: Entity,
-    /// In the order of the lamps.
+    /// The lights, in the order of the lamps.
     pub lights: Vec<Entity>,
 }
 
 impl Game {
-    /// Begins a game.
+    /// Starts a game.
     pub fn new(rooms: &Rooms, shadows: Shadows, lights: usize, size: UVec2) -> Self {
         let mut app = frames::app();
         app.insert_resource(DefaultOpaqueRendererMethod::deferred());
@@ -163,12 +164,12 @@ impl Game {
         Self { apps, camera, lights }
     }
 
-    /// The game's world.
+    /// Returns the game's world.
     pub fn world(&mut self) -> &mut World {
         self.apps.main.world_mut()
     }
 
-    /// Turns the camera and moves the movers.
+    /// Turns the camera and moves the moving objects.
     pub fn advance(&mut self, rooms: &Rooms, time: f32) {
         let camera = self.camera;
         let world = self.world();
@@ -185,7 +186,8 @@ impl Game {
         self.apps.update();
     }
 
-    /// When the commands of the last frame were ready: software devices do their work while it is submitted.
+    /// Returns the moment at which the commands of the last frame were ready, before they were submitted: a software
+    /// device works during submission.
     pub fn recorded(&mut self) -> Instant {
         self.render_world().resource::<Recorded>().0
     }
@@ -202,7 +204,7 @@ impl Game {
         frames::render_world(&mut self.apps)
     }
 
-    /// Linear radiance, RGB by row from the top.
+    /// Returns linear radiance, RGB, row by row from the top.
     pub fn radiance(&mut self) -> Vec<Vec3> {
         let (_, texels) = frames::radiance(&mut self.apps, self.camera);
         texels

@@ -1,14 +1,15 @@
-//! Bevy's shadow maps and our shadows in the same rooms, side by side: what they look like, how far each is from the truth
-//! of a ray caster, and what each costs.
+//! Bevy's shadow maps and our shadows in the same rooms, side by side. Shows what they look like, how far each is
+//! from the ray caster's truth, and what each costs.
 //!
 //! ```sh
 //! cargo run --example bevy_compare --features bevy,reference -- --headless --out DIR
 //! cargo run --example bevy_compare --features bevy-window,reference
 //! ```
 //!
-//! Without a window it writes pictures, prints errors, and then times frames of 1 to 64 shadowed point lights:
-//! `frame LIGHTS bevy_cpu_ms bevy_gpu_ms antumbra_cpu_ms antumbra_gpu_ms`, medians in milliseconds. CPU is all of a frame up
-//! to its submission, GPU what the device needs from there on; each frame begins when the device is idle.
+//! Without a window it writes pictures, prints errors, and then times frames of 1 to 64 shadowed point lights. Each
+//! row is `frame LIGHTS bevy_cpu_ms bevy_gpu_ms antumbra_cpu_ms antumbra_gpu_ms`, medians in milliseconds. CPU time
+//! is the frame up to its submission; GPU time is the rest until the device is done. Each frame starts when the
+//! device is idle.
 
 mod costs;
 mod errors;
@@ -26,25 +27,25 @@ use std::process::ExitCode;
 use clap::Parser;
 use glam::UVec2;
 
-/// Bevy's shadow maps beside our shadows.
+/// Compares Bevy's shadow maps with our shadows.
 #[derive(Parser)]
 pub struct Arguments {
-    /// Without a window: pictures, errors and costs.
+    /// Opens no window: writes pictures, prints errors and costs.
     #[arg(long)]
     headless: bool,
-    /// Where the pictures go.
+    /// Folder for the pictures.
     #[arg(long, default_value = "out/bevy_compare")]
     out: PathBuf,
-    /// The rooms: a glTF file.
+    /// glTF file of the rooms.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/models/interior.glb"))]
     scene: PathBuf,
     /// Width and height of the pictures, pixels.
     #[arg(long, default_value = "320x180", value_parser = parse_size)]
     size: UVec2,
-    /// How many lights to time, one row each.
+    /// Numbers of lights to time, one row each.
     #[arg(long, default_value = "1,4,9,32,64", value_delimiter = ',')]
     lights: Vec<usize>,
-    /// Frames that are timed for each row.
+    /// Number of frames to time for each row.
     #[arg(long, default_value_t = 15)]
     frames: usize,
 }

@@ -1,4 +1,5 @@
-//! The rooms, and lights in them: a world of our own components, which the ray caster judges and games are made of.
+//! The rooms and their lights, as a world of our own components. The ray caster judges it, and the games are made
+//! from it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,43 +16,43 @@ use glam::{DVec3, UVec2, Vec3};
 
 use crate::spread::spread;
 
-/// How far lights shine, metres; as the scene's own do.
+/// Range of the lights, metres; the same as that of the scene's own lights.
 pub const RANGE: f32 = 9.0;
 
-/// What a lamp shines with where there is but one; more share it, by the root of their number.
+/// Luminous power of a single lamp, lumens. Several lamps have this divided by the square root of their number.
 pub const LUMENS: f32 = 5e5;
 
 /// A caster that moves on a circle.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Mover {
-    /// Its middle, metres.
+    /// Centre of the circle, metres.
     pub center: Vec3,
-    /// Radians.
+    /// Angle at time 0, radians.
     pub phase: f32,
 }
 
 impl Mover {
-    /// Where it is at a time, seconds.
+    /// Returns its place at a time in seconds.
     pub fn at(&self, time: f32) -> Transform {
         let turn = self.phase + time;
         Transform::from_translation(self.center + 0.4 * Vec3::new(turn.cos(), 0.3 * turn.sin(), turn.sin()))
     }
 }
 
-/// The scene.
+/// The scene and its lights.
 pub struct Rooms {
-    /// Meshes and movers.
+    /// World with the meshes and the moving casters.
     pub world: World,
-    /// What sees it.
+    /// Camera that sees the scene.
     pub camera: Camera,
-    /// From where.
+    /// Place of the camera.
     pub view: Transform,
-    /// Where lights hang, metres: first the scene's own, then more, at most 64.
+    /// Positions of the lights, metres. The scene's own come first, then more, up to 64.
     pub lamps: Vec<Vec3>,
 }
 
 impl Rooms {
-    /// Loads a scene. Of its surfaces, those that are opaque; of its lights, the places of the point lights.
+    /// Loads a scene. Only opaque surfaces and the positions of point lights are taken from it.
     ///
     /// # Errors
     /// One line that names the file.
@@ -98,7 +99,7 @@ impl Rooms {
         if lamps.is_empty() {
             return Err(format!("{}: there is no room for a lamp", path.display()));
         }
-        // Below the lamps that are there, so that all of them throw its shadow.
+        // The balls hang below lamps that every run has, so that they always throw shadows.
         let ball = Arc::new(MeshData::icosphere(0.18, 3));
         let matte = SceneMaterials([Arc::new(Material::matte(Vec3::new(0.9, 0.5, 0.3)))].into());
         for (index, lamp) in lamps.iter().take(4).enumerate() {
@@ -126,7 +127,8 @@ impl Rooms {
     }
 }
 
-/// A quarter of a metre below a ceiling, with a floor far enough below, above or below a point; `None` if that is no room.
+/// Returns a place for a lamp above the point, a quarter of a metre below the ceiling. `None` if there is too little
+/// room around the point or between its floor and ceiling.
 fn hanging_place(scene: &RayScene, from: DVec3) -> Option<DVec3> {
     let distance = |direction| {
         let ray = Ray {
@@ -145,7 +147,7 @@ fn hanging_place(scene: &RayScene, from: DVec3) -> Option<DVec3> {
     (ceiling + floor > 1.8 && free).then(|| from + DVec3::Y * (ceiling - 0.25))
 }
 
-/// An eye at the height of a person, under a ceiling, that sees the target from as far as the room lets it.
+/// Returns an eye at a person's height and under a ceiling that sees the target from as far away as the room allows.
 fn furthest_view(scene: &RayScene, target: Vec3) -> Vec3 {
     let origin = target.as_dvec3() + DVec3::Y * 0.6;
     let distance = |origin: DVec3, direction: DVec3, most: f64| {

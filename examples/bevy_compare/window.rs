@@ -1,4 +1,4 @@
-//! In a window: Bevy's shadows on the left, ours on the right, of the same lights.
+//! The window: Bevy's shadows on the left and ours on the right, from the same lights.
 
 use antumbra::bevy_adapter::prelude::*;
 use bevy::camera::Viewport;
@@ -9,11 +9,11 @@ use bevy::window::WindowResized;
 use crate::game::{Shadows, furnish, lens};
 use crate::rooms::Rooms;
 
-/// A half of the window, 0 or 1.
+/// Half of the window: 0 is the left, 1 the right.
 #[derive(Component)]
 struct Half(u32);
 
-/// Opens it.
+/// Opens the window.
 pub fn run(rooms: &Rooms) {
     let mut app = App::new();
     app.add_plugins((DefaultPlugins, AntumbraPlugin));
@@ -70,7 +70,7 @@ fn fit(
     }
 }
 
-/// The arrow keys turn both cameras, and walk.
+/// Turns and moves both cameras by the arrow keys.
 fn turn(keys: Res<ButtonInput<KeyCode>>, time: Res<Time>, mut cameras: Query<&mut Transform, With<Half>>) {
     let pressed = |key| f32::from(u8::from(keys.pressed(key)));
     let turn = pressed(KeyCode::ArrowLeft) - pressed(KeyCode::ArrowRight);

@@ -1,4 +1,4 @@
-//! A camera that flies, keys, and what the screen says.
+//! The flying camera, the keys, and the text on the screen.
 
 use antumbra::bevy_adapter::prelude::*;
 use bevy::input::mouse::AccumulatedMouseMotion;
@@ -7,14 +7,14 @@ use bevy::prelude::*;
 use crate::Moving;
 use crate::lights::Technique;
 
-/// What a visitor does.
+/// Plugin for everything that a visitor controls.
 pub struct Controls;
 
-/// The light that keys change; `None`: all.
+/// The light that keys change; `None` means all lights.
 #[derive(Resource, Default)]
 struct Chosen(Option<Entity>);
 
-/// Milliseconds of a frame, smoothed.
+/// Time of a frame, smoothed, milliseconds.
 #[derive(Resource, Default)]
 struct FrameTime(f32);
 
@@ -90,7 +90,7 @@ fn choose(
     }
 }
 
-/// Keys of the techniques, in their order.
+/// Keys of the techniques, in the order of [`Technique::all`].
 const KEYS: [KeyCode; 9] = [
     KeyCode::Digit1,
     KeyCode::Digit2,

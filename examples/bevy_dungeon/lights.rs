@@ -1,4 +1,4 @@
-//! Torches on the walls, a wisp that wanders, and who throws their shadows.
+//! Torches on the walls, a wandering wisp, and the techniques of their shadows.
 
 use std::f32::consts::TAU;
 
@@ -7,14 +7,14 @@ use bevy::prelude::*;
 
 use crate::rooms::{ROOM, rooms};
 
-/// Who throws a light's shadows.
+/// The technique that makes a light's shadows.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Technique {
-    /// One of ours.
+    /// A technique of antumbra.
     Ours(Row),
     /// Bevy's shadow maps.
     Bevy,
-    /// Nobody.
+    /// No shadows.
     None,
 }
 
@@ -22,7 +22,7 @@ pub enum Technique {
 const FLAME: f32 = 0.08;
 
 impl Technique {
-    /// All of them: ours that fit a point light, in the order of their list, and the others.
+    /// Returns all choices: first our techniques that fit a point light, in the order of their list, then the others.
     pub fn all() -> Vec<Self> {
         let point = antumbra::scene::Light::point(Vec3::ONE, 1.0, ROOM);
         let techniques = Techniques::default();
@@ -34,7 +34,7 @@ impl Technique {
         ours.chain([Self::Bevy, Self::None]).collect()
     }
 
-    /// For the figures.
+    /// Returns the name for the text on the screen.
     #[cfg(feature = "bevy-window")]
     pub fn name(self) -> &'static str {
         match self {
@@ -44,10 +44,10 @@ impl Technique {
         }
     }
 
-    /// Gives it to a light, in place of another.
+    /// Gives the technique to a light and removes the light's other techniques.
     pub fn give(self, light: &mut EntityCommands, point: &mut PointLight) {
         point.shadow_maps_enabled = self == Self::Bevy;
-        // A technique that leaves out what is hidden from the light can do so for points alone.
+        // Objects can be hidden from a light only if the light is a point, so techniques that use this get a point.
         let is_flame = matches!(self, Self::Ours(row) if !row.needs().light_occlusion);
         point.radius = if is_flame { FLAME } else { 0.0 };
         light.insert(self);
@@ -60,19 +60,19 @@ impl Technique {
     }
 }
 
-/// A flame, whose brightness goes up and down.
+/// A flame whose brightness flickers.
 #[derive(Component)]
 pub struct Flame {
-    /// Lumens.
+    /// Mean luminous power, lumens.
     pub mean: f32,
     phase: f32,
 }
 
-/// A light that wanders through the rooms.
+/// Marks the light that wanders through the rooms.
 #[derive(Component)]
 pub struct Wisp;
 
-/// Two torches a room, and the wisp.
+/// Spawns two torches in each room, and the wisp.
 pub fn hang(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -97,7 +97,7 @@ pub fn hang(
             range: 1.2 * ROOM,
             ..default()
         };
-        // It shines out of its own flame, which must not stand in its way.
+        // The light is inside its own flame, so the flame must not cast a shadow.
         let flame = (
             Mesh3d(flame_mesh.clone()),
             MeshMaterial3d(look.clone()),
@@ -128,7 +128,7 @@ pub fn flicker(time: Res<Time>, mut flames: Query<(&Flame, &mut PointLight)>) {
     }
 }
 
-/// Leads the wisp around the inner pillars.
+/// Moves the wisp around the inner pillars.
 pub fn wander(time: Res<Time>, mut wisps: Query<&mut Transform, With<Wisp>>) {
     let turn = 0.15 * TAU * time.elapsed_secs();
     for mut place in &mut wisps {

@@ -1,17 +1,17 @@
-//! A dungeon to walk through: nine rooms, torches that flicker, a wisp that wanders, things that turn; each light with the
-//! shadow technique that one gives it.
+//! A dungeon to walk through: nine rooms, flickering torches, a wandering wisp and turning objects. Keys change the
+//! shadow technique of each light.
 //!
 //! ```sh
 //! cargo run --release --features bevy-window --example bevy_dungeon
 //! cargo run --features bevy --example bevy_dungeon -- --headless --out DIR
 //! ```
 //!
-//! | key | |
+//! | key | action |
 //! | --- | --- |
-//! | W A S D, Q E | walk, sink and rise; with Shift three times as fast |
+//! | W A S D, Q E | walk, sink and rise; three times as fast with Shift |
 //! | arrows, or the mouse with its right button down | look around |
 //! | Tab, Backspace | choose the next light, or all of them |
-//! | 1 2 3 4 0 | stencil volumes, penumbra wedges, omnidirectional maps, Bevy's own maps, no shadows |
+//! | 1 2 3 4 5 | stencil volumes, penumbra wedges, omnidirectional maps, Bevy's own maps, no shadows |
 //! | P | stop and go |
 
 #[cfg(feature = "bevy-window")]
@@ -25,7 +25,7 @@ mod bevy_headless;
 use antumbra::bevy_adapter::prelude::*;
 use bevy::prelude::*;
 
-/// Whether things move.
+/// Whether lights and objects move.
 #[derive(Resource, Clone, Copy)]
 pub struct Moving(pub bool);
 
@@ -48,7 +48,7 @@ fn main() {
     bevy_headless::run(app);
 }
 
-/// The visitor's eyes.
+/// Spawns the visitor's camera.
 fn enter(mut commands: Commands) {
     let eyes = Transform::from_xyz(-3.3, 1.7, 1.2).looking_at(Vec3::new(0.6, 1.0, -0.6), Vec3::Y);
     commands.spawn((Camera3d::default(), Msaa::Off, AntumbraCamera, eyes));

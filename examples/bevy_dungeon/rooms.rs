@@ -1,4 +1,4 @@
-//! Nine rooms of stone with doors between them, pillars, and things that turn.
+//! Nine rooms of stone with doors between them, pillars, and turning objects.
 
 use bevy::prelude::*;
 
@@ -10,20 +10,20 @@ const DOOR: f32 = 1.8;
 const LINTEL: f32 = 2.3;
 const WALL: f32 = 0.4;
 
-/// Turns about an axis.
+/// Makes an object turn about an axis.
 #[derive(Component)]
 pub struct Turns {
     axis: Vec3,
-    /// Radians a second.
+    /// Speed, radians per second.
     speed: f32,
 }
 
-/// Middles of the rooms, on the floor.
+/// Returns the centres of the rooms' floors.
 pub fn rooms() -> impl Iterator<Item = Vec3> {
     (0..9).map(|i| Vec3::new((i % 3) as f32 - 1.0, 0.0, (i / 3) as f32 - 1.0) * ROOM)
 }
 
-/// Builds everything that casts.
+/// Builds everything that casts shadows.
 pub fn build(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
@@ -53,7 +53,7 @@ pub fn build(
     for height in [-0.5 * WALL, HEIGHT + 0.5 * WALL] {
         add_block(Vec3::Y * height, Vec3::new(extent, WALL, extent), &floor);
     }
-    // Walls along x and along z; inner ones have a door into each room.
+    // Walls run along x and along z. Inner walls have a door into each room.
     for line in 0..4 {
         for room in 0..3 {
             let across = (line as f32 - 1.5) * ROOM;
@@ -112,7 +112,7 @@ pub fn build(
     }
 }
 
-/// Turns what turns.
+/// Turns the turning objects.
 pub fn turn(time: Res<Time>, mut things: Query<(&Turns, &mut Transform)>) {
     for (turns, mut place) in &mut things {
         place.rotate(Quat::from_axis_angle(turns.axis, turns.speed * time.delta_secs()));

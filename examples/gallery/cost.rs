@@ -1,4 +1,4 @@
-//! What a light costs with and without its shadows, and the CPU sets of a steady frame.
+//! Costs of a light with and without its shadows, and of the CPU sets in a steady frame.
 
 use antumbra::prelude::*;
 use antumbra::render::{PassTime, RenderError};
@@ -8,29 +8,29 @@ use bevy_ecs::prelude::*;
 
 use super::support::stage::Stage;
 
-/// Frames that a time is the median of.
+/// Number of frames of which a time is the median.
 pub const RUNS: usize = 5;
 
 /// Times of a shot, milliseconds.
 #[derive(Clone, Debug, Default)]
 pub struct Cost {
-    /// CPU by system set, median of [`RUNS`] frames in which nothing moves, all lights on.
+    /// CPU times by system set with all lights on: medians of [`RUNS`] frames in which nothing moves.
     pub cpu_ms: Vec<f64>,
-    /// The light's GPU passes with its shadows, the other lights off; `None` without timers.
+    /// GPU time of the light's passes with its shadows and with the other lights off; `None` without timers.
     pub shadowed_ms: Option<f64>,
-    /// The same light without shadows.
+    /// GPU time of the light's passes without its shadows; `None` without timers.
     pub unshadowed_ms: Option<f64>,
 }
 
 impl Cost {
-    /// How many times as long the light takes with its shadows.
+    /// Returns the time of the light with its shadows divided by the time without.
     pub fn ratio(&self) -> Option<f64> {
         let (with, without) = (self.shadowed_ms?, self.unshadowed_ms?);
         (without > 0.0).then(|| with / without)
     }
 }
 
-/// CPU milliseconds by system set, median of frames in which nothing moves.
+/// Returns CPU milliseconds by system set: medians of frames in which nothing moves.
 pub fn steady_cpu_ms(stage: &mut Stage) -> Vec<f64> {
     let mut by_set = vec![Vec::with_capacity(RUNS); AntumbraSystems::ALL.len()];
     for _ in 0..RUNS {
@@ -43,7 +43,7 @@ pub fn steady_cpu_ms(stage: &mut Stage) -> Vec<f64> {
     by_set.into_iter().filter_map(median).collect()
 }
 
-/// Turns all lights off but one; gives what [`restore`] needs.
+/// Turns off all lights except one. Returns what [`restore`] needs.
 pub fn isolate(stage: &mut Stage, light: usize) -> Vec<(Entity, Light)> {
     let entities: Vec<Entity> = stage.lights.clone();
     let others = entities
@@ -55,17 +55,17 @@ pub fn isolate(stage: &mut Stage, light: usize) -> Vec<(Entity, Light)> {
         .collect()
 }
 
-/// Turns lights on again.
+/// Turns on the lights that [`isolate`] turned off.
 pub fn restore(stage: &mut Stage, lights: Vec<(Entity, Light)>) {
     for (entity, light) in lights {
         stage.world.entity_mut(entity).insert(light);
     }
 }
 
-/// Times the light's passes with and without its technique, a frame each to warm up.
+/// Times the light's passes with and without its technique, each after one warm-up frame.
 ///
 /// # Errors
-/// What the device refuses.
+/// Something that the device refuses.
 pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
     let shadowed_ms = passes_ms(stage, light)?;
     let entity = stage.lights[light];
@@ -82,7 +82,7 @@ pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
     })
 }
 
-/// All passes of a light: `light N`, and `light N/…` of its technique.
+/// Times all passes of a light: `light N`, and those of its technique, `light N/…`.
 fn passes_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError> {
     stage.time_passes()?;
     let mut times = Vec::with_capacity(RUNS);

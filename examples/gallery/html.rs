@@ -1,4 +1,4 @@
-//! `index.html`: one file beside its pictures, without anything from elsewhere.
+//! Writes `index.html`, a page that needs only the pictures beside it.
 
 use std::fmt::Write;
 
@@ -11,7 +11,7 @@ use super::judge::{Judgement, PageResult, ShotResult, Workbench, verdict};
 use super::page::{Page, PageShot};
 use super::panels::TITLES;
 
-/// The whole text. `more` are further pages in the same folder: file and title.
+/// Returns the text of the page. `more` lists further pages in the same folder, each with its file and title.
 pub fn index(
     results: &[(&Page, PageResult)],
     more: &[(&str, &str)],
@@ -19,7 +19,7 @@ pub fn index(
     seconds: f64,
 ) -> String {
     let mut html = String::new();
-    // Writing to a string does not fail.
+    // Writing to a string cannot fail.
     let _ = write_index(&mut html, results, more, bench, seconds);
     html
 }
@@ -241,7 +241,7 @@ fn figures(html: &mut String, judged: &ShotResult, triangle_count: usize) -> std
     Ok(())
 }
 
-/// CPU times of the first frame, and of one in which nothing moves.
+/// Writes the CPU times of the first frame, and of a frame in which nothing moves.
 fn cpu(html: &mut String, first: &Value, steady: &[f64]) -> std::fmt::Result {
     for (set, steady) in AntumbraSystems::ALL.iter().zip(steady) {
         write!(
@@ -267,7 +267,7 @@ fn wrong_count(count: usize) -> String {
     format!("<span class=\"{class}\">{count}</span>")
 }
 
-/// The count, and where the first of them is.
+/// Returns the number of wrong pixels and the place of the first one.
 fn wrong_at(count: usize, first: Option<UVec2>) -> String {
     let at = first.map_or_else(String::new, |at| format!(" (at {},{})", at.x, at.y));
     format!("{}{at}", wrong_count(count))

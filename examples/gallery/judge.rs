@@ -1,4 +1,4 @@
-//! A shot's pictures, and its lights against the ray caster.
+//! Draws a shot's pictures and compares its lights with the ray caster.
 
 use std::path::Path;
 use std::time::Instant;
@@ -19,65 +19,65 @@ use super::support::solid::make_alpha_solid;
 use super::support::stage::{Rendered, Stage, one_line};
 use super::support::{picture, stats};
 
-/// What renders all pages.
+/// Renders all pages.
 pub struct Workbench {
-    /// The device.
+    /// Device that draws.
     pub context: RenderContext,
-    /// Of the pictures, pixels.
+    /// Size of the pictures, pixels.
     pub size: UVec2,
 }
 
-/// What a page gave.
+/// Results of a page.
 pub struct PageResult {
-    /// Wall time.
+    /// Wall-clock time, seconds.
     pub seconds: f64,
-    /// Triangles of the scene.
+    /// Number of triangles of the scene.
     pub triangle_count: usize,
-    /// Objects with alpha-tested surfaces, which the judged panels take as solid.
+    /// Number of objects with alpha-tested surfaces. The judged panels treat them as solid.
     pub made_solid: usize,
-    /// Shot by shot.
+    /// Results of each shot.
     pub shots: Vec<ShotResult>,
 }
 
-/// What a shot gave.
+/// Results of a shot.
 pub struct ShotResult {
-    /// Files of the panels, in the order of [`panels::TITLES`].
+    /// File names of the panels, in the order of [`panels::TITLES`].
     pub files: Vec<String>,
     /// Index of the light that the panels show.
     pub light: usize,
-    /// Name of each light and its judgement; `None` for one that could not be judged.
+    /// Name and judgement of each light; `None` for a light that could not be judged.
     pub lights: Vec<(String, Option<Judgement>)>,
-    /// Statistics of the first frame, as of `examples/render`.
+    /// Statistics of the first frame, as in the `stats.json` of `examples/render`.
     pub stats: Value,
-    /// CPU milliseconds by system set while nothing moves, and of the light.
+    /// Times of a frame in which nothing moves, and of the light.
     pub cost: Cost,
 }
 
-/// How wrong a light's rendered visibility is.
+/// Error of a light's rendered visibility.
 #[derive(Clone, Copy, Debug)]
 pub struct Judgement {
-    /// In numbers.
+    /// The error in numbers.
     pub error: HardError,
-    /// The first wrong pixel off the edge band.
+    /// First wrong pixel outside the edge band.
     pub first_wrong: Option<UVec2>,
 }
 
 /// The five pictures of a shot, sRGB RGBA.
 pub struct Panels {
-    /// All lights.
+    /// The picture under all lights.
     pub picture: Vec<u8>,
-    /// The light alone, its volumes over it.
+    /// The picture under the light alone, with its volumes drawn over it.
     pub volumes: Vec<u8>,
     /// Rendered visibility of the light.
     pub visibility: Vec<u8>,
     /// Ray-cast visibility of the light.
     pub truth: Vec<u8>,
-    /// Where both differ.
+    /// Pixels where rendered and ray-cast visibility differ.
     pub difference: DifferenceImage,
 }
 
 impl Workbench {
-    /// Renders and judges a page; its pictures go to `out`.
+    /// Renders and judges a page. Writes its pictures to `out`.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -111,7 +111,7 @@ impl Workbench {
         })
     }
 
-    /// The five panels of one shot.
+    /// Renders the five panels of one shot.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -124,7 +124,7 @@ impl Workbench {
         Ok(panels)
     }
 
-    /// The picture of one shot alone.
+    /// Renders only the picture of one shot.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -141,7 +141,7 @@ impl Workbench {
             .picture)
     }
 
-    /// A page's stage with a renderer.
+    /// Builds a page's stage with a renderer.
     fn prepare(&self, page: &Page) -> Result<PageStage, String> {
         let mut shown = page.stage(self.size)?;
         let settings = RenderSettings {
@@ -154,7 +154,7 @@ impl Workbench {
         Ok(shown)
     }
 
-    /// The picture under all lights, what it was made of, and CPU milliseconds of steady frames.
+    /// Returns the picture under all lights, its statistics, and the CPU milliseconds of steady frames.
     fn picture(
         &self,
         page: &Page,
@@ -172,7 +172,7 @@ impl Workbench {
         Ok((rendered, stats, cost::steady_cpu_ms(stage)))
     }
 
-    /// The other panels, the error of every light, and the cost of the shot's light.
+    /// Returns the other panels, the error of every light, and the cost of the shot's light.
     fn judge_shot(
         &self,
         page: &Page,
@@ -193,7 +193,7 @@ impl Workbench {
         let visibility = if again {
             stage.render().map_err(|error| failed(&error))?.visibility
         } else {
-            stage.schedule.run(&mut stage.world); // the camera's transform is that of this shot again
+            stage.schedule.run(&mut stage.world); // gives the camera this shot's transform again
             rendered.visibility
         };
         let mut judged = Vec::new();
@@ -239,7 +239,7 @@ fn in_page(page: &Page, error: &dyn std::error::Error) -> String {
     format!("page {}: {}", page.name, one_line(error))
 }
 
-/// Truth for one light of the frame that ran last; `None` for a light that cannot shine.
+/// Computes the truth for one light of the last frame; `None` for a light that cannot shine.
 fn truth(stage: &Stage, scene: &RayScene, light: usize) -> Result<Option<VisibilityImage>, String> {
     let world = &stage.world;
     let (Some(camera), Some(transform)) = (
@@ -281,7 +281,7 @@ fn write_panels(panels: &Panels, size: UVec2, out: &Path, stem: &str) -> Result<
     Ok(files)
 }
 
-/// One line: the worst share of wrong pixels of any light of any shot.
+/// Returns one line with the worst share of wrong pixels of any light in any shot.
 pub fn verdict(results: &[(&Page, PageResult)]) -> String {
     let mut worst: Option<(f64, String)> = None;
     let (mut judged, mut wrong) = (0, 0);

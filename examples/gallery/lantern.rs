@@ -1,12 +1,12 @@
-//! The jack-o'-lantern: hollow walls with triangular eyes, a nose and a mouth, lit from inside. A closed caster with
-//! holes, whose walls stand all round the light.
+//! The jack-o'-lantern: hollow walls with triangular eyes, a nose and a mouth, lit from inside. It is a closed caster
+//! with holes whose walls surround the light.
 //!
 //! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9, figure 9-2.
 
 use antumbra::prelude::MeshData;
 use glam::{Vec2, Vec3};
 
-/// The holes of a wall, in −1..=1 along both axes.
+/// The holes of a wall; coordinates are in −1..=1 along both axes.
 const HOLES: [&[Vec2]; 4] = [
     &[
         Vec2::new(-0.68, 0.15),
@@ -35,11 +35,13 @@ const HOLES: [&[Vec2]; 4] = [
     ],
 ];
 
-/// A box without a floor on the XZ plane, `half_size` metres to the outside of each wall, a face in each.
+/// Builds a box without a floor on the XZ plane, with a face in each wall. The outside of each wall is `half_size`
+/// metres from the centre.
 pub fn lantern(half_size: f32, thickness: f32) -> MeshData {
     let mut mesh = Soup::default();
     for quarter in 0..4 {
-        // Mitred: deeper in, a wall is narrower and lower, so that neighbours and roof share its corners exactly.
+        // The walls are mitred: each is narrower and lower on its inside, so that it shares its corners exactly with
+        // its neighbours and the roof.
         let place = |at: Vec2, depth: f32| {
             let inset = half_size - depth * thickness;
             let height = 2.0 * half_size - depth * thickness;
@@ -62,7 +64,7 @@ pub fn lantern(half_size: f32, thickness: f32) -> MeshData {
     mesh.finish()
 }
 
-/// One wall: outside, inside, the rims of its holes and its foot.
+/// Builds one wall: its outside, its inside, the rims of its holes and its foot.
 fn wall(mesh: &mut Soup, place: &impl Fn(Vec2, f32) -> Vec3) {
     let lines = lines();
     for band in lines.windows(2) {
@@ -76,7 +78,7 @@ fn wall(mesh: &mut Soup, place: &impl Fn(Vec2, f32) -> Vec3) {
                 mesh.triangle(triangle.map(|at| place(at, 1.0)), true);
             }
         }
-        // Every border but the outermost is the rim of a hole, its solid side left for odd ones.
+        // Every border except the outermost is the rim of a hole. Odd ones have their solid side on the left.
         for (index, border) in borders.iter().enumerate().skip(1).take(borders.len() - 2) {
             let [a, b] = [low, high].map(|y| Vec2::new(border.x_at(y), y));
             let rim = [place(a, 0.0), place(a, 1.0), place(b, 1.0), place(b, 0.0)];
@@ -110,12 +112,12 @@ fn wall(mesh: &mut Soup, place: &impl Fn(Vec2, f32) -> Vec3) {
     );
 }
 
-/// A border of solid parts within a band: an edge of a hole, or of the wall.
+/// A border of solid parts within a band: an edge of a hole or of the wall.
 #[derive(Clone, Copy)]
 struct Border(Vec2, Vec2);
 
 impl Border {
-    /// The same bits for the bands above and below.
+    /// Returns the border's x at a height. The bits are the same for the bands above and below.
     fn x_at(&self, y: f32) -> f32 {
         let Self(a, b) = if self.0.y < self.1.y {
             *self
@@ -140,7 +142,7 @@ fn edges(hole: &[Vec2]) -> impl Iterator<Item = (Vec2, Vec2)> {
     (0..hole.len()).map(|i| (hole[i], hole[(i + 1) % hole.len()]))
 }
 
-/// Heights between which no border begins or ends, ascending.
+/// Returns heights, ascending, between which no border begins or ends.
 fn lines() -> Vec<f32> {
     let corners = HOLES.iter().flat_map(|hole| hole.iter().map(|corner| corner.y));
     let mut lines: Vec<f32> = corners.chain([-1.0, 1.0]).collect();
@@ -149,7 +151,7 @@ fn lines() -> Vec<f32> {
     lines
 }
 
-/// Borders of the solid parts of a band, from the left; two a part.
+/// Returns the borders of the solid parts of a band from left to right, two for each part.
 fn borders(low: f32, high: f32) -> Vec<Border> {
     let side = |x: f32| Border(Vec2::new(x, -1.0), Vec2::new(x, 1.0));
     let rims = HOLES
@@ -165,7 +167,7 @@ fn borders(low: f32, high: f32) -> Vec<Border> {
     borders
 }
 
-/// Whether the wall is solid just below a point of a line.
+/// Returns whether the wall is solid just below a point of a line.
 fn borders_below(y: f32, x: f32) -> bool {
     let lines = lines();
     let Some(index) = lines
@@ -181,8 +183,8 @@ fn borders_below(y: f32, x: f32) -> bool {
         .any(|part| part[0].x_at(y) < x && x < part[1].x_at(y))
 }
 
-/// Points of the line at `y` from `left` to `right`: those where any border crosses or ends, so that the triangles
-/// above and below share all their vertices.
+/// Returns the points of the line at `y`, from `left` to `right`, where a border crosses or ends. The triangles above
+/// and below share all of these vertices.
 fn chain(y: f32, left: f32, right: f32) -> Vec<Vec2> {
     let lines = lines();
     let bands = lines.windows(2).filter(|band| band[0] == y || band[1] == y);
@@ -197,7 +199,7 @@ fn chain(y: f32, left: f32, right: f32) -> Vec<Vec2> {
     xs.into_iter().map(|x| Vec2::new(x, y)).collect()
 }
 
-/// Triangles between two chains, counter-clockwise.
+/// Fills the area between two chains with counter-clockwise triangles.
 fn between(bottom: &[Vec2], top: &[Vec2]) -> Vec<[Vec2; 3]> {
     let mut triangles: Vec<_> = bottom.windows(2).map(|step| [step[0], step[1], top[0]]).collect();
     let last = bottom[bottom.len() - 1];
@@ -205,7 +207,7 @@ fn between(bottom: &[Vec2], top: &[Vec2]) -> Vec<[Vec2; 3]> {
     triangles
 }
 
-/// Triangles with flat normals.
+/// Builds a mesh with flat normals from triangles.
 #[derive(Default)]
 struct Soup {
     positions: Vec<Vec3>,

@@ -1,25 +1,25 @@
-//! What a technical artist opens to compare shadow techniques: each page is a scene, each shot a row of pictures with
-//! the ray-cast truth beside them, the error in numbers, and what the shadows cost.
+//! A gallery in which a technical artist compares shadow techniques. Each page is a scene. Each shot is a row of
+//! pictures with the ray-cast truth beside them, the error in numbers, and the cost of the shadows.
 //!
 //! ```sh
 //! cargo run --example gallery --features reference -- --out DIR [--models FOLDER] [--size 320x180] [--only NAME]
 //! ```
 //!
-//! Writes PNGs and one `index.html`. Any error is one line on stderr that names the file and the element, exit
-//! status 1.
+//! Writes PNGs and one `index.html`. Any error is one line on stderr that names the file and the element; the exit
+//! status is then 1.
 //!
 //! | file | subject |
 //! | --- | --- |
-//! | `page` | what a page is made of, and its stage |
-//! | `pages`, `model_pages` | the pages: bundled, and those of a folder of models |
-//! | `lantern` | the jack-o'-lantern, a holed hollow caster made in code |
-//! | `judge` | a shot's pictures, and its lights against the ray caster |
+//! | `page` | the description of a page, and its stage |
+//! | `pages`, `model_pages` | the bundled pages, and those of a folder of models |
+//! | `lantern` | the jack-o'-lantern, a hollow caster with holes, made in code |
+//! | `judge` | a shot's pictures, and the comparison of its lights with the ray caster |
 //! | `cost` | times of a light with and without its shadows |
-//! | `panels` | pictures on disk |
-//! | `html`, `gallery.css`, `gallery.js` | the page that shows them |
+//! | `panels` | visibility as pictures |
+//! | `html`, `gallery.css`, `gallery.js` | the web page that shows them |
 //! | `soft_pages` | soft shadows side by side, after the figures of their paper |
 //! | `soft_table` | errors and costs of soft shadows, model by model |
-//! | `soft_cost` | what tight wedges and culling save |
+//! | `soft_cost` | the time that tight wedges and culling save |
 //! | `readme` | the pictures of the README |
 
 mod cost;
@@ -50,10 +50,10 @@ use support::stage::one_line;
 /// Renders the gallery.
 #[derive(Parser)]
 struct Arguments {
-    /// Folder for the pictures and index.html; made if it is not there.
+    /// Folder for the pictures and index.html; created if missing.
     #[arg(long, required_unless_present_any = ["readme", "soft_table", "soft_cost"])]
     out: Option<PathBuf>,
-    /// Folder of further models: adds a page for each that the gallery knows.
+    /// Folder of further models. Adds a page for each one that the gallery knows.
     #[arg(long)]
     models: Option<PathBuf>,
     /// Size of the pictures, pixels.
@@ -65,16 +65,17 @@ struct Arguments {
     /// Renders the pictures of the README into assets/readme instead.
     #[arg(long)]
     readme: bool,
-    /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` names a part of paths.
+    /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` selects by a part
+    /// of the path.
     #[arg(long, requires = "models")]
     soft_table: bool,
-    /// Names of the columns of `--soft-table`, such as "wedges,2x2,hard 64"; all without.
+    /// Names of the columns of `--soft-table`, such as "wedges,2x2,hard 64". Default: all.
     #[arg(long, requires = "soft_table")]
     ways: Option<String>,
-    /// Prints what tight wedges and culling save instead.
+    /// Prints the time that tight wedges and culling save instead.
     #[arg(long)]
     soft_cost: bool,
-    /// Writes the page of soft shadows to `--out` instead; the index that is written there next links to it.
+    /// Writes the page of soft shadows to `--out` instead. An index that is written there later links to it.
     #[arg(long, requires = "out")]
     soft: bool,
 }
@@ -139,7 +140,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     let seconds = begin.elapsed().as_secs_f64();
     let index = out.join("index.html");
-    // Drawn by another call, if at all.
+    // Only a call with `--soft` draws this page.
     let soft = out.join(soft_pages::FILE).is_file();
     let more: &[_] = if soft {
         &[(soft_pages::FILE, "Soft shadows")]

@@ -1,4 +1,4 @@
-//! Pages of models that are not part of the repository; a folder may hold any of them, at any depth.
+//! Pages of models that are not in the repository. A folder can hold any of them, at any depth.
 
 use std::path::{Path, PathBuf};
 
@@ -9,10 +9,10 @@ use super::page::{Page, PageShot, PlacedModel, view};
 use super::pages::{directional, ground, point};
 use super::support::shot::ShotCamera;
 
-/// A page for each known model of the folder.
+/// Returns a page for each known model of the folder.
 ///
 /// # Errors
-/// If the folder cannot be read, or holds none of them.
+/// The folder cannot be read, or holds none of the known models.
 pub fn of_folder(folder: &Path) -> Result<Vec<Page>, String> {
     let files = files_below(folder)?;
     let pages: Vec<Page> = known()
@@ -40,7 +40,7 @@ pub fn of_folder(folder: &Path) -> Result<Vec<Page>, String> {
     Ok(pages)
 }
 
-/// File name, pose, and the page without the model.
+/// A file name, a pose, and the page without the model.
 type Known = (&'static str, Option<(&'static str, f32)>, Page);
 
 fn known() -> Vec<Known> {
@@ -135,7 +135,7 @@ fn one_shot(page: Page, camera: Option<ShotCamera>, light: &'static str, exposur
     }
 }
 
-/// All files below a folder, sorted.
+/// Returns all files below a folder, sorted.
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let mut found = Vec::new();
     let mut open = vec![folder.to_owned()];

@@ -1,4 +1,4 @@
-//! What a page is made of, and the stage that it stands on.
+//! The description of a page, and the stage that is built from it.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,91 +17,91 @@ use super::support::stage::{Stage, framing_camera, one_line};
 /// One scene with its shots.
 #[derive(Clone)]
 pub struct Page {
-    /// For `--only`, file names and links.
+    /// Name for `--only`, file names and links.
     pub name: &'static str,
-    /// Heading.
+    /// Heading of the page.
     pub title: &'static str,
-    /// What there is to see, for the reader of the page.
+    /// Text that tells the reader what to look for.
     pub about: &'static str,
-    /// Files that the scene is made of.
+    /// glTF files of the scene.
     pub models: Vec<PlacedModel>,
-    /// Objects made in code.
+    /// Objects of the scene that are made in code.
     pub objects: Vec<PlacedMesh>,
-    /// Its lights; none: those of the models.
+    /// Lights of the page. If empty, the models' own lights shine.
     pub lights: Vec<NamedLight>,
-    /// Factor on the intensity of the models' own directional lights.
+    /// Factor that multiplies the intensity of the models' own directional lights.
     pub sun_gain: f32,
-    /// Lets light through surfaces that are blended, such as window panes.
+    /// Whether blended surfaces, such as window panes, let light through.
     pub clear_panes: bool,
-    /// Linear RGB where nothing is.
+    /// Background, linear RGB radiance.
     pub background: Vec3,
-    /// Linear RGB radiance from everywhere.
+    /// Ambient light, linear RGB radiance from everywhere.
     pub ambient: Vec3,
-    /// What shadows the lights: each by the first of these that fits it.
+    /// Techniques of the lights. Each light takes the first one that fits it.
     pub techniques: Vec<Settings>,
-    /// Views.
+    /// Views of the scene.
     pub shots: Vec<PageShot>,
 }
 
-/// A glTF file somewhere in a scene.
+/// A glTF file and its place in a scene.
 #[derive(Clone)]
 pub struct PlacedModel {
-    /// The file.
+    /// Path of the file.
     pub file: PathBuf,
-    /// Where its scene stands.
+    /// Transform of the file's scene.
     pub transform: Transform,
-    /// Clip, by a part of its name, and seconds.
+    /// Part of a clip's name, and a time in seconds.
     pub pose: Option<(&'static str, f32)>,
 }
 
-/// A mesh made in code.
+/// A mesh that is made in code.
 #[derive(Clone)]
 pub struct PlacedMesh {
-    /// Its triangles.
+    /// Triangles of the mesh.
     pub mesh: Arc<MeshData>,
-    /// Its surface.
+    /// Surface of the mesh.
     pub material: Material,
-    /// Its place.
+    /// Transform in the scene.
     pub transform: Transform,
 }
 
-/// A light and what the page calls it.
+/// A light and its name on the page.
 #[derive(Clone)]
 pub struct NamedLight {
-    /// For the tables.
+    /// Name for the tables.
     pub name: &'static str,
-    /// The light.
+    /// The light component.
     pub light: Light,
-    /// Its place.
+    /// Transform in the scene.
     pub transform: Transform,
 }
 
 /// A view of a page.
 #[derive(Clone)]
 pub struct PageShot {
-    /// For file names and headings.
+    /// Name for file names and headings.
     pub name: &'static str,
-    /// What to look at.
+    /// Text that tells the reader what to look for in this view.
     pub caption: &'static str,
-    /// The view; none: one that frames the scene.
+    /// The camera; `None` takes one that frames the scene.
     pub camera: Option<ShotCamera>,
     /// Name of the light whose panels are shown.
     pub light: &'static str,
-    /// Factor on radiance.
+    /// Exposure, a factor that multiplies radiance.
     pub exposure: f32,
 }
 
-/// A page's world, with every light shadowed.
+/// The stage of a page, on which every light casts shadows.
 pub struct PageStage {
-    /// The world.
+    /// World, schedule and renderer.
     pub stage: Stage,
     /// Names of the stage's lights.
     pub light_names: Vec<String>,
-    /// Triangles of the scene.
+    /// Number of triangles of the scene.
     pub triangle_count: usize,
 }
 
-/// The repository's `assets`, else that of the current folder.
+/// Returns the repository's `assets` folder, or else the one in the current folder.
 pub fn assets_folder() -> Result<PathBuf, String> {
     let built_from = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
     let here = PathBuf::from("assets");
@@ -117,7 +117,7 @@ pub fn assets_folder() -> Result<PathBuf, String> {
         })
 }
 
-/// A camera at `eye` that looks to `target`.
+/// Returns a camera at `eye` that looks at `target`.
 pub fn view(eye: [f32; 3], target: [f32; 3], vfov_deg: f32) -> Option<ShotCamera> {
     Some(ShotCamera {
         eye,
@@ -130,7 +130,7 @@ pub fn view(eye: [f32; 3], target: [f32; 3], vfov_deg: f32) -> Option<ShotCamera
 }
 
 impl Page {
-    /// An empty page.
+    /// Returns an empty page.
     pub fn new(name: &'static str, title: &'static str, about: &'static str) -> Self {
         Self {
             name,
@@ -153,7 +153,7 @@ impl Page {
         }
     }
 
-    /// Names of the techniques, for the tables.
+    /// Returns the names of the techniques, for the tables.
     pub fn technique_names(&self) -> String {
         let names = self
             .techniques
@@ -162,14 +162,14 @@ impl Page {
         names.collect::<Vec<_>>().join(", ")
     }
 
-    /// The technique that fits a light.
+    /// Returns the first technique that fits a light.
     fn technique_of(&self, light: &Light) -> Option<&Settings> {
         self.techniques
             .iter()
             .find(|settings| settings.check(light).is_ok())
     }
 
-    /// Builds the page's world.
+    /// Builds the page's stage.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -280,10 +280,10 @@ impl Page {
 }
 
 impl PageStage {
-    /// Points the camera.
+    /// Points the camera at a shot's view.
     ///
     /// # Errors
-    /// What is wrong with the camera.
+    /// Says what is wrong with the camera.
     pub fn look(&mut self, shot: &PageShot, size: UVec2) -> Result<(), String> {
         let parts = match &shot.camera {
             Some(camera) => (camera.camera(size), camera.transform()?),
@@ -294,10 +294,10 @@ impl PageStage {
         Ok(())
     }
 
-    /// Index of a light.
+    /// Returns the index of the light with a name.
     ///
     /// # Errors
-    /// The names that there are.
+    /// No light has the name. Lists the names of all lights.
     pub fn light(&self, page: &Page, name: &str) -> Result<usize, String> {
         self.light_names
             .iter()

@@ -12,7 +12,7 @@ use glam::{Quat, Vec3};
 use super::lantern::lantern;
 use super::page::{NamedLight, Page, PageShot, PlacedMesh, PlacedModel, view};
 
-/// All of them, in the order of the gallery.
+/// Returns all bundled pages, in the order of the gallery.
 pub fn bundled(models: &Path) -> Vec<Page> {
     vec![
         interior(models),
@@ -162,7 +162,7 @@ fn bonsai(models: &Path) -> Page {
     }
 }
 
-/// Maps of 1024² texels with filters of 4×4 taps, for lights of all kinds.
+/// Maps of 1024² texels with 4×4 filters, for lights of all kinds.
 fn maps() -> Vec<Settings> {
     let resolution = MapResolution::Fixed(1024);
     let filter = MapFilter::Brute4x4;
@@ -180,7 +180,7 @@ fn maps() -> Vec<Settings> {
     ]
 }
 
-/// The same leaves, whose holes let light through.
+/// The bonsai's leaves under maps, whose holes let light through.
 fn bonsai_maps(models: &Path) -> Page {
     let mut page = Page {
         name: "bonsai-maps",
@@ -197,7 +197,7 @@ fn bonsai_maps(models: &Path) -> Page {
     page
 }
 
-/// The three figures under maps.
+/// The three figures with shadows by maps.
 fn figures_maps(models: &Path) -> Page {
     Page {
         name: "figures-maps",
@@ -244,7 +244,7 @@ fn jack_o_lantern() -> Page {
     Page {
         objects: vec![
             PlacedMesh {
-                // A finger's breadth into the ground, so that no light creeps under the walls.
+                // The walls reach two centimetres into the ground, so that no light leaks under them.
                 transform: Transform::from_xyz(0.0, -0.02, 0.0).with_rotation(Quat::from_rotation_y(0.45)),
                 ..mesh(lantern(0.5, 0.09), orange)
             },
@@ -327,7 +327,7 @@ fn inside() -> Page {
     }
 }
 
-/// A file of the folder, where it is.
+/// Returns a file of the folder at the origin.
 pub fn model(folder: &Path, name: &str) -> PlacedModel {
     PlacedModel {
         file: folder.join(name),
@@ -336,7 +336,7 @@ pub fn model(folder: &Path, name: &str) -> PlacedModel {
     }
 }
 
-/// A light grey ground at height 0.
+/// Returns a light grey ground at height 0.
 pub fn ground(half_size: f32) -> PlacedMesh {
     mesh(MeshData::plane(half_size), Material::matte(Vec3::splat(0.62)))
 }
@@ -349,7 +349,7 @@ fn mesh(mesh: MeshData, material: Material) -> PlacedMesh {
     }
 }
 
-/// A point light, candela and metres.
+/// Returns a point light; intensity in candela, lengths in metres.
 pub fn point(name: &'static str, at: [f32; 3], color: [f32; 3], intensity: f32, range: f32) -> NamedLight {
     NamedLight {
         name,
@@ -358,7 +358,7 @@ pub fn point(name: &'static str, at: [f32; 3], color: [f32; 3], intensity: f32, 
     }
 }
 
-/// A directional light, lux.
+/// Returns a directional light; intensity in lux.
 pub fn directional(name: &'static str, direction: [f32; 3], color: [f32; 3], intensity: f32) -> NamedLight {
     NamedLight {
         name,
@@ -367,7 +367,7 @@ pub fn directional(name: &'static str, direction: [f32; 3], color: [f32; 3], int
     }
 }
 
-/// A spot light, candela.
+/// Returns a spot light; intensity in candela.
 pub fn spot(
     name: &'static str,
     at: [f32; 3],

@@ -1,12 +1,12 @@
-//! Visibility as a picture, and pictures made smaller.
+//! Turns visibility into pictures, and makes pictures smaller.
 
 use antumbra::reference::VisibilityImage;
 use glam::UVec2;
 
-/// Panels in their order, as in file names.
+/// Names of the panels in file names, in their order.
 pub const NAMES: [&str; 5] = ["picture", "volumes", "visibility", "truth", "difference"];
 
-/// Panels in their order, as over the pictures.
+/// Titles of the panels above the pictures, in their order.
 pub const TITLES: [&str; 5] = [
     "Picture, all lights",
     "Shadow volumes",
@@ -15,10 +15,10 @@ pub const TITLES: [&str; 5] = [
     "Difference",
 ];
 
-/// sRGB of pixels where the truth does not count.
+/// Colour of pixels where the truth does not count, sRGB.
 const NOT_JUDGED: [u8; 4] = [44, 50, 64, 255];
 
-/// White where the light is seen, black where not, slate where `truth` does not count.
+/// Draws visibility: white where the light is seen, black where it is not, slate where `truth` does not count.
 pub fn visibility(image: &VisibilityImage, truth: &VisibilityImage) -> Vec<u8> {
     let pixels = image.values().iter().zip(truth.values());
     pixels
@@ -33,7 +33,7 @@ pub fn visibility(image: &VisibilityImage, truth: &VisibilityImage) -> Vec<u8> {
         .collect()
 }
 
-/// Half the size, averaged in linear light. Both sides are even.
+/// Halves the size of a picture, averaging in linear light. Width and height must be even.
 pub fn halve(size: UVec2, rgba8: &[u8]) -> (UVec2, Vec<u8>) {
     let half = size / 2;
     let mut out = Vec::with_capacity(4 * half.element_product() as usize);
@@ -54,7 +54,7 @@ pub fn halve(size: UVec2, rgba8: &[u8]) -> (UVec2, Vec<u8>) {
     (half, out)
 }
 
-/// Pictures of one size side by side.
+/// Puts pictures of one size side by side.
 pub fn side_by_side(size: UVec2, pictures: &[&[u8]], gap: u32) -> (UVec2, Vec<u8>) {
     let count = pictures.len() as u32;
     let total = UVec2::new(count * size.x + count.saturating_sub(1) * gap, size.y);

@@ -1,4 +1,4 @@
-//! The pictures of the README: the flat, and one judgement from end to end.
+//! The pictures of the README: the flat, and one judged light as a strip of panels.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use super::judge::Workbench;
 use super::page::PageShot;
 use super::{pages, panels, support::picture};
 
-/// Twice the hero picture's size; it is averaged down.
+/// Twice the size of the hero picture, which is averaged down.
 const HERO: UVec2 = UVec2::new(1920, 1080);
 
-/// Twice the size of one panel of the strip.
+/// Twice the size of a panel of the strip.
 const PANEL: UVec2 = UVec2::new(472, 266);
 
-/// Shot of the flat that both show.
+/// Name of the flat's shot that both pictures show.
 const SHOT: &str = "dining";
 
 /// Renders `hero.png` and `judgement.png` into `readme/` of the assets.
@@ -33,7 +33,7 @@ pub fn write(bench: &mut Workbench, assets: &Path) -> Result<(), String> {
 
     bench.size = PANEL;
     let shown = bench.panels(&page, shot)?;
-    // Visibility and difference are exact to the pixel: they are not averaged in the half size, but rendered in it.
+    // Visibility and difference are exact to the pixel, so they are rendered at half size and not averaged.
     bench.size = PANEL / 2;
     let exact = bench.panels(&page, shot)?;
     let (size, smooth) = panels::halve(PANEL, &shown.picture);

@@ -1,7 +1,7 @@
-//! What tight wedges and culling save: pixels that wedges cover, and frames, against wedges around a sphere and against a
-//! plain renderer, in one run.
+//! Shows what tight wedges and culling save. Compares the pixels that wedges cover and the times of frames with those
+//! of wedges around a sphere and of a plain renderer, in one run.
 //!
-//! Section 6 of Assarsson et al. 2003 has 1.2 to 2 for tight wedges.
+//! Section 6 of Assarsson et al. 2003 reports factors of 1.2 to 2 for tight wedges.
 
 use std::path::Path;
 use std::time::Instant;
@@ -18,13 +18,13 @@ use glam::UVec2;
 use super::soft_pages::{SQUARE, WIDE, scenes, set_light, stage};
 use super::support::stage::{Stage, one_line};
 
-/// Frames that a time is the median of.
+/// Number of frames of which a time is the median.
 const RUNS: usize = 9;
 
-/// What the debug view adds to blue where a wedge's front and back are before the surface.
+/// Amount that the debug view adds to blue where a wedge's front and back are in front of the surface.
 const DEBUG_BLUE: f32 = 0.03;
 
-/// Prints a line a scene and light.
+/// Prints a line for each scene and light.
 ///
 /// # Errors
 /// One line that names the file and the element.
@@ -111,13 +111,13 @@ pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), 
             let plain = visibility(&mut stage)?;
             let apart = first.iter().zip(&plain).map(|(a, b)| (a - b).abs());
             let apart = apart.filter(|apart| *apart > 2e-3).count();
-            // In turn, so that drift meets all alike.
+            // The variants take turns, so that drift affects all of them equally.
             let mut times = vec![Vec::new(); ways.len()];
             for run in 0..=RUNS {
                 for ((_, wedge), times) in ways.iter().zip(&mut times) {
                     let entity = stage.lights[0];
                     stage.world.entity_mut(entity).insert(*wedge);
-                    stage.draw().map_err(|error| one_line(&error))?; // chunks and pipelines
+                    stage.draw().map_err(|error| one_line(&error))?; // creates chunks and pipelines
                     let begin = Instant::now();
                     stage.draw().map_err(|error| one_line(&error))?;
                     if run > 0 {
@@ -150,7 +150,8 @@ pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), 
     Ok(())
 }
 
-/// What making all wedges on the CPU takes, as when the light moves, beside a frame of so many milliseconds.
+/// Times the construction of all wedges on the CPU, as after a move of the light, and compares it with a frame of
+/// `frame` milliseconds.
 fn build(stage: &mut Stage, frame: f64) -> Result<String, String> {
     stage.draw().map_err(|error| one_line(&error))?;
     let mut times = Vec::new();
@@ -178,7 +179,7 @@ fn visibility(stage: &mut Stage) -> Result<Vec<f32>, String> {
     Ok(rendered.visibility[0].clone())
 }
 
-/// How many pixels wedges cover, a pixel as often as it is covered: the debug view counts.
+/// Counts the pixels that wedges cover, by the debug view. A pixel counts once for each wedge over it.
 fn cover(stage: &mut Stage) -> Result<f64, String> {
     let mut blue = |debug_volumes: bool| {
         stage.world.resource_mut::<Renderer>().settings.debug_volumes = debug_volumes;

@@ -1,5 +1,5 @@
-//! Soft shadows side by side: a cylinder and a complex caster under hard, sphere, square and wide lights, and a light
-//! that is one, split, and 1024 rays, with maps of the error.
+//! Soft shadows side by side: a cylinder and a complex caster under hard, sphere, square and wide lights. A whole
+//! light, a split light and 1024 rays are compared, with maps of the error.
 //!
 //! After figures 8 to 11 of Assarsson et al. 2003. Writes PNGs and `soft.html`.
 
@@ -20,7 +20,7 @@ use super::panels;
 use super::support::picture::write_png;
 use super::support::stage::{Stage, one_line};
 
-/// The page's name.
+/// File name of the page.
 pub const FILE: &str = "soft.html";
 
 /// A caster on a ground.
@@ -80,7 +80,7 @@ pub(super) const WIDE: LightKind = LightKind::Rect {
     height: 0.3,
 };
 
-/// Renders and judges all, writes the page.
+/// Renders and judges everything, and writes the page.
 ///
 /// # Errors
 /// One line that names the file and the element.
@@ -272,7 +272,7 @@ fn rays_of(stage: &Stage, rays: &RayScene) -> Result<VisibilityImage, String> {
     Ok(soft_visibility(rays, &hits, &source, 1024, 7))
 }
 
-/// A closed cylinder that stands at the origin.
+/// Builds a closed cylinder that stands at the origin.
 fn cylinder(radius: f32, height: f32, sides: u32) -> MeshData {
     let mut positions = vec![Vec3::ZERO, Vec3::Y * height];
     for i in 0..sides {

@@ -1,5 +1,5 @@
-//! The table of soft shadows: for every model below a folder, a light of 0.5 m at 4 m, what wedges, split wedges and
-//! accumulated hard shadows err against ray-cast truth, and what a frame with them takes.
+//! The table of soft shadows. For every model below a folder, under a light of 0.5 m at 4 m, it gives the errors of
+//! wedges, split wedges and accumulated hard shadows against ray-cast truth, and the time of a frame with each.
 //!
 //! Models are scaled to a radius of 1 m and stand on a ground.
 
@@ -20,19 +20,19 @@ use glam::{UVec2, Vec3};
 use super::support::model::Model;
 use super::support::stage::{Stage, one_line};
 
-/// Samples of the truth.
+/// Number of samples of the truth.
 const SAMPLES: u32 = 1024;
 
-/// Frames that a time is the median of.
+/// Number of frames of which a time is the median.
 const RUNS: usize = 3;
 
-/// Side of the light and its distance from the model's centre, metres.
+/// Side of the light, and its distance from the model's centre, metres.
 const LIGHT: (f32, f32) = (0.5, 4.0);
 
-/// What is compared.
+/// A way to draw soft shadows.
 enum Way {
     Wedges(&'static str, PenumbraWedge),
-    /// So many hard shadows a side of the light.
+    /// Accumulated hard shadows; the number is the count along a side of the light.
     Hard(&'static str, u32),
 }
 
@@ -132,11 +132,11 @@ fn ways() -> Vec<Way> {
     ]
 }
 
-/// Which rows and columns the table has; all without.
+/// Selects rows and columns of the table.
 pub struct Choice<'a> {
-    /// A part of the paths of models.
+    /// Part of the paths of the models to show. Default: all.
     pub only: Option<&'a str>,
-    /// Names of ways, with commas between them.
+    /// Names of the ways to show, separated by commas. Default: all.
     pub ways: Option<&'a str>,
 }
 
@@ -211,8 +211,9 @@ pub fn print(context: &RenderContext, folder: &Path, size: UVec2, choice: &Choic
     Ok(())
 }
 
-/// Against 64 hard shadows, if they are in the table: what share of their frame each way takes, which models it errs less
-/// on for less than a quarter of it, and those that no way does.
+/// Compares each way with 64 hard shadows, if they are in the table. Prints the share of their frame's time that the
+/// way takes, and on how many models it has a smaller error in less than a quarter of that time. Lists the models on
+/// which no way does.
 fn print_against_hard(ways: &[Way], rows: &[(String, Vec<Option<[f64; 2]>>)]) {
     let Some(hard) = ways.iter().position(|way| way.name() == "hard 64") else {
         return;
@@ -280,7 +281,7 @@ struct Subject {
 }
 
 impl Subject {
-    /// `None` for a model without triangles.
+    /// Loads a model; `None` if it has no triangles.
     fn load(context: &RenderContext, file: &Path, size: UVec2) -> Result<Option<Self>, String> {
         let Some(Model {
             mut stage, bounds, ..
@@ -354,7 +355,7 @@ impl Subject {
         Ok(truth)
     }
 
-    /// Error, and milliseconds of a frame in which nothing moves.
+    /// Returns the error, and the milliseconds of a frame in which nothing moves.
     fn judge(&mut self, way: &Way, truth: &VisibilityImage) -> Result<(SoftError, f64), String> {
         match *way {
             Way::Wedges(_, wedge) => self.spawn(self.kind(), self.light, Some(wedge)),

@@ -1,4 +1,4 @@
-//! Games of Bevy's without a window, frame by frame, and what their cameras see in numbers.
+//! Bevy games without a window that run frame by frame, and the pictures of their cameras in numbers.
 
 #[path = "bevy_windowless.rs"]
 mod windowless;
@@ -17,15 +17,15 @@ use bevy::render::sync_world::RenderEntity;
 use bevy::render::view::ViewTarget;
 use windowless::{picture, plugins};
 
-/// Bevy's plugins, with pipelines and results in the same frame, on black.
+/// Returns an app with Bevy's plugins and a black background. Its pipelines and results are ready in the same frame.
 pub fn app() -> App {
     with_plugins(App::new())
 }
 
-/// Adds them to an app that may have others already.
+/// Adds the plugins of [`app`] to an app that may have other plugins already.
 pub fn with_plugins(mut app: App) -> App {
     let plugins = plugins().disable::<PipelinedRenderingPlugin>();
-    // Apps of one process would each set the logger.
+    // Each app of a process would set the logger again.
     #[cfg(feature = "bevy-window")]
     let plugins = plugins.disable::<bevy::log::LogPlugin>();
     app.add_plugins(plugins);
@@ -33,18 +33,19 @@ pub fn with_plugins(mut app: App) -> App {
     app
 }
 
-/// A picture to render into.
+/// Creates a picture to render into.
 pub fn target(world: &mut World, size: UVec2) -> RenderTarget {
     RenderTarget::Image(picture(world, size).into())
 }
 
-/// The renderer's world.
+/// Returns the render world.
 pub fn render_world(apps: &mut SubApps) -> &mut World {
     let render = apps.sub_apps.get_mut(&RenderApp.intern()).expect("a renderer");
     render.world_mut()
 }
 
-/// Linear radiance that a camera saw in the last frame: pixels, and RGB by row from the top.
+/// Returns the linear radiance that a camera saw in the last frame: the size in pixels, and RGB row by row from the
+/// top.
 pub fn radiance(apps: &mut SubApps, camera: Entity) -> (UVec2, Vec<[half::f16; 3]>) {
     let (size, format, bytes) = texels(apps, camera);
     assert_eq!(format, TextureFormat::Rgba16Float);
@@ -55,7 +56,7 @@ pub fn radiance(apps: &mut SubApps, camera: Entity) -> (UVec2, Vec<[half::f16; 3
     (size, radiance.collect())
 }
 
-/// Bytes of what a camera saw in the last frame, by row from the top, whatever its dynamic range.
+/// Returns the size, format and bytes of a camera's last frame, row by row from the top, with or without HDR.
 pub fn texels(apps: &mut SubApps, camera: Entity) -> (UVec2, TextureFormat, Vec<u8>) {
     let main = apps.main.world();
     let view = main.get::<RenderEntity>(camera).expect("a camera").id();

@@ -1,4 +1,4 @@
-//! Examples of Bevy in a window, or with `--headless --out DIR` without one.
+//! Bevy examples run in a window, or without one if `--headless --out DIR` is given.
 
 #[path = "bevy_windowless.rs"]
 mod windowless;
@@ -14,15 +14,15 @@ use windowless::{picture, plugins};
 
 #[derive(Parser)]
 struct Arguments {
-    /// Draw into a picture instead of a window, and end.
+    /// Draws into a picture instead of a window, and ends.
     #[arg(long)]
     headless: bool,
-    /// Folder of the picture.
+    /// Folder for the picture.
     #[arg(long, default_value = "out")]
     out: PathBuf,
 }
 
-/// Where the picture goes.
+/// The picture and the file that it is written to.
 #[derive(Resource)]
 struct Picture {
     image: Handle<Image>,
@@ -32,7 +32,7 @@ struct Picture {
 
 const SIZE: UVec2 = UVec2::new(320, 180);
 
-/// An app with Bevy's plugins, as the command line wants it.
+/// Returns an app with Bevy's plugins, with or without a window as the command line says.
 pub fn app_of_arguments(name: &str) -> App {
     let arguments = Arguments::parse();
     if !arguments.headless {
@@ -54,7 +54,7 @@ fn windowed() -> App {
     std::process::exit(2);
 }
 
-/// An app without a window, whose cameras draw a picture that ends as a file.
+/// Returns an app without a window whose cameras draw a picture that is written to a file.
 pub fn headless(file: PathBuf) -> App {
     let mut app = App::new();
     app.add_plugins(plugins());
@@ -68,16 +68,16 @@ pub fn headless(file: PathBuf) -> App {
     app
 }
 
-/// Cameras of the example draw into the picture.
+/// Makes the cameras of the example draw into the picture.
 fn aim_cameras(mut commands: Commands, picture: Res<Picture>, cameras: Query<Entity, Added<Camera3d>>) {
     for camera in &cameras {
         let target = RenderTarget::Image(picture.image.clone().into());
-        // Bevy's default looks colours up in a table that comes with a feature.
+        // Bevy's default tonemapping needs a lookup table that is behind a cargo feature.
         commands.entity(camera).insert((target, Tonemapping::AcesFitted));
     }
 }
 
-/// Frames until pipelines are compiled and clusters have grown.
+/// Number of frames until pipelines are compiled and clusters have grown.
 const FRAMES: usize = 12;
 
 fn take_picture(mut commands: Commands, mut picture: ResMut<Picture>) {

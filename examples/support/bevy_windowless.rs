@@ -1,4 +1,4 @@
-//! What games of Bevy's without a window begin with.
+//! Plugins and pictures for Bevy games without a window.
 
 use bevy::app::PluginGroupBuilder;
 use bevy::asset::RenderAssetUsages;
@@ -7,7 +7,7 @@ use bevy::render::RenderPlugin;
 use bevy::render::render_resource::{TextureFormat, TextureUsages};
 use bevy::window::ExitCondition;
 
-/// Bevy's plugins without a window. A frame waits for its pipelines.
+/// Returns Bevy's plugins without a window. A frame waits for its pipelines.
 pub fn plugins() -> PluginGroupBuilder {
     let plugins = DefaultPlugins
         .set(WindowPlugin {
@@ -24,7 +24,7 @@ pub fn plugins() -> PluginGroupBuilder {
     plugins
 }
 
-/// A picture to render into and to read back.
+/// Creates a picture to render into and to read back.
 pub fn picture(world: &mut World, size: UVec2) -> Handle<Image> {
     let mut picture = Image::new_target_texture(size.x, size.y, TextureFormat::Rgba8UnormSrgb, None);
     picture.asset_usage = RenderAssetUsages::RENDER_WORLD;

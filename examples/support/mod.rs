@@ -1,4 +1,4 @@
-//! What the examples and tests share: shot files, a stage to render them on, and pictures on disk.
+//! Shared code of the examples and tests: shot files, a stage to render them on, and pictures on disk.
 
 #![cfg(all(feature = "render", feature = "gltf"))]
 #![allow(missing_docs, reason = "names of a shot file are explained by the README")]

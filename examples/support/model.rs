@@ -1,4 +1,4 @@
-//! A model on a ground, ready to be lit: what benches, tables and tests judge shadows on.
+//! A model on a ground, ready to be lit. Benches, tables and tests judge shadows on it.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,14 +17,15 @@ use super::stage::{Stage, one_line};
 pub struct Model {
     /// World, schedule and renderer.
     pub stage: Stage,
-    /// Bounds of the model without the ground.
+    /// World bounds of the model without the ground.
     pub bounds: Aabb,
-    /// A point of the model's surface.
+    /// A point on the model's surface.
     pub vertex: Vec3,
 }
 
 impl Model {
-    /// Loads a model, in the middle of its first motion, and lays a ground under it; `None` if it has no triangles.
+    /// Loads a model, poses it in the middle of its first clip, and puts a ground under it. Returns `None` if it has
+    /// no triangles.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -36,7 +37,7 @@ impl Model {
         let loaded = load_gltf(path).map_err(|error| one_line(&error))?;
         let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
         if let Some(clip) = loaded.clips.first() {
-            // Somewhere in the middle of a motion, where no pose is the one that the mesh was made in.
+            // In the middle of a motion, the pose differs from the one in which the mesh was made.
             apply_animation(&mut stage.world, &spawned, clip, 0.37 * clip.duration());
         }
         for &light in &spawned.lights {
@@ -68,7 +69,7 @@ impl Model {
     }
 }
 
-/// A vertex of the first mesh, world space.
+/// Returns a vertex of the first mesh in world space.
 fn some_vertex(stage: &mut Stage) -> Vec3 {
     let mut query = stage.world.query::<(&SceneMesh, &GlobalTransform)>();
     query

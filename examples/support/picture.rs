@@ -52,7 +52,7 @@ pub fn write_channel_exr(path: &Path, size: UVec2, values: &[f32]) -> Result<(),
     .map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// The picture of a file as the colours of a light, made at most 128 texels wide and high.
+/// Loads a picture as the colours of a light, and shrinks it to at most 128 texels in width and height.
 ///
 /// # Errors
 /// One line that names the file.

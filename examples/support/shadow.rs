@@ -1,19 +1,19 @@
-//! Techniques as a shot file names them: `{"technique": NAME}` and settings beside the name.
+//! Techniques in a shot file: `{"technique": NAME}` with settings beside the name.
 
 use antumbra::techniques::{Settings, Techniques};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
-/// A technique and its settings, as they stand in the file.
+/// A technique and its settings as the file has them.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(transparent)]
 pub struct ShotShadow(Map<String, Value>);
 
 impl ShotShadow {
-    /// The settings; `None` for the name `none`.
+    /// Returns the settings; `None` for the name `none`.
     ///
     /// # Errors
-    /// What is wrong, after the name of the setting.
+    /// Names the setting and says what is wrong with it.
     pub fn settings(&self, techniques: &Techniques) -> Result<Option<Settings>, String> {
         let mut settings = self.0.clone();
         let names = || {
@@ -47,10 +47,11 @@ impl ShotShadow {
     }
 }
 
-/// Softness of a filter that has one, unless the shot says another.
+/// Softness of a filter if the shot does not set one.
 const SOFTNESS: f64 = 0.01;
 
-/// A shot has the softness of a map's filter beside the filter's name; the settings have it within the filter.
+/// Moves the softness into the filter: a shot has it beside the filter's name, and the settings have it inside the
+/// filter.
 fn nest_softness(settings: &mut Map<String, Value>) {
     let Some(Value::String(filter)) = settings.get("filter") else {
         return;

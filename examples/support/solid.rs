@@ -1,4 +1,4 @@
-//! Alpha-tested surfaces as the ray caster sees them.
+//! Alpha-tested surfaces, made solid as the ray caster sees them.
 
 use std::sync::Arc;
 
@@ -6,7 +6,8 @@ use antumbra::prelude::*;
 
 use super::stage::Stage;
 
-/// Makes every texel of alpha-tested surfaces solid, as the judge takes them; gives how many objects have some.
+/// Makes every texel of alpha-tested surfaces solid, as in the ray caster. Returns the number of objects that have
+/// such surfaces.
 pub fn make_alpha_solid(stage: &mut Stage) -> usize {
     let mut query = stage.world.query::<&mut SceneMaterials>();
     let mut count = 0;

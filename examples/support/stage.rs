@@ -25,18 +25,18 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormS
 
 /// A world and the schedule that runs a frame of it.
 pub struct Stage {
-    /// Everything.
+    /// World with the scene, the camera, the lights and the renderer.
     pub world: World,
-    /// Run once a frame.
+    /// Schedule that runs once a frame.
     pub schedule: Schedule,
-    /// The camera.
+    /// Entity of the camera.
     pub camera: Entity,
-    /// Lights in the order of the shot.
+    /// Entities of the lights, in the order of the shot.
     pub lights: Vec<Entity>,
 }
 
 impl Stage {
-    /// A world without a scene, seen by a camera.
+    /// Builds a stage with a camera and without a scene.
     pub fn empty(size: UVec2, camera: Camera, transform: Transform) -> Self {
         let mut world = World::new();
         init_resources(&mut world);
@@ -50,7 +50,7 @@ impl Stage {
         }
     }
 
-    /// The stage of a shot file, without a renderer yet.
+    /// Builds the stage of a shot file, without a renderer.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -63,7 +63,7 @@ impl Stage {
         if let Some(animation) = shot.animation {
             stage.pose(&loaded, &spawned, animation.clip, animation.time)?;
         }
-        // Only the shot's camera looks.
+        // Only the stage's own camera draws.
         for &camera in &spawned.cameras {
             stage.world.entity_mut(camera).remove::<Camera>();
         }
@@ -120,7 +120,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Spawns a light behind those that are there.
+    /// Spawns a light and adds it to the end of the list.
     pub fn spawn_light(&mut self, light: Light, transform: Transform, shadow: Option<impl Bundle>) -> Entity {
         let mut entity = self.world.spawn((light, transform));
         if let Some(shadow) = shadow {
@@ -131,7 +131,7 @@ impl Stage {
         entity
     }
 
-    /// The same with settings of any technique, which the stage learns if it does not know it.
+    /// Spawns a light with the settings of any technique. Adds the technique to the stage if it is missing there.
     pub fn spawn_shadowed(
         &mut self,
         light: Light,
@@ -145,13 +145,13 @@ impl Stage {
         entity
     }
 
-    /// Gives a light a technique, which the stage learns if it does not know it.
+    /// Gives a light a technique. Adds the technique to the stage if it is missing there.
     pub fn shadow(&mut self, light: Entity, settings: &Settings) {
         add_row(settings.row(), &mut self.world, &mut self.schedule);
         settings.insert(&mut self.world.entity_mut(light));
     }
 
-    /// Gives a light the first technique that the stage knows.
+    /// Gives a light the first technique of the stage's list.
     pub fn shadow_by_default(&mut self, light: Entity) {
         let first = self.world.resource::<Techniques>().rows().first().copied();
         if let Some(first) = first {
@@ -159,12 +159,12 @@ impl Stage {
         }
     }
 
-    /// Number of objects with a mesh.
+    /// Returns the number of objects with a mesh.
     pub fn object_count(&mut self) -> usize {
         self.world.query::<&SceneMesh>().iter(&self.world).count()
     }
 
-    /// Bounds of everything that is drawn; of the last frame that ran.
+    /// Returns the world bounds of all objects in the last frame.
     pub fn scene_bounds(&mut self) -> Aabb {
         self.world
             .query::<&WorldBounds>()
@@ -199,10 +199,10 @@ impl Stage {
         first.unwrap_or_else(|| framing_camera(self.scene_bounds(), aspect))
     }
 
-    /// Gives the stage a device.
+    /// Adds a renderer to the stage.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn add_renderer(
         &mut self,
         context: RenderContext,
@@ -214,7 +214,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Indices of the stage's lights in this frame's `FrameLights`; `None` for lights that cannot shine.
+    /// Returns the indices of the stage's lights in this frame's `FrameLights`; `None` for lights that cannot shine.
     pub fn light_indices(&self) -> Vec<Option<usize>> {
         let frame = self.world.resource::<FrameLights>();
         self.lights
@@ -223,10 +223,10 @@ impl Stage {
             .collect()
     }
 
-    /// Runs a frame and reads back all that it shows.
+    /// Runs and draws a frame, and reads back all of its pictures.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn render(&mut self) -> Result<Rendered, RenderError> {
         self.schedule.run(&mut self.world);
         let indices = self.light_indices();
@@ -291,7 +291,7 @@ impl Stage {
     /// Runs and draws a frame, and waits for the device.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn draw(&mut self) -> Result<(), RenderError> {
         self.schedule.run(&mut self.world);
         let mut renderer = self.world.resource_mut::<Renderer>();
@@ -306,10 +306,11 @@ impl Stage {
         waited.map(|_| ()).map_err(|_| RenderError::DeviceLost)
     }
 
-    /// Bytes of the radiance of the last frame, before any tonemap: what pictures are compared by, bit for bit.
+    /// Returns the bytes of the last frame's radiance, before any tonemap. Pictures are compared by them, bit for
+    /// bit.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn radiance_bytes(&self) -> Result<Vec<u8>, RenderError> {
         let renderer = self.world.resource::<Renderer>();
         let Some(radiance) = renderer.radiance() else {
@@ -319,10 +320,10 @@ impl Stage {
         Ok(read_texture(renderer.context(), &radiance.texture, all, "radiance")?.bytes)
     }
 
-    /// Runs and draws a frame of which only the GPU times are wanted.
+    /// Runs and draws a frame, and returns only its GPU times.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn time_passes(&mut self) -> Result<Vec<PassTime>, RenderError> {
         self.schedule.run(&mut self.world);
         let mut renderer = self.world.resource_mut::<Renderer>();
@@ -340,18 +341,18 @@ impl Stage {
     }
 }
 
-/// What a frame shows.
+/// Pictures and times of a frame.
 #[derive(Clone, Debug)]
 pub struct Rendered {
-    /// Pixels.
+    /// Size of the pictures, pixels.
     pub size: UVec2,
-    /// sRGB RGBA, tonemapped.
+    /// Tonemapped picture, sRGB RGBA.
     pub picture: Vec<u8>,
-    /// Linear RGBA.
+    /// Radiance, linear RGBA.
     pub radiance: Vec<f32>,
-    /// By the stage's lights.
+    /// Visibility of each of the stage's lights.
     pub visibility: Vec<Vec<f32>>,
-    /// GPU times, if the device has timers.
+    /// GPU times of the passes; empty if the device has no timers.
     pub pass_times: Vec<PassTime>,
 }
 
@@ -374,7 +375,7 @@ fn halves(rows: &TexelRows) -> Vec<f32> {
         .collect()
 }
 
-/// A camera that sees all of a box from its front, right and above.
+/// Returns a camera that sees the whole box from the front, the right and above.
 pub fn framing_camera(bounds: Aabb, aspect: f32) -> (Camera, Transform) {
     let (center, radius) = if bounds.is_empty() {
         (Vec3::ZERO, 1.0)
@@ -397,7 +398,7 @@ pub fn framing_camera(bounds: Aabb, aspect: f32) -> (Camera, Transform) {
     )
 }
 
-/// An error as one line.
+/// Formats an error and its sources as one line.
 pub fn one_line(error: &dyn std::error::Error) -> String {
     let mut line = error.to_string().replace('\n', " ");
     let mut source = error.source();

@@ -1,4 +1,4 @@
-//! `stats.json`: what a frame was made of.
+//! `stats.json`: the statistics of a frame.
 
 use antumbra::prelude::*;
 use antumbra::reports::{Report, Reports};
@@ -11,16 +11,16 @@ use serde_json::{Map, Value, json};
 
 use super::stage::{Rendered, Stage};
 
-/// Draw calls of a frame, by stage.
+/// Numbers of draw calls in a frame, by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Batches {
-    /// The ambient pass.
+    /// Draw calls of the ambient pass.
     pub ambient: usize,
-    /// Shadow volumes of all lights.
+    /// Draw calls of the shadows of all lights.
     pub shadow: usize,
-    /// Light passes of all lights.
+    /// Draw calls of the light passes of all lights.
     pub light: usize,
-    /// Blended surfaces, and each light on each of them.
+    /// Draw calls of blended surfaces, and of each light on each of them.
     pub blended: usize,
 }
 
@@ -34,7 +34,7 @@ impl std::ops::AddAssign for Batches {
 }
 
 impl Batches {
-    /// Those of the frame that was prepared last.
+    /// Counts the draw calls of the frame that was prepared last.
     pub fn of_frame(renderer: &Renderer) -> Self {
         let frame = renderer.frame();
         let shadow = frame
@@ -49,7 +49,7 @@ impl Batches {
         }
     }
 
-    /// All of them.
+    /// Returns the number of all draw calls.
     pub fn total(&self) -> usize {
         self.ambient + self.shadow + self.light + self.blended
     }
@@ -112,7 +112,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
     with_statistics(stats, &of_techniques)
 }
 
-/// An object with statistics as further keys.
+/// Adds statistics to a JSON object as further keys.
 fn with_statistics(mut object: Value, statistics: &Statistics) -> Value {
     for (name, value) in statistics.iter() {
         object[name] = json_of(value);
@@ -140,7 +140,7 @@ fn report_stats(stage: &Stage, report: &Report) -> Value {
     })
 }
 
-/// What a report is about: the name of the entity, its number among the stage's lights, or its index.
+/// Returns the subject of a report: the name of the entity, its number among the stage's lights, or its index.
 fn subject(stage: &Stage, report: &Report) -> Option<String> {
     let entity = report.entity?;
     let light = stage.lights.iter().position(|light| *light == entity);
@@ -152,7 +152,8 @@ fn subject(stage: &Stage, report: &Report) -> Option<String> {
     })
 }
 
-/// Prints each report that is new to stderr, on a line of its own that begins with `what` was drawn.
+/// Prints each new report to stderr, on a line of its own that begins with `what`, the name of the thing that was
+/// drawn.
 pub fn print_new_reports(what: &str, stage: &mut Stage) {
     let mut reports = std::mem::take(&mut *stage.world.resource_mut::<Reports>());
     for report in reports.drain_new() {
@@ -171,7 +172,7 @@ fn skip_reason(world: &World, light: bevy_ecs::prelude::Entity) -> String {
         .map_or_else(|| "not a light".to_owned(), |skipped| skipped.error.to_string())
 }
 
-/// Loops of a silhouette's contour; 0 if its edges do not close.
+/// Returns the number of loops of a silhouette's contour; 0 if its edges do not close.
 fn loop_count(silhouette: &Silhouette) -> usize {
     let edges: Vec<_> = silhouette.contour.all_edges().collect();
     link_loops(&edges).map_or(0, |loops| loops.len())
@@ -206,7 +207,7 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
         "scissor": light.scissor.map(|s| [s.x, s.y, s.width, s.height]),
         "depth_bounds": light.depth_bounds.map(|bounds| json!({
             "near": bounds.near,
-            // JSON has no infinity.
+            // JSON cannot represent infinity.
             "far": bounds.far.is_finite().then_some(bounds.far),
         })),
         "silhouette_edges": edges,

@@ -1,4 +1,4 @@
-//! Table 15-1: what each kind of visibility saves over a walk through a scene.
+//! Table 15-1: the draws and time that each kind of visibility saves over a walk through a scene.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -15,20 +15,20 @@ use super::stage::{Stage, one_line};
 use super::stats::Batches;
 use super::walk::walk;
 
-/// A row of the table: everything that the rows before have, and one thing more.
+/// A row of the table. It has everything that the rows before it have, and one thing more.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// As the chapter names it.
+    /// Name of the row in the chapter.
     pub name: &'static str,
-    /// What is switched on.
+    /// Occlusion that is switched on.
     pub occlusion: OcclusionSettings,
-    /// Scissor rectangles and depth bounds.
+    /// Whether scissor rectangles and depth bounds are switched on.
     pub scissor: bool,
-    /// The chapter's own normalized frame rate and batches, for its scenes 1 and 2.
+    /// The chapter's own normalized frame rate and batch count, for its scenes 1 and 2.
     pub chapter: [(f64, usize); 2],
 }
 
-/// The rows of table 15-1.
+/// Returns the rows of table 15-1.
 pub fn rows() -> [Row; 5] {
     let all = OcclusionSettings::default();
     let none = OcclusionSettings {
@@ -65,15 +65,15 @@ pub fn rows() -> [Row; 5] {
     ]
 }
 
-/// A scene with its own lights, all shadowed, and a walk through it.
+/// A scene with its own lights, all with shadows, and a walk through it.
 pub struct Walked {
     /// World, schedule and renderer.
     pub stage: Stage,
-    /// Where the camera stands in each frame.
+    /// Camera transform of each frame.
     pub views: Vec<Transform>,
 }
 
-/// The camera of a walk.
+/// Returns the camera of a walk.
 pub fn walking_camera(size: UVec2) -> Camera {
     Camera {
         vertical_fov: 60f32.to_radians(),
@@ -83,7 +83,7 @@ pub fn walking_camera(size: UVec2) -> Camera {
 }
 
 impl Walked {
-    /// Loads a scene and finds a walk through it. Of its lights those shine whose number is chosen.
+    /// Loads a scene and finds a walk through it. Only the lights whose numbers `shines` chooses are switched on.
     ///
     /// # Errors
     /// One line that names the file.
@@ -118,7 +118,7 @@ impl Walked {
         Ok(Self { stage, views })
     }
 
-    /// Switches to a row of the table.
+    /// Applies the settings of a row of the table.
     pub fn set_row(&mut self, row: &Row) {
         self.stage.world.insert_resource(row.occlusion);
         let settings = &mut self.stage.world.resource_mut::<Renderer>().settings;
@@ -132,10 +132,10 @@ impl Walked {
         self.stage.world.entity_mut(camera).insert(self.views[frame]);
     }
 
-    /// Prepares one frame of the walk without drawing it; its batches.
+    /// Prepares one frame of the walk without drawing it. Returns its batches.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn count(&mut self, frame: usize) -> Result<Batches, RenderError> {
         self.set_view(frame);
         self.stage.schedule.run(&mut self.stage.world);
@@ -143,14 +143,14 @@ impl Walked {
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);
         }
-        renderer.context().queue.submit([]); // or what was written waits for the next
+        renderer.context().queue.submit([]); // otherwise the writes wait for the next submission
         Ok(Batches::of_frame(&renderer))
     }
 
-    /// Draws one frame of the walk; batches, and the time until the device was done.
+    /// Draws one frame of the walk. Returns its batches, and the time until the device was done.
     ///
     /// # Errors
-    /// What the device refuses.
+    /// Something that the device refuses.
     pub fn draw(&mut self, frame: usize) -> Result<(Batches, Duration), RenderError> {
         self.set_view(frame);
         let begin = Instant::now();

@@ -1,4 +1,4 @@
-//! Walks through scenes: where somebody can stand, in an order in which one sees the next.
+//! Walks through scenes: places where a person can stand, in an order in which each is visible from the one before.
 
 use antumbra::geometry::Aabb;
 use antumbra::reference::{Ray, RayScene};
@@ -7,11 +7,11 @@ use glam::{DVec3, Vec3};
 
 use super::spread::spread;
 
-/// Eyes above the floor, metres.
+/// Height of the eyes above the floor, metres.
 pub const EYE_HEIGHT: f64 = 1.6;
 
-/// Points over the floors of a scene where somebody can stand, at most `count`, in a fixed order. Fewer, or none, in a
-/// scene that has no floors.
+/// Returns at most `count` eye positions, each `height` above a floor on which a person can stand, in a fixed order.
+/// A scene without floors has fewer, or none.
 pub fn standing_points(scene: &RayScene, bounds: Aabb, count: usize, height: f64) -> Vec<DVec3> {
     let (min, size) = (bounds.min.as_dvec3(), 2.0 * bounds.half_size().as_dvec3());
     let hit = |origin: DVec3, direction: DVec3, reach: f64| {
@@ -36,9 +36,9 @@ pub fn standing_points(scene: &RayScene, bounds: Aabb, count: usize, height: f64
         .collect()
 }
 
-/// A walk of `frames` views: from each standing point to the nearest one not yet visited that can be seen from there, or
-/// to the nearest at all; looking where it goes, and aside by a little more each time. In a scene without floors it is a
-/// circle around everything.
+/// Returns a walk of `frames` views. From each standing point, it goes to the nearest unvisited one that is visible
+/// from there, or else to the nearest unvisited one. Each view looks ahead, turned aside by a little more each time.
+/// In a scene with too few standing points, the walk is a circle around everything.
 pub fn walk(scene: &RayScene, bounds: Aabb, frames: usize) -> Vec<Transform> {
     let mut open = standing_points(scene, bounds, frames, EYE_HEIGHT);
     if open.len() < frames {

@@ -1,12 +1,12 @@
-//! Table 15-1 of GPU Gems, for any scene: what each kind of visibility saves over a walk, in batches and frame time.
+//! Table 15-1 of GPU Gems for any scene: the batches and frame time that each kind of visibility saves over a walk.
 //!
 //! ```sh
 //! cargo run --release --all-features --example visibility_table -- SCENE.glb ... [--frames N] [--json] [--out DIR --light N]
 //! ```
 //!
-//! Each row has all that the rows before it have. The scene's own lights shine, all with stencil shadow volumes; the
-//! camera walks from room to room. `--out` writes a picture of the sets, seen from above, for one light and one frame.
-//! Source of the chapter's numbers: O'Rorke 2004, GPU Gems ch. 15, table 15-1.
+//! Each row has everything that the rows before it have. The scene's own lights shine, all with stencil shadow
+//! volumes, and the camera walks from room to room. `--out` writes a picture of the sets, seen from above, for one
+//! light and one frame. Source of the chapter's numbers: O'Rorke 2004, GPU Gems ch. 15, table 15-1.
 
 use antumbra_stage as support;
 mod top_view;
@@ -30,7 +30,7 @@ struct Arguments {
     /// glTF files.
     #[arg(required = true)]
     scenes: Vec<PathBuf>,
-    /// Views along the walk.
+    /// Number of views along the walk.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
     /// Width of the picture, pixels; it is 16 : 9.
@@ -39,10 +39,10 @@ struct Arguments {
     /// Prints JSON instead of a table.
     #[arg(long)]
     json: bool,
-    /// Folder for pictures of the sets, one a scene; made if it is not there.
+    /// Folder for pictures of the sets, one for each scene; created if missing.
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Light of the pictures, by its place among those of the file; the one that lights most if it is left out.
+    /// Light of the pictures, by its index in the file. Default: the light that lights most.
     #[arg(long)]
     light: Option<usize>,
     /// Frame of the pictures.
@@ -55,7 +55,7 @@ struct Measured {
     row: Row,
     batches: Batches,
     time: Duration,
-    /// CPU time of the sets.
+    /// CPU time of the sets in all frames.
     sets: Duration,
 }
 
@@ -119,7 +119,7 @@ fn measure(name: &str, walked: &mut Walked) -> Result<Scene, antumbra::render::R
     };
     for row in rows() {
         walked.set_row(&row);
-        // Pipelines, silhouettes and lights' depth buffers are made once in a game, not once a row.
+        // A game makes pipelines, silhouettes and the lights' depth buffers only once, so this frame is not timed.
         walked.draw(0)?;
         let mut measured = Measured {
             row,
@@ -143,7 +143,7 @@ fn measure(name: &str, walked: &mut Walked) -> Result<Scene, antumbra::render::R
 }
 
 impl Scene {
-    /// Frame rate of a row, that of the last row being 1.
+    /// Returns the frame rate of a row, relative to that of the last row.
     fn rate(&self, row: &Measured) -> f64 {
         let last = self.rows.last().map_or(Duration::ZERO, |last| last.time);
         last.as_secs_f64() / row.time.as_secs_f64()

@@ -1,8 +1,8 @@
-//! The sets of one light, seen from above: five panels, one a set.
+//! The sets of one light, seen from above: five panels, one for each set.
 //!
-//! Members are filled with the colour of their panel (floors and ceilings of the whole scene are outlined with it), all
-//! other objects are outlined in grey. White lines are the edges of the view
-//! frustum, the yellow disc is the light, with a yellow ring at its range.
+//! Members are filled with the colour of their panel, but floors and ceilings of the whole scene are only outlined
+//! with it. All other objects are outlined in grey. White lines are the edges of the view frustum. The yellow disc is
+//! the light, and the yellow ring is its range.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ const PANEL: u32 = 420;
 const MARGIN: f32 = 14.0;
 const CAPTION: u32 = 48;
 
-/// Objects that cover more than this share of the scene are outlined alone, or they would hide the others.
+/// Objects that cover more than this share of the scene are only outlined, because they would hide the others.
 const GROUND: f32 = 0.2;
 
 type Rgb = [u8; 3];
@@ -31,7 +31,7 @@ const PANELS: [(char, Rgb); 5] = [
     ('S', [225, 60, 170]),
 ];
 
-/// Rows of the five letters, five bits each.
+/// Rows of the five letters, five bits for each row.
 fn letter(letter: char) -> [u8; 7] {
     match letter {
         'F' => [0x1f, 0x10, 0x10, 0x1e, 0x10, 0x10, 0x10],
@@ -56,7 +56,7 @@ impl Canvas {
         }
     }
 
-    /// Mixes a colour over a pixel; pixels outside of the picture are left out.
+    /// Mixes a colour over a pixel. Does nothing outside the picture.
     fn blend(&mut self, x: i64, y: i64, color: Rgb, alpha: f32) {
         if x < 0 || y < 0 || x >= i64::from(self.size.x) || y >= i64::from(self.size.y) {
             return;
@@ -68,7 +68,7 @@ impl Canvas {
     }
 }
 
-/// One panel: where it stands, and how the world lies in it.
+/// One panel: its place in the picture, and the mapping from the world to it.
 struct Panel {
     left: f32,
     min: Vec2,
@@ -120,10 +120,10 @@ impl Panel {
     }
 }
 
-/// Draws the sets of a light at a frame of a walk, with everything switched on.
+/// Draws the sets of a light in a frame of a walk, with everything switched on.
 ///
 /// # Errors
-/// One line that names the file, or the light that there is not.
+/// One line that names the file, or the light that does not exist.
 pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Path) -> Result<(), String> {
     walked.set_row(&rows()[4]);
     walked.set_view(frame);
@@ -221,7 +221,7 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
     Ok(())
 }
 
-/// The set's letter, and a bar as long as its share of all objects.
+/// Draws the set's letter, and a bar whose length is the set's share of all objects.
 fn caption(canvas: &mut Canvas, panel: &Panel, name: char, color: Rgb, share: f32) {
     const DOT: i64 = 4;
     let left = panel.left as i64 + 16;

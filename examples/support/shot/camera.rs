@@ -6,24 +6,24 @@ use bevy_transform::prelude::Transform;
 use glam::{Mat3, Quat, UVec2, Vec3};
 use serde::Deserialize;
 
-/// The view.
+/// The view of a shot.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShotCamera {
     /// Position, metres.
     pub eye: [f32; 3],
-    /// What it looks at.
+    /// Point that the camera looks at, metres.
     pub target: [f32; 3],
-    /// Up.
+    /// Direction that is up in the picture.
     #[serde(default = "default_up")]
     pub up: [f32; 3],
-    /// Vertical field of view, degrees.
+    /// Vertical field of view, degrees. Default: 45.
     #[serde(default = "default_vfov")]
     pub vfov_deg: f32,
-    /// Near plane, metres.
+    /// Distance of the near plane, metres. Default: 0.1.
     #[serde(default = "default_near")]
     pub near: f32,
-    /// In place of the field of view.
+    /// Makes the view orthographic; the field of view is then ignored.
     pub orthographic: Option<ShotOrthographic>,
 }
 
@@ -31,9 +31,9 @@ pub struct ShotCamera {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShotOrthographic {
-    /// Of what the picture shows, metres.
+    /// Height of the area that the picture shows, metres.
     pub height: f32,
-    /// Far plane, metres.
+    /// Distance of the far plane, metres.
     pub far: f32,
 }
 
@@ -48,7 +48,7 @@ fn default_near() -> f32 {
 }
 
 impl ShotCamera {
-    /// The component.
+    /// Returns the camera component.
     pub fn camera(&self, size: UVec2) -> Camera {
         Camera {
             vertical_fov: self.vfov_deg.to_radians(),
@@ -62,10 +62,10 @@ impl ShotCamera {
         }
     }
 
-    /// Where it stands.
+    /// Returns the camera's transform.
     ///
     /// # Errors
-    /// If eye, target and up give no frame.
+    /// Eye, target and up do not define an orientation.
     pub fn transform(&self) -> Result<Transform, String> {
         let eye = Vec3::from(self.eye);
         let forward = Vec3::from(self.target) - eye;
@@ -77,7 +77,7 @@ impl ShotCamera {
     }
 }
 
-/// The rotation that takes −Z to `forward` and Y towards `up`; right = forward × up.
+/// Returns the rotation that takes −Z to `forward` and Y towards `up`; right = forward × up.
 pub fn frame(forward: Vec3, up: Vec3, what: &str) -> Result<Quat, String> {
     let forward = forward
         .try_normalize()

@@ -1,4 +1,4 @@
-//! A shot as a whole: read, and checked.
+//! Reads and checks a shot.
 
 use std::path::{Path, PathBuf};
 
@@ -15,30 +15,30 @@ use super::{ShotCamera, ShotLight};
 pub struct Shot {
     /// Path of a glTF file, relative to the shot file.
     pub scene: PathBuf,
-    /// Absent: the scene's first camera, else one that frames the scene.
+    /// The view. Default: the scene's first camera, or else one that frames the scene.
     pub camera: Option<ShotCamera>,
-    /// Width and height, pixels.
+    /// Width and height of the picture, pixels.
     #[serde(default = "default_size")]
     pub size: [u32; 2],
-    /// Linear RGB radiance from everywhere.
+    /// Ambient light, linear RGB radiance from everywhere.
     #[serde(default = "default_ambient")]
     pub ambient: [f32; 3],
-    /// Poses the scene.
+    /// Pose of the scene. Default: the bind pose.
     pub animation: Option<ShotAnimation>,
-    /// Absent: those of the scene, with the first technique.
+    /// The lights. Default: those of the scene, with the first technique.
     pub lights: Option<Vec<ShotLight>>,
-    /// The techniques that its lights may name.
+    /// The techniques that the lights may name.
     #[serde(skip)]
     pub techniques: Techniques,
 }
 
-/// A pose in time.
+/// A pose at a time of a clip.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShotAnimation {
     /// Index of the clip.
     pub clip: usize,
-    /// Seconds.
+    /// Time within the clip, seconds.
     pub time: f32,
 }
 
@@ -67,7 +67,8 @@ impl Shot {
             } = light
             {
                 *texture = folder.join(&*texture);
-                // Here, where the shot file is known; it is read again when the light is made.
+                // The picture is read here only to report errors with the shot file's name. It is read again when the
+                // light is spawned.
                 light_texture(texture)
                     .map_err(|error| format!("{}: lights[{index}].texture: {error}", path.display()))?;
             }
@@ -121,7 +122,7 @@ impl Shot {
         Ok(())
     }
 
-    /// Size of the picture.
+    /// Returns the size of the picture, pixels.
     pub fn size(&self) -> UVec2 {
         UVec2::from(self.size)
     }

@@ -1,4 +1,4 @@
-//! The lights of a shot, and what is spawned for them.
+//! The lights of a shot, and the components that are spawned for them.
 
 use std::path::PathBuf;
 
@@ -11,21 +11,21 @@ use serde::Deserialize;
 use super::super::shadow::ShotShadow;
 use super::camera::frame;
 
-/// A light.
+/// A light of a shot.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShotLight {
-    /// From a point.
+    /// A light that shines from a point.
     Point {
-        /// Metres.
+        /// Position, metres.
         position: [f32; 3],
-        /// What all lights have.
+        /// Range, metres. Default: no limit.
         range: Option<f32>,
         color: Option<[f32; 3]>,
         intensity: Option<f32>,
         shadow: Option<ShotShadow>,
     },
-    /// From a point into a cone.
+    /// A light that shines from a point into a cone.
     Spot {
         position: [f32; 3],
         direction: [f32; 3],
@@ -36,28 +36,28 @@ pub enum ShotLight {
         intensity: Option<f32>,
         shadow: Option<ShotShadow>,
     },
-    /// From infinity.
+    /// A light that shines from infinity.
     Directional {
         direction: [f32; 3],
         color: Option<[f32; 3]>,
         intensity: Option<f32>,
         shadow: Option<ShotShadow>,
     },
-    /// From a rectangle.
+    /// A light that shines from a rectangle.
     Rect {
         position: [f32; 3],
         direction: [f32; 3],
         up: Option<[f32; 3]>,
         width: f32,
         height: f32,
-        /// Path of a picture that the light has the colours of, relative to the shot file; for `penumbra_wedge`.
+        /// Path of a picture with the light's colours, relative to the shot file; for `penumbra_wedge`.
         texture: Option<PathBuf>,
         range: Option<f32>,
         color: Option<[f32; 3]>,
         intensity: Option<f32>,
         shadow: Option<ShotShadow>,
     },
-    /// From a sphere.
+    /// A light that shines from a sphere.
     Sphere {
         position: [f32; 3],
         radius: f32,
@@ -68,20 +68,20 @@ pub enum ShotLight {
     },
 }
 
-/// What is spawned for a light.
+/// The parts that are spawned for a light.
 #[derive(Clone, Debug)]
 pub struct LightParts {
-    /// The component.
+    /// The light component.
     pub light: Light,
-    /// Where it stands and shines to.
+    /// Position and direction of the light.
     pub transform: Transform,
-    /// Its technique and the settings, if any.
+    /// Technique with its settings, if any.
     pub shadow: Option<Settings>,
-    /// Path of its picture, if any.
+    /// Path of the picture with the light's colours, if any.
     pub texture: Option<PathBuf>,
 }
 
-/// As [`frame`] for lights whose turn about their axis does not matter.
+/// Returns a rotation like [`frame`], for lights whose turn about their axis does not matter.
 fn axis_frame(direction: [f32; 3]) -> Result<Quat, String> {
     let direction = Vec3::from(direction);
     let up = if direction.y.abs() > 0.9 * direction.length() {
@@ -93,10 +93,10 @@ fn axis_frame(direction: [f32; 3]) -> Result<Quat, String> {
 }
 
 impl ShotLight {
-    /// What to spawn.
+    /// Returns the parts to spawn.
     ///
     /// # Errors
-    /// What is wrong with its numbers, and with the settings of its technique.
+    /// A number of the light, or a setting of its technique, is wrong.
     pub fn parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
         const CANDELA: f32 = 60.0;
         const LUX: f32 = 3.0;
