@@ -3,6 +3,7 @@
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
 
+use super::refusal::Refusal;
 use super::row::Row;
 use super::techniques::Techniques;
 use crate::reports::Reports;
@@ -17,7 +18,15 @@ pub fn report_techniques(world: &World, reports: &mut Reports) {
         for light in techniques.refused.iter().filter(|light| light.row == index) {
             let refusal = light.refusal;
             round.raise(Some(light.entity), refusal.code(), || {
-                format!("{} gives the light no shadow: {refusal}.", row.name())
+                let component = row.component_name();
+                match refusal {
+                    Refusal::Kind { light, instead } => format!(
+                        "The light has no shadow: {component} does not fit a {light} light: {instead}."
+                    ),
+                    Refusal::Setting { .. } => {
+                        format!("The light has no shadow: {refusal}, in its {component}.")
+                    }
+                }
             });
         }
         row.report(world, &mut round);
@@ -34,7 +43,7 @@ fn report_components(world: &World, techniques: &Techniques, reports: &mut Repor
         let has = |id: Option<ComponentId>| id.is_some_and(|id| archetype.contains(id));
         let on = |row: &&Row| has(components.get_id(row.component()));
         let rows = || techniques.rows.iter().filter(on);
-        let Some(first) = rows().next().map(Row::name) else {
+        let Some(first) = rows().next().map(Row::component_name) else {
             continue;
         };
         for entity in archetype.entities().iter().map(|entity| Some(entity.id())) {
@@ -44,7 +53,7 @@ fn report_components(world: &World, techniques: &Techniques, reports: &mut Repor
                 });
             } else if rows().count() > 1 {
                 round.raise(entity, 2, || {
-                    let all: Vec<&str> = rows().map(Row::name).collect();
+                    let all: Vec<&str> = rows().map(Row::component_name).collect();
                     format!(
                         "The light has {} shadow techniques, {}; {first} is used. Remove the others.",
                         all.len(),

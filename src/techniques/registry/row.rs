@@ -19,6 +19,7 @@ pub struct Row {
     name: &'static str,
     needs: Needs,
     component: TypeId,
+    component_name: &'static str,
     is_on: fn(&EntityRef) -> bool,
     check: fn(&EntityRef, &Light) -> Result<(), Refusal>,
     settings_of: fn(&EntityRef) -> Option<Settings>,
@@ -50,6 +51,12 @@ impl std::fmt::Debug for Row {
     }
 }
 
+/// Returns the name of a type without its path.
+fn short_type_name<T>() -> &'static str {
+    let name = std::any::type_name::<T>();
+    name.rsplit("::").next().unwrap_or(name)
+}
+
 impl Row {
     /// Makes the row of a technique.
     pub fn of<T: Technique>() -> Self {
@@ -57,6 +64,7 @@ impl Row {
             name: T::NAME,
             needs: T::NEEDS,
             component: TypeId::of::<T>(),
+            component_name: short_type_name::<T>(),
             is_on: |light| light.contains::<T>(),
             check: |entity, light| entity.get::<T>().map_or(Ok(()), |settings| settings.check(light)),
             settings_of: |light| light.get::<T>().cloned().map(Settings::of),
@@ -80,6 +88,11 @@ impl Row {
     /// Returns the name of the technique, in snake case.
     pub fn name(&self) -> &'static str {
         self.name
+    }
+
+    /// Returns the name of the component's type without its path, for messages to whoever inserted it.
+    pub fn component_name(&self) -> &'static str {
+        self.component_name
     }
 
     /// Returns what the stages before and after the technique do for its lights ([`Technique::NEEDS`]).
