@@ -61,9 +61,18 @@ impl ViewDepth {
 
 /// How far techniques draw into the depth of an orthographic view. Shadow volumes end there at a finite depth, and none
 /// may be cut off: it counts at surfaces before it. Perspective views reach infinity, and have no use for this.
-#[derive(Resource, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct DepthReach {
     farthest: f64,
+}
+
+impl Default for DepthReach {
+    /// Nothing is drawn. Not 0: all of an orthographic view may lie at negative depth.
+    fn default() -> Self {
+        Self {
+            farthest: f64::NEG_INFINITY,
+        }
+    }
 }
 
 impl DepthReach {
