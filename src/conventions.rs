@@ -21,6 +21,11 @@ pub const DEPTH_INFINITY: f32 = 0.0;
 /// Largest finite radiance that the half floats of the radiance target hold.
 pub const RADIANCE_MAX: f32 = 65504.0;
 
+/// How near to a light surfaces do not block it, as a share of its reach: the default of
+/// [`LightClearance`](crate::silhouettes::LightClearance), of the near plane of maps, and of where the ray caster ends its rays.
+/// `f32` tells positions apart to 10⁻⁷ of their coordinates, editors print them to 10⁻⁶.
+pub const LIGHT_CLEARANCE: f32 = 1e-5;
+
 /// Stencil count of a surface point that no shadow volume covers.
 pub const STENCIL_LIT: u32 = 0;
 

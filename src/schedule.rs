@@ -11,7 +11,7 @@ use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
 use crate::sets::SeenInto;
 use crate::sets::view::seen_into;
-use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
+use crate::silhouettes::{CasterMeshes, LightClearance, Silhouettes, cache, casters};
 use crate::techniques::maps::{MapSettings, Maps, build_maps};
 use crate::techniques::penumbra_wedge::{PenumbraWedges, WedgeOverflow, wedges};
 use crate::techniques::stencil_volume::{StencilVolumes, volumes};
@@ -74,6 +74,7 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<FaceCulling>();
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
+    world.init_resource::<LightClearance>();
     world.init_resource::<StencilVolumes>();
     world.init_resource::<PenumbraWedges>();
     world.init_resource::<WedgeOverflow>();

@@ -2,11 +2,10 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_transform::prelude::GlobalTransform;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::ray_scene::{RayScene, SceneTriangle};
-use crate::scene::bounds::is_usable_transform;
+use crate::scene::placement::Placement;
 use crate::scene::{
     MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
 };
@@ -17,7 +16,7 @@ struct Object {
     entity: Entity,
     mesh: &'static SceneMesh,
     posed: Option<&'static PosedMesh>,
-    transform: &'static GlobalTransform,
+    place: Placement,
     materials: Option<&'static SceneMaterials>,
     layers: Option<&'static SelectionLayers>,
     blocks: Has<ShadowCaster>,
@@ -28,8 +27,8 @@ impl RayScene {
     /// The triangles of every [`SceneMesh`] entity, posed where it has a [`PosedMesh`] that is not empty.
     ///
     /// The camera sees those with [`SceneMaterials`], blended ones as solidly as others; those of
-    /// [`ShadowCaster`]s block; those of [`ShadowReceiver`]s show shadows. Objects whose transform is not usable
-    /// are left out, as the renderer does; triangles that are not finite or name a vertex that is not there are
+    /// [`ShadowCaster`]s block; those of [`ShadowReceiver`]s show shadows. Objects whose transform is not finite or
+    /// leaves no area are left out, as the renderer does; triangles that are not finite or name a vertex that is not there are
     /// dropped and counted. Reads `GlobalTransform` as it is: propagate first.
     pub fn from_world(world: &mut World) -> Self {
         let mut query = world.query::<Object>();
@@ -49,16 +48,15 @@ impl RayScene {
 /// Appends an object's triangles; returns how many name vertices that are not there.
 fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> usize {
     let is_drawn = object.materials.is_some();
-    if !is_usable_transform(object.transform) || !(object.blocks || is_drawn) {
+    let Some(affine) = object.place.exact_affine().filter(|_| object.blocks || is_drawn) else {
         return 0;
-    }
+    };
     let mesh = &*object.mesh.0;
     let positions = object
         .posed
         .map(|posed| &posed.positions)
         .filter(|positions| !positions.is_empty())
         .unwrap_or(&mesh.positions);
-    let affine = object.transform.affine();
     // In f64 from here: products of two f32 are exact, and a far translation costs no precision.
     let world_from_local = DAffine3::from_mat3_translation(
         DMat3::from_cols_array(&affine.matrix3.to_cols_array().map(f64::from)),

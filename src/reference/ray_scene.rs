@@ -6,15 +6,15 @@ use glam::DVec3;
 use super::bvh::Bvh;
 use super::contact::touches;
 use super::ray::{Ray, RayHit, ShearedRay};
+use crate::conventions::LIGHT_CLEARANCE;
 use crate::scene::SelectionLayers;
 
 /// Triangles beyond this coordinate are dropped, metres: the tree's areas in `f32` stay finite below it.
 pub const MAX_COORDINATE: f64 = 1e15;
 
-/// A shadow ray to a light at a position ends at this share of the way. A triangle nearer to the light than
-/// 10⁻⁹ of the distance lies at the light and does not block: 4 orders above the rounding of the parameter
-/// (some 2⁻⁵⁰ unless the ray grazes the triangle), 2 below what `f32` positions can tell apart.
-pub const LIGHT_END: f64 = 1.0 - 1e-9;
+/// A shadow ray to a light at a position ends at this share of the way: surfaces nearer to the light than
+/// [`LIGHT_CLEARANCE`] of the receiver's distance do not block it, as under every technique.
+pub const LIGHT_END: f64 = 1.0 - LIGHT_CLEARANCE as f64;
 
 /// A triangle in world space and what it takes part in.
 #[derive(Clone, Copy, Debug, PartialEq)]

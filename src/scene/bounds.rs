@@ -6,7 +6,8 @@ use bevy_transform::prelude::GlobalTransform;
 
 use super::changes::{Since, bits};
 use super::churn::count_churn;
-use super::{PosedMesh, SceneMesh, tasks};
+use super::placement::placed;
+use super::{PosedMesh, SceneMesh, Skin, tasks};
 use crate::geometry::Aabb;
 
 /// Bounds of the mesh as posed, local space. Empty for a mesh without triangles or finite positions.
@@ -19,8 +20,8 @@ impl Default for LocalBounds {
     }
 }
 
-/// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not
-/// finite or singular.
+/// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not finite or
+/// leaves no area.
 ///
 /// Its change stands for the object having moved: [`update_world_bounds`] marks it whenever the transform or the local
 /// bounds changed, whether or not the box came out the same.
@@ -32,13 +33,6 @@ impl Default for WorldBounds {
     fn default() -> Self {
         Self(Aabb::EMPTY)
     }
-}
-
-/// Whether a transform can be drawn with: finite, and it keeps volume.
-pub fn is_usable_transform(transform: &GlobalTransform) -> bool {
-    let affine = transform.affine();
-    let determinant = affine.matrix3.determinant();
-    affine.is_finite() && determinant.is_finite() && determinant != 0.0
 }
 
 /// Recomputes [`LocalBounds`] of meshes that were added, exchanged or posed.
@@ -79,11 +73,18 @@ const CHUNK: usize = 4096;
 /// Set: `UpdateBounds`, after [`update_local_bounds`]. Reads whole columns of change ticks, so that objects at rest cost
 /// next to nothing; moved ones are computed on all threads. Which code changed them last (bevy's `track_location`) is
 /// not recorded.
-pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTransform>, &mut WorldBounds)>) {
+pub fn update_world_bounds(
+    mut objects: Query<(
+        Ref<LocalBounds>,
+        Ref<GlobalTransform>,
+        &mut WorldBounds,
+        Has<Skin>,
+    )>,
+) {
     let Ok(tables) = objects.contiguous_iter_mut() else {
         unreachable!("all three are kept in tables");
     };
-    for (local, transform, world) in tables {
+    for (local, transform, world, is_skinned) in tables {
         let since = Since::new(local.last_run_tick(), local.this_run_tick());
         let this_run = local.this_run_tick();
         let (local_ticks, transform_ticks) = (local.changed_ticks_slice(), transform.changed_ticks_slice());
@@ -110,7 +111,7 @@ pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTrans
                 {
                     for bit in bits(since.mask(local_ticks) | since.mask(transform_ticks)) {
                         let row = at * 64 + bit;
-                        world[row] = world_bounds(&local[row], &transform[row]);
+                        world[row] = world_bounds(&local[row], &transform[row], is_skinned);
                         stamp[row] = this_run;
                     }
                 }
@@ -119,10 +120,7 @@ pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTrans
     }
 }
 
-fn world_bounds(local: &LocalBounds, transform: &GlobalTransform) -> WorldBounds {
-    WorldBounds(if is_usable_transform(transform) {
-        local.0.transformed(&transform.affine())
-    } else {
-        Aabb::EMPTY
-    })
+fn world_bounds(local: &LocalBounds, transform: &GlobalTransform, is_skinned: bool) -> WorldBounds {
+    let affine = placed(transform, is_skinned);
+    WorldBounds(affine.map_or(Aabb::EMPTY, |affine| local.0.transformed(&affine)))
 }

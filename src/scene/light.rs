@@ -31,11 +31,12 @@ pub struct Light {
 pub enum LightKind {
     /// From a point into all directions.
     Point,
-    /// From a point into a cone around −Z: full inside the inner half-angle, nothing outside the outer one.
+    /// From a point into a cone around −Z: full inside the inner half-angle, nothing outside the outer one. Equal angles make
+    /// a cone with a sharp edge.
     Spot {
-        /// Half-angle of full intensity, radians; 0 ≤ inner < outer.
+        /// Half-angle of full intensity, radians; 0 ≤ inner ≤ outer.
         inner_angle: f32,
-        /// Half-angle of the cone, radians; ≤ π/2.
+        /// Half-angle of the cone, radians; 0 < outer ≤ π/2.
         outer_angle: f32,
     },
     /// Parallel light along −Z from infinity.
@@ -97,7 +98,9 @@ pub enum LightError {
     #[error("colour is {0}, its components must be finite and at least 0")]
     Color(Vec3),
     /// Angles of a spot light out of order.
-    #[error("cone half-angles are {inner} and {outer} radians, 0 ≤ inner < outer ≤ π/2 is needed")]
+    #[error(
+        "cone half-angles are {inner} and {outer} radians, 0 ≤ inner ≤ outer and 0 < outer ≤ π/2 are needed"
+    )]
     Angles {
         /// Inner half-angle.
         inner: f32,
@@ -152,7 +155,7 @@ impl Light {
             LightKind::Spot {
                 inner_angle: inner,
                 outer_angle: outer,
-            } if !(0.0 <= inner && inner < outer && outer <= std::f32::consts::FRAC_PI_2) => {
+            } if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= std::f32::consts::FRAC_PI_2) => {
                 Err(LightError::Angles { inner, outer })
             }
             LightKind::Rect { width, height } if !usable(width) || !usable(height) => {

@@ -8,7 +8,7 @@
 //! | [`SelectionLayers`] | which lights select it ([`LightSelection`]) |
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a component of [`techniques`](crate::techniques) beside it |
-//! | [`Camera`] | the view |
+//! | [`Camera`], [`IgnoresScale`] | the view |
 //! | [`Skin`], [`MorphWeights`] | a mesh that is posed each frame into [`PosedMesh`] |
 //! | [`WorldBounds`] | written by us: where it is |
 //!
@@ -27,12 +27,13 @@ pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod occluder;
+pub(crate) mod placement;
 pub(crate) mod pose;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{LocalBounds, WorldBounds, update_local_bounds, update_world_bounds};
-pub use camera::{Camera, Orthographic};
+pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;

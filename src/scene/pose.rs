@@ -7,6 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{Mat3, Mat4, Vec3, Vec4};
 
+use super::placement::placed;
 use super::{MeshData, SceneMesh};
 
 /// Binds a mesh to joints. Removing it leaves the mesh in its rest pose.
@@ -46,8 +47,8 @@ pub struct PosedMesh {
 /// [`update_local_bounds`](super::bounds::update_local_bounds).
 ///
 /// Vertices that are equal in all streams are posed to equal bits, and equal input gives equal output. A mesh
-/// whose own transform is singular, or whose joints are gone or not finite, keeps its last pose, or gets its
-/// rest pose if it has none. Cost: the vertices of the meshes that moved; nothing is allocated after the first
+/// whose own transform or joints are not finite, or whose joints are gone, keeps its last pose, or gets its
+/// rest pose if it has none. Joints alone say where a skinned mesh is, whatever the scale of its own transform. Cost: the vertices of the meshes that moved; nothing is allocated after the first
 /// frame of a mesh.
 #[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn pose_meshes(
@@ -114,11 +115,10 @@ fn collect_joint_matrices(
     local_from_bind: &mut Vec<Mat4>,
 ) -> bool {
     local_from_bind.clear();
-    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
-    let determinant = world_from_local.determinant();
-    if !determinant.is_finite() || determinant == 0.0 {
+    let Some(world_from_local) = placed(world_from_local, true) else {
         return false;
-    }
+    };
+    let world_from_local = Mat4::from(world_from_local).as_dmat4();
     let local_from_world = world_from_local.inverse();
     for (index, &joint) in skin.joints.iter().enumerate() {
         let Some(world_from_joint) = joint_transform(joint) else {

@@ -3,12 +3,15 @@
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, DVec4, Mat4, Vec4};
+use glam::{DMat4, DVec4, Vec4};
 
 use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
+use super::grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
+use super::stacks::stacked_boxes;
 use super::{CapMode, Contour, FacingBits, classify, extract_contour};
-use crate::scene::PosedMesh;
+use crate::geometry::Aabb;
+use crate::scene::placement::Placement;
+use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::{FrameLights, Objects, SeenInto};
 
 /// Marks lights whose technique is built on silhouettes.
@@ -31,6 +34,10 @@ pub struct Silhouette {
     pub light_local: Vec4,
     /// Which triangles stand for the caster.
     pub mode: CapMode,
+    /// Metres from the light within which surfaces do not block it.
+    pub clearance: f64,
+    /// Pieces of the caster that lie one behind the other, about; both sides of a piece where all triangles are caps.
+    pub stacked: u32,
     /// Edges and caps.
     pub contour: Contour,
     /// Unique among all silhouettes ever extracted; tells a copy of it whether it is stale. 0: the slot is free.
@@ -46,6 +53,10 @@ pub struct LightSilhouettes {
     pub light: Entity,
     /// Slots, used and free; an index stays valid until its pair is forgotten.
     pub slots: Vec<Silhouette>,
+    /// The sum of [`Silhouette::stacked`] over casters that lie one behind the other, about: what a technique that counts
+    /// needs room for. It says so from boxes, and knows nothing of a piece that is folded.
+    pub stacked: u32,
+    stacked_of: Option<(usize, u64)>,
     slot_of: Vec<u32>,
     free: Vec<u32>,
     layout_generation: u64,
@@ -56,6 +67,8 @@ pub struct LightSilhouettes {
 pub struct Silhouettes {
     lights: Vec<LightSilhouettes>,
     bits: FacingBits,
+    grazed: Vec<u64>,
+    boxes: Vec<(Aabb, u32)>,
     frame: u64,
     last_revision: u64,
     /// Silhouettes extracted in this frame; 0 when nothing moved.
@@ -117,6 +130,8 @@ impl LightSilhouettes {
                 entity,
                 light_local: Vec4::ZERO,
                 mode: CapMode::default(),
+                clearance: 0.0,
+                stacked: 0,
                 contour: Contour::default(),
                 revision: 0,
                 source: None,
@@ -154,7 +169,8 @@ impl LightSilhouettes {
 
 type CasterItem<'a> = (
     &'a CasterEdges,
-    &'a GlobalTransform,
+    &'a SceneMesh,
+    Placement,
     Option<(&'a PosedMesh, &'a PosedPlanes)>,
 );
 
@@ -170,12 +186,15 @@ pub fn build_silhouettes(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     seen_into: Res<SeenInto>,
+    clearance: Res<LightClearance>,
     wanting: Query<(), With<NeedsSilhouettes>>,
     casters: Query<CasterItem<'static>>,
 ) {
     let Silhouettes {
         lights: kept,
         bits,
+        grazed,
+        boxes,
         frame,
         last_revision,
         extracted,
@@ -194,6 +213,8 @@ pub fn build_silhouettes(
                     LightSilhouettes {
                         light: light.entity,
                         slots: Vec::new(),
+                        stacked: 0,
+                        stacked_of: None,
                         slot_of: Vec::new(),
                         free: Vec::new(),
                         layout_generation: 0,
@@ -203,14 +224,16 @@ pub fn build_silhouettes(
             });
         let entry = &mut kept[at];
         entry.remap(&objects);
+        let mut changed = false;
         for object in light.s.ones() {
             let entity = objects.entities[object];
-            let Ok((edges, transform, posed)) = casters.get(entity) else {
+            let Ok((edges, mesh, place, posed)) = casters.get(entity) else {
                 continue;
             };
             let point = light.point_world;
-            let light_within =
-                point.w != 0.0 && objects.boxes.get(object).contains(point.truncate().as_vec3());
+            let bounds = objects.boxes.get(object);
+            let clearance = clearance.metres(point, light.light.range, &bounds);
+            let light_within = light_is_within(&bounds, point, clearance);
             let mode = cap_mode(light_within || seen_into.0.contains(object));
             let slot = entry.slot_for(object, entity);
             let silhouette = &mut entry.slots[slot];
@@ -219,6 +242,7 @@ pub fn build_silhouettes(
             silhouette.last_used = *frame;
             let known = silhouette.revision != 0
                 && silhouette.mode == mode
+                && silhouette.clearance == clearance
                 && silhouette
                     .source
                     .as_ref()
@@ -226,7 +250,10 @@ pub fn build_silhouettes(
             if known && watched && !light.moved && !objects.moved.contains(object) {
                 continue;
             }
-            let Some(light_local) = light_in_local(transform, light.point_world) else {
+            let in_local = place
+                .world_from_local()
+                .and_then(|matrix| Some((matrix, light_in_local(&matrix, light.point_world)?)));
+            let Some((world_from_local, light_local)) = in_local else {
                 entry.forget(object);
                 continue;
             };
@@ -239,17 +266,57 @@ pub fn build_silhouettes(
             };
             classify(&edges.0.edges, planes, light_local, bits);
             extract_contour(&edges.0.edges, bits, mode, &mut silhouette.contour);
+            grazed.clear();
+            if light_within {
+                let positions = posed
+                    .map(|(posed, _)| &posed.positions)
+                    .filter(|positions| positions.len() >= edges.0.edges.vertex_count());
+                let grazing = GrazingLight {
+                    light_world: point,
+                    light_local,
+                    world_from_local: &world_from_local,
+                    clearance,
+                };
+                let positions = positions.unwrap_or(&mesh.0.positions);
+                find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
+                take_out_of_contour(&edges.0.edges, bits, mode, grazed, &mut silhouette.contour);
+            }
             *last_revision += 1;
             *extracted += 1;
             silhouette.revision = *last_revision;
             silhouette.light_local = light_local;
             silhouette.mode = mode;
+            silhouette.clearance = clearance;
+            let sides = match mode {
+                CapMode::AllTriangles if edges.0.edges.closed_cluster_count() > 0 => 2,
+                _ => 1,
+            };
+            silhouette.stacked = stacked_boxes(light_local.as_dvec4(), &edges.0.pieces).max(1) * sides;
+            changed = true;
             silhouette.source = Some(edges.0.clone());
+        }
+        let key = Some((light.s.count_ones(..), objects.layout_generation));
+        if changed || entry.stacked_of != key {
+            entry.stacked_of = key;
+            boxes.clear();
+            boxes.extend(light.s.ones().filter_map(|object| {
+                let (_, silhouette) = entry.of_object(object)?;
+                Some((objects.boxes.get(object), silhouette.stacked))
+            }));
+            entry.stacked = stacked_boxes(light.point_world, boxes);
         }
         entry.forget_unused(*frame, &objects);
     }
     // Lights that are gone take their silhouettes with them.
     kept.retain(|entry| wanting.contains(entry.light));
+}
+
+/// Whether a light is in a caster's bounds, or nearer to them than its clearance.
+pub fn light_is_within(bounds: &Aabb, light_world: DVec4, clearance: f64) -> bool {
+    let light = light_world.truncate();
+    light_world.w != 0.0
+        && (bounds.contains(light.as_vec3())
+            || light.distance(light.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3())) <= clearance)
 }
 
 /// Back-facing triangles suffice for a caster unless the camera or the light may be inside of it: then all count.
@@ -263,8 +330,7 @@ fn cap_mode(looked_or_lit_from_within: bool) -> CapMode {
 }
 
 /// The light as a homogeneous point in a caster's space, by way of f64; `None` for a transform without inverse.
-pub fn light_in_local(world_from_local: &GlobalTransform, light_world: DVec4) -> Option<Vec4> {
-    let world_from_local: DMat4 = Mat4::from(world_from_local.affine()).as_dmat4();
+pub fn light_in_local(world_from_local: &DMat4, light_world: DVec4) -> Option<Vec4> {
     let determinant = world_from_local.determinant();
     if !(determinant.is_finite() && determinant != 0.0) {
         return None;

@@ -5,8 +5,10 @@ use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
 
+use super::stacks::piece_boxes;
 use super::{FacingPlanes, compute_planes, compute_posed_planes};
-use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput};
+use crate::geometry::Aabb;
+use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput, is_outside_out};
 use crate::scene::{MeshData, PosedMesh, SceneMesh, ShadowCaster};
 
 /// What all casters with one mesh share.
@@ -16,6 +18,10 @@ pub struct CasterMesh {
     pub edges: EdgeMesh,
     /// Planes in the pose that the mesh was made in.
     pub planes: FacingPlanes,
+    /// From outside, fronts alone are seen of the mesh as it was made: it is closed, and nowhere inside out.
+    pub shows_fronts_alone: bool,
+    /// Boxes of its pieces, local space; none of a mesh of one piece.
+    pub pieces: Vec<(Aabb, u32)>,
 }
 
 /// The edge mesh of a caster. Written by [`build_caster_edges`]; a caster whose mesh has none (it is counted in
@@ -52,7 +58,16 @@ impl CasterMesh {
         })?;
         let mut planes = FacingPlanes::default();
         compute_planes(&edges, &mesh.positions, &mut planes);
-        Ok(Self { edges, planes })
+        // A pose may turn parts inside out: what it shows is not told from the mesh as it was made.
+        let shows_fronts_alone =
+            keys.is_none() && edges.is_closed() && is_outside_out(&mesh.positions, edges.corners());
+        let pieces = piece_boxes(&edges, &mesh.positions);
+        Ok(Self {
+            pieces: pieces.into_iter().map(|aabb| (aabb, 1)).collect(),
+            edges,
+            planes,
+            shows_fronts_alone,
+        })
     }
 }
 

@@ -70,6 +70,18 @@ pub fn extract_contour(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, cont
 
 /// The half of [`extract_contour`] that fills the caps.
 pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
+    extract_caps_without(mesh, facing, mode, &[], contour);
+}
+
+/// As [`extract_caps`], but for triangles whose bits are set in `left_out`: a word a cluster, or no words for none.
+pub(super) fn extract_caps_without(
+    mesh: &EdgeMesh,
+    facing: &FacingBits,
+    mode: CapMode,
+    left_out: &[u64],
+    contour: &mut Contour,
+) {
+    let kept = |cluster: usize| !left_out.get(cluster).copied().unwrap_or(0);
     contour.caps.clear();
     contour.caps_away_start = 0;
     if !fits(mesh, facing) {
@@ -84,14 +96,14 @@ pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour
         push_caps(
             mesh,
             cluster,
-            words[i],
+            words[i] & kept(i),
             states[i] & HAS_FACING != 0,
             &mut contour.caps,
         );
     }
     contour.caps_away_start = contour.caps.len();
     for (i, cluster) in mesh.clusters().iter().enumerate() {
-        let word = !words[i] & cluster.full_word();
+        let word = !words[i] & cluster.full_word() & kept(i);
         push_caps(mesh, cluster, word, states[i] & HAS_BACK != 0, &mut contour.caps);
     }
 }

@@ -13,6 +13,9 @@ struct MapCaster {                  // mirror: render::gpu_types::MapCaster
 
 // Share by which a surface must lie beyond the first to be another: the two passes round alike, their edges do not.
 const BEYOND: f32 = 1e-5;
+// The least of it where depth is linear (parallel faces, whose w is 1): towards the far end a share of depth would be less than
+// what the terms round by that depth is the small difference of.
+const BEYOND_PARALLEL: f32 = 1e-6;
 
 @vertex
 fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) vec4f {
@@ -44,7 +47,8 @@ fn is_hole(in: Masked) -> bool {
 
 fn is_first(position: vec4f) -> bool {
     let first = textureLoad(first_depth, vec2u(position.xy), 0);
-    return position.z >= first * (1.0 - BEYOND);
+    let share = first * (1.0 - BEYOND);
+    return position.z >= select(share, min(share, first - BEYOND_PARALLEL), position.w == 1.0);
 }
 
 @fragment

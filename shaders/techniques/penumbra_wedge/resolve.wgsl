@@ -2,7 +2,7 @@
 // Host    src/techniques/penumbra_wedge/node.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
@@ -21,6 +21,8 @@ override IS_SPLIT: bool = false;
 override IS_SCALAR: bool = false;
 // Beside a sum, hard shadows and places on the light are counted.
 override IS_SAMPLED: bool = false;
+// More layers may lie one behind the other than the digits of places have room for in steps.
+override IS_DEEP: bool = false;
 // The coverage of groups was combined.
 override IS_COMBINED: bool = false;
 
@@ -55,12 +57,28 @@ fn summed(pixel: vec2u, over: vec4f) -> Covered {
 }
 
 // How often each place is hidden, told by three of them that one float holds beside the count of hard shadows. Digits have
-// room for 32 times: what is more is told as less.
+// room for 32 times, or for 256: what is more is told as less, so a light with more layers than 30 takes the latter.
 fn times_hidden(hard: f32, packed: f32) -> vec3f {
     let second = round(packed / 256.0);
     let third = round(second / 256.0);
+    if IS_DEEP {
+        return times_hidden_deep(hard, packed);
+    }
     let told = hard - vec3f(packed - 256.0 * second, second - 256.0 * third, third) / PLACE_STEPS;
     return told - 32.0 * floor((told + 1.0) / 32.0);
+}
+
+// The same without steps. A digit that is out of its range, −128 to 127, has carried into the next: it is told first, and
+// taken out of what the next are read from.
+fn times_hidden_deep(hard: f32, packed: f32) -> vec3f {
+    let first = within_256(hard - (packed - 256.0 * round(packed / 256.0)));
+    let rest = (packed - (hard - first)) / 256.0;
+    let second = within_256(hard - (rest - 256.0 * round(rest / 256.0)));
+    return vec3f(first, second, hard - (rest - (hard - second)) / 256.0);
+}
+
+fn within_256(times: f32) -> f32 {
+    return times - 256.0 * floor((times + 1.0) / 256.0);
 }
 
 // How often the places on the light are hidden in one layer.
@@ -70,13 +88,14 @@ struct Counts {
 }
 
 fn counts(sums: vec4f, over: f32, is_above: mat3x3f) -> Counts {
-    let hard = -round(sums.r / HARD_SHADOW);
+    let one = select(HARD_SHADOW, DEEP_HARD_SHADOW, IS_DEEP);
+    let hard = -round(sums.r / one);
     let hidden = mat3x3f(
         times_hidden(hard, sums.g) * is_above[0],
         times_hidden(hard, sums.b) * is_above[1],
         times_hidden(hard, sums.a) * is_above[2],
     );
-    return Counts(hard * over - (sums.r + hard * HARD_SHADOW), hidden);
+    return Counts(hard * over - (sums.r + hard * one), hidden);
 }
 
 // Sums over the places.
@@ -154,7 +173,8 @@ fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
         covered = vec4f(sampled(pixel, at.horizon, over.a));
     } else if IS_COMBINED {
         let before = textureLoad(combined, pixel, 0);
-        covered = min(select(vec4f(max(before.x, before.y)), before, IS_TEXTURED), over);
+        let by_layer = 0.5 * (before.xy + before.zw);
+        covered = min(select(vec4f(max(by_layer.x, by_layer.y)), before, IS_TEXTURED), over);
     } else {
         let layers = summed(pixel, over);
         covered = max(layers.facing, layers.averted);
@@ -163,8 +183,10 @@ fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(visible.rgb / whole_above(position.xy), visible.a);
 }
 
-// Coverage between the extremes of no and all overlap. Layers are two accounts of one shadow: each is combined by
-// itself, in x and y. By colour there is no room for that, and the layer that hides more counts.
+// Coverage between the extremes of no and all overlap: equation 1 is max + ½ min, of two groups. Of more, one after the
+// other, it would depend on their order; half of the sum and the largest is the same of two, and does not. So the sum is kept
+// in xy and the largest in zw: layers are two accounts of one shadow, and each is combined by itself. By colour there is no
+// room for that: the layer that hides more counts, and groups are combined one after the other.
 // Source: Assarsson et al. 2003, equation 1.
 @fragment
 fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
@@ -172,7 +194,10 @@ fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let at = seat(receiver_at(position.xy), IS_SPHERE);
     let layers = summed(pixel, above_here(at.horizon));
     let by_color = max(layers.facing, layers.averted);
-    let now = select(vec4f(layers.facing.a, layers.averted.a, 0.0, 0.0), by_color, IS_TEXTURED);
     let before = textureLoad(combined, pixel, 0);
-    return max(before, now) + 0.5 * min(before, now);
+    if IS_TEXTURED {
+        return max(before, by_color) + 0.5 * min(before, by_color);
+    }
+    let now = vec2f(layers.facing.a, layers.averted.a);
+    return vec4f(before.xy + now, max(before.zw, now));
 }

@@ -13,6 +13,7 @@
 //! | `build` | [`EdgeMesh::build`] |
 //! | `pieces` | which triangles hang together, and which pieces are closed |
 //! | `weld` | which vertices are one |
+//! | `winding` | whether a mesh is outside out everywhere |
 //! | `order` | which triangles share a cluster |
 //! | `error` | [`EdgeMeshError`] |
 
@@ -22,7 +23,9 @@ mod mesh;
 mod order;
 mod pieces;
 mod weld;
+mod winding;
 
 pub use build::EdgeMeshInput;
 pub use error::EdgeMeshError;
 pub use mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};
+pub use winding::is_outside_out;

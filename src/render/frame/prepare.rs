@@ -1,7 +1,6 @@
 //! Systems of the set `PrepareGpu`: from the frame's sets to buffers and draw lists.
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
@@ -17,6 +16,7 @@ use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
 use crate::render::renderer::Renderer;
 use crate::scene::FaceCulling;
+use crate::scene::placement::Placement;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
 
@@ -31,7 +31,7 @@ pub fn prepare_objects(
     appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
     exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
     posed: Query<(Entity, &PosedMesh), Changed<PosedMesh>>,
-    transforms: Query<&GlobalTransform>,
+    places: Query<Placement>,
 ) {
     let renderer = renderer.as_mut();
     renderer.frame.has_view = false;
@@ -84,12 +84,9 @@ pub fn prepare_objects(
         && renderer.last_clip_from_world == Some(current.clip_from_world)
         && objects.moved.is_clear();
     if !still {
-        renderer.table.update_constants(
-            &objects.entities,
-            &transforms,
-            current.clip_from_world,
-            current.eye,
-        );
+        renderer
+            .table
+            .update_constants(&objects.entities, &places, current.clip_from_world, current.eye);
         renderer.write_objects();
         renderer.last_clip_from_world = Some(current.clip_from_world);
     }

@@ -12,7 +12,7 @@ use super::accessors::Accessors;
 use super::cells;
 use super::cells::GltfVisibility;
 use super::mesh::GltfMesh;
-use super::transforms::transform_of;
+use super::transforms::{NodeTransform, transform_of};
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{Camera, Light, LightKind, MeshData};
 
@@ -24,8 +24,11 @@ pub const MAX_NODE_DEPTH: usize = 512;
 pub struct GltfNode {
     /// Its name, or "node 3".
     pub name: String,
-    /// Relative to its parent; may be singular or not finite (it is in the report then).
+    /// Relative to its parent, or to `stretch` if there is one; may be singular or not finite (it is in the report then).
     pub transform: Transform,
+    /// Of a node whose matrix shears: what stands between it and its parent. No translation, rotation and scale alone make
+    /// such a matrix, two of them one after the other do.
+    pub stretch: Option<Transform>,
     /// Indices of its children.
     pub children: Vec<usize>,
     /// Index into [`LoadedGltf::meshes`](super::LoadedGltf::meshes).
@@ -74,7 +77,11 @@ pub(super) fn load(
     let mut nodes = Vec::with_capacity(json.len());
     for (index, node) in json.iter().enumerate() {
         let element = Element::Node(index);
-        let (transform, problem) = transform_of(node);
+        let NodeTransform {
+            transform,
+            stretch,
+            problem,
+        } = transform_of(node);
         if let Some(problem) = problem {
             report.add(SkipKind::NodeTransform, element, 1, problem);
         }
@@ -112,6 +119,7 @@ pub(super) fn load(
         nodes.push(GltfNode {
             name: node.name.clone().unwrap_or_else(|| element.to_string()),
             transform,
+            stretch,
             children,
             weights: mesh.map_or_else(Vec::new, |(_, mesh)| node_weights(node, mesh, element, report)),
             mesh: mesh.map(|(index, _)| index),

@@ -86,7 +86,7 @@ pub enum SkipKind {
     IncompleteTriangle,
     /// Vertex data that was repaired: not finite, no length, or more joints than four. Counts vertices.
     VertexData,
-    /// A node whose transform is singular or not finite; it is loaded, its objects are not drawn. Counts nodes.
+    /// A node whose transform leaves no area or is not finite; it is loaded, its objects are not drawn. Counts nodes.
     NodeTransform,
     /// A node whose skin or morph weights do not fit its mesh. Counts nodes.
     NodeMesh,

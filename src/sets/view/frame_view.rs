@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3, UVec2};
 use super::view_depth::ViewDepth;
 use crate::geometry::{Frustum, FrustumShape};
 use crate::scene::Camera;
+use crate::scene::camera::CameraTurns;
 use crate::sets::work::SetWork;
 
 /// Size of the picture, pixels. Written by whoever owns the target; 0 × 0 (the default) draws nothing.
@@ -130,25 +131,28 @@ impl ViewData {
 
 /// Takes the view from the entity of lowest index with a usable [`Camera`].
 ///
-/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. Lowest index: the camera spawned first
+/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. An [`IgnoresScale`](crate::scene::IgnoresScale) takes the
+/// scale away. Lowest index: the camera spawned first
 /// unless indices were reused, whatever order the query has. With the same camera as before it computes nothing.
 pub fn collect_view(
     mut view: ResMut<View>,
     mut work: ResMut<SetWork>,
     viewport: Res<ViewportSize>,
     cameras: Query<(Entity, &Camera, &GlobalTransform)>,
+    turns: CameraTurns,
 ) {
-    let usable = |&(_, camera, world_from_camera): &(Entity, &Camera, &GlobalTransform)| {
+    let usable = |(_, camera, world_from_camera): &(Entity, &Camera, GlobalTransform)| {
         camera.is_valid() && Camera::view_from_world(world_from_camera).is_some()
     };
     let chosen = cameras
         .iter()
+        .map(|(entity, camera, at)| (entity, camera, turns.place(entity, at)))
         .filter(usable)
         .min_by_key(|&(entity, _, _)| entity.index_u32())
         .map(|(entity, camera, world_from_camera)| Input {
             entity,
             camera: *camera,
-            world_from_camera: *world_from_camera,
+            world_from_camera,
             viewport: viewport.0,
         });
     if chosen == view.seen {

@@ -17,6 +17,7 @@ use super::request::{MapRequest, MapShape};
 use super::settings::{MapError, MapResolution, MapSettings};
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View};
+use crate::silhouettes::LightClearance;
 use crate::techniques::{OmniMap, ShadowMap};
 
 /// What is wrong with a light's map.
@@ -288,6 +289,7 @@ pub fn build_maps(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
+    clearance: Res<LightClearance>,
     shadow_maps: Query<&ShadowMap>,
     omni_maps: Query<&OmniMap>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
@@ -313,6 +315,7 @@ pub fn build_maps(
         objects: &objects,
         view: data,
         view_generation: view.generation,
+        near_share: clearance.share().max(1e-7), // a perspective needs some near plane
     };
     maps.collect_candidates(&scene, &lights);
     maps.take_in(settings.face_updates);

@@ -22,10 +22,9 @@ pub struct Scene<'a> {
     pub view: &'a ViewData,
     /// Its generation.
     pub view_generation: u64,
+    /// Default near plane as a share of the reach. Depth is a float and reversed: however near it is, no precision is lost.
+    pub near_share: f64,
 }
-
-/// Default near plane as a share of the reach. Depth is a float and reversed: however near it is, no precision is lost.
-const NEAR_SHARE: f64 = 1e-5;
 
 /// Fills the casters of a light's map: of a kept map all that the light reaches, else set S. Whether they changed.
 pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameLight, kept: bool) -> bool {
@@ -77,7 +76,7 @@ pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) ->
 /// The faces that the map should have.
 pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
     let origin = light.point_world.truncate();
-    let near = map.request.near.map_or(NEAR_SHARE * map.reach, f64::from);
+    let near = map.request.near.map_or(scene.near_share * map.reach, f64::from);
     match map.request.shape {
         MapShape::Spot => {
             let LightKind::Spot { outer_angle, .. } = light.light.kind else {

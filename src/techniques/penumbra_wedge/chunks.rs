@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
 use super::component::{WedgeBounds, WedgeSilhouette};
@@ -11,18 +10,20 @@ use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, push_edge, side_plane};
 use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
 use super::light_parts::{LightPart, PartShape};
+use crate::scene::placement::Placement;
 use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{
-    CasterEdges, FacingBits, LightExtent, PosedPlanes, Silhouette, classify, find_turning,
+    CasterEdges, FacingBits, GrazingLight, LightExtent, PosedPlanes, Silhouette, classify, find_grazed,
+    find_turning,
 };
 
 /// What wedges need of a caster.
 pub(super) type CasterItem<'a> = (
     &'a CasterEdges,
     &'a SceneMesh,
-    &'a GlobalTransform,
+    Placement,
     Option<(&'a PosedMesh, &'a PosedPlanes)>,
 );
 
@@ -36,6 +37,8 @@ pub(super) struct ChunkKey {
     /// Patches are told apart.
     pub(super) by_patch: bool,
     pub(super) silhouette: WedgeSilhouette,
+    /// Metres from the part's centre within which surfaces do not block it; 0 where the caster is farther than that.
+    pub(super) clearance: f64,
 }
 
 /// Buffers that are used again for every chunk.
@@ -43,6 +46,7 @@ pub(super) struct ChunkKey {
 pub(super) struct ChunkScratch {
     bits: FacingBits,
     turning: Vec<u64>,
+    grazed: Vec<u64>,
     contour: LayeredContour,
 }
 
@@ -98,9 +102,8 @@ pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) 
 }
 
 /// From a caster's space to light space; `None` without an inverse of either.
-pub(super) fn light_from_local(part: &LightPart, world_from_local: &GlobalTransform) -> Option<DMat4> {
-    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
-    let light_from_local = part.world_from_light.inverse() * world_from_local;
+pub(super) fn light_from_local(part: &LightPart, world_from_local: &DMat4) -> Option<DMat4> {
+    let light_from_local = part.world_from_light.inverse() * *world_from_local;
     light_from_local.is_finite().then_some(light_from_local)
 }
 
@@ -141,10 +144,10 @@ impl Chunk {
         part: &LightPart,
         light_from_local: &DMat4,
         silhouette: &Silhouette,
-        (edges, mesh, transform, posed): (
+        (edges, mesh, world_from_local, posed): (
             &CasterEdges,
             &SceneMesh,
-            &GlobalTransform,
+            &DMat4,
             Option<(&PosedMesh, &PosedPlanes)>,
         ),
         scratch: &mut ChunkScratch,
@@ -152,12 +155,13 @@ impl Chunk {
         let ChunkScratch {
             bits,
             turning,
+            grazed,
             contour,
         } = scratch;
         self.wedges.clear();
         self.caps.clear();
         self.patches.clear();
-        let Some(light_local) = light_in_local(transform, part.point_world) else {
+        let Some(light_local) = light_in_local(world_from_local, part.point_world) else {
             return;
         };
         let (positions, planes) = match posed {
@@ -176,9 +180,24 @@ impl Chunk {
         {
             find_turning(&edges.0.edges, planes, light_local.truncate(), &extent, turning);
         }
+        grazed.clear();
+        if self.key.clearance > 0.0 {
+            let grazing = GrazingLight {
+                light_world: part.point_world,
+                light_local,
+                world_from_local,
+                clearance: self.key.clearance,
+            };
+            find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
+            // What blocks nothing turns nowhere.
+            for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
+                *turning &= !grazed;
+            }
+        }
         let facets = Facets {
             facing: bits,
             turning,
+            grazed,
         };
         extract_layers(
             &edges.0.edges,

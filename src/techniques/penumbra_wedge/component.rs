@@ -56,6 +56,13 @@ impl Default for PenumbraWedge {
     }
 }
 
+/// Casters that may lie one behind the other while places of [`Overlap::Sampled`] are told in steps.
+pub const MOST_IN_STEPS: u32 = 30;
+
+/// Casters that may lie one behind the other in a light with [`Overlap::Sampled`]; of more, shadows may be too light. What a
+/// light has is [`LightSilhouettes::stacked`](crate::silhouettes::LightSilhouettes::stacked).
+pub const MOST_STACKED: u32 = 254;
+
 /// Largest number of parts along a side of a light.
 pub const MAX_SPLIT: u32 = 8;
 
@@ -102,7 +109,8 @@ pub enum WedgeSilhouette {
 pub enum Overlap {
     /// What is hidden is counted at nine places of the light, soft ones, so that none jumps when the light moves; and told
     /// more finely by the sum of coverages, as far as the sum agrees with the places: exact within 0.03 where nothing
-    /// overlaps, and right within what nine places and the sum together tell where much does. One pass.
+    /// overlaps, and right within what nine places and the sum together tell where much does. One pass. Up to 254 casters may
+    /// lie one behind the other ([`MOST_STACKED`]); from 31 on, places jump a little when the light moves.
     ///
     /// Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light without texture; else
     /// [`Overlap::Additive`].

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 
 use super::chunks::{CasterItem, Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
@@ -12,9 +11,11 @@ use super::geometry::records::{Wedge, WedgeCaster};
 use super::light_parts::{LightPart, PartShape, push_parts};
 use super::tables::texture::EmitterTexture;
 use crate::geometry::Aabb;
+use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::Silhouettes;
+use crate::silhouettes::cache::light_is_within;
+use crate::silhouettes::{LightClearance, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
@@ -63,6 +64,8 @@ pub struct LightWedges {
     pub parts: Range<usize>,
     /// Some caster is not the same in both [layers](super::geometry::silhouette_layers).
     pub is_layered: bool,
+    /// Casters that lie one behind the other, about.
+    pub stacked: u32,
 }
 
 /// One part of a light.
@@ -167,9 +170,10 @@ pub fn build_penumbra_wedges(
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
     near_caps: NearCaps,
+    clearance: Res<LightClearance>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterItem<'static>>,
-    places: Query<&GlobalTransform>,
+    places: Query<Placement>,
 ) {
     let out = &mut *wedges;
     out.frame += 1;
@@ -213,6 +217,9 @@ pub fn build_penumbra_wedges(
                 .cloned(),
             parts: first..out.parts.len(),
             is_layered: false,
+            stacked: silhouettes
+                .of_light(light.entity)
+                .map_or(0, |known| known.stacked),
         });
         let this = out.lights.len() - 1;
         let Some(known) = silhouettes.of_light(light.entity) else {
@@ -240,14 +247,17 @@ pub fn build_penumbra_wedges(
                 if !reaches {
                     continue;
                 }
-                let Some(light_from_local) = light_from_local(&part, item.2) else {
+                let Some(world_from_local) = item.2.world_from_local() else {
+                    continue;
+                };
+                let Some(light_from_local) = light_from_local(&part, &world_from_local) else {
                     continue;
                 };
                 let bounds = objects.boxes.get(object);
                 let extrusion = finite.map(|finite| {
                     finite.extrusion(&bounds, || {
                         let key = (light.entity, number as u32, entity);
-                        let placed = (item.0, item.1, item.2, item.3.map(|(posed, _)| posed));
+                        let placed = (item.0, item.1, world_from_local, item.3.map(|(posed, _)| posed));
                         out.surfaces
                             .get(key, silhouette.revision, part.point_world, placed)
                     })
@@ -262,6 +272,7 @@ pub fn build_penumbra_wedges(
                     }
                     Some(None) => continue, // beyond all that receives the light
                 };
+                let metres = clearance.metres(part.point_world, light.light.range, &bounds);
                 let key = ChunkKey {
                     revision: silhouette.revision,
                     light_from_local: light_from_local.as_mat4(),
@@ -269,6 +280,11 @@ pub fn build_penumbra_wedges(
                     bounds: settings.bounds,
                     by_patch: settings.overlap == Overlap::Paper,
                     silhouette: settings.used_silhouette(),
+                    clearance: if light_is_within(&bounds, part.point_world, metres) {
+                        metres
+                    } else {
+                        0.0
+                    },
                 };
                 let number = number as u32;
                 let at = match chunks
@@ -290,7 +306,7 @@ pub fn build_penumbra_wedges(
                         &part,
                         &light_from_local,
                         silhouette,
-                        item,
+                        (item.0, item.1, &world_from_local, item.3),
                         &mut out.scratch.chunk,
                     );
                     rebuilt = true;
@@ -299,7 +315,7 @@ pub fn build_penumbra_wedges(
                 if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
                     // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from
                     // the centre.
-                    let hides_cap = near_caps.are_hidden(&objects, object, || item.0.0.edges.is_closed());
+                    let hides_cap = near_caps.are_hidden(&objects, object, || item.0.0.shows_fronts_alone);
                     let radius = part.shape.radius() as f32;
                     let towards = settings.culling == WedgeCulling::Depth
                         && hides_cap

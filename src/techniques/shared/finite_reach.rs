@@ -5,8 +5,7 @@
 //! that receives the light in view, and the view is given a depth that holds them ([`DepthReach`]).
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
+use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
@@ -102,13 +101,8 @@ pub fn include_rays(reach: &mut DepthReach, view: &ViewData, from: &Aabb, length
     reach.include(deepest + gradient.length() * f64::from(length));
 }
 
-/// A caster as it stands in the world.
-pub type PlacedCaster<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    &'a GlobalTransform,
-    Option<&'a PosedMesh>,
-);
+/// A caster and where it stands in the world.
+pub type PlacedCaster<'a> = (&'a CasterEdges, &'a SceneMesh, DMat4, Option<&'a PosedMesh>);
 
 /// Distances of lights from the surfaces of casters whose bounds they are in: kept while neither changes.
 #[derive(Clone, Debug, Default)]
@@ -125,7 +119,7 @@ struct Known {
     /// Of the light's silhouette of the caster.
     revision: u64,
     point: DVec4,
-    world_from_local: GlobalTransform,
+    world_from_local: DMat4,
     distance: f64,
     last_used: u64,
 }
@@ -150,7 +144,7 @@ impl NearestSurfaces {
         point: DVec4,
         caster: PlacedCaster,
     ) -> Option<f64> {
-        let (edges, mesh, &world_from_local, posed) = caster;
+        let (edges, mesh, world_from_local, posed) = caster;
         let at = self.known.binary_search_by_key(&key, |known| known.key);
         if let Ok(at) = at {
             let known = &mut self.known[at];
@@ -161,8 +155,7 @@ impl NearestSurfaces {
             }
         }
         let positions = posed.map_or(&mesh.0.positions, |posed| &posed.positions);
-        let matrix = Mat4::from(world_from_local.affine()).as_dmat4();
-        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, positions, &matrix)?;
+        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, positions, &world_from_local)?;
         let entry = Known {
             key,
             revision,

@@ -16,11 +16,19 @@ pub struct NearCaps<'w> {
 
 impl NearCaps<'_> {
     /// Whether the cap is nowhere seen: all of the surface is drawn where it is, and nothing looks into the caster.
-    pub fn are_hidden(&self, objects: &Objects, object: usize, is_closed: impl FnOnce() -> bool) -> bool {
+    ///
+    /// `shows_fronts_alone`: whether from outside nothing but fronts are seen of its mesh. Where backs are not drawn, a cap
+    /// is else to be seen through them: a mesh that is inside out in part, or that a joint mirrors in part, hides nothing.
+    pub fn are_hidden(
+        &self,
+        objects: &Objects,
+        object: usize,
+        shows_fronts_alone: impl FnOnce() -> bool,
+    ) -> bool {
         objects.drawn.contains(object)
             && !self.seen_into.0.contains(object)
             && (*self.face_culling == FaceCulling::None
                 || self.see_through.two_sided.contains(object)
-                || is_closed())
+                || shows_fronts_alone())
     }
 }

@@ -13,8 +13,13 @@ use crate::silhouettes::NeedsSilhouettes;
 
 /// Gives a light hard shadows by stencil shadow volumes. Area lights cast from their centre.
 ///
-/// Exact for any triangle mesh, open or closed; alpha-tested surfaces cast whole. At most 127 volumes may stand one
-/// behind the other at a pixel: the stencil counts modulo 128.
+/// Exact for any triangle mesh, open or closed; alpha-tested surfaces cast whole.
+///
+/// The stencil counts to 127. Of one caster at most 127 sheets may lie one behind the other; of a closed one 63, while the
+/// light or the camera is within its bounds, since then fronts and backs count. Of casters there may be any number: from 127
+/// on they are counted in rounds ([`MOST_STACKED`]), each of which costs a pass over the light's pixels that is next to
+/// nothing. [`Silhouette::stacked`](crate::silhouettes::Silhouette::stacked) says how many sheets a caster has, by the boxes of
+/// its pieces.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
@@ -29,6 +34,9 @@ pub struct StencilVolume {
     /// How far the volumes reach.
     pub extent: Extent,
 }
+
+/// Sheets that one round counts.
+pub const MOST_STACKED: u32 = 127;
 
 /// A light whose technique is taken away lights everything again.
 fn light_up(mut world: DeferredWorld, context: HookContext) {

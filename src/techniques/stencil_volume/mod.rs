@@ -20,5 +20,5 @@ pub(crate) mod gpu;
 pub(crate) mod volume_parts;
 pub(crate) mod volumes;
 
-pub use component::{Counting, Extent, StencilVolume};
+pub use component::{Counting, Extent, MOST_STACKED, StencilVolume};
 pub use volumes::{CasterVolume, LightVolumes, StencilVolumes};

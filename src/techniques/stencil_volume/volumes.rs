@@ -8,10 +8,12 @@ use glam::Vec4;
 
 use super::component::{Counting, Extent, StencilVolume};
 use super::volume_parts::PartCulling;
+use crate::scene::placement::Placement;
+use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::Silhouettes;
+use crate::silhouettes::{CasterEdges, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
-use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, PlacedCaster, include_points};
+use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
@@ -85,7 +87,7 @@ pub fn build_stencil_volumes(
     near_caps: NearCaps,
     occlusion: Res<CameraOcclusion>,
     components: Query<&StencilVolume>,
-    casters: Query<PlacedCaster<'static>>,
+    casters: Query<(&CasterEdges, &SceneMesh, Placement, Option<&PosedMesh>)>,
 ) {
     let StencilVolumes {
         lights: out,
@@ -125,8 +127,8 @@ pub fn build_stencil_volumes(
                     continue;
                 }
                 let caster = casters.get(objects.entities[object]);
-                let is_closed = || caster.is_ok_and(|caster| caster.0.0.edges.is_closed());
-                let hides_cap = near_caps.are_hidden(&objects, object, is_closed);
+                let shows_fronts_alone = || caster.is_ok_and(|caster| caster.0.0.shows_fronts_alone);
+                let hides_cap = near_caps.are_hidden(&objects, object, shows_fronts_alone);
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
                     && pyramid.excludes(&objects.boxes.get(object));
@@ -135,12 +137,9 @@ pub fn build_stencil_volumes(
                 let extrusion = match &finite {
                     Some(finite) => finite.extrusion(&bounds, || {
                         let key = (light.entity, 0, entity);
-                        surfaces.get(
-                            key,
-                            silhouette.revision,
-                            light.point_world,
-                            casters.get(entity).ok()?,
-                        )
+                        let (edges, mesh, place, posed) = casters.get(entity).ok()?;
+                        let placed = (edges, mesh, place.world_from_local()?, posed);
+                        surfaces.get(key, silhouette.revision, light.point_world, placed)
                     }),
                     None if settings.extent == Extent::Finite => finite_extrusion(
                         light.point_world,

@@ -12,6 +12,7 @@ use smallvec::SmallVec;
 use super::patches::Patches;
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{EdgeMesh, LaneSide};
+use crate::silhouettes::grazed::is_grazed;
 use crate::silhouettes::{CapMode, FacingBits};
 
 /// The layer of triangles that face the light.
@@ -82,12 +83,18 @@ pub struct Facets<'a> {
     pub facing: &'a FacingBits,
     /// Triangles whose planes cut the light: a word a cluster, or no words for a silhouette from the centre alone.
     pub turning: &'a [u64],
+    /// Triangles that block nothing, none of which turns: a word a cluster, or no words for none.
+    pub grazed: &'a [u64],
 }
 
 impl Facets<'_> {
     fn turns(&self, slot: usize) -> bool {
         let word = self.turning.get(slot / CLUSTER_TRIANGLES);
         word.is_some_and(|word| word >> (slot % CLUSTER_TRIANGLES) & 1 != 0)
+    }
+
+    fn is_grazed(&self, slot: usize) -> bool {
+        is_grazed(self.grazed, slot)
     }
 
     fn turning_word(&self, cluster: usize) -> u64 {
@@ -151,6 +158,27 @@ pub fn extract_layers(
         let mut push_unlike = |side: LaneSide, other_slot: usize, other: u64| {
             let slot = first + side.lane();
             let is_facing = word >> side.lane() & 1 != 0;
+            if facets.is_grazed(slot) || facets.is_grazed(other_slot) {
+                // What is left of the edge is the border of the other triangle.
+                let other_facing = other & 1 != 0;
+                for (slot, is_facing, forward) in [
+                    (slot, is_facing, is_facing),
+                    (other_slot, other_facing, !other_facing),
+                ] {
+                    if facets.is_grazed(slot) {
+                        continue;
+                    }
+                    let layers = split.layers_of_slot(mesh, facing, slot);
+                    let ends = at(side.vertices(corners), forward);
+                    if facets.turns(slot) {
+                        let beside = split.beside(mesh, slot);
+                        edges.push(turning_border(ends, slot, is_facing, layers, beside));
+                    } else if layers != 0 {
+                        edges.push(LayeredEdge::fixed(ends, layers, patch_of(slot)));
+                    }
+                }
+                return;
+            }
             let is_unlike = is_facing != (other & 1 != 0);
             let ends = at(side.vertices(corners), is_facing);
             if turning >> side.lane() & 1 != 0 || facets.turns(other_slot) {
@@ -179,7 +207,8 @@ pub fn extract_layers(
                 }
             }
         };
-        if turning != 0 || (word != 0 && word != cluster.full_word()) {
+        let is_mixed = word != 0 && word != cluster.full_word();
+        if turning != 0 || is_mixed || facets.grazed.get(index).is_some_and(|&word| word != 0) {
             for edge in &mesh.inner_edges()[cluster.inner()] {
                 let lane = edge.other_lane % 64;
                 push_unlike(edge.side, first + usize::from(lane), word >> lane);
@@ -200,6 +229,9 @@ pub fn extract_layers(
     {
         for edge in cluster.boundary() {
             let slot = mesh.boundary_slots()[edge] as usize;
+            if facets.is_grazed(slot) {
+                continue;
+            }
             let is_facing = word >> (slot % CLUSTER_TRIANGLES) & 1 != 0;
             let ends = at(mesh.boundary_vertices()[edge], is_facing);
             let layers = split.layers_of(is_facing, false);
@@ -236,7 +268,7 @@ pub fn extract_layers(
         for (lane, &[a, b, c]) in mesh.corners()[cluster.triangles()].iter().enumerate() {
             let is_facing = word >> lane & 1 != 0;
             let layers = split.layers_of(is_facing, is_closed);
-            if layers != 0 {
+            if layers != 0 && !facets.is_grazed(index * CLUSTER_TRIANGLES + lane) {
                 caps[layers as usize - 1].push(LayeredCap {
                     corners: if is_facing { [a, b, c] } else { [a, c, b] },
                     patch: patch_of(index * CLUSTER_TRIANGLES + lane),
@@ -336,7 +368,7 @@ fn push_irregular(
         for side in mesh.irregular_sides(edge) {
             let slot = side.slot() as usize;
             let layers = split.layers_of_slot(mesh, facing, slot);
-            if layers != 0 && !facets.turns(slot) {
+            if layers != 0 && !facets.turns(slot) && !facets.is_grazed(slot) {
                 let sign = if facing.is_facing(slot) == side.is_reversed() {
                     -1
                 } else {

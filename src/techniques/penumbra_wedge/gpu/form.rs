@@ -13,8 +13,12 @@ pub enum Form {
     HalfColor,
     /// Four floats: a sum and hard shadows, and nine places on the light. All casters are one layer.
     Sampled,
-    /// The same a layer.
+    /// Four floats a layer, as [`Form::Sampled`].
     SampledLayers,
+    /// As [`Form::Sampled`], with room for 254 layers one behind the other: places are hidden or not, without steps between.
+    Deep,
+    /// Four floats a layer, as [`Form::Deep`].
+    DeepLayers,
     /// Two textures of four bytes a layer.
     Split8,
 }
@@ -26,8 +30,8 @@ impl Form {
             Self::Float => &[wgpu::TextureFormat::R32Float; 2],
             Self::Half => &[wgpu::TextureFormat::R16Float; 2],
             Self::Color => &[wgpu::TextureFormat::Rgba32Float; 2],
-            Self::Sampled => &[wgpu::TextureFormat::Rgba32Float; 1],
-            Self::SampledLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
+            Self::Sampled | Self::Deep => &[wgpu::TextureFormat::Rgba32Float; 1],
+            Self::SampledLayers | Self::DeepLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
             Self::HalfColor => &[wgpu::TextureFormat::Rgba16Float; 2],
             Self::Split8 => &[wgpu::TextureFormat::Rgba8Unorm; 4],
         }
@@ -35,7 +39,12 @@ impl Form {
 
     /// Places on the light are counted.
     pub fn is_sampled(self) -> bool {
-        matches!(self, Self::Sampled | Self::SampledLayers)
+        matches!(self, Self::Sampled | Self::SampledLayers) || self.is_deep()
+    }
+
+    /// Many layers may lie one behind the other.
+    pub fn is_deep(self) -> bool {
+        matches!(self, Self::Deep | Self::DeepLayers)
     }
 
     /// There are sums by colour.

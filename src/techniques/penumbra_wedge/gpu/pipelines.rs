@@ -201,6 +201,9 @@ impl WedgePipelines {
             ("LOOKS_UP", f64::from(key.looks_up)),
             ("IS_TEXTURED", f64::from(key.form.is_textured())),
             ("IS_SAMPLED", f64::from(key.form.is_sampled())),
+            ("IS_DEEP", f64::from(key.form.is_deep())),
+            // Beside counts of 256 there is less room for what comes after the point.
+            ("STEPS", if key.form.is_deep() { 1024.0 } else { 16384.0 }),
         ];
         let formats = if debug {
             &[RADIANCE_FORMAT][..]
@@ -285,6 +288,7 @@ impl WedgePipelines {
             ("IS_SPHERE", f64::from(key.is_sphere)),
             ("IS_TEXTURED", f64::from(key.form.is_textured())),
             ("IS_SAMPLED", f64::from(key.form.is_sampled())),
+            ("IS_DEEP", f64::from(key.form.is_deep())),
             (
                 "IS_SCALAR",
                 f64::from(matches!(key.form, Form::Float | Form::Half)),

@@ -21,6 +21,7 @@ use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
 use crate::render::{RenderContext, RenderError, Shaders};
 use crate::sets::{View, ViewData};
+use crate::techniques::penumbra_wedge::component::MOST_IN_STEPS;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeCaster, WedgeLight};
 use crate::techniques::penumbra_wedge::geometry::topology;
@@ -148,8 +149,14 @@ impl PenumbraWedgeNode {
             (VisibilityBuffer::Split8, _) => Form::Split8,
             (VisibilityBuffer::Half, _) => Form::Half,
             (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
-            (VisibilityBuffer::Float, Overlap::Sampled) if light.is_layered => Form::SampledLayers,
-            (VisibilityBuffer::Float, Overlap::Sampled) => Form::Sampled,
+            (VisibilityBuffer::Float, Overlap::Sampled) => {
+                match (light.is_layered, light.stacked > MOST_IN_STEPS) {
+                    (true, false) => Form::SampledLayers,
+                    (false, false) => Form::Sampled,
+                    (true, true) => Form::DeepLayers,
+                    (false, true) => Form::Deep,
+                }
+            }
             (VisibilityBuffer::Float, Overlap::Additive | Overlap::Paper) => Form::Float,
         }
     }

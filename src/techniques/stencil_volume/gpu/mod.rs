@@ -3,3 +3,4 @@
 pub(crate) mod pipelines;
 mod quads;
 pub(crate) mod recorder;
+mod rounds;
