@@ -54,8 +54,8 @@ pub(super) struct ChunkScratch {
 #[derive(Clone, Debug)]
 pub(super) struct ChunkPatch {
     pub(super) wedges: Range<usize>,
-    /// By layers less 1.
-    pub(super) caps: [Range<usize>; 3],
+    /// By layers less 1, those to be turned after those that are not.
+    pub(super) caps: [Range<usize>; 6],
     pub(super) cone: ShadowCone,
 }
 
@@ -223,7 +223,6 @@ impl Chunk {
                 .iter_mut()
                 .for_each(|caps| caps.sort_by_key(|cap| cap.patch));
         }
-        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         let plane_light = |slot: u32| {
             let plane = local_from_light.transpose() * planes.plane(slot as usize).as_dvec4();
             let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
@@ -236,7 +235,7 @@ impl Chunk {
             [x, y, z, offset]
         };
         let mut edges = contour.edges.iter().peekable();
-        let mut caps = contour.caps.each_ref().map(|caps| caps.iter().peekable());
+        let mut first_of = [0; 3];
         for patch in 0..if by_patch { contour.patches.count() } else { 1 } {
             let first_wedge = self.wedges.len();
             while let Some(edge) = edges.next_if(|edge| edge.patch == patch) {
@@ -251,13 +250,21 @@ impl Chunk {
                     &mut self.wedges,
                 );
             }
-            let cap_ranges = caps.each_mut().map(|caps| {
+            let caps_of = |layers: usize| {
+                let rest = &contour.caps[layers][first_of[layers]..];
+                &rest[..rest.partition_point(|cap| cap.patch <= patch)]
+            };
+            let cap_ranges = std::array::from_fn(|at| {
+                let (layers, is_turned) = (at % 3, at >= 3);
                 let first = self.caps.len();
-                while let Some(cap) = caps.next_if(|cap| cap.patch == patch) {
-                    self.caps.extend(turned(cap.corners));
-                }
+                // In a caster that mirrors, what is wound towards the light appears the other way round.
+                let these = caps_of(layers)
+                    .iter()
+                    .filter(|cap| (cap.is_facing == mirrored) == is_turned);
+                self.caps.extend(these.flat_map(|cap| cap.corners));
                 first..self.caps.len()
             });
+            first_of = [0, 1, 2].map(|layers| first_of[layers] + caps_of(layers).len());
             let points = self.wedges[first_wedge..]
                 .iter()
                 .flat_map(|wedge| [wedge.start_light, wedge.end_light])

@@ -103,7 +103,7 @@ pub struct CasterDraw {
     /// Dense index.
     pub object: u32,
     /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::geometry::silhouette_layers).
-    pub caps: [Range<u32>; 3],
+    pub caps: [Range<u32>; 6],
     /// Counted towards the viewer: it shadows no part of the viewport, and its own surface hides the caps.
     pub towards: bool,
 }

@@ -26,7 +26,7 @@ pub const AVERTED: u32 = 2;
 pub struct LayeredContour {
     /// Edges in the order of the mesh.
     pub edges: Vec<LayeredEdge>,
-    /// Triangles wound towards the light, by layers less 1: facing, averted, both.
+    /// Triangles, by layers less 1: facing, averted, both.
     pub caps: [Vec<LayeredCap>; 3],
     /// What edges and caps name; without, all are of patch 0.
     pub patches: Patches,
@@ -113,8 +113,10 @@ impl Facets<'_> {
 /// A triangle of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayeredCap {
-    /// Vertices of the mesh.
+    /// Vertices of the mesh, in its order, so that the cap rasterises to the very depths of the drawn surface.
     pub corners: [u32; 3],
+    /// It is wound towards the light; else it is to be turned.
+    pub is_facing: bool,
     /// The patch that it belongs to.
     pub patch: u32,
 }
@@ -270,7 +272,8 @@ pub fn extract_layers(
             let layers = split.layers_of(is_facing, is_closed);
             if layers != 0 && !facets.is_grazed(index * CLUSTER_TRIANGLES + lane) {
                 caps[layers as usize - 1].push(LayeredCap {
-                    corners: if is_facing { [a, b, c] } else { [a, c, b] },
+                    corners: [a, b, c],
+                    is_facing,
                     patch: patch_of(index * CLUSTER_TRIANGLES + lane),
                 });
             }

@@ -202,21 +202,22 @@ impl PenumbraWedgeNode {
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
-            let mut require = |part_of_wedge, towards| {
+            let mut require_turned = |part_of_wedge, towards, turned: bool| {
                 let key = Key {
                     part: part_of_wedge,
                     form: plan.form,
                     is_sphere: part.is_sphere,
                     looks_up,
                     towards,
-                    mirrored,
+                    mirrored: mirrored != turned,
                 };
                 self.pipelines.require(context, key);
             };
-            for layers in 1..=3 {
-                require(Part::NearCap(layers), false);
-                require(Part::FarCap(layers), false);
+            for (layers, turned) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
+                require_turned(Part::NearCap(layers), false, turned);
+                require_turned(Part::FarCap(layers), false, turned);
             }
+            let mut require = |part_of_wedge, towards| require_turned(part_of_wedge, towards, false);
             for kind in passes(plan.settings.culling, part.has_extent) {
                 require(*kind, false);
                 if counts_towards(*kind) {
