@@ -23,8 +23,8 @@ use crate::conventions::{CLUSTER_TRIANGLES, LIGHT_CLEARANCE};
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
 
-/// How near to a light surfaces do not block it, as a share of the light's range, or, of a light without one, of the distance
-/// of the caster's farthest point.
+/// How near to a light surfaces do not block it, as a share of the light's range or of the distance of the caster's farthest
+/// point, whichever is less; of maps, which hold many casters, of the range alone if there is one.
 ///
 /// Higher values let light pass surfaces that a light was set upon less exactly, and at the end surfaces that should block
 /// it. Lower values leave it to rounding which side of a surface a light is on. From 0 to 0.01; 10⁻⁵ by default: a fifth of a
@@ -55,19 +55,13 @@ impl LightClearance {
 
     /// Metres of a light for a caster with these bounds; 0 for a directional light.
     pub fn metres(self, light_world: DVec4, range: f32, bounds_world: &Aabb) -> f64 {
-        /// Ranges from here on are none, metres.
-        const NO_RANGE: f32 = 1e15;
         if light_world.w == 0.0 || bounds_world.is_empty() {
             return 0.0;
         }
-        let reach = if range < NO_RANGE {
-            f64::from(range)
-        } else {
-            let center = bounds_world.center().as_dvec3();
-            let half = bounds_world.half_size().as_dvec3();
-            ((center - light_world.truncate()).abs() + half).length()
-        };
-        self.share() * reach
+        let center = bounds_world.center().as_dvec3();
+        let half = bounds_world.half_size().as_dvec3();
+        let farthest = ((center - light_world.truncate()).abs() + half).length();
+        self.share() * farthest.min(f64::from(range))
     }
 }
 
