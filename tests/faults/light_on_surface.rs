@@ -240,11 +240,11 @@ fn pictures_of_lights_on_surfaces_are_those_of_rays() {
 fn the_clearance_can_be_set() {
     let (mut stage, light) = room();
     set_technique(&mut stage, light, "stencil");
-    // Five centimetres below a ceiling that blocks nothing from here, and above a table that does.
+    // Five millimetres before the board.
     stage
         .world
         .entity_mut(light)
-        .insert(Transform::from_xyz(0.2, 0.89, 0.1));
+        .insert(Transform::from_xyz(1.8 - 0.00466, 1.00181, -0.6));
     let rendered = draw(&mut stage);
     assert_eq!(error_of(&mut stage, &rendered).wrong_inner, 0);
     stage.world.insert_resource(LightClearance(0.01));
