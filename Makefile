@@ -5,7 +5,7 @@ SHELL := bash
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
 .PHONY: help demo test pictures bench tools vulkan \
-	test-format test-lints test-docs test-all test-core test-examples test-benches
+	test-format test-lints test-docs test-all test-examples test-benches
 
 # rustup's default place, for shells that have not read its environment.
 export PATH := $(PATH):$(HOME)/.cargo/bin
@@ -14,6 +14,14 @@ ifeq ($(XDG_RUNTIME_DIR),)
 export XDG_RUNTIME_DIR := $(shell d="$${TMPDIR:-/tmp}/antumbra-run-$$(id -u)"; mkdir -p -m 700 "$$d"; echo "$$d")
 endif
 export NODEVICE_SELECT := 1
+
+# The models of the tests: those of the repository, unless another folder is named. Tests of models that are not in the
+# repository are ignored, and counted as such, where the list of all models is not there.
+export ANTUMBRA_MODELS ?= $(CURDIR)/assets/models
+ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ignored)
+
+# All features but the windows: nothing here opens one, and they bring 75 crates. That they compile is seen by test-lints.
+FEATURES := --features bevy,gltf,reference,profile
 
 # Where examples put what they draw in `make test`.
 SMALL := target/small
@@ -24,49 +32,53 @@ help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | while IFS=$$'\t' read -r name what; do \
 		printf '  make %-15s %s\n' "$$name" "$$what"; done
 
+# The example gallery from a package of its own: nothing is built for it that only tests or Bevy need.
 demo: tools vulkan ## draw every technique beside its judgement, into out/gallery
-	cargo run --example gallery --features reference -- --out out/gallery
+	cargo build --package antumbra_demo
+	cargo run --quiet --package antumbra_demo -- --out out/gallery --soft --size 240x135
+	cargo run --quiet --package antumbra_demo -- --out out/gallery
 	@echo "The pictures are in $(CURDIR)/out/gallery; open index.html there to see them side by side."
 
 # The cheapest failure first; test-all builds what every step after it uses.
-test: tools vulkan test-format test-lints test-docs test-all test-core test-examples test-benches ## everything below
+test: tools vulkan test-format test-lints test-docs test-all test-examples test-benches ## everything below
 	@echo "make test: all passed"
 
 test-format: ## formatting of all Rust files
 	cargo fmt --check
 
-test-lints: ## clippy on every feature set, no warning allowed
-	cargo clippy --all-features --all-targets -- -D warnings
-	cargo clippy --features reference --all-targets -- -D warnings
-	cargo clippy --all-targets -- -D warnings
-	cargo clippy --no-default-features --all-targets -- -D warnings
-	cargo clippy --no-default-features -- -D warnings
+# Features only add, so that the tests are run with all of them; that the others compile is seen here.
+test-lints: ## clippy with all features, with those of a renderer, and on the ECS core alone; no warning allowed
+	cargo clippy --workspace --all-features --all-targets -- -D warnings
+	cargo clippy --features reference --lib -- -D warnings
+	cargo clippy --no-default-features --lib --tests -- -D warnings
 
+# With an example, dependencies have the features of test-lints, which has checked them already.
 test-docs: ## API documentation, no warning allowed
-	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features --lib --example own_engine
 
-test-all: ## all tests and doc tests, with all features
-	cargo test --all-features
+# By parts, for snippets that are no programs are ignored too. What comes first builds the examples, which tests run.
+test-all: ## all tests and doc tests
+	cargo test $(FEATURES) --no-run
+	cargo test $(FEATURES) --tests $(ALL_MODELS)
+	cargo test $(FEATURES) --doc
 
-test-core: ## the tests of the ECS core, without wgpu and glTF
-	cargo test --no-default-features
-
-test-examples: ## the examples, every shot file, the gallery in small
+# `make demo` draws all of the gallery; what its pages judge is judged by the tests as well.
+test-examples: ## the examples, every shot file, two pages of the gallery in small
 	set -x; for shot in $(SHOTS); do \
-		cargo run --quiet --all-features --example render -- $$shot --out $(SMALL)/$$(basename $$shot .json); done
-	cargo run --quiet --all-features --example with_app -- --out $(SMALL)
-	cargo run --quiet --all-features --example own_engine -- --out $(SMALL)
-	cargo run --quiet --all-features --example bevy_minimal -- --headless --out $(SMALL)
-	cargo run --quiet --all-features --example bevy_dungeon -- --headless --out $(SMALL)
-	cargo run --quiet --all-features --example bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1
-	cargo run --quiet --all-features --example gallery -- --out $(SMALL)/gallery --size 160x90
+		cargo run --quiet $(FEATURES) --example render -- $$shot --out $(SMALL)/$$(basename $$shot .json); done
+	cargo run --quiet $(FEATURES) --example with_app -- --out $(SMALL)
+	cargo run --quiet $(FEATURES) --example own_engine -- --out $(SMALL)
+	cargo run --quiet $(FEATURES) --example bevy_minimal -- --headless --out $(SMALL)
+	cargo run --quiet $(FEATURES) --example bevy_dungeon -- --headless --out $(SMALL)
+	cargo run --quiet $(FEATURES) --example bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1
+	cargo run --quiet $(FEATURES) --example gallery -- --out $(SMALL)/gallery --size 160x90 --only figures
 
 # With the profile of the tests: their answers are asked for here, not their times.
 test-benches: ## every bench in its short mode
-	set -x; for bench in $(BENCHES); do cargo bench --profile dev --all-features --bench $$bench -- --short; done
+	set -x; for bench in $(BENCHES); do cargo bench --profile dev $(FEATURES) --bench $$bench -- --short; done
 
 bench: tools vulkan ## every bench at length, optimized
-	set -x; for bench in $(BENCHES); do cargo bench --all-features --bench $$bench; done
+	set -x; for bench in $(BENCHES); do cargo bench $(FEATURES) --bench $$bench; done
 
 pictures: tools vulkan ## draw the pictures of the README again
 	cargo run --example gallery --features reference -- --readme

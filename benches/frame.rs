@@ -8,8 +8,7 @@
 //! Times are wall clock from the start of the frame to the end of the GPU's work, median of the repetitions; every variant
 //! of a scene is measured in turn, so that drift meets all alike. The picture is asserted once, then timed.
 
-#[path = "../examples/support/mod.rs"]
-mod support;
+use antumbra_stage as support;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

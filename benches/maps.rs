@@ -8,8 +8,7 @@
 //! Times are wall clock, median of the repetitions; every variant is measured in turn, so that drift meets all alike.
 //! That the shadows are there is asserted once, then timed.
 
-#[path = "../examples/support/mod.rs"]
-mod support;
+use antumbra_stage as support;
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! Time and memory of silhouettes on one thread, beside a plain loop of GPU Gems chapter 9.
 //!
 //! ```sh
-//! ANTUMBRA_MODELS=assets cargo bench --bench silhouettes [-- --short]
+//! cargo bench --bench silhouettes [-- --short]
 //! ```
 //!
 //! Each repetition takes the next of 48 lights: directional, or on shells at 1.2, 2, 4 and 16 radii around the mesh, in
@@ -25,7 +25,7 @@ use glam::{Vec3, Vec4};
 #[path = "silhouettes/chapter_9.rs"]
 mod chapter_9;
 #[cfg(feature = "gltf")]
-#[path = "../tests/silhouette_closed/models.rs"]
+#[path = "../tests/core/silhouette_closed/models.rs"]
 mod models;
 #[path = "silhouettes/workload.rs"]
 mod workload;
@@ -89,16 +89,12 @@ struct Effort {
 
 #[cfg(feature = "gltf")]
 fn model_workloads() -> Vec<Workload> {
-    let Some(folder) = std::env::var_os("ANTUMBRA_MODELS") else {
-        println!("models skipped: ANTUMBRA_MODELS names no folder");
-        return Vec::new();
-    };
-    let files = ["copy/a-closed/deer.glb", "copy/d-scenes/interior.glb"];
-    let workloads = files.into_iter().flat_map(|file| {
-        let parts = models::meshes(&std::path::Path::new(&folder).join(file));
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/models");
+    let workloads = ["deer.glb", "interior.glb"].into_iter().flat_map(|file| {
+        let parts = models::meshes(&folder.join(file));
         let parts = parts.into_iter().map(|mesh| (mesh.positions, mesh.indices));
         let by_mesh = Workload {
-            name: format!("{} by mesh", file.rsplit('/').next().unwrap_or(file)),
+            name: format!("{file} by mesh"),
             parts: parts.collect(),
         };
         [joined(&by_mesh), by_mesh]

@@ -14,12 +14,13 @@ use bevy::prelude::*;
 pub mod bevy_headless;
 
 // [snippet]
-/// Call it after `DefaultPlugins` are added.
+/// Call it before or after `DefaultPlugins` are added.
 pub fn game(app: &mut App) {
     app.add_plugins(AntumbraPlugin).add_systems(Startup, setup);
 }
 
-fn setup(
+/// Spawns the scene: the marker on the camera, a technique on the light.
+pub fn setup(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
@@ -36,7 +37,7 @@ fn setup(
     let light = Transform::from_xyz(2.0, 4.0, 1.0);
     commands.spawn((PointLight::default(), StencilVolume::default(), light));
     let camera = Transform::from_xyz(-2.5, 4.5, 6.0).looking_at(Vec3::ZERO, Vec3::Y);
-    commands.spawn((Camera3d::default(), AntumbraCamera, camera));
+    commands.spawn((Camera3d::default(), Msaa::Off, AntumbraCamera, camera));
 }
 // [/snippet]
 

@@ -5,14 +5,16 @@
 //! ```
 //!
 //! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is one
-//! line on stderr that names the file and the element, exit status 1, and nothing is written.
+//! line on stderr that names the file and the element, exit status 1, and nothing is written. What is wrong with a light
+//! or an object is no error: it is a line on stderr too, and stands in `stats.json`.
 
-mod support;
+use antumbra_stage as support;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use antumbra::prelude::*;
+use antumbra::techniques::Techniques;
 use clap::Parser;
 use support::shot::Shot;
 use support::stage::{Stage, one_line};
@@ -52,7 +54,7 @@ fn main() -> ExitCode {
 }
 
 fn render(arguments: &Arguments) -> Result<(), String> {
-    let shot = Shot::load(&arguments.shot)?;
+    let shot = Shot::load(&arguments.shot, Techniques::default())?;
     if shot.size.contains(&0) {
         return Err(format!(
             "{}: size: {:?} has no pixels",
@@ -85,6 +87,7 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     };
     stage.add_renderer(context, settings).map_err(in_shot)?;
     let rendered = stage.render().map_err(in_shot)?;
+    stats::print_new_reports(&arguments.shot.display().to_string(), &mut stage);
     let stats = stats::collect(&mut stage, &rendered);
 
     let out = &arguments.out;

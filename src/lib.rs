@@ -19,7 +19,7 @@
 //!
 //! # The map
 //!
-//! Arrows point one way: a later folder may use an earlier one, never back (`tests/layers.rs` holds it).
+//! Arrows point one way: a later folder may use an earlier one, never back (`tests/core/layers.rs` holds it).
 //!
 //! | folder | holds |
 //! | --- | --- |
@@ -31,7 +31,7 @@
 //! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
 //! | [`reference`](mod@reference) | ray-cast visibility, slow and exact: the judge of the others (feature `reference`) |
 //! | [`render`] | all of wgpu that no technique owns (feature `render`) |
-//! | [`techniques`] | one folder each: component, CPU geometry, recorder |
+//! | [`techniques`] | one folder each: component, CPU geometry, recorder; the trait and the one list of them |
 //! | [`schedule`] | system sets and schedules |
 //! | [`bevy_adapter`] | the plugin in a game of Bevy's (feature `bevy`) |
 //! | [`plugin`] | the plugin, in a plain `App` and in Bevy's |
@@ -46,6 +46,7 @@
 //! | `render` | yes | the wgpu renderer |
 //! | `gltf` | yes | import of glTF 2.0 scenes |
 //! | `reference` | no | ray-cast truth on the CPU |
+//! | `serde` | no | settings of techniques from files |
 //! | `profile` | no | GPU timers |
 //! | `bevy` | no | the plugin for Bevy, and Bevy's light visibility as a baseline in `benches/sets` |
 //! | `bevy-window` | no | a window for the examples with Bevy |
@@ -78,32 +79,51 @@ pub struct Readme;
 pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::render::frame::prepare::{prepare_objects, prepare_techniques};
+    /// The mirrors of all WGSL structs but those of wedges.
     #[cfg(feature = "render")]
-    pub use crate::render::pools::gpu_types;
-    #[cfg(feature = "render")]
-    pub use crate::render::shaders::{COMMON, PASSES};
+    pub mod gpu_types {
+        pub use crate::render::pools::gpu_types::*;
+        pub use crate::techniques::maps::gpu::gpu_types::*;
+        pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
+    }
     pub use crate::sets::index::boxes::WORD;
+    pub use crate::techniques::maps::cascades::split_depths;
     pub use crate::techniques::maps::packing::*;
-    pub use crate::techniques::maps::request::MapRequest;
+    pub use crate::techniques::maps::request::{MapRequest, MapShape};
     pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;
     pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
     pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
-    pub use crate::techniques::shadow_map::cascades::split_depths;
+    #[cfg(feature = "render")]
+    pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
+
+    /// Constants that shaders have too.
+    #[cfg(feature = "render")]
+    pub mod constants {
+        pub use crate::render::nodes::receiver_plane::NO_PLANE;
+        pub use crate::techniques::maps::gpu::pipelines::filter_constant;
+        pub use crate::techniques::maps::jitter::{DEPTH, RIM, TILE};
+        pub use crate::techniques::penumbra_wedge::geometry::shell::RIM as RIM_POINTS;
+        pub use crate::techniques::penumbra_wedge::geometry::topology::{
+            END, FAR_END, FAR_START, FIRST_APEX, FIRST_RIM,
+        };
+        pub use crate::techniques::penumbra_wedge::tables::lookup::{ANGLE_STEPS, SECTOR_STEPS};
+        pub use crate::techniques::penumbra_wedge::tables::texture::{BORDER_STEPS, NODES};
+    }
 }
 
 /// What most users name.
 pub mod prelude {
     pub use super::plugin::AntumbraPlugin;
+    #[cfg(feature = "render")]
     pub use super::render::frame::record::FrameOutputs;
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
         AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
         Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
-        ShadowedLight,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
-    pub use super::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+    pub use super::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
 }

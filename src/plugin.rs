@@ -2,15 +2,19 @@
 
 use bevy_app::prelude::*;
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::TransformSystems;
 use bevy_transform::prelude::TransformPlugin;
+use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 
 use crate::schedule::{AntumbraSystems, add_systems, init_resources};
+use crate::techniques::{AddTechnique, Row, Technique, add_row};
 
 /// Adds the systems to an [`App`], in `PostUpdate` after transforms are propagated.
 ///
-/// Adds [`TransformPlugin`] if the app does not have it; add this plugin after plugins that bring it. A
-/// [`Renderer`](crate::render::Renderer) is a resource that the app inserts when it has a device; without one the CPU
+/// It can be added before or after other plugins: transforms are propagated by [`TransformPlugin`] if the app has it when
+/// it is finished, and by this plugin if not. In an app with Bevy's renderer the systems run for each marked camera
+/// instead. A [`Renderer`](crate::render::Renderer) is a resource that the app inserts when it has a device; without one the CPU
 /// side runs alone.
 ///
 /// ```
@@ -45,16 +49,89 @@ pub struct AntumbraPlugin;
 impl Plugin for AntumbraPlugin {
     fn build(&self, app: &mut App) {
         #[cfg(feature = "bevy")]
-        if crate::bevy_adapter::install::install(app) {
-            return;
+        {
+            crate::bevy_adapter::install::register(app);
+            if crate::bevy_adapter::install::install(app) {
+                return;
+            }
         }
-        if !app.is_plugin_added::<TransformPlugin>() {
-            app.add_plugins(TransformPlugin);
+        add_core(app);
+    }
+
+    fn finish(&self, app: &mut App) {
+        #[cfg(feature = "bevy")]
+        crate::bevy_adapter::install::install(app);
+        if app.is_plugin_added::<TransformPlugin>() {
+            app.world_mut().remove_resource::<PropagatesTransforms>();
         }
-        init_resources(app.world_mut());
-        app.edit_schedule(PostUpdate, |schedule| {
-            add_systems(schedule);
-            schedule.configure_sets(AntumbraSystems::UpdateBounds.after(TransformSystems::Propagate));
-        });
+    }
+}
+
+/// Adds the systems of the core. They run unless a renderer of Bevy's turns up before the app is finished.
+fn add_core(app: &mut App) {
+    if !app.is_plugin_added::<TransformPlugin>() {
+        app.insert_resource(PropagatesTransforms);
+        app.add_schedule(transform_schedule());
+        let propagate = || {
+            propagate_transforms
+                .in_set(TransformSystems::Propagate)
+                .run_if(resource_exists::<PropagatesTransforms>)
+        };
+        app.add_systems(PostStartup, propagate());
+        app.add_systems(PostUpdate, propagate());
+    }
+    init_resources(app.world_mut());
+    app.edit_schedule(PostUpdate, |schedule| {
+        add_systems(schedule);
+        schedule.configure_sets(AntumbraSystems::UpdateBounds.after(TransformSystems::Propagate));
+        #[cfg(feature = "bevy")]
+        for set in AntumbraSystems::ALL {
+            let installed = resource_exists::<crate::bevy_adapter::systems::Installed>;
+            schedule.configure_sets(set.run_if(not(installed)));
+        }
+    });
+}
+
+/// The app has no [`TransformPlugin`], and this plugin does its work. Adding that plugin here would forbid the app to add
+/// it later.
+#[derive(Resource)]
+struct PropagatesTransforms;
+
+/// The schedule of what [`TransformPlugin`] would do.
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+struct PropagateTransforms;
+
+fn transform_schedule() -> Schedule {
+    let mut schedule = Schedule::new(PropagateTransforms);
+    schedule.add_systems(
+        (
+            mark_dirty_trees,
+            propagate_parent_transforms,
+            sync_simple_transforms,
+        )
+            .chain(),
+    );
+    schedule
+}
+
+fn propagate_transforms(world: &mut World) {
+    world.run_schedule(PropagateTransforms);
+}
+
+impl AddTechnique for App {
+    /// In an app of Bevy's, lights of Bevy's with the component get their shadows from us; before the first frame.
+    fn add_technique<T: Technique>(&mut self) -> &mut Self {
+        #[cfg(feature = "bevy")]
+        if crate::bevy_adapter::techniques::add_technique::<T>(self) {
+            return self;
+        }
+        let mut schedule = self
+            .world_mut()
+            .resource_mut::<Schedules>()
+            .remove(PostUpdate)
+            .unwrap_or_else(|| Schedule::new(PostUpdate));
+        add_row(Row::of::<T>(), self.world_mut(), &mut schedule);
+        self.world_mut().resource_mut::<Schedules>().insert(schedule);
+        self
     }
 }

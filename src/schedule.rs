@@ -7,14 +7,16 @@ use bevy_ecs::schedule::ScheduleLabel;
 use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
+use crate::reports::Reports;
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
 use crate::sets::SeenInto;
+use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
+use crate::silhouettes::report::{RefusedCasters, report_casters};
 use crate::silhouettes::{CasterMeshes, LightClearance, Silhouettes, cache, casters};
-use crate::techniques::maps::{MapSettings, Maps, build_maps};
-use crate::techniques::penumbra_wedge::{PenumbraWedges, WedgeOverflow, wedges};
-use crate::techniques::stencil_volume::{StencilVolumes, volumes};
+use crate::techniques::registry::report::report_techniques;
+use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
 
 /// What is true after each stage of a frame. Chained in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -27,7 +29,7 @@ pub enum AntumbraSystems {
     BuildSilhouettes,
     /// After this set every technique has its geometry on the CPU.
     BuildTechniques,
-    /// After this set the GPU holds all that the frame draws.
+    /// After this set the GPU holds all that the frame draws, and [`Reports`] holds all that is wrong with it.
     PrepareGpu,
 }
 
@@ -75,12 +77,12 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
     world.init_resource::<LightClearance>();
-    world.init_resource::<StencilVolumes>();
-    world.init_resource::<PenumbraWedges>();
-    world.init_resource::<WedgeOverflow>();
-    world.init_resource::<MapSettings>();
-    world.init_resource::<Maps>();
     world.init_resource::<SetTimes>();
+    world.init_resource::<Reports>();
+    world.init_resource::<Techniques>();
+    for row in world.resource::<Techniques>().rows().to_vec() {
+        row.init(world);
+    }
 }
 
 /// A schedule of transform propagation and all systems of the crate, for an engine that has no `App`.
@@ -139,28 +141,24 @@ pub fn add_systems(schedule: &mut Schedule) {
         )
             .chain()
             .in_set(silhouettes),
-        volumes::build_stencil_volumes.in_set(techniques),
-        // Both say how deep they draw.
-        wedges::build_penumbra_wedges
-            .after(volumes::build_stencil_volumes)
-            .in_set(techniques),
-        build_maps.in_set(techniques),
+        choose_techniques
+            .after(sets::collect_frame_lights)
+            .before(sets::collect_light_sets)
+            .in_set(collect),
         sets::fit_view_depth.in_set(prepare),
     ));
+    schedule.configure_sets(TechniqueSystems.in_set(techniques));
+    for row in Techniques::default().rows() {
+        row.add_systems(schedule);
+    }
     #[cfg(feature = "render")]
     {
         use crate::render::Renderer;
         use crate::render::frame::prepare;
         schedule.add_systems(
-            crate::techniques::limit_maps_to_device
-                .run_if(resource_exists::<Renderer>)
-                .before(build_maps)
-                .in_set(techniques),
-        );
-        schedule.add_systems(
             (
                 prepare::prepare_objects.after(sets::fit_view_depth),
-                crate::techniques::add_builtin_techniques,
+                crate::techniques::registry::recorders::add_recorders,
                 prepare::prepare_techniques,
                 prepare::prepare_draws,
             )
@@ -169,7 +167,11 @@ pub fn add_systems(schedule: &mut Schedule) {
                 .in_set(prepare),
         );
     }
-    schedule.add_systems(begin_times.before(update));
+    let collect = collect_reports.after(sets::fit_view_depth).in_set(prepare);
+    #[cfg(feature = "render")]
+    let collect = collect.after(crate::render::frame::prepare::prepare_draws);
+    schedule.add_systems(collect);
+    schedule.add_systems(begin_times.after(TransformSystems::Propagate).before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {
         let stamp = move |mut times: ResMut<SetTimes>| times.stamp(index);
         let system = stamp.after(set);
@@ -178,6 +180,22 @@ pub fn add_systems(schedule: &mut Schedule) {
             None => schedule.add_systems(system),
         };
     }
+}
+
+/// Collects everything that is wrong in this frame.
+///
+/// Set: `PrepareGpu`, last. Exclusive: each source is asked for what it refused. In a frame that changes nothing it
+/// allocates nothing and compares a message for each report.
+pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
+    world.resource_scope(|world, mut reports: Mut<Reports>| {
+        let reports = reports.bypass_change_detection();
+        report_sets(world, reports);
+        casters.update_archetypes(world);
+        report_casters(world, casters, reports);
+        report_techniques(world, reports);
+        #[cfg(feature = "render")]
+        crate::render::report::report_renderer(world, reports);
+    });
 }
 
 fn begin_times(mut times: ResMut<SetTimes>) {

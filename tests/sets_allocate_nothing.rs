@@ -5,12 +5,16 @@
     reason = "a global allocator that counts cannot be written without"
 )]
 
+#[path = "core/sets_harness/mod.rs"]
 mod sets_harness;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use antumbra::prelude::{OmniMap, ShadowMap, StencilVolume};
+use antumbra::reports::Reports;
 use antumbra::scene::{Light, WorldBounds};
+use antumbra::schedule::{collect_reports, init_resources, standalone_schedule};
 use antumbra::sets::{SetWork, ViewportSize, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
@@ -99,6 +103,30 @@ fn a_frame_allocates_nothing_after_warm_up() {
         world.resource_mut::<ViewportSize>().0 = VIEWPORT * 2;
         assert_eq!(allocations(|| schedule.run(&mut world)), 0, "another view");
     }
+}
+
+#[test]
+fn reports_that_stand_allocate_nothing() {
+    let mut world = World::new();
+    init_resources(&mut world);
+    let mut frame = standalone_schedule();
+    let mut collect = Schedule::default();
+    collect.set_executor(SingleThreadedExecutor::new());
+    collect.add_systems(collect_reports);
+    for _ in 0..3 {
+        let dark = Light::point(Vec3::ONE, 1.0, 0.0);
+        world.spawn((dark, bevy_transform::prelude::Transform::default()));
+        let sun = Light::directional(Vec3::ONE, 1.0);
+        world.spawn((sun, OmniMap::default(), StencilVolume::default()));
+        world.spawn((ShadowMap::default(), GlobalTransform::IDENTITY));
+    }
+    frame.run(&mut world);
+    collect.run(&mut world);
+    collect.run(&mut world);
+    assert_eq!(world.resource::<Reports>().iter().count(), 12);
+    assert_eq!(allocations(|| collect.run(&mut world)), 0);
+    world.spawn((ShadowMap::default(), GlobalTransform::IDENTITY));
+    assert!(allocations(|| collect.run(&mut world)) > 0, "a new report does");
 }
 
 #[test]

@@ -1,15 +1,17 @@
 //! One thread or many: the same sets, bit for bit. Alone in its file, since the pool of threads is the process's.
 
+#[path = "core/sets_harness/mod.rs"]
 mod sets_harness;
 
 use std::sync::Arc;
 
 use antumbra::geometry::Aabb;
 use antumbra::prelude::{MeshData, SceneMaterials, SceneMesh};
-use antumbra::scene::{
-    Light, LocalBounds, Material, ShadowedLight, update_local_bounds, update_world_bounds,
+use antumbra::scene::{Light, LocalBounds, Material, update_world_bounds};
+use antumbra::sets::{
+    FrameLights, FrustumSet, LightTechnique, Needs, Objects, SetWork, collect_frame_lights,
+    collect_light_sets, collect_sets,
 };
-use antumbra::sets::{FrameLights, FrustumSet, Objects, SetWork, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
 use bevy_tasks::{ComputeTaskPool, TaskPoolBuilder};
@@ -57,14 +59,11 @@ fn frames() -> Vec<String> {
         let material = SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into());
         world.entity_mut(*entity).insert((SceneMesh(wall), material));
     }
-    let mut lights = world.query_filtered::<Entity, With<Light>>();
-    let lights: Vec<Entity> = lights.iter(&world).collect();
-    for light in lights {
-        world.entity_mut(light).insert(ShadowedLight);
-    }
     let mut schedule = Schedule::default();
     schedule.set_executor(SingleThreadedExecutor::new());
     schedule.add_systems((update_world_bounds, collect_sets()).chain());
+    let shadow = shadow_all.after(collect_frame_lights).before(collect_light_sets);
+    schedule.add_systems(shadow);
     let mut places = world.query_filtered::<&mut GlobalTransform, With<LocalBounds>>();
     let mut frames = Vec::new();
     for frame in 0..4 {
@@ -106,4 +105,19 @@ fn many_threads_give_the_bits_of_one() {
         }
     }
     assert!(alone[0] != alone[1] && alone[2] != alone[3], "nothing happened");
+}
+
+/// Gives every light a technique whose lights do not light what they do not see.
+fn shadow_all(mut lights: ResMut<FrameLights>) {
+    for light in &mut lights.lights {
+        light.technique = Some(LightTechnique {
+            row: 0,
+            name: "dark",
+            component: std::any::TypeId::of::<()>(),
+            needs: Needs {
+                light_occlusion: true,
+                ..Needs::NOTHING
+            },
+        });
+    }
 }

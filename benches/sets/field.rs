@@ -1,8 +1,7 @@
 //! The field of all cases: unit boxes in 400×20×400 m, lights over its middle, a camera that sees 61 % of it.
 
 use antumbra::scene::{
-    Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, update_local_bounds,
-    update_world_bounds,
+    Camera, LocalBounds, SceneMaterials, ShadowCaster, ShadowReceiver, WorldBounds, update_world_bounds,
 };
 use antumbra::sets::{ViewportSize, collect_sets, init_set_resources};
 use antumbra::{geometry::Aabb, scene::Light};

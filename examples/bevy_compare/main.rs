@@ -16,8 +16,7 @@ mod errors;
 mod frames;
 mod game;
 mod rooms;
-#[path = "../support/spread.rs"]
-mod spread;
+use antumbra_stage::spread;
 #[cfg(feature = "bevy-window")]
 mod window;
 

@@ -90,20 +90,26 @@ fn choose(
     }
 }
 
+/// Keys of the techniques, in their order.
+const KEYS: [KeyCode; 9] = [
+    KeyCode::Digit1,
+    KeyCode::Digit2,
+    KeyCode::Digit3,
+    KeyCode::Digit4,
+    KeyCode::Digit5,
+    KeyCode::Digit6,
+    KeyCode::Digit7,
+    KeyCode::Digit8,
+    KeyCode::Digit9,
+];
+
 fn change(
     mut commands: Commands,
     keys: Res<ButtonInput<KeyCode>>,
     chosen: Res<Chosen>,
     mut lights: Query<(Entity, &mut PointLight), With<Technique>>,
 ) {
-    let of_key = [
-        KeyCode::Digit1,
-        KeyCode::Digit2,
-        KeyCode::Digit3,
-        KeyCode::Digit4,
-        KeyCode::Digit0,
-    ];
-    for (key, technique) in of_key.into_iter().zip(Technique::ALL) {
+    for (key, technique) in KEYS.into_iter().zip(Technique::all()) {
         if !keys.just_pressed(key) {
             continue;
         }
@@ -131,14 +137,19 @@ fn tell(
     let now = time.delta_secs() * 1e3;
     frame.0 += (now - frame.0) * 0.1;
     let count = |technique| lights.iter().filter(|(_, own)| **own == technique).count();
-    let by_technique = Technique::ALL.map(|technique| format!("{technique:?} {}", count(technique)));
+    let techniques = Technique::all();
+    let by_technique = techniques
+        .iter()
+        .enumerate()
+        .map(|(at, &technique)| format!("{} {}: {}", at + 1, technique.name(), count(technique)));
+    let by_technique: Vec<String> = by_technique.collect();
     let chosen = match chosen.0.and_then(|light| lights.get(light).ok()) {
-        Some((light, technique)) => format!("light {light}: {technique:?}"),
+        Some((light, technique)) => format!("light {light}: {}", technique.name()),
         None => "all lights".to_owned(),
     };
     for mut text in &mut figures {
         text.0 = format!(
-            "{:.1} ms, {:.0} frames a second\n{}\nTab, Backspace: {chosen}\n1 volumes  2 wedges  3 maps  4 Bevy's maps  0 none",
+            "{:.1} ms, {:.0} frames a second\n{}\nTab, Backspace: {chosen}",
             frame.0,
             1e3 / frame.0.max(1e-3),
             by_technique.join(", "),

@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use antumbra::bevy_adapter::prelude::*;
+use antumbra::techniques::{Row, Techniques};
 use bevy::prelude::*;
 
 use crate::rooms::{ROOM, rooms};
@@ -10,35 +10,53 @@ use crate::rooms::{ROOM, rooms};
 /// Who throws a light's shadows.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Technique {
-    /// Stencil shadow volumes: exact, hard.
-    Volumes,
-    /// Penumbra wedges: soft, by the flame's size.
-    Wedges,
-    /// Omnidirectional shadow maps.
-    Maps,
+    /// One of ours.
+    Ours(Row),
     /// Bevy's shadow maps.
     Bevy,
     /// Nobody.
     None,
 }
 
-impl Technique {
-    /// All of them.
-    #[cfg(feature = "bevy-window")]
-    pub const ALL: [Self; 5] = [Self::Volumes, Self::Wedges, Self::Maps, Self::Bevy, Self::None];
+/// Radius of a flame, metres.
+const FLAME: f32 = 0.08;
 
-    /// Gives it to a light.
-    pub fn give(self, light: &mut EntityCommands, point: &mut PointLight) {
-        light.remove::<(StencilVolume, PenumbraWedge, OmniMap)>();
-        point.shadow_maps_enabled = self == Self::Bevy;
-        point.radius = if self == Self::Wedges { 0.08 } else { 0.0 };
+impl Technique {
+    /// All of them: ours that fit a point light, in the order of their list, and the others.
+    pub fn all() -> Vec<Self> {
+        let point = antumbra::scene::Light::point(Vec3::ONE, 1.0, ROOM);
+        let techniques = Techniques::default();
+        let fitting = techniques
+            .rows()
+            .iter()
+            .filter(|row| row.defaults().check(&point).is_ok());
+        let ours = fitting.copied().map(Self::Ours);
+        ours.chain([Self::Bevy, Self::None]).collect()
+    }
+
+    /// For the figures.
+    #[cfg(feature = "bevy-window")]
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Volumes => light.insert(StencilVolume::default()),
-            Self::Wedges => light.insert(PenumbraWedge::default()),
-            Self::Maps => light.insert(OmniMap::default()),
-            Self::Bevy | Self::None => light,
-        };
+            Self::Ours(row) => row.name(),
+            Self::Bevy => "Bevy's maps",
+            Self::None => "none",
+        }
+    }
+
+    /// Gives it to a light, in place of another.
+    pub fn give(self, light: &mut EntityCommands, point: &mut PointLight) {
+        point.shadow_maps_enabled = self == Self::Bevy;
+        // A technique that leaves out what is hidden from the light can do so for points alone.
+        let is_flame = matches!(self, Self::Ours(row) if !row.needs().light_occlusion);
+        point.radius = if is_flame { FLAME } else { 0.0 };
         light.insert(self);
+        light.queue(move |mut light: EntityWorldMut| {
+            Techniques::default().take(&mut light);
+            if let Self::Ours(row) = self {
+                row.defaults().insert(&mut light);
+            }
+        });
     }
 }
 
@@ -71,6 +89,7 @@ pub fn hang(
         glow(LinearRgba::rgb(1.0, 0.5, 0.15)),
         glow(LinearRgba::rgb(0.3, 0.8, 1.0)),
     );
+    let first = Technique::all().first().copied().unwrap_or(Technique::None);
     let mut hang = |place: Vec3, color: Color, mean: f32, phase: f32, look: &Handle<StandardMaterial>| {
         let mut point = PointLight {
             color,
@@ -85,7 +104,7 @@ pub fn hang(
             bevy::light::NotShadowCaster,
         );
         let mut light = commands.spawn((Transform::from_translation(place), Flame { mean, phase }, flame));
-        Technique::Volumes.give(&mut light, &mut point);
+        first.give(&mut light, &mut point);
         light.insert(point).id()
     };
     for (index, middle) in rooms().enumerate() {

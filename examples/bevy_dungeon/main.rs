@@ -51,5 +51,5 @@ fn main() {
 /// The visitor's eyes.
 fn enter(mut commands: Commands) {
     let eyes = Transform::from_xyz(-3.3, 1.7, 1.2).looking_at(Vec3::new(0.6, 1.0, -0.6), Vec3::Y);
-    commands.spawn((Camera3d::default(), AntumbraCamera, eyes));
+    commands.spawn((Camera3d::default(), Msaa::Off, AntumbraCamera, eyes));
 }

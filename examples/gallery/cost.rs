@@ -1,8 +1,9 @@
 //! What a light costs with and without its shadows, and the CPU sets of a steady frame.
 
 use antumbra::prelude::*;
-use antumbra::render::RenderError;
+use antumbra::render::{PassTime, RenderError};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
+use antumbra::techniques::Techniques;
 use bevy_ecs::prelude::*;
 
 use super::support::stage::Stage;
@@ -15,7 +16,7 @@ pub const RUNS: usize = 5;
 pub struct Cost {
     /// CPU by system set, median of [`RUNS`] frames in which nothing moves, all lights on.
     pub cpu_ms: Vec<f64>,
-    /// The light's GPU pass with its shadows, the other lights off; `None` without timers.
+    /// The light's GPU passes with its shadows, the other lights off; `None` without timers.
     pub shadowed_ms: Option<f64>,
     /// The same light without shadows.
     pub unshadowed_ms: Option<f64>,
@@ -61,26 +62,18 @@ pub fn restore(stage: &mut Stage, lights: Vec<(Entity, Light)>) {
     }
 }
 
-/// Times the light's pass with and without shadows, a frame each to warm up.
+/// Times the light's passes with and without its technique, a frame each to warm up.
 ///
 /// # Errors
 /// What the device refuses.
 pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
-    let shadowed_ms = pass_ms(stage, light)?;
+    let shadowed_ms = passes_ms(stage, light)?;
     let entity = stage.lights[light];
-    let mut shadowed = stage.world.entity_mut(entity);
-    let volume = shadowed.take::<StencilVolume>();
-    let maps = (shadowed.take::<ShadowMap>(), shadowed.take::<OmniMap>());
-    let unshadowed_ms = pass_ms(stage, light)?;
-    let mut light_entity = stage.world.entity_mut(entity);
-    if let Some(volume) = volume {
-        light_entity.insert(volume);
-    }
-    if let Some(map) = maps.0 {
-        light_entity.insert(map);
-    }
-    if let Some(map) = maps.1 {
-        light_entity.insert(map);
+    let techniques = stage.world.resource::<Techniques>().clone();
+    let taken = techniques.take(&mut stage.world.entity_mut(entity));
+    let unshadowed_ms = passes_ms(stage, light)?;
+    for settings in taken {
+        settings.insert(&mut stage.world.entity_mut(entity));
     }
     Ok(Cost {
         cpu_ms: Vec::new(),
@@ -89,14 +82,28 @@ pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
     })
 }
 
-fn pass_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError> {
+/// All passes of a light: `light N`, and `light N/…` of its technique.
+fn passes_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError> {
     stage.time_passes()?;
     let mut times = Vec::with_capacity(RUNS);
     for _ in 0..RUNS {
         let passes = stage.time_passes()?;
-        let label = stage.light_indices()[light].map(|index| format!("light {index}"));
-        let of_light = passes.iter().find(|pass| Some(&pass.label) == label.as_ref());
-        times.extend(of_light.map(|pass| pass.milliseconds));
+        let Some(index) = stage.light_indices()[light] else {
+            continue;
+        };
+        let label = format!("light {index}");
+        let is_own = |pass: &&PassTime| {
+            let rest = pass.label.strip_prefix(&label);
+            rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        let own: Vec<f64> = passes
+            .iter()
+            .filter(is_own)
+            .map(|pass| pass.milliseconds)
+            .collect();
+        if !own.is_empty() {
+            times.push(own.iter().sum());
+        }
     }
     Ok(median(times))
 }

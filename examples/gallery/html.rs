@@ -11,17 +11,23 @@ use super::judge::{Judgement, PageResult, ShotResult, Workbench, verdict};
 use super::page::{Page, PageShot};
 use super::panels::TITLES;
 
-/// The whole text.
-pub fn index(results: &[(&Page, PageResult)], bench: &Workbench, seconds: f64) -> String {
+/// The whole text. `more` are further pages in the same folder: file and title.
+pub fn index(
+    results: &[(&Page, PageResult)],
+    more: &[(&str, &str)],
+    bench: &Workbench,
+    seconds: f64,
+) -> String {
     let mut html = String::new();
     // Writing to a string does not fail.
-    let _ = write_index(&mut html, results, bench, seconds);
+    let _ = write_index(&mut html, results, more, bench, seconds);
     html
 }
 
 fn write_index(
     html: &mut String,
     results: &[(&Page, PageResult)],
+    more: &[(&str, &str)],
     bench: &Workbench,
     seconds: f64,
 ) -> std::fmt::Result {
@@ -50,6 +56,9 @@ fn write_index(
     html.push_str("<nav>");
     for (page, _) in results {
         write!(html, "<a href=\"#{}\">{}</a>", page.name, escaped(page.title))?;
+    }
+    for (file, title) in more {
+        write!(html, "<a href=\"{file}\">{}</a>", escaped(title))?;
     }
     html.push_str("</nav>\n");
     summary(html, results)?;
@@ -113,7 +122,7 @@ fn summary(html: &mut String, results: &[(&Page, PageResult)]) -> std::fmt::Resu
                     .cost
                     .ratio()
                     .map_or_else(|| "–".to_owned(), |ratio| format!("{ratio:.2}×")),
-                page.technique.name(),
+                page.technique_names(),
             )?;
         }
     }

@@ -167,6 +167,7 @@ impl Workbench {
         let stage = &mut shown.stage;
         set(stage, shot.exposure, false);
         let rendered = stage.render().map_err(|error| in_page(page, &error))?;
+        stats::print_new_reports(&format!("page {}", page.name), stage);
         let stats = stats::collect(stage, &rendered);
         Ok((rendered, stats, cost::steady_cpu_ms(stage)))
     }

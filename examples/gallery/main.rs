@@ -34,8 +34,7 @@ mod readme;
 mod soft_cost;
 mod soft_pages;
 mod soft_table;
-#[path = "../support/mod.rs"]
-mod support;
+use antumbra_stage as support;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -75,7 +74,7 @@ struct Arguments {
     /// Prints what tight wedges and culling save instead.
     #[arg(long)]
     soft_cost: bool,
-    /// Writes the page of soft shadows to `--out` instead.
+    /// Writes the page of soft shadows to `--out` instead; the index that is written there next links to it.
     #[arg(long, requires = "out")]
     soft: bool,
 }
@@ -140,7 +139,14 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     let seconds = begin.elapsed().as_secs_f64();
     let index = out.join("index.html");
-    let text = html::index(&results, &bench, seconds);
+    // Drawn by another call, if at all.
+    let soft = out.join(soft_pages::FILE).is_file();
+    let more: &[_] = if soft {
+        &[(soft_pages::FILE, "Soft shadows")]
+    } else {
+        &[]
+    };
+    let text = html::index(&results, more, &bench, seconds);
     std::fs::write(&index, text).map_err(|error| format!("{}: {error}", index.display()))?;
     println!("{}", index.display());
     println!("{}", judge::verdict(&results));

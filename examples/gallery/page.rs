@@ -6,9 +6,8 @@ use std::sync::Arc;
 use antumbra::prelude::*;
 use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
-use antumbra::techniques::maps::{MapFilter, MapResolution};
+use antumbra::techniques::{Row, Settings, Techniques};
 use bevy_ecs::name::Name;
-use bevy_ecs::world::EntityWorldMut;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
@@ -38,48 +37,10 @@ pub struct Page {
     pub background: Vec3,
     /// Linear RGB radiance from everywhere.
     pub ambient: Vec3,
-    /// What shadows the lights.
-    pub technique: PageTechnique,
+    /// What shadows the lights: each by the first of these that fits it.
+    pub techniques: Vec<Settings>,
     /// Views.
     pub shots: Vec<PageShot>,
-}
-
-/// What shadows every light of a page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PageTechnique {
-    /// [`StencilVolume`].
-    StencilVolume,
-    /// [`OmniMap`] for lights at a place, [`ShadowMap`] for others, of 1024² texels.
-    Maps,
-}
-
-impl PageTechnique {
-    /// For the tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::StencilVolume => "stencil volume",
-            Self::Maps => "maps",
-        }
-    }
-
-    /// Gives a light its technique.
-    fn insert(self, light: &mut EntityWorldMut) {
-        let resolution = MapResolution::Fixed(1024);
-        let kind = light.get::<Light>().map(|light| light.kind);
-        match (self, kind) {
-            (Self::StencilVolume, _) => light.insert(StencilVolume::default()),
-            (Self::Maps, Some(LightKind::Directional | LightKind::Spot { .. })) => light.insert(ShadowMap {
-                resolution,
-                filter: MapFilter::Brute4x4,
-                ..Default::default()
-            }),
-            (Self::Maps, _) => light.insert(OmniMap {
-                resolution,
-                filter: MapFilter::Brute4x4,
-                ..Default::default()
-            }),
-        };
-    }
 }
 
 /// A glTF file somewhere in a scene.
@@ -182,9 +143,30 @@ impl Page {
             clear_panes: false,
             background: Vec3::new(0.012, 0.014, 0.018),
             ambient: Vec3::splat(0.02),
-            technique: PageTechnique::StencilVolume,
+            techniques: Techniques::default()
+                .rows()
+                .iter()
+                .take(1)
+                .map(Row::defaults)
+                .collect(),
             shots: Vec::new(),
         }
+    }
+
+    /// Names of the techniques, for the tables.
+    pub fn technique_names(&self) -> String {
+        let names = self
+            .techniques
+            .iter()
+            .map(|settings| settings.row().name().replace('_', " "));
+        names.collect::<Vec<_>>().join(", ")
+    }
+
+    /// The technique that fits a light.
+    fn technique_of(&self, light: &Light) -> Option<&Settings> {
+        self.techniques
+            .iter()
+            .find(|settings| settings.check(light).is_ok())
     }
 
     /// Builds the page's world.
@@ -207,8 +189,11 @@ impl Page {
             ));
         }
         for named in &self.lights {
-            let light = stage.spawn_light(named.light.clone(), named.transform, None::<StencilVolume>);
-            self.technique.insert(&mut stage.world.entity_mut(light));
+            stage.spawn_shadowed(
+                named.light.clone(),
+                named.transform,
+                self.technique_of(&named.light),
+            );
             light_names.push(named.name.to_owned());
         }
         stage.schedule.run(&mut stage.world);
@@ -254,12 +239,17 @@ impl Page {
             world.entity_mut(camera).remove::<Camera>();
         }
         for &entity in &spawned.lights {
+            let world = &mut stage.world;
             if !self.lights.is_empty() {
                 world.entity_mut(entity).remove::<Light>();
                 continue;
             }
+            let light = world.get::<Light>(entity).cloned();
+            if let Some(settings) = light.and_then(|light| self.technique_of(&light)) {
+                stage.shadow(entity, settings);
+            }
+            let world = &mut stage.world;
             let mut light_entity = world.entity_mut(entity);
-            self.technique.insert(&mut light_entity);
             let name = light_entity
                 .get::<Name>()
                 .map_or_else(String::new, |name| name.to_string());
@@ -271,6 +261,7 @@ impl Page {
             light_names.push(name);
             stage.lights.push(entity);
         }
+        let world = &mut stage.world;
         if self.clear_panes {
             for &mesh in &spawned.meshes {
                 let is_clear = world.get::<SceneMaterials>(mesh).is_some_and(|materials| {

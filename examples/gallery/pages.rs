@@ -4,11 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
+use antumbra::techniques::Settings;
+use antumbra::techniques::maps::{MapFilter, MapResolution};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
 use super::lantern::lantern;
-use super::page::{NamedLight, Page, PageShot, PageTechnique, PlacedMesh, PlacedModel, view};
+use super::page::{NamedLight, Page, PageShot, PlacedMesh, PlacedModel, view};
 
 /// All of them, in the order of the gallery.
 pub fn bundled(models: &Path) -> Vec<Page> {
@@ -160,6 +162,24 @@ fn bonsai(models: &Path) -> Page {
     }
 }
 
+/// Maps of 1024² texels with filters of 4×4 taps, for lights of all kinds.
+fn maps() -> Vec<Settings> {
+    let resolution = MapResolution::Fixed(1024);
+    let filter = MapFilter::Brute4x4;
+    vec![
+        Settings::of(ShadowMap {
+            resolution,
+            filter,
+            ..Default::default()
+        }),
+        Settings::of(OmniMap {
+            resolution,
+            filter,
+            ..Default::default()
+        }),
+    ]
+}
+
 /// The same leaves, whose holes let light through.
 fn bonsai_maps(models: &Path) -> Page {
     let mut page = Page {
@@ -168,7 +188,7 @@ fn bonsai_maps(models: &Path) -> Page {
         about: "Maps know texels: what the alpha mask leaves out casts no shadow. Four cascades of 1024² for the sun, \
                 six faces of 1024² for the lamp, 4×4 taps, no bias set by hand. The judged panels take the leaves as \
                 solid for the rendered picture and the truth alike.",
-        technique: PageTechnique::Maps,
+        techniques: maps(),
         ..bonsai(models)
     };
     for shot in &mut page.shots {
@@ -184,7 +204,7 @@ fn figures_maps(models: &Path) -> Page {
         title: "Three figures under maps",
         about: "The same scene as under shadow volumes: a cube of maps, a spot map, and cascades. Edges are a few texels \
                 wide; nothing else is wrong, and no bias is set by hand.",
-        technique: PageTechnique::Maps,
+        techniques: maps(),
         ..figures(models)
     }
 }

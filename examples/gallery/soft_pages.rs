@@ -20,6 +20,9 @@ use super::panels;
 use super::support::picture::write_png;
 use super::support::stage::{Stage, one_line};
 
+/// The page's name.
+pub const FILE: &str = "soft.html";
+
 /// A caster on a ground.
 pub(super) struct Scene {
     pub(super) name: &'static str,
@@ -173,7 +176,7 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
             )?;
         }
     }
-    let file = out.join("soft.html");
+    let file = out.join(FILE);
     std::fs::write(&file, page).map_err(|error| format!("{}: {error}", file.display()))?;
     println!("{}", file.display());
     Ok(())

@@ -19,7 +19,11 @@ use windowless::{picture, plugins};
 
 /// Bevy's plugins, with pipelines and results in the same frame, on black.
 pub fn app() -> App {
-    let mut app = App::new();
+    with_plugins(App::new())
+}
+
+/// Adds them to an app that may have others already.
+pub fn with_plugins(mut app: App) -> App {
     let plugins = plugins().disable::<PipelinedRenderingPlugin>();
     // Apps of one process would each set the logger.
     #[cfg(feature = "bevy-window")]
@@ -42,15 +46,27 @@ pub fn render_world(apps: &mut SubApps) -> &mut World {
 
 /// Linear radiance that a camera saw in the last frame: pixels, and RGB by row from the top.
 pub fn radiance(apps: &mut SubApps, camera: Entity) -> (UVec2, Vec<[half::f16; 3]>) {
+    let (size, format, bytes) = texels(apps, camera);
+    assert_eq!(format, TextureFormat::Rgba16Float);
+    let radiance = bytes.chunks_exact(8).map(|texel| {
+        let channel = |c: usize| half::f16::from_le_bytes([texel[2 * c], texel[2 * c + 1]]);
+        [channel(0), channel(1), channel(2)]
+    });
+    (size, radiance.collect())
+}
+
+/// Bytes of what a camera saw in the last frame, by row from the top, whatever its dynamic range.
+pub fn texels(apps: &mut SubApps, camera: Entity) -> (UVec2, TextureFormat, Vec<u8>) {
     let main = apps.main.world();
     let view = main.get::<RenderEntity>(camera).expect("a camera").id();
     let world = render_world(apps);
     let device = world.resource::<RenderDevice>().clone();
     let queue = world.resource::<RenderQueue>().clone();
     let texture = world.get::<ViewTarget>(view).expect("a view").main_texture();
-    assert_eq!(texture.format(), TextureFormat::Rgba16Float);
+    let format = texture.format();
     let size = UVec2::new(texture.width(), texture.height());
-    let row = RenderDevice::align_copy_bytes_per_row(size.x as usize * 8);
+    let used = size.x as usize * format.block_copy_size(None).expect("a colour") as usize;
+    let row = RenderDevice::align_copy_bytes_per_row(used);
     let buffer = device.create_buffer(&BufferDescriptor {
         label: None,
         size: u64::from(size.y) * row as u64,
@@ -77,12 +93,6 @@ pub fn radiance(apps: &mut SubApps, camera: Entity) -> (UVec2, Vec<[half::f16; 3
         .poll(PollType::wait_indefinitely())
         .expect("the device is there");
     let bytes = buffer.slice(..).get_mapped_range();
-    let rows = bytes
-        .chunks(row)
-        .flat_map(|line| line[..size.x as usize * 8].chunks_exact(8));
-    let texels = rows.map(|texel| {
-        let channel = |c: usize| half::f16::from_le_bytes([texel[2 * c], texel[2 * c + 1]]);
-        [channel(0), channel(1), channel(2)]
-    });
-    (size, texels.collect())
+    let rows = bytes.chunks(row).flat_map(|line| &line[..used]);
+    (size, format, rows.copied().collect())
 }

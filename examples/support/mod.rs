@@ -1,11 +1,11 @@
 //! What the examples and tests share: shot files, a stage to render them on, and pictures on disk.
 
-#![allow(dead_code, reason = "each example and test uses a part")]
+#![cfg(all(feature = "render", feature = "gltf"))]
+#![allow(missing_docs, reason = "names of a shot file are explained by the README")]
 
 pub mod model;
 pub mod picture;
 pub mod shadow;
-pub mod shadow_map;
 pub mod shot;
 pub mod solid;
 pub mod spread;

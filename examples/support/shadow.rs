@@ -1,173 +1,68 @@
-//! Techniques as a shot file names them.
+//! Techniques as a shot file names them: `{"technique": NAME}` and settings beside the name.
 
-use antumbra::insides::MAX_SPLIT;
-use antumbra::insides::MapRequest;
-use antumbra::prelude::*;
-use antumbra::techniques::penumbra_wedge::{Overlap, VisibilityBuffer, WedgeSilhouette};
-use antumbra::techniques::stencil_volume::{Counting, Extent};
-use bevy_ecs::prelude::*;
+use antumbra::techniques::{Settings, Techniques};
 use serde::Deserialize;
+use serde_json::{Map, Value, json};
 
-use super::shadow_map::ShotMap;
-
-/// A technique and its settings.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(tag = "technique", rename_all = "snake_case", deny_unknown_fields)]
-pub enum ShotShadow {
-    /// Unshadowed.
-    None {},
-    /// [`StencilVolume`].
-    StencilVolume {
-        /// `auto` or `depth_fail`.
-        #[serde(default)]
-        counting: ShotCounting,
-        /// `finite` or `infinite`.
-        #[serde(default)]
-        extent: ShotExtent,
-    },
-    /// [`PenumbraWedge`].
-    PenumbraWedge {
-        /// Parts along width and height.
-        #[serde(default = "whole")]
-        split: [u32; 2],
-        /// `receiver` or `center`.
-        #[serde(default)]
-        silhouette: ShotSilhouette,
-        /// `sampled`, `additive` or `paper`.
-        #[serde(default)]
-        overlap: ShotOverlap,
-        /// `float`, `half` or `split8`.
-        #[serde(default)]
-        buffer: ShotBuffer,
-    },
-    /// [`ShadowMap`].
-    ShadowMap(ShotMap),
-    /// [`OmniMap`].
-    OmniMap(ShotMap),
-}
-
-fn whole() -> [u32; 2] {
-    [1, 1]
-}
-
-/// See [`WedgeSilhouette`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotSilhouette {
-    #[default]
-    Receiver,
-    Center,
-}
-
-/// See [`Overlap`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotOverlap {
-    #[default]
-    Sampled,
-    Additive,
-    Paper,
-}
-
-/// See [`VisibilityBuffer`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotBuffer {
-    #[default]
-    Float,
-    Half,
-    Split8,
-}
-
-/// See [`Counting`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotCounting {
-    #[default]
-    Auto,
-    DepthFail,
-}
-
-/// See [`Extent`].
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotExtent {
-    #[default]
-    Finite,
-    Infinite,
-}
+/// A technique and its settings, as they stand in the file.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(transparent)]
+pub struct ShotShadow(Map<String, Value>);
 
 impl ShotShadow {
-    /// Checks the settings for a light.
+    /// The settings; `None` for the name `none`.
     ///
     /// # Errors
     /// What is wrong, after the name of the setting.
-    pub fn check(self, light: &Light) -> Result<(), String> {
-        let checked = match self {
-            Self::ShadowMap(map) => MapRequest::of_shadow_map(&map.shadow_map()?, light),
-            Self::OmniMap(map) => MapRequest::of_omni_map(&map.omni_map()?, light),
-            Self::PenumbraWedge { split, .. } if split.iter().any(|n| !(1..=MAX_SPLIT).contains(n)) => {
-                return Err(format!(
-                    "shadow.split: {split:?} must be two numbers of 1..={MAX_SPLIT}"
-                ));
-            }
-            Self::None {} | Self::StencilVolume { .. } | Self::PenumbraWedge { .. } => return Ok(()),
+    pub fn settings(&self, techniques: &Techniques) -> Result<Option<Settings>, String> {
+        let mut settings = self.0.clone();
+        let names = || {
+            let rows = techniques.rows().iter().map(|row| row.name());
+            ["none"].into_iter().chain(rows).collect::<Vec<_>>().join(", ")
         };
-        checked.map(drop).map_err(|error| format!("shadow: {error}"))
-    }
-
-    /// Gives the light the technique's component; none for an unshadowed light.
-    pub fn insert(self, light: &mut EntityWorldMut) {
-        match self {
-            Self::None {} => {}
-            // What is wrong with a map was found before.
-            Self::ShadowMap(map) => {
-                if let Ok(map) = map.shadow_map() {
-                    light.insert(map);
-                }
-            }
-            Self::OmniMap(map) => {
-                if let Ok(map) = map.omni_map() {
-                    light.insert(map);
-                }
-            }
-            Self::StencilVolume { counting, extent } => {
-                light.insert(StencilVolume {
-                    counting: match counting {
-                        ShotCounting::Auto => Counting::Auto,
-                        ShotCounting::DepthFail => Counting::DepthFail,
-                    },
-                    extent: match extent {
-                        ShotExtent::Finite => Extent::Finite,
-                        ShotExtent::Infinite => Extent::Infinite,
-                    },
-                });
-            }
-            Self::PenumbraWedge {
-                split,
-                silhouette,
-                overlap,
-                buffer,
-            } => {
-                light.insert(PenumbraWedge {
-                    split,
-                    silhouette: match silhouette {
-                        ShotSilhouette::Receiver => WedgeSilhouette::Receiver,
-                        ShotSilhouette::Center => WedgeSilhouette::Center,
-                    },
-                    overlap: match overlap {
-                        ShotOverlap::Sampled => Overlap::Sampled,
-                        ShotOverlap::Additive => Overlap::Additive,
-                        ShotOverlap::Paper => Overlap::Paper,
-                    },
-                    buffer: match buffer {
-                        ShotBuffer::Float => VisibilityBuffer::Float,
-                        ShotBuffer::Half => VisibilityBuffer::Half,
-                        ShotBuffer::Split8 => VisibilityBuffer::Split8,
-                    },
-                    ..Default::default()
-                });
-            }
+        let name = match settings.remove("technique") {
+            Some(Value::String(name)) => name,
+            Some(other) => return Err(format!("shadow.technique: {other} must be one of {}", names())),
+            None => return Err(format!("shadow: no technique, there are {}", names())),
+        };
+        if name == "none" {
+            return match settings.keys().next() {
+                Some(key) => Err(format!("shadow: unknown field `{key}`, none has no settings")),
+                None => Ok(None),
+            };
         }
+        let row = techniques
+            .named(&name)
+            .ok_or_else(|| format!("shadow.technique: no technique `{name}`, there are {}", names()))?;
+        nest_softness(&mut settings);
+        let mut track = serde_path_to_error::Track::new();
+        let from = serde_path_to_error::Deserializer::new(Value::Object(settings), &mut track);
+        let parsed = row.parse(from);
+        parsed
+            .map(Some)
+            .map_err(|error| match track.path().to_string().as_str() {
+                "." => format!("shadow: {error}"),
+                path => format!("shadow.{path}: {error}"),
+            })
     }
+}
+
+/// Softness of a filter that has one, unless the shot says another.
+const SOFTNESS: f64 = 0.01;
+
+/// A shot has the softness of a map's filter beside the filter's name; the settings have it within the filter.
+fn nest_softness(settings: &mut Map<String, Value>) {
+    let Some(Value::String(filter)) = settings.get("filter") else {
+        return;
+    };
+    let softness = |value: Option<Value>| value.unwrap_or(json!(SOFTNESS));
+    let nested = match filter.as_str() {
+        "jittered" | "jittered_full" => {
+            let adaptive = filter == "jittered";
+            json!({"jittered": {"softness": softness(settings.remove("softness")), "adaptive": adaptive}})
+        }
+        "soft_4" => json!({"soft_4": {"softness": softness(settings.remove("softness"))}}),
+        _ => return,
+    };
+    settings.insert("filter".to_owned(), nested);
 }

@@ -13,6 +13,7 @@ use antumbra::scene::apply_animation;
 use antumbra::scene::camera_place;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
 use antumbra::schedule::{init_resources, standalone_schedule};
+use antumbra::techniques::{Settings, Techniques, add_row};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -80,11 +81,8 @@ impl Stage {
                     stage.world.entity_mut(light).remove::<Light>();
                 }
                 for (index, light) in lights.iter().enumerate() {
-                    let parts = light.parts()?;
-                    let entity = stage.spawn_light(parts.light, parts.transform, None::<StencilVolume>);
-                    if let Some(shadow) = parts.shadow {
-                        shadow.insert(&mut stage.world.entity_mut(entity));
-                    }
+                    let parts = light.parts(&shot.techniques)?;
+                    let entity = stage.spawn_shadowed(parts.light, parts.transform, parts.shadow.as_ref());
                     if let Some(path) = parts.texture {
                         let texture = picture::light_texture(&path)
                             .map_err(|error| format!("lights[{index}].texture: {error}"))?;
@@ -94,7 +92,7 @@ impl Stage {
             }
             None => {
                 for &light in &spawned.lights {
-                    stage.world.entity_mut(light).insert(StencilVolume::default());
+                    stage.shadow_by_default(light);
                     stage.lights.push(light);
                 }
             }
@@ -132,6 +130,34 @@ impl Stage {
         let entity = entity.id();
         self.lights.push(entity);
         entity
+    }
+
+    /// The same with settings of any technique, which the stage learns if it does not know it.
+    pub fn spawn_shadowed(
+        &mut self,
+        light: Light,
+        transform: Transform,
+        shadow: Option<&Settings>,
+    ) -> Entity {
+        let entity = self.spawn_light(light, transform, None::<()>);
+        if let Some(shadow) = shadow {
+            self.shadow(entity, shadow);
+        }
+        entity
+    }
+
+    /// Gives a light a technique, which the stage learns if it does not know it.
+    pub fn shadow(&mut self, light: Entity, settings: &Settings) {
+        add_row(settings.row(), &mut self.world, &mut self.schedule);
+        settings.insert(&mut self.world.entity_mut(light));
+    }
+
+    /// Gives a light the first technique that the stage knows.
+    pub fn shadow_by_default(&mut self, light: Entity) {
+        let first = self.world.resource::<Techniques>().rows().first().copied();
+        if let Some(first) = first {
+            first.defaults().insert(&mut self.world.entity_mut(light));
+        }
     }
 
     /// Number of objects with a mesh.

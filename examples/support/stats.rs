@@ -1,12 +1,12 @@
 //! `stats.json`: what a frame was made of.
 
 use antumbra::prelude::*;
+use antumbra::reports::{Report, Reports};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
-use antumbra::techniques::maps::Maps;
-use antumbra::techniques::stencil_volume::StencilVolumes;
-use bevy_ecs::prelude::World;
+use antumbra::techniques::{Statistic, Statistics, Techniques};
+use bevy_ecs::prelude::{Name, World};
 use serde_json::{Map, Value, json};
 
 use super::stage::{Rendered, Stage};
@@ -85,7 +85,11 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         let total = gpu.get(&pass.label).and_then(Value::as_f64).unwrap_or(0.0);
         gpu.insert(pass.label.clone(), json!(total + pass.milliseconds));
     }
-    json!({
+    let mut of_techniques = Statistics::default();
+    for row in world.resource::<Techniques>().rows() {
+        row.frame_statistics(world, &mut of_techniques);
+    }
+    let stats = json!({
         "adapter": renderer.context().adapter,
         "size": rendered.size.to_array(),
         "objects": objects.len(),
@@ -94,8 +98,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         "F": world.resource::<FrustumSet>().set.count_ones(..),
         "V": world.resource::<VisibleSet>().set.count_ones(..),
         "lights": lights,
-        "map_bytes": world.resource::<Maps>().bytes,
-        "map_reports": world.resource::<Maps>().reports.iter().map(|report| report.error.to_string()).collect::<Vec<_>>(),
+        "reports": world.resource::<Reports>().iter().map(|report| report_stats(stage, report)).collect::<Vec<_>>(),
         "batches": {
             "ambient": batches.ambient,
             "shadow": batches.shadow,
@@ -105,7 +108,58 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         },
         "cpu_ms": cpu,
         "gpu_ms": gpu,
+    });
+    with_statistics(stats, &of_techniques)
+}
+
+/// An object with statistics as further keys.
+fn with_statistics(mut object: Value, statistics: &Statistics) -> Value {
+    for (name, value) in statistics.iter() {
+        object[name] = json_of(value);
+    }
+    object
+}
+
+fn json_of(value: &Statistic) -> Value {
+    match value {
+        Statistic::Nothing => Value::Null,
+        Statistic::Flag(value) => json!(value),
+        Statistic::Count(value) => json!(value),
+        Statistic::Number(value) => json!(value),
+        Statistic::Text(value) => json!(value),
+        Statistic::List(values) => values.iter().map(json_of).collect(),
+        Statistic::Group(values) => with_statistics(json!({}), values),
+    }
+}
+
+fn report_stats(stage: &Stage, report: &Report) -> Value {
+    json!({
+        "topic": report.topic,
+        "entity": subject(stage, report),
+        "message": report.message,
     })
+}
+
+/// What a report is about: the name of the entity, its number among the stage's lights, or its index.
+fn subject(stage: &Stage, report: &Report) -> Option<String> {
+    let entity = report.entity?;
+    let light = stage.lights.iter().position(|light| *light == entity);
+    let name = stage.world.get::<Name>(entity);
+    Some(match (light, name) {
+        (_, Some(name)) => name.to_string(),
+        (Some(light), None) => format!("light {light}"),
+        (None, None) => format!("entity {entity}"),
+    })
+}
+
+/// Prints each report that is new to stderr, on a line of its own that begins with `what` was drawn.
+pub fn print_new_reports(what: &str, stage: &mut Stage) {
+    let mut reports = std::mem::take(&mut *stage.world.resource_mut::<Reports>());
+    for report in reports.drain_new() {
+        let subject = subject(stage, report).map_or_else(String::new, |subject| format!("{subject}: "));
+        eprintln!("{what}: {subject}{}", report.message);
+    }
+    stage.world.insert_resource(reports);
 }
 
 fn skip_reason(world: &World, light: bevy_ecs::prelude::Entity) -> String {
@@ -135,22 +189,16 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
             }
         }
     }
-    let volumes = world.resource::<StencilVolumes>().of_light(index);
-    let casters = |depth_pass: bool| {
-        volumes.map_or(0, |volumes| {
-            volumes
-                .casters
-                .iter()
-                .filter(|caster| caster.depth_pass == depth_pass)
-                .count()
-        })
-    };
     let active = renderer
         .frame()
         .lights
         .iter()
         .find(|active| active.light == index);
-    json!({
+    let mut of_techniques = Statistics::default();
+    for row in world.resource::<Techniques>().rows() {
+        row.statistics(world, index, &mut of_techniques);
+    }
+    let stats = json!({
         "technique": active.map_or("none", |active| renderer.technique_name(active)),
         "L": light.l.count_ones(..),
         "I": light.i.count_ones(..),
@@ -163,16 +211,8 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
         })),
         "silhouette_edges": edges,
         "silhouette_loops": loops,
-        "casters_depth_pass": casters(true),
-        "casters_depth_fail": casters(false),
-        "casters_culled": volumes.map_or(0, |volumes| volumes.culled),
-        "map": world.resource::<Maps>().of_light(index).map(|map| json!({
-            "resolution": map.resolution,
-            "faces": map.faces.len(),
-            "kept": map.cached,
-            "casters": map.casters().count_ones(..),
-        })),
         "shadow_batches": active.map_or(0, |active| renderer.shadow_batch_count(active)),
         "light_batches": active.map_or(0, |active| active.batches.len()),
-    })
+    });
+    with_statistics(stats, &of_techniques)
 }

@@ -106,7 +106,7 @@ impl Walked {
                 stage.world.entity_mut(light).remove::<Light>();
                 continue;
             }
-            stage.world.entity_mut(light).insert(StencilVolume::default());
+            stage.shadow_by_default(light);
             stage.lights.push(light);
         }
         stage.schedule.run(&mut stage.world);

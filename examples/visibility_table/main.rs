@@ -8,8 +8,7 @@
 //! camera walks from room to room. `--out` writes a picture of the sets, seen from above, for one light and one frame.
 //! Source of the chapter's numbers: O'Rorke 2004, GPU Gems ch. 15, table 15-1.
 
-#[path = "../support/mod.rs"]
-mod support;
+use antumbra_stage as support;
 mod top_view;
 
 use std::path::PathBuf;

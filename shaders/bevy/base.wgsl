@@ -1,9 +1,11 @@
-// What Bevy's own deferred lighting computes, less the lights that antumbra adds one by one.
-// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions and bind groups 0 and 1
-// Reads   Bevy's G-buffer and view.  Writes  radiance of pixels that Bevy's own deferred lighting would write
+// Bevy's own deferred lighting, without the lights that antumbra adds one by one.
+// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions
+// Groups  0 and 1 are Bevy's, 2 managed lights
+// Reads   Bevy's G-buffer and view
+// Writes  radiance of the pixels that Bevy's own deferred lighting would write
 //
-// The overrides stand before every call of Bevy's light functions: a managed light gives nothing here. Without one, each
-// call goes through, and the picture is Bevy's to the bit.
+// The overrides replace every call of Bevy's light functions: a light that antumbra manages gives 0 here.
+// Without managed lights each call goes through, and the picture equals Bevy's bit for bit.
 #import bevy_pbr::{
     prepass_utils,
     pbr_types::STANDARD_MATERIAL_FLAGS_UNLIT_BIT,
@@ -18,7 +20,7 @@
 #import bevy_pbr::ssao_utils::ssao_multibounce
 #endif
 
-// A light that Bevy gives no index: told by what Bevy uploads of it.
+// A light without an index from Bevy, identified by the values that Bevy uploads for it.
 struct Unindexed {
     color: vec4<f32>,
     place: vec4<f32>,        // direction to a directional light, or position of a rectangle
@@ -30,7 +32,7 @@ struct Managed {
 }
 
 @group(2) @binding(0) var<storage, read> managed: Managed;
-// A bit for each point and spot light, by Bevy's index.
+// One bit for each point and spot light, by Bevy's index.
 @group(2) @binding(1) var<storage, read> managed_bits: array<u32>;
 @group(2) @binding(2) var pass_id: texture_2d<u32>;
 

@@ -1,10 +1,13 @@
 // One managed light: Bevy's own light function times our visibility, added to the radiance.
-// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions and bind groups 0 and 1
-// Reads   Bevy's G-buffer and view, the stencil or the mask of the light.  Writes  radiance, blended ONE ONE
+// Host    src/bevy_adapter/pipelines.rs; composed by Bevy, with Bevy's own shader definitions
+// Groups  0 and 1 are Bevy's, 2 the light, 3 its mask
+// Reads   Bevy's G-buffer and view, the stencil or the mask of the light
+// Writes  radiance, blended ONE ONE
 //
-// Variants, by definition: the light's kind (LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_RECT); where visibility
-// comes from: VISIBILITY_MASK reads the mask, else the stencil test has decided; and UNSHADOWED_ONLY, which lights what
-// the stencil test calls shadowed and Bevy says shows no shadows.
+// Variants are made by shader definitions. LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL or LIGHT_RECT is the
+// kind of the light. VISIBILITY_MASK reads visibility from the mask; without it, the stencil test has
+// decided. MASK_HOLDS_FOR_ALL reads the mask on surfaces that receive no shadows too. UNSHADOWED_ONLY lights
+// pixels that the stencil test calls shadowed but whose mesh, according to Bevy, receives no shadows.
 #import bevy_pbr::{
     prepass_utils,
     mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
@@ -17,7 +20,7 @@
 }
 
 struct LightDraw {
-    color: vec4<f32>,        // as Bevy uploads it; of directional and rectangular lights
+    color: vec4<f32>,        // as Bevy uploads it; for directional lights and rectangles
     place: vec4<f32>,        // direction to a directional light, or position of a rectangle
     index: vec4<u32>,        // x: Bevy's index of a point or spot light
 }
@@ -28,7 +31,7 @@ struct LightDraw {
 @group(3) @binding(0) var visibility_mask: texture_2d<f32>;
 #endif
 
-// The surface as Bevy's light functions take it: what `apply_pbr_lighting` computes of it before the first light.
+// The surface as Bevy's light functions expect it: what `apply_pbr_lighting` computes before the first light.
 fn lighting_input(surface: PbrInput) -> LightingInput {
     let material = surface.material;
     let n_dot_v = max(dot(surface.N, surface.V), 0.0001);
@@ -59,7 +62,7 @@ fn lighting_input(surface: PbrInput) -> LightingInput {
     return input;
 }
 
-// Bevy's index of a light that it gives no index that the CPU can see. Its first of equal lights.
+// Finds Bevy's index of a light whose index the CPU cannot see. Of equal lights it is the first.
 #ifdef LIGHT_DIRECTIONAL
 fn find_light() -> u32 {
     let count = lights.n_directional_lights;
@@ -107,8 +110,8 @@ fn radiance(input: ptr<function, LightingInput>) -> vec3<f32> {
 #endif
 }
 
-// Whether all of a point or spot light is beyond its range or below the surface's horizon: Bevy's functions give 0 there,
-// after all of their work.
+// Whether a point or spot light is beyond its range or wholly below the surface's horizon. Bevy's functions
+// return 0 there, but only after all of their work.
 fn is_out_of_reach(surface: PbrInput) -> bool {
     var out_of_reach = false;
 #ifdef LIGHT_POINT
@@ -140,13 +143,17 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
 #endif
     var visibility = vec3<f32>(1.0);
 #ifdef VISIBILITY_MASK
-    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, shows_shadows);
+    var reads_mask = shows_shadows;
+#ifdef MASK_HOLDS_FOR_ALL
+    reads_mask = true;
+#endif
+    visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, reads_mask);
     if all(visibility == vec3<f32>(0.0)) { discard; }
 #endif
     if is_out_of_reach(surface) { discard; }
     var input = lighting_input(surface);
     let color = radiance(&input) * (visibility * view.exposure);
-    // Fog is affine in the colour, and the base pass has laid its own colour down once.
+    // Fog is affine in the colour, and the base pass has added the fog's own colour once.
     let foggy = pbr_functions::main_pass_post_lighting_processing(surface, vec4<f32>(color, 1.0));
     let fog = pbr_functions::main_pass_post_lighting_processing(surface, vec4<f32>(0.0, 0.0, 0.0, 1.0));
     return vec4<f32>(foggy.rgb - fog.rgb, 0.0);

@@ -25,12 +25,15 @@ fn schlick_fresnel(f0: vec3f, v_dot_h: f32) -> vec3f {
     return f0 + (1.0 - f0) * pow(1.0 - v_dot_h, 5.0);
 }
 
-// Radiance that a surface reflects. All vectors unit; `v` towards the eye. Diffuse light arrives from all of the light,
-// with `irradiance` on the surface and `l` towards its centre; specular light from the direction `highlight`, with
-// `highlight_irradiance` on a plane that faces it. `radius`: of the light over its distance, 0 for points.
+// Radiance that a surface reflects. All vectors are unit vectors; `v` points towards the eye.
+// Diffuse light comes from the whole light, with `irradiance` on the surface and `l` towards the light's
+// centre.
+// Specular light comes from the direction `highlight`, with `highlight_irradiance` on a plane that faces it.
+// `radius` is the light's radius over its distance, 0 for points.
 //
-// A light of an extent widens the lobe and must not brighten it: the factor (α / α')² keeps its energy.
-// The model of glTF 2.0 appendix B. Source of the factor: Karis 2013, "Real Shading in Unreal Engine 4".
+// An area light widens the lobe and must not brighten it: the factor (α / α')² preserves its energy.
+// The model is that of glTF 2.0 appendix B. Source of the factor: Karis 2013, "Real Shading in Unreal Engine
+// 4".
 fn reflected(
     base_color: vec3f,
     metallic: f32,
@@ -48,7 +51,7 @@ fn reflected(
     let n_dot_h = clamp(dot(n, h), 0.0, 1.0);
     let v_dot_h = clamp(dot(v, h), 0.0, 1.0);
     let n_dot_l = max(dot(n, highlight), 0.0);
-    let alpha = max(roughness * roughness, 1e-3); // below, the highlight of a point light is under a pixel
+    let alpha = max(roughness * roughness, 1e-3); // below it, a point light's highlight is under a pixel
     let widened = clamp(alpha + 0.5 * radius, 0.0, 1.0);
     let kept = alpha / widened;
     let f0 = mix(vec3f(0.04), base_color, metallic);

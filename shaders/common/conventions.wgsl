@@ -1,4 +1,4 @@
-// The constants of src/conventions.rs that shaders need (tests/layout_contract.rs holds them equal).
+// The constants of src/conventions.rs that shaders need. tests/gpu/layout_contract.rs checks that they are equal.
 #define_import_path antumbra::conventions
 
 // Depth of the near plane, and of a vertex with w = 0.

@@ -1,27 +1,31 @@
-// How much of a light lies behind an edge, as seen from the light's centre: the sector that the projected edge cuts
-// off, as a share of the whole.
+// The share of a light that lies behind an edge as seen from the light's centre: the sector that the
+// projected edge cuts off.
 // Host    src/techniques/penumbra_wedge/
 // Spaces  light: origin at the light's centre, a rectangle in the xy plane that shines to −z
-// Source  Assarsson et al. 2003, section 4.2: clip the edge in homogeneous coordinates, project, sector minus triangle
+// Source  Assarsson et al. 2003, section 4.2: clip the edge in homogeneous coordinates, project, and subtract
+//         the triangle from the sector
 #define_import_path antumbra::coverage
 
 #import antumbra::conventions::PI
 
-// An edge projected onto a light and clipped to it. A rectangle is the square from −1 to 1, a disc has radius 1.
+// An edge projected onto a light and clipped to it. A rectangle is the square from −1 to 1; a disc has radius
+// 1.
 struct Projected {
     start: vec2f,
     end: vec2f,
     is_visible: bool,
 }
 
-// What of an edge lies between the receiver and the light: homogeneous places on the light, not clipped to it.
+// The part of an edge between the receiver and the light, as homogeneous places on the light, not clipped to
+// it.
 struct Seen {
     first: vec3f,
     last: vec3f,
     is_there: bool,
 }
 
-// The range of the parameter along an edge where a linear function is not negative; the ends' values in `at`.
+// Clips the range of the parameter along an edge to where a linear function is not negative. `at` has its
+// values at the ends.
 fn clip_range(range: vec2f, at: vec2f) -> vec2f {
     let crossing = at.x / (at.x - at.y); // used only where the signs differ
     let lower = select(range.x, max(range.x, crossing), at.x < 0.0);
@@ -29,7 +33,7 @@ fn clip_range(range: vec2f, at: vec2f) -> vec2f {
     return select(vec2f(lower, upper), vec2f(1.0, 0.0), at.x < 0.0 && at.y < 0.0);
 }
 
-// Least share of the way to the light at which an edge counts.
+// Smallest share of the way to the light at which an edge counts.
 const LEAST_WAY: f32 = 1e-6;
 
 fn cut_between(a: vec3f, b: vec3f) -> Seen {
@@ -39,8 +43,9 @@ fn cut_between(a: vec3f, b: vec3f) -> Seen {
     return Seen(mix(a, b, range.x), mix(a, b, range.y), range.x < range.y);
 }
 
-// Sees the edge from `p`. With w the share of the way from `p` to the light's plane, an edge point projects to
-// H / w; H and w are linear along the edge. Only points between `p` and the light count: 0 < w < 1.
+// Projects the edge from `p`. With w the share of the way from `p` to the light's plane, an edge point
+// projects to H / w; H and w are linear along the edge. Only points between `p` and the light count, with w
+// in 0..1.
 fn see_on_rect(p: vec3f, start: vec3f, end: vec3f, half_size: vec2f) -> Seen {
     let w = (vec2f(start.z, end.z) - p.z) / -p.z;
     let a = (start.xy - p.xy * (1.0 - w.x)) / half_size;
@@ -67,8 +72,9 @@ fn project_to_rect(seen: Seen) -> Projected {
     );
 }
 
-// Way along the border of the square from (1, 0) to where a direction leaves it, counter-clockwise; the border is 8
-// long. Twice the area of the sector, since every side is 1 from the centre: no angle is needed.
+// Length of the way along the border of the square from (1, 0) to where a direction leaves it,
+// counter-clockwise. The whole border is 8 long. The length is twice the sector's area, because every side is
+// at distance 1 from the centre, so no angle is needed.
 fn border_place(direction: vec2f) -> f32 {
     let size = abs(direction);
     let x_side = direction.y / max(size.x, 1e-20);
@@ -78,7 +84,7 @@ fn border_place(direction: vec2f) -> f32 {
     return select(on_y, on_x, size.x >= size.y);
 }
 
-// Share of a rectangle.
+// Share of a rectangle that lies behind an edge.
 fn rect_coverage(edge: Projected) -> f32 {
     let between = abs(border_place(edge.start) - border_place(edge.end));
     let sector = 0.5 * min(between, 8.0 - between);
@@ -111,8 +117,8 @@ fn see_on_disc(p: vec3f, start: vec3f, end: vec3f, radius: f32) -> Seen {
     );
 }
 
-// The paper clips the edge at the cone by a quadratic; here the line of the projected edge is found first (the cross
-// product of its homogeneous ends), so that nothing cancels where an end lies beside the receiver.
+// The paper clips the edge at the cone by a quadratic. Here the line of the projected edge comes first, as
+// the cross product of its homogeneous ends, so nothing cancels where an end lies beside the receiver.
 fn project_to_disc(seen: Seen) -> Projected {
     let line = cross(seen.first, seen.last);
     let scale = inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
@@ -130,14 +136,14 @@ fn project_to_disc(seen: Seen) -> Projected {
     );
 }
 
-// Share of a disc.
+// Share of a disc that lies behind an edge.
 fn disc_coverage(edge: Projected) -> f32 {
     let triangle = abs(edge.start.x * edge.end.y - edge.start.y * edge.end.x);
     let angle = atan2(triangle, dot(edge.start, edge.end));
     return select(0.0, max(angle - triangle, 0.0) / (2.0 * PI), edge.is_visible);
 }
 
-// The part of an edge where a linear function is not negative.
+// The part of an edge where a linear function, given by its values at the ends, is not negative.
 fn part_of(edge: Projected, at_start: f32, at_end: f32) -> Projected {
     let range = clip_range(vec2f(0.0, 1.0), vec2f(at_start, at_end));
     return Projected(
@@ -147,8 +153,8 @@ fn part_of(edge: Projected, at_start: f32, at_end: f32) -> Projected {
     );
 }
 
-// Where a line, `dot(line.xy, place) + line.z == 0`, crosses the light; of it what is seen from the centre between the
-// ends of `between`, or all.
+// The chord in which a line, `dot(line.xy, place) + line.z == 0`, cuts the light. Unless `is_whole`, only the
+// part that is seen from the centre between the ends of `between`.
 fn chord_of(line: vec3f, is_disc: bool, between: Projected, is_whole: bool) -> Projected {
     let scale = inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
     let normal = line.xy * scale;

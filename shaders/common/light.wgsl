@@ -1,16 +1,17 @@
-// One light: bind group 1. What arrives at a surface, from points, spots and the sun, and from areas.
-// Host    src/render/lights.rs, src/render/gpu_types.rs
+// One light: bind group 1. The light that arrives at a surface, from points, spots, directional lights and
+// areas.
+// Host    src/render/pools/light_constants.rs, src/render/pools/gpu_types.rs
 #define_import_path antumbra::light
 
 #import antumbra::area_light::{rect_irradiance, sphere_irradiance, rect_highlight, sphere_highlight}
 
-struct Light {                      // mirror: render::gpu_types::Light
+struct Light {                      // mirror: render::pools::gpu_types::Light
     point_relative: vec4f,          // w = 1: position; w = 0: unit direction towards the light
-    emission: vec4f,                // linear RGB times candela or lux; w: 1 / range², 0 without one
+    emission: vec4f,                // linear RGB times candela or lux; w: 1 / range², 0 without a range
     axis: vec4f,                    // unit direction of shining; w: 1 for a rectangle's cosine, else 0
     cone: vec4f,                    // scale and offset of the spot's falloff; zw unused
     half_right: vec4f,              // half the width of a rectangle, along it; w: radius of a sphere
-    half_up: vec4f,                 // half its height; w: 1 for rectangles and spheres that have an extent
+    half_up: vec4f,                 // half its height, along it; w: 1 for an area light with an extent
 }
 
 @group(1) @binding(0) var<uniform> light: Light;
@@ -18,13 +19,14 @@ struct Light {                      // mirror: render::gpu_types::Light
 struct Incidence {
     towards: vec3f,                 // unit, from the surface to the light's centre
     irradiance: vec3f,              // on the surface
-    highlight: vec3f,               // unit, towards what a mirror would show of the light
-    highlight_irradiance: vec3f,    // on a plane that faces it
-    radius: f32,                    // of the light as seen, over its distance; 0 for points
+    highlight: vec3f,               // unit, towards the point of the light that a mirror would show
+    highlight_irradiance: vec3f,    // on a plane that faces the highlight
+    radius: f32,                    // of the light over its distance; 0 for points
 }
 
-// Inverse square, windowed to reach 0 at the range, and the spot's cone; for areas the integral over what lies above
-// the surface's horizon, by whose first two terms a small or distant area is a point.
+// Light that arrives at a surface. For points it is the inverse square of the distance, windowed to reach 0
+// at the range, times the spot's cone. For areas it is the integral over the part above the surface's
+// horizon; the first two terms of its expansion in the light's size are those of a point.
 // Source: Khronos, KHR_lights_punctual; the window is of Karis 2013, "Real Shading in Unreal Engine 4".
 fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidence {
     var out: Incidence;
@@ -40,7 +42,8 @@ fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidenc
     let cosine = mix(1.0, max(cos_axis, 0.0), light.axis.w);
     let facing = light.emission.rgb * (attenuation * cone * cone * cosine);
 
-    // Chosen, not branched on: lavapipe compiles a shader anew for each value of a uniform that it branches on.
+    // Selects instead of branches: lavapipe compiles a shader again for each value of a uniform on which it
+    // branches.
     let is_area = light.half_up.w > 0.0;
     let is_rect = light.axis.w > 0.0;
     let right = light.half_right.xyz;

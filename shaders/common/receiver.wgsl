@@ -1,5 +1,5 @@
 // The surface that each pixel shows: bind group 1 of passes that resolve a mask.
-// Host    src/render/bind_groups.rs, src/render/targets.rs
+// Host    src/render/gpu/bind_groups.rs, src/render/frame/targets.rs
 // Spaces  relative: world axes, origin at the eye
 #define_import_path antumbra::receiver
 
@@ -8,17 +8,17 @@
 @group(1) @binding(0) var receiver_depth: texture_2d<f32>;
 @group(1) @binding(1) var receiver_plane: texture_2d<u32>;
 
-// What stands in the plane's texture where nothing was drawn: no normal packs to it, for -32768 is no snorm.
-const NO_PLANE: u32 = 0x80008000u;
+// Value of the plane texture where nothing was drawn. No normal packs to it, because -32768 is no snorm.
+const NO_PLANE: u32 = 0x80008000u;  // mirror: render::nodes::receiver_plane::NO_PLANE
 
 struct Receiver {
-    depth: f32,                     // 0: nothing is there
+    depth: f32,                     // 0: no surface
     position: vec3f,                // relative
-    normal: vec3f,                  // unit, of the triangle, on the side that is seen; 0 if not known
-    offset: f32,                    // of the triangle's plane: dot(normal, point) of all its points
+    normal: vec3f,                  // unit, of the triangle, on the visible side; 0 if unknown
+    offset: f32,                    // of the triangle's plane: dot(normal, point) for all its points
 }
 
-// Unit vector to the square [−1, 1]².
+// Maps a unit vector to the square [−1, 1]².
 // Source: Meyer et al. 2010, "On Floating-Point Normal Vectors": octahedral coordinates.
 fn octahedral_from_unit(n: vec3f) -> vec2f {
     let p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));

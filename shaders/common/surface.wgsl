@@ -1,18 +1,18 @@
 // Drawn surfaces: the vertex stage and the material, shared by the passes that draw them.
-// Host    src/render/meshes.rs, src/render/materials.rs, src/render/gpu_types.rs
+// Host    src/render/pools/{meshes,materials,gpu_types}.rs
 // Groups  0 view, 2 material
 #define_import_path antumbra::surface
 
 #import antumbra::view::{clip_position, relative_position, relative_vector, relative_normal}
 
-struct Slot {                       // mirror: render::gpu_types::Slot
+struct Slot {                       // mirror: render::pools::gpu_types::Slot
     uv_matrix: vec4f,               // columns of the 2×2 part
     uv_offset: vec2f,
     uv_set: u32,                    // 0 or 1
     present: u32,                   // 0: the texture is a placeholder
 }
 
-struct Material {                   // mirror: render::gpu_types::Material
+struct Material {                   // mirror: render::pools::gpu_types::Material
     base_color: vec4f,
     emissive: vec3f,
     alpha_cutoff: f32,              // 0 for opaque and blended surfaces
@@ -77,7 +77,7 @@ fn slot_uv(slot: Slot, uv: vec4f) -> vec2f {
     return mat2x2f(slot.uv_matrix.xy, slot.uv_matrix.zw) * coordinates + slot.uv_offset;
 }
 
-// Linear RGBA; the alpha of opaque materials is 1.
+// Base colour, linear RGBA; the alpha of opaque materials is 1.
 fn base_color(in: Fragment) -> vec4f {
     let texel = textureSample(base_color_texture, base_color_sampler, slot_uv(material.base_color_slot, in.uv));
     let color = material.base_color * in.color * texel;
@@ -89,7 +89,7 @@ fn emissive(in: Fragment) -> vec3f {
     return material.emissive * texel.rgb;
 }
 
-// 1 where all ambient light arrives.
+// Share of the ambient light that arrives: 1 where nothing occludes it.
 fn ambient_occlusion(in: Fragment) -> f32 {
     let texel = textureSample(occlusion_texture, occlusion_sampler, slot_uv(material.occlusion_slot, in.uv));
     return 1.0 + material.occlusion_strength * (texel.r - 1.0);
@@ -105,12 +105,12 @@ fn metallic_roughness(in: Fragment) -> vec2f {
     return vec2f(material.metallic * texel.b, material.roughness * texel.g);
 }
 
-// Unit shading normal on the side that is seen. A mesh without tangents gets its frame from the derivatives of
+// Unit shading normal on the visible side. A mesh without tangents gets its frame from the derivatives of
 // position and texture coordinates.
 // Source: Mikkelsen 2010, "Bump Mapping Unparametrized Surfaces on the GPU".
 fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
     let side = select(-1.0, 1.0, front_facing);
-    // Normals that meet head-on may interpolate to none, which no light reaches.
+    // Opposite normals may interpolate to zero; no light reaches such a point.
     let smooth_normal = in.normal_relative;
     let normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-30)));
     let uv = slot_uv(material.normal_slot, in.uv);
@@ -127,7 +127,7 @@ fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
         let across_y = cross(normal, dp_dx);
         tangent = across_x * duv_dx.x + across_y * duv_dy.x;
         bitangent = across_x * duv_dx.y + across_y * duv_dy.y;
-        // Screen y runs down, which turns both axes round; the green axis runs against texture v.
+        // Screen y points down, which reverses both axes; the green axis points against texture v.
         let scale = inverseSqrt(max(max(dot(tangent, tangent), dot(bitangent, bitangent)), 1e-30));
         tangent *= -scale;
         bitangent *= scale;
@@ -138,7 +138,8 @@ fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
         bitangent *= side;
     }
     let bent = tangent * bump.x + bitangent * bump.y + normal * bump.z;
-    // Chosen, not branched on: lavapipe compiles a shader anew for each value of a uniform that it branches on.
+    // Selects instead of branches: lavapipe compiles a shader again for each value of a uniform on which it
+    // branches.
     let is_bent = material.normal_slot.present == 1u;
     return select(normal, bent * inverseSqrt(max(dot(bent, bent), 1e-30)), is_bent);
 }

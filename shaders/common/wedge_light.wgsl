@@ -1,6 +1,6 @@
-// A part of a light as wedges and their resolve see it: where the receiver stands, what of the part lies above the
-// receiver's horizon, and what lies behind an edge.
-// Host    src/techniques/penumbra_wedge/{records,plans,tables}.rs
+// A part of a light, for wedges and their resolve: where the receiver is, which part lies above the
+// receiver's horizon, and which part lies behind an edge.
+// Host    src/techniques/penumbra_wedge/{geometry/records,gpu/plans,tables/lookup,tables/texture}.rs
 // Groups  2 wedges
 // Spaces  light: origin at the part's centre; places on the light: the square from −1 to 1, or the unit disc
 #define_import_path antumbra::wedge_light
@@ -9,22 +9,23 @@
 #import antumbra::coverage::{see_on_rect, project_to_rect, rect_coverage, see_on_disc, project_to_disc, disc_coverage, disc_frame}
 #import antumbra::receiver::Receiver
 
-struct WedgeLight {                 // mirror: techniques::penumbra_wedge::records::WedgeLight
+struct WedgeLight {                 // mirror: techniques::penumbra_wedge::geometry::records::WedgeLight
     clip_from_light: mat4x4f,
     light_from_relative_x: vec4f,   // rows of the affine matrix
     light_from_relative_y: vec4f,
     light_from_relative_z: vec4f,
-    half_size: vec2f,               // of a sphere: its radius twice
+    half_size: vec2f,               // of a rectangle; a sphere has its radius twice
     table: u32,                     // first entry of the texture's tables
     reach: f32,                     // metres at which rays of shells end; 0: at infinity
-    place: vec4f,                   // centre and half size within the whole light, a rectangle from −1 to 1
-    whole: vec4f,                   // the whole light's centre; w: of a sphere, its radius
+    place: vec4f,                   // centre and half size within the whole light, which spans −1 to 1
+    whole: vec4f,                   // centre of the whole light; w: radius of a whole sphere
 }
 
-// The part at hand: a uniform, for what is read by an index is read once a fragment.
+// The part that is drawn. A uniform, because a storage array with an index would be read again by each
+// fragment.
 @group(2) @binding(2) var<uniform> light: WedgeLight;
-// Angles and areas, made by lookup.rs; then for each texture sectors along the border of the square and triangles,
-// shares by colour, made by texture.rs.
+// First angles and areas, made by lookup.rs. Then, for each texture, sectors along the border of the square
+// and triangles, as shares by colour, made by texture.rs.
 @group(2) @binding(3) var<storage, read> tables: array<vec4f>;
 
 // How shares are computed.
@@ -34,10 +35,10 @@ struct Maths {
     is_textured: bool,
 }
 
-const ANGLE_STEPS: u32 = 1024u;
-const SECTOR_STEPS: u32 = 256u;
+const ANGLE_STEPS: u32 = 1024u;     // mirror: techniques::penumbra_wedge::tables::lookup::ANGLE_STEPS
+const SECTOR_STEPS: u32 = 256u;     // mirror: techniques::penumbra_wedge::tables::lookup::SECTOR_STEPS
 
-// Turns, 0..1.
+// Angle of a direction from the table, in turns, 0..1.
 fn table_angle(direction: vec2f) -> f32 {
     let size = abs(direction);
     let at = clamp(size.y / max(size.x + size.y, 1e-20), 0.0, 1.0) * f32(ANGLE_STEPS);
@@ -65,17 +66,17 @@ fn table_disc_coverage(edge: Projected) -> f32 {
     return select(0.0, max(min(between, 1.0 - between) - triangle, 0.0), edge.is_visible);
 }
 
-const BORDER_STEPS: f32 = 256.0;
-const NODES: u32 = 16u;
+const BORDER_STEPS: f32 = 256.0;    // mirror: techniques::penumbra_wedge::tables::texture::BORDER_STEPS
+const NODES: u32 = 16u;             // mirror: techniques::penumbra_wedge::tables::texture::NODES
 
-// The texture's integral from the border's start to a place on it.
+// The texture's integral over the sector from the border's start to a place on it.
 fn sector_to(table: u32, place: f32) -> vec3f {
     let at = clamp((place - 8.0 * floor(place / 8.0)) * (BORDER_STEPS / 8.0), 0.0, BORDER_STEPS);
     let first = min(u32(at), u32(BORDER_STEPS) - 1u);
     return mix(tables[table + first].rgb, tables[table + first + 1u].rgb, at - f32(first));
 }
 
-// Interpolated along one end of the edge at a node of the other.
+// The table of triangles, interpolated along one end of the edge at a node of the other end.
 fn triangle_at(table: u32, node: u32, corner: vec2u, share: vec2f) -> vec3f {
     let first = table + u32(BORDER_STEPS) + 1u + node * NODES * NODES + corner.y * NODES + corner.x;
     let low = mix(tables[first].rgb, tables[first + 1u].rgb, share.x);
@@ -83,7 +84,8 @@ fn triangle_at(table: u32, node: u32, corner: vec2u, share: vec2f) -> vec3f {
     return mix(low, high, share.y);
 }
 
-// By colour: the sector between the ends, counter-clockwise, less the triangle. A lookup in four dimensions.
+// Coverage by colour: the sector between the ends, counter-clockwise, less the triangle. It is a lookup in
+// four dimensions.
 fn textured_coverage(table: u32, edge: Projected) -> vec3f {
     let turn = edge.start.x * edge.end.y - edge.start.y * edge.end.x;
     let start = select(edge.end, edge.start, turn >= 0.0);
@@ -115,10 +117,10 @@ fn textured_coverage(table: u32, edge: Projected) -> vec3f {
     return max(sector - mix(lower, upper, end_share.y), vec3f(0.0));
 }
 
-// Where a receiver stands for a light.
+// The position of a receiver relative to a light.
 struct Seat {
     p: vec3f,                       // light space
-    horizon: vec3f,                 // dot(xy, place) + z: negative for places on the light below the horizon
+    horizon: vec3f,                 // dot(xy, place) + z, negative for places below the horizon
     is_there: bool,
 }
 
@@ -139,28 +141,30 @@ fn direction_in_light(direction: vec3f) -> vec3f {
     );
 }
 
-// In the plane of its own triangle, off which the rasterizer moves a receiver by up to 1/512 of a pixel: edges near it are
-// where the mesh has them.
+// Moves a receiver into the plane of its own triangle; the rasterizer moves it off by up to 1/512 of a pixel.
+// Edges near the receiver are then where the mesh has them.
 fn in_plane(receiver: Receiver) -> vec3f {
     return receiver.position + receiver.normal * (receiver.offset - dot(receiver.normal, receiver.position));
 }
 
-// Of a light of this extent around `center`.
+// Seat of a receiver for a light of this extent around `center`.
 fn seat_at(receiver: Receiver, center: vec3f, half_size: vec2f, is_sphere: bool) -> Seat {
-    let p = in_light(in_plane(receiver)) - center;
-    let n = direction_in_light(receiver.normal);
-    let frame = disc_frame(p);
-    let tilt = select(n.xy, vec2f(dot(n, frame.across), dot(n, frame.up)), is_sphere) * half_size;
-    // A point has no part below, and where no plane is known nothing is cut.
-    let is_known = dot(n, n) > 0.5 && half_size.x > 0.0;
-    return Seat(p, select(vec3f(0.0, 0.0, 1.0), vec3f(tilt, -dot(n, p)), is_known), receiver.depth > 0.0);
+    let position_light = in_light(in_plane(receiver)) - center;
+    let normal_light = direction_in_light(receiver.normal);
+    let frame = disc_frame(position_light);
+    let on_disc = vec2f(dot(normal_light, frame.across), dot(normal_light, frame.up));
+    let tilt = select(normal_light.xy, on_disc, is_sphere) * half_size;
+    // A point has no part below the horizon, and nothing is cut where no plane is known.
+    let is_known = dot(normal_light, normal_light) > 0.5 && half_size.x > 0.0;
+    let horizon = vec3f(tilt, -dot(normal_light, position_light));
+    return Seat(position_light, select(vec3f(0.0, 0.0, 1.0), horizon, is_known), receiver.depth > 0.0);
 }
 
 fn seat(receiver: Receiver, is_sphere: bool) -> Seat {
     return seat_at(receiver, vec3f(0.0), light.half_size, is_sphere);
 }
 
-// By colour, and of the area: what lies behind an edge as seen from the centre.
+// Share of the light that lies behind an edge as seen from the centre: rgb by colour, a by area.
 fn behind(edge: Projected, maths: Maths) -> vec4f {
     var area = 0.0;
     if maths.is_sphere {
@@ -181,13 +185,13 @@ fn behind(edge: Projected, maths: Maths) -> vec4f {
     return share;
 }
 
-// 1: all of the part is above the horizon, −1: all below, 0: it is cut.
+// 1: the whole part is above the horizon; −1: the whole part is below; 0: the horizon cuts it.
 fn side_of(horizon: vec3f, is_sphere: bool) -> i32 {
     let reach = select(abs(horizon.x) + abs(horizon.y), length(horizon.xy), is_sphere);
     return select(select(0, -1, horizon.z <= -reach), 1, horizon.z >= reach);
 }
 
-// What lies above the horizon.
+// Share of the part that lies above the horizon.
 fn above(horizon: vec3f, maths: Maths) -> vec4f {
     let side = side_of(horizon, maths.is_sphere);
     var share = vec4f(select(0.0, 1.0, side > 0));
@@ -216,11 +220,12 @@ fn misses(seen: Seen, is_sphere: bool) -> bool {
     return !(seen.is_there && abs(line.z) < reach) || any(is_beyond);
 }
 
-// What lies above the horizon and behind an edge.
+// Share of the part that lies above the horizon and behind an edge.
 //
-// As seen from the centre, the horizon is an edge too. With the centre above it, it hides of what lies behind an edge
-// all that lies behind itself; with the centre below, what is above lies behind the horizon, and behind the edge where
-// the edge is nearer to the centre.
+// As seen from the centre, the horizon is an edge too. If the centre is above it, the part behind the horizon
+// is subtracted from the part behind the edge. If the centre is below it, the part above lies behind the
+// horizon. Where the edge is nearer to the centre than the horizon, that whole part counts; elsewhere, what
+// lies behind the edge counts.
 fn covered(horizon: vec3f, seen: Seen, maths: Maths) -> vec4f {
     var edge: Projected;
     if maths.is_sphere {
@@ -248,8 +253,9 @@ fn covered(horizon: vec3f, seen: Seen, maths: Maths) -> vec4f {
     return share;
 }
 
-// Nine places on the light, spread over it: on the square a lattice, such that no two are in line with a side; on the
-// disc rings of three and six. Of lines across them, the share of places beyond errs least (0.035 root mean square).
+// Nine places on the light, spread evenly. On the square they are a lattice with no two in line with a side;
+// on the disc they are rings of three and six. For lines across the light, the share of places beyond has the
+// smallest error (0.035 root mean square).
 const SQUARE_X = mat3x3f(
     vec3f(-0.88889, -0.66667, -0.44444),
     vec3f(-0.22222, 0.00000, 0.22222),
@@ -271,40 +277,46 @@ const DISC_Y = mat3x3f(
     vec3f(0.00000, -0.69282, -0.69282),
 );
 
-// A place is no point: it goes from seen to hidden over a way as wide as this, in so many steps. So a light that moves
-// lets none jump. Wider places see less of what is thin: both by trial over the models.
+// A place is not a point: it changes from visible to hidden over this width, in this number of steps, so that
+// none jumps when the light moves. Wider places see less of thin casters. Both are by trial over the models.
 const PLACE_WIDTH: f32 = 0.2;
 const PLACE_STEPS: f32 = 8.0;
 
-// What a hard shadow counts beside shares, which sum up to less than half of it.
+// Steps of coverage in 1 where it is split over four bytes.
+const SPLIT_STEPS: f32 = 4096.0;
+
+// Value of a hard shadow in the channel that also sums the shares. Shares sum to less than half of it.
 const HARD_SHADOW: f32 = 64.0;
-// The same where up to 254 layers lie one behind the other: places are then hidden or not, without steps between.
+// Value of a hard shadow where up to 254 casters lie one behind the other. Places are then hidden or not, without
+// steps between.
 const DEEP_HARD_SHADOW: f32 = 256.0;
 
 fn unit_line(line: vec3f) -> vec3f {
     return line * inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
 }
 
-// What of each place lies on the positive side of a line of unit normal, in steps.
+// For three places, the part on the positive side of a line of unit normal, in steps, of which 1 has `steps`.
 fn three_beyond(line: vec3f, x: vec3f, y: vec3f, steps: f32) -> vec3f {
     let distance = line.x * x + line.y * y + line.z;
     return round(clamp(distance * (steps / PLACE_WIDTH) + 0.5 * steps, vec3f(0.0), vec3f(steps)));
 }
 
-// An edge as seen from the centre: the lines through its ends and its own, whose positive side is away from the centre.
+// An edge as seen from the centre: the lines through its ends, and its own line, whose positive side is away
+// from the centre.
 struct Sides {
     first: vec3f,
     last: vec3f,
     beyond: vec3f,
 }
 
-// The ends' steps come in by themselves: edges that meet at a vertex agree on them, so that around a loop they cancel.
+// For three places, the part behind an edge. The steps of its ends come in separately: edges that meet at a
+// vertex agree on them, so they cancel around a loop.
 fn three_behind(sides: Sides, x: vec3f, y: vec3f, steps: f32) -> vec3f {
     let between = abs(three_beyond(sides.first, x, y, steps) - three_beyond(sides.last, x, y, steps));
     return round(between * three_beyond(sides.beyond, x, y, steps) / steps);
 }
 
-// What of each of the places lies behind the edge as seen from the centre, in steps, of which 1 has so many.
+// For all nine places, the part behind the edge as seen from the centre, in steps, of which 1 has `steps`.
 fn places_behind(seen: Seen, is_sphere: bool, steps: f32) -> mat3x3f {
     let line = cross(seen.first, seen.last);
     let sides = Sides(
@@ -319,7 +331,7 @@ fn places_behind(seen: Seen, is_sphere: bool, steps: f32) -> mat3x3f {
     );
 }
 
-// What of the places is above the horizon, 0 to 1.
+// For all nine places, the part above the horizon, 0 to 1.
 fn places_above(horizon: vec3f, is_sphere: bool) -> mat3x3f {
     let line = unit_line(horizon);
     return mat3x3f(

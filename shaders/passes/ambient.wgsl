@@ -1,4 +1,4 @@
-// Ambient and emissive light, and the depth that all later passes test against.
+// Ambient and emissive light, and the depth against which all later passes test.
 // Host    src/render/nodes/ambient.rs
 // Groups  0 view, 2 material
 #import antumbra::view::view
@@ -12,7 +12,7 @@ fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
 }
 
-// Writes depth alone, for the nearest of blended surfaces; where one is wholly transparent it is not there.
+// Writes depth only, for the nearest blended surface. A fragment that is wholly transparent writes none.
 @fragment
 fn depth_of_blended(in: Fragment) {
     if base_color(in).a < 1.0 / 256.0 {

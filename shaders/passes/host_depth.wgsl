@@ -1,19 +1,20 @@
-// The depth of a host's picture, copied and then replaced by our own wherever the host shows a surface that we know.
+// The depth of a host's picture: copied, then replaced by our own wherever the host shows a surface that we
+// know.
 // Host    src/render/nodes/host_depth.rs; host_select.rs, which draws the same surfaces into the stencil
 // Groups  0 view, 2 material (not read), 3 the host's depth
 #import antumbra::view::ndc_from_pixel
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
 
-struct HostDepth {                  // mirror: render::gpu_types::HostDepth
-    numerator: vec4f,               // our depth is the quotient of these, dotted with (NDC, host's depth, 1)
+struct HostDepth {                  // mirror: render::pools::gpu_types::HostDepth
+    numerator: vec4f,               // our depth is the quotient, each dotted with (NDC, host's depth, 1)
     denominator: vec4f,
-    rounding: vec4f,                // what depths of one surface may differ by: factors of 1, of ours, of its square
+    rounding: vec4f,                // tolerance within one surface: factors of 1, our depth, its square
 }
 
 @group(3) @binding(0) var host_texture: texture_depth_2d;
 @group(3) @binding(1) var<uniform> host: HostDepth;
 
-// Pixels by which two rasterizers may place a vertex apart.
+// Pixels by which two rasterizers may differ in the position of a vertex.
 const SUBPIXEL: f32 = 1.0/64.0;
 
 fn host_depth(pixel: vec2f) -> f32 {
@@ -21,12 +22,6 @@ fn host_depth(pixel: vec2f) -> f32 {
     let p = vec4f(ndc_from_pixel(pixel), theirs, 1.0);
     let ours = dot(host.numerator, p) / dot(host.denominator, p);
     return select(0.0, clamp(ours, 0.0, 1.0), theirs > 0.0);
-}
-
-@vertex
-fn everywhere(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
 }
 
 @fragment
@@ -45,7 +40,7 @@ fn no_color() -> @location(0) vec4f {
     return vec4f(0.0);
 }
 
-// A surface as the host shows it, or nothing.
+// Keeps a fragment where the host shows the same surface, and discards it elsewhere.
 @fragment
 fn surface(in: Fragment) {
     let ours = in.position_clip.z;

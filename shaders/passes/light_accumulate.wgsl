@@ -1,4 +1,4 @@
-// What one light adds to the surfaces of its set I.
+// The radiance that one light adds to the surfaces of its set I.
 // Host    src/render/nodes/light_accumulate.rs
 // Groups  0 view, 1 light, 2 material; `masked` also 3 mask, `behind_front` 3 front depth
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
@@ -16,7 +16,7 @@ fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
 }
 
-// Radiance that the light adds to a surface that sees all of it.
+// Radiance that the light adds to a surface that sees the whole light.
 fn lit(in: Fragment, front_facing: bool) -> vec4f {
     let color = base_color(in);
     let mr = metallic_roughness(in);
@@ -51,7 +51,7 @@ fn masked(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(
     return lit(in, front_facing) * vec4f(seen, 1.0);
 }
 
-// The nearest blended surface is lit where it is seen by the light, in a pass of its own.
+// Lights surfaces behind the nearest blended surface. That surface is lit in a pass of its own.
 @fragment
 fn behind_front(in: Fragment, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
     let radiance = lit(in, front_facing);

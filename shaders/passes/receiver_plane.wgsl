@@ -1,5 +1,5 @@
-// The plane of the triangle that each pixel shows, for techniques that compare with what lies in it. Depth must be equal:
-// what was discarded or culled there is not drawn here.
+// The plane of the triangle that each pixel shows, for techniques that compare points in that plane. The
+// depth test is "equal", so triangles that were discarded or culled are not drawn.
 // Host    src/render/nodes/receiver_plane.rs
 // Groups  0 view, 2 material (not read)
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
@@ -10,14 +10,15 @@ fn vertex(in: VertexIn) -> Fragment {
     return surface_vertex(in);
 }
 
-// The derivatives of a position lie in its triangle: no neighbour has a part in them, as it would in a normal that is
-// taken from the depth of adjacent pixels.
+// The derivatives of a position lie in its triangle. Unlike a normal from the depth of adjacent pixels, they
+// do not depend on neighbouring triangles.
 @fragment
 fn fragment(in: Fragment) -> @location(0) vec2u {
     let p = in.position_relative;
     let dx = dpdx(p);
     let dy = dpdy(p);
-    // Scaled before they are multiplied: squares of millimetres leave an f32's range.
+    // The derivatives are scaled before they are multiplied, because squares of millimetres leave the range
+    // of an f32.
     let longest = max(max(length(dx), length(dy)), 1e-30);
     let across = cross(dx / longest, dy / longest);
     let size = length(across);
@@ -26,7 +27,7 @@ fn fragment(in: Fragment) -> @location(0) vec2u {
     }
     let seen = across * (select(1.0, -1.0, dot(across, p) > 0.0) / size);
     let packed = pack2x16snorm(octahedral_from_unit(seen));
-    // The offset is that of the normal as it will be read, so that the plane goes through the point.
+    // The offset is computed from the normal as it will be read, so that the plane goes through the point.
     let normal = unit_from_octahedral(unpack2x16snorm(packed));
     return vec2u(packed, bitcast<u32>(dot(normal, p)));
 }

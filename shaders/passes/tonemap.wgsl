@@ -6,12 +6,6 @@
 @group(3) @binding(0) var radiance_texture: texture_2d<f32>;
 @group(3) @binding(1) var<uniform> exposure: vec4f; // x: factor on radiance; yzw unused
 
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
-
 // Keeps hue and the colours of well-lit surfaces, compresses only highlights.
 // Source: Khronos 2024, "Khronos PBR Neutral Tone Mapper", formula of its specification.
 fn pbr_neutral(radiance: vec3f) -> vec3f {

@@ -1,5 +1,5 @@
-// The visibility that the light pass used, as a picture: the target is cleared to 1; of the light's set I, surfaces
-// that the stencil test finds shadowed write 0, or all write their mask.
+// The visibility that the light pass used, as a picture. The target is cleared to 1. Surfaces of the light's
+// set I then write 0 where the stencil test finds them shadowed, or their mask.
 // Host    src/render/nodes/visibility.rs
 // Groups  0 view, 2 material; `masked` also 3 mask
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
@@ -15,7 +15,7 @@ fn fragment(in: Fragment) -> @location(0) vec4f {
     return vec4f(0.0);
 }
 
-// The front layer lies before what was there.
+// Resets visibility to 1 for the front layer, which is in front of the surface that was written before.
 @fragment
 fn lit(in: Fragment) -> @location(0) vec4f {
     return vec4f(1.0);

@@ -2,60 +2,83 @@
 
 use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
-use bevy::core_pipeline::core_3d::main_opaque_pass_3d;
+use bevy::core_pipeline::CorePipelinePlugin;
+use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d};
+use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
-use bevy::pbr::deferred::{deferred_lighting, prepare_deferred_lighting_pipelines};
-use bevy::pbr::{DefaultOpaqueRendererMethod, MeshPipelineSystems, screen_space_reflections};
+use bevy::pbr::deferred::{DeferredLightingLayout, deferred_lighting, prepare_deferred_lighting_pipelines};
+use bevy::pbr::{
+    MeshPipelineSystems, PbrPlugin, queue_material_meshes, queue_prepass_material_meshes,
+    screen_space_reflections,
+};
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use bevy::shader::Shader;
 
-use super::camera::{AntumbraCamera, check_cameras, defer_other_cameras, warn_without_renderer};
+use super::camera::{AntumbraCamera, keep_msaa_off, put_back};
+use super::camera_warnings::{warn_of_marked, warn_of_unmarked, warn_without_renderer};
+use super::deferral::{Deferral, collect_methods, tell_of_forward};
+use super::deferred_views::{DeferredViews, collect_deferred_views, queue_deferred};
 use super::mesh_library::{MeshLibrary, collect_meshes};
 use super::mirror::Mirrors;
 use super::pass::light_view;
 use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
 use super::refused::RefusedMeshes;
+use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
-use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-use super::techniques::{AddShadowTechnique, Techniques, TouchedLights};
+use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
+use super::techniques::{Reflected, TechniqueComponents, add_waiting};
+use crate::reports::Reports;
 use crate::scene::LightSelection;
-use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+use crate::techniques::add_builtin;
 
-/// Installs the adapter if the app has Bevy's renderer; `false` if it does not.
-pub fn install(app: &mut App) -> bool {
+/// What the adapter adds to an app whether or not there is a renderer in it.
+pub fn register(app: &mut App) {
     app.register_type::<AntumbraCamera>()
-        .register_type::<StencilVolume>()
-        .register_type::<PenumbraWedge>()
-        .register_type::<ShadowMap>()
-        .register_type::<OmniMap>()
-        .register_type::<LightSelection>();
-    if app.get_sub_app(RenderApp).is_none() {
-        app.add_systems(Last, warn_without_renderer); // where nothing of the core runs
+        .register_type::<LightSelection>()
+        .add_systems(
+            Last,
+            warn_without_renderer.run_if(not(resource_exists::<Installed>)), // where nothing of the core runs
+        );
+    add_builtin(&mut Reflected(app));
+}
+
+/// Installs the adapter once the app has Bevy's renderer of 3D scenes; `false` if it does not have it (yet).
+pub fn install(app: &mut App) -> bool {
+    if app.world().contains_resource::<Installed>() {
+        return true;
+    }
+    // Both bring schedules and resources that ours need.
+    let renders = app.is_plugin_added::<CorePipelinePlugin>() && app.is_plugin_added::<PbrPlugin>();
+    if !renders || app.get_sub_app(RenderApp).is_none() {
         return false;
     }
-    app.insert_resource(DefaultOpaqueRendererMethod::deferred())
+    app.insert_resource(Installed)
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
+        .init_resource::<Reports>()
+        .init_resource::<TechniqueComponents>()
+        .add_observer(put_back::<DepthPrepass>)
+        .add_observer(put_back::<DeferredPrepass>)
         .add_systems(
             PostUpdate,
-            (check_cameras, defer_other_cameras).in_set(AntumbraMainSystems::CheckCameras),
+            (keep_msaa_off.before(check_msaa), warn_of_marked, warn_of_unmarked)
+                .in_set(AntumbraMainSystems::CheckCameras),
         )
+        .add_systems(Last, keep_msaa_off)
         .add_systems(
             PostUpdate,
             collect_meshes
                 .in_set(AntumbraMainSystems::CollectMeshes)
                 .after(AssetEventSystems),
         );
-    app.add_shadow_technique::<StencilVolume>(|_, _| ())
-        .add_shadow_technique::<PenumbraWedge>(|_, _| ())
-        .add_shadow_technique::<ShadowMap>(|_, _| ())
-        .add_shadow_technique::<OmniMap>(|_, _| ());
+    add_builtin(app);
+    add_waiting(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
     render_app
@@ -63,8 +86,9 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<Mirrors>()
         .init_resource::<RefusedMeshes>()
         .init_resource::<Surfaces>()
-        .init_resource::<Techniques>()
-        .init_resource::<TouchedLights>()
+        .init_resource::<Deferral>()
+        .init_resource::<DeferredViews>()
+        .init_resource::<LightlessTechniques>()
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
@@ -76,7 +100,13 @@ pub fn install(app: &mut App) -> bool {
         .add_systems(
             ExtractSchedule,
             (
-                (sync_cameras, collect_surfaces).in_set(AntumbraExtractSystems::Collect),
+                publish_reports.before(AntumbraExtractSystems::Collect),
+                (
+                    sync_cameras,
+                    collect_surfaces,
+                    (collect_methods, tell_of_forward).chain(),
+                )
+                    .in_set(AntumbraExtractSystems::Collect),
                 (sync_transforms, sync_objects, sync_lights, end_sync)
                     .chain()
                     .in_set(AntumbraExtractSystems::Sync),
@@ -84,7 +114,18 @@ pub fn install(app: &mut App) -> bool {
         )
         .add_systems(
             Render,
+            (
+                collect_deferred_views.in_set(RenderSystems::PrepareAssets),
+                queue_deferred
+                    .in_set(RenderSystems::QueueMeshes)
+                    .after(queue_material_meshes)
+                    .after(queue_prepass_material_meshes),
+            ),
+        )
+        .add_systems(
+            Render,
             prepare_views
+                .run_if(resource_exists::<DeferredLightingLayout>) // a game may do without
                 .in_set(RenderSystems::PrepareResources)
                 .in_set(AntumbraRenderSystems::Prepare)
                 .before(prepare_deferred_lighting_pipelines),

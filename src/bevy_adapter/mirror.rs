@@ -7,7 +7,6 @@ use bevy::transform::components::GlobalTransform;
 
 use super::entity_map::EntityMap;
 use super::light_convert::BevyLight;
-use super::techniques::Techniques;
 use super::view_state::ViewState;
 use crate::geometry::Aabb;
 use crate::scene::{
@@ -16,6 +15,7 @@ use crate::scene::{
 };
 use crate::schedule;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
+use crate::techniques::{Techniques, add_row};
 
 /// The schedule of a mirror.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -83,7 +83,9 @@ impl Mirror {
         // Systems spread their own work over all threads; one after the other they wait for nobody.
         schedule.set_executor(SingleThreadedExecutor::new());
         schedule::add_systems(&mut schedule);
-        techniques.set_up(&mut world, &mut schedule);
+        for &row in techniques.rows() {
+            add_row(row, &mut world, &mut schedule);
+        }
         let camera = world.spawn(GlobalTransform::IDENTITY).id();
         Self {
             world,
@@ -141,7 +143,9 @@ impl Mirror {
             && self.world.get::<HostLight>(mirrored).is_some()
         {
             let mut light = self.world.entity_mut(mirrored);
-            techniques.remove(&mut light);
+            for row in techniques.rows() {
+                row.remove(&mut light);
+            }
             light.remove::<(Light, LightSelection, HostLight)>();
         }
     }
@@ -170,6 +174,11 @@ pub struct Mirrors {
 }
 
 impl Mirrors {
+    /// All of them, each with its camera in the game.
+    pub fn iter(&self) -> impl Iterator<Item = (Entity, &Mirror)> {
+        self.entries.iter().map(|(camera, mirror)| (*camera, mirror))
+    }
+
     /// All of them.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = &mut Mirror> {
         self.entries.iter_mut().map(|(_, mirror)| mirror)

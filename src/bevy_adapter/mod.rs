@@ -7,7 +7,7 @@
 //!  transforms, lights, … ──┘             (a World of our core components)
 //! ```
 //!
-//! [`AntumbraPlugin`](crate::plugin::AntumbraPlugin), added after `DefaultPlugins`, installs it. A camera with
+//! [`AntumbraPlugin`](crate::plugin::AntumbraPlugin), added before or after `DefaultPlugins`, installs it. A camera with
 //! [`AntumbraCamera`] shows the shadows of every *managed* light: a `PointLight`, `SpotLight`, `DirectionalLight` or
 //! `RectLight` with a component of [`techniques`](crate::techniques) beside it. Its brightness, colour, cookie and falloff
 //! stay Bevy's, computed by Bevy's own shader functions; only its visibility is ours.
@@ -16,7 +16,9 @@
 //!
 //! | | |
 //! | --- | --- |
-//! | opaque and alpha-masked meshes of deferred materials | lit by Bevy's functions, shadowed by us |
+//! | cameras without [`AntumbraCamera`] | Bevy's in everything: forward or deferred as they were, with their MSAA |
+//! | opaque and alpha-masked meshes in marked cameras | drawn deferred, lit by Bevy's functions, shadowed by us |
+//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | forward, as for other cameras; the latter are named in the log |
 //! | forward, transparent and transmissive meshes, volumetric fog | lit by Bevy, shadowed by Bevy's maps if `shadow_maps_enabled` is left on; they cast our shadows |
 //! | lights without a technique | Bevy's |
 //! | `NotShadowCaster`, `NotShadowReceiver` | as Bevy has them |
@@ -24,7 +26,21 @@
 //! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
 //! | `RenderLayers` of a light | as Bevy has them, it lights all that a camera sees with which it shares a layer |
 //! | [`LightSelection`](crate::scene::LightSelection) on a light | of the meshes' layers, those that it lights and those that block it |
-//! | `Camera`s | any number, perspective or orthographic; render targets, viewports, jitter of TAA, fog; without MSAA, which deferred shading has not |
+//! | `Camera`s | any number, perspective or orthographic; render targets, viewports, jitter of TAA, fog; without MSAA if marked, because deferred shading has one sample a pixel |
+//!
+//! `DefaultOpaqueRendererMethod` stays what it is. A material of another type than `StandardMaterial` is deferred for marked
+//! cameras if it has a deferred shader of its own, or no shaders of its own: an extension draws in both ways if it returns
+//! one shader from `fragment_shader` and `deferred_fragment_shader`, and ends it with
+//!
+//! ```wgsl
+//! #ifdef PREPASS_PIPELINE
+//!     return deferred_output(in, pbr_input);          // bevy_pbr::pbr_deferred_functions
+//! #else
+//!     var out: FragmentOutput;                        // bevy_pbr::forward_io
+//!     out.color = main_pass_post_lighting_processing(pbr_input, apply_pbr_lighting(pbr_input));
+//!     return out;
+//! #endif
+//! ```
 //!
 //! Leave `shadow_maps_enabled` of managed lights off: Bevy would render its maps all the same, and nothing opaque reads
 //! them. We create no views of Bevy's.
@@ -35,7 +51,9 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `install`, `systems`, `settings` | registration and order |
-//! | `camera` | the marker, and warnings |
+//! | `camera`, `camera_warnings` | the marker, what it brings and takes back; warnings |
+//! | `deferral`, `deferred_views` | which materials are deferred for marked cameras, and their queues |
+//! | `report` | what is wrong, in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
 //! | `surfaces` | which objects one looks through |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera |
@@ -43,6 +61,9 @@
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
+pub(crate) mod camera_warnings;
+pub(crate) mod deferral;
+pub(crate) mod deferred_views;
 pub(crate) mod entity_map;
 pub(crate) mod install;
 pub(crate) mod light_convert;
@@ -55,6 +76,7 @@ pub mod prelude;
 pub(crate) mod prepare;
 pub(crate) mod projection;
 pub(crate) mod refused;
+pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod surfaces;
 pub(crate) mod sync;
@@ -72,4 +94,3 @@ pub use mirror::{HostBounds, HostEntity, HostLight, Mirror, Mirrors};
 pub use refused::RefusedMeshes;
 pub use settings::AntumbraSettings;
 pub use systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};
-pub use techniques::AddShadowTechnique;

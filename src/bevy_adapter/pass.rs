@@ -16,7 +16,7 @@ use bevy::render::sync_world::MainEntity;
 use bevy::render::view::ViewTarget;
 
 use super::mirror::Mirrors;
-use super::pipelines::{AntumbraPipelines, Visibility};
+use super::pipelines::{AntumbraPipelines, VisibilitySource};
 use super::prepare::AntumbraView;
 use crate::render::Renderer;
 use crate::render::frame::hosted::{HostFrame, HostedLight};
@@ -86,8 +86,9 @@ pub(super) fn light_view(
             return; // left to Bevy
         };
         let visibility = match light.mask {
-            Some(_) => Visibility::Mask,
-            None => Visibility::Stencil,
+            Some(_) if light.is_scaled => VisibilitySource::Scaled,
+            Some(_) => VisibilitySource::Mask,
+            None => VisibilitySource::Stencil,
         };
         pass.set_bind_group(0, &*bevy.main, &bevy.main_offsets);
         pass.set_bind_group(1, &*bevy.binding_array, &[]);
@@ -103,8 +104,8 @@ pub(super) fn light_view(
             }
         };
         draw(visibility);
-        if visibility == Visibility::Stencil && mirror.view.unshadowed_in_view {
-            draw(Visibility::Unshadowed);
+        if visibility == VisibilitySource::Stencil && mirror.view.unshadowed_in_view {
+            draw(VisibilitySource::Unshadowed);
         }
     };
     renderer.record_hosted(ctx.command_encoder(), &frame, shade);

@@ -7,6 +7,8 @@
 //! descriptor is the one that Bevy makes for its own deferred lighting of this view, with shader, group 2, blending and
 //! stencil exchanged.
 
+use std::sync::Arc;
+
 use bevy::asset::{Assets, Handle};
 use bevy::core_pipeline::FullscreenShader;
 use bevy::ecs::prelude::*;
@@ -26,26 +28,29 @@ use bevy::shader::{Shader, ShaderDefVal};
 
 use super::light_convert::BevyLight;
 use super::view_state::LightDraw;
+use crate::render::Gpu;
 use crate::render::frame::hosted;
 
 /// Where a light's visibility comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Visibility {
+pub enum VisibilitySource {
     /// The stencil test keeps what is lit.
     Stencil,
     /// The stencil test keeps what is shadowed; of that, what shows no shadows is lit.
     Unshadowed,
     /// A mask, where the stencil test keeps what the light reaches and affects.
     Mask,
+    /// The same, and the mask holds for surfaces that show no shadows too.
+    Scaled,
 }
 
-/// The pipelines of one kind of light in one view, by [`Visibility`].
+/// The pipelines of one kind of light in one view, by [`VisibilitySource`].
 #[derive(Clone, Copy, Debug)]
-pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 3]);
+pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 4]);
 
 impl LightPipelines {
     /// That for a kind of visibility, if it was asked for.
-    pub fn get(&self, visibility: Visibility) -> Option<CachedRenderPipelineId> {
+    pub fn get(&self, visibility: VisibilitySource) -> Option<CachedRenderPipelineId> {
         self.0[visibility as usize]
     }
 }
@@ -77,6 +82,8 @@ impl AntumbraShaders {
 /// Layouts of our groups, and every pipeline that was asked for. Made anew with each device.
 #[derive(Resource)]
 pub struct AntumbraPipelines {
+    /// Pipelines, meshes and materials of our own passes, for all views; `None` before the first.
+    pub resident: Option<Arc<Gpu>>,
     shaders: AntumbraShaders,
     vertex: VertexState,
     /// Group 2 of the base draw.
@@ -86,7 +93,7 @@ pub struct AntumbraPipelines {
     /// Group 3 of a light with a mask.
     pub mask_layout: BindGroupLayoutDescriptor,
     base: HashMap<MeshPipelineKey, CachedRenderPipelineId>,
-    lights: HashMap<(MeshPipelineKey, BevyLight, Visibility, TextureFormat), CachedRenderPipelineId>,
+    lights: HashMap<(MeshPipelineKey, BevyLight, VisibilitySource, TextureFormat), CachedRenderPipelineId>,
 }
 
 /// Makes [`AntumbraPipelines`]. `RenderStartup`: after a lost device too.
@@ -102,6 +109,7 @@ pub(super) fn init_pipelines(
     let layout = |label: &'static str, entries: &[_]| BindGroupLayoutDescriptor::new(label, entries);
     let stage = ShaderStages::FRAGMENT;
     commands.insert_resource(AntumbraPipelines {
+        resident: None,
         shaders: shaders.clone(),
         vertex: fullscreen.to_vertex_state(),
         base_layout: layout(
@@ -144,7 +152,7 @@ impl AntumbraPipelines {
         bevy: &DeferredLightingLayout,
         key: MeshPipelineKey,
         kind: BevyLight,
-        visibility: Visibility,
+        visibility: VisibilitySource,
         depth_stencil: TextureFormat,
     ) -> CachedRenderPipelineId {
         let variant = (key, kind, visibility, depth_stencil);
@@ -158,7 +166,7 @@ impl AntumbraPipelines {
             &self.shaders.light,
             &self.light_layout,
         );
-        let is_masked = visibility == Visibility::Mask;
+        let is_masked = matches!(visibility, VisibilitySource::Mask | VisibilitySource::Scaled);
         if is_masked {
             descriptor.layout.push(self.mask_layout.clone());
         }
@@ -167,8 +175,8 @@ impl AntumbraPipelines {
             depth_write_enabled: Some(false),
             depth_compare: Some(CompareFunction::Always),
             stencil: match visibility {
-                Visibility::Stencil | Visibility::Mask => hosted::stencil_lit(),
-                Visibility::Unshadowed => hosted::stencil_shadowed(),
+                VisibilitySource::Unshadowed => hosted::stencil_shadowed(),
+                _ => hosted::stencil_lit(),
             },
             bias: DepthBiasState::default(),
         });
@@ -181,9 +189,13 @@ impl AntumbraPipelines {
             };
             fragment.shader_defs.push(kind.into());
             match visibility {
-                Visibility::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
-                Visibility::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),
-                Visibility::Stencil => {}
+                VisibilitySource::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
+                VisibilitySource::Scaled => {
+                    let defs = ["VISIBILITY_MASK", "MASK_HOLDS_FOR_ALL"];
+                    fragment.shader_defs.extend(defs.map(ShaderDefVal::from));
+                }
+                VisibilitySource::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),
+                VisibilitySource::Stencil => {}
             }
             for target in fragment.targets.iter_mut().flatten() {
                 target.blend = Some(ADD);

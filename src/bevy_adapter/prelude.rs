@@ -1,6 +1,6 @@
 //! What a game names.
 
-pub use super::{AddShadowTechnique, AntumbraCamera, AntumbraSettings};
+pub use super::{AntumbraCamera, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::LightSelection;
-pub use crate::techniques::{OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};

@@ -1,5 +1,7 @@
 //! Each view's frame on the CPU, and what the GPU needs of it.
 
+use std::sync::Arc;
+
 use bevy::color::ColorToComponents;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::prelude::*;
@@ -18,11 +20,11 @@ use glam::{UVec2, Vec3, Vec4};
 
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror, Mirrors};
-use super::pipelines::{AntumbraPipelines, LightPipelines, Visibility, is_ready};
+use super::pipelines::{AntumbraPipelines, LightPipelines, VisibilitySource, is_ready};
 use super::projection::projection_of;
-use super::view_state::{DRAW_STRIDE, DrawSlot, LightDraw, Managed, Unindexed};
+use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed};
 use crate::render::frame::hosted::HostView;
-use crate::render::{RenderContext, Renderer};
+use crate::render::{Gpu, RenderContext, RenderError, Renderer};
 use crate::scene::Camera;
 use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};
 
@@ -35,7 +37,7 @@ pub struct AntumbraView {
 
 /// What views are drawn with.
 #[derive(SystemParam)]
-pub struct Gpu<'w> {
+pub struct DrawnWith<'w> {
     device: Res<'w, RenderDevice>,
     queue: Res<'w, RenderQueue>,
     adapter: Res<'w, RenderAdapterInfo>,
@@ -43,6 +45,23 @@ pub struct Gpu<'w> {
     pipelines: ResMut<'w, AntumbraPipelines>,
     bevy: Res<'w, DeferredLightingLayout>,
     keys: Res<'w, ViewKeyCache>,
+}
+
+impl DrawnWith<'_> {
+    /// What all views share, made with the first of them.
+    fn resident(&mut self) -> Result<Arc<Gpu>, RenderError> {
+        if let Some(gpu) = &self.pipelines.resident {
+            return Ok(gpu.clone());
+        }
+        let context = RenderContext::hosted(
+            self.device.wgpu_device().clone(),
+            (**self.queue.0).clone(),
+            format!("{} ({:?})", self.adapter.name, self.adapter.backend),
+        );
+        let gpu = Arc::new(Gpu::new(context)?);
+        self.pipelines.resident = Some(gpu.clone());
+        Ok(gpu)
+    }
 }
 
 /// How Bevy names lights to its shaders.
@@ -73,7 +92,7 @@ pub(super) fn prepare_views(
     mut commands: Commands,
     mut mirrors: ResMut<Mirrors>,
     views: Query<ViewItem<'static>>,
-    mut gpu: Gpu,
+    mut gpu: DrawnWith,
     lights: BevyLights,
 ) {
     for (view, main, extracted, camera, jitter, depth, deferred, skips, lit) in &views {
@@ -114,10 +133,10 @@ fn prepare_view(
     camera: &ExtractedCamera,
     jitter: Option<&TemporalJitter>,
     key: MeshPipelineKey,
-    gpu: &mut Gpu,
+    gpu: &mut DrawnWith,
     lights: &BevyLights,
 ) -> Option<AntumbraView> {
-    if mirror.view.failed {
+    if mirror.view.failed.is_some() {
         return None; // it would fail again
     }
     let size = camera.physical_viewport_size?;
@@ -126,21 +145,17 @@ fn prepare_view(
         .viewport
         .as_ref()
         .map_or(UVec2::ZERO, |viewport| viewport.physical_position);
-    let Some(projection) = projection_of(&view.clip_from_view, jitter, size) else {
-        mirror.view.warn_of_projection();
-        return None;
-    };
+    let projection = projection_of(&view.clip_from_view, jitter, size);
+    mirror.view.odd_projection = projection.is_none() && size.min_element() > 0;
+    let projection = projection?;
     let base = gpu.pipelines.base(&gpu.cache, &gpu.bevy, key);
 
     if !mirror.world.contains_resource::<Renderer>() {
-        let context = RenderContext::hosted(
-            gpu.device.wgpu_device().clone(),
-            (**gpu.queue.0).clone(),
-            format!("{} ({:?})", gpu.adapter.name, gpu.adapter.backend),
-        );
-        match Renderer::new(context) {
+        // Pipelines, meshes and materials are those of all views.
+        let made = gpu.resident().and_then(Renderer::on);
+        match made {
             Ok(renderer) => mirror.world.insert_resource(renderer),
-            Err(error) => return mirror.view.fail(&error),
+            Err(error) => return mirror.view.fail(error),
         }
     }
     let mut place = mirror.world.entity_mut(mirror.camera);
@@ -162,14 +177,12 @@ fn prepare_view(
         clip_from_view: projection.clip_from_view,
     };
     if let Err(error) = renderer.set_host(Some(host)) {
-        return mirror.view.fail(&error);
+        return mirror.view.fail(error);
     }
     let depth_stencil = renderer.context().depth_stencil_format();
     mirror.run();
-    if let Some(error) = mirror.world.resource_mut::<Renderer>().take_failure() {
-        // Of this frame, perhaps: the next may be smaller.
-        mirror.view.warn_of_failure(&error);
-        return None;
+    if mirror.world.resource::<Renderer>().failure().is_some() {
+        return None; // reported by the mirror; of this frame, perhaps: the next may be smaller
     }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
     is_ready(&gpu.cache, base).then_some(AntumbraView { base })
@@ -181,38 +194,34 @@ fn prepare_lights(
     mirror: &mut Mirror,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    gpu: &mut Gpu,
+    gpu: &mut DrawnWith,
     lights: &BevyLights,
 ) {
     let Mirror { world, view, .. } = mirror;
     let frame = world.resource::<FrameLights>();
     let (objects, visible) = (world.resource::<Objects>(), world.resource::<VisibleSet>());
     view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
+    let has_functions = world.resource::<Renderer>().has_light_functions();
     let mut managed = Managed::zeroed();
     view.draws.clear();
-    view.draw_bytes.clear();
+    view.light_draws.clear();
     view.bit_words.clear();
     for light in &frame.lights {
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
             let draw = describe(&host, lights)?;
             let wanted = [
-                (Visibility::Stencil, true),
-                (Visibility::Unshadowed, view.unshadowed_in_view),
-                (Visibility::Mask, true),
+                (VisibilitySource::Stencil, true),
+                (VisibilitySource::Unshadowed, view.unshadowed_in_view),
+                (VisibilitySource::Mask, true),
+                (VisibilitySource::Scaled, has_functions),
             ];
             let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
             if !manage(&mut managed, &mut view.bit_words, host.kind, &draw) {
                 return None;
             }
-            let offset = view.draw_bytes.len();
-            view.draw_bytes.resize(offset + DRAW_STRIDE, 0);
-            view.draw_bytes[offset..offset + size_of::<LightDraw>()]
-                .copy_from_slice(bytemuck::bytes_of(&draw));
-            Some(DrawSlot {
-                offset: offset as u32,
-                pipelines,
-            })
+            let offset = view.light_draws.push(&draw);
+            Some(DrawSlot { offset, pipelines })
         });
         view.draws.push(slot);
     }
@@ -220,8 +229,8 @@ fn prepare_lights(
     if view.bit_words.is_empty() {
         view.bit_words.push(0); // bindings are never empty
     }
-    if view.draw_bytes.is_empty() {
-        view.draw_bytes.resize(DRAW_STRIDE, 0);
+    if view.light_draws.bytes().is_empty() {
+        view.light_draws.push(&LightDraw::default());
     }
     let (device, queue) = (&gpu.device, &gpu.queue);
     let (storage, uniform) = (BufferUsages::STORAGE, BufferUsages::UNIFORM);
@@ -235,8 +244,13 @@ fn prepare_lights(
     );
     view.bits
         .write(device, queue, "antumbra managed bits", storage, bits);
-    view.lights
-        .write(device, queue, "antumbra lights", uniform, &view.draw_bytes);
+    view.lights.write(
+        device,
+        queue,
+        "antumbra lights",
+        uniform,
+        view.light_draws.bytes(),
+    );
 }
 
 /// A light as Bevy's shaders know it; `None` if they do not.
@@ -297,13 +311,13 @@ fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &Li
     true
 }
 
-/// The wanted pipelines of a kind of light, by [`Visibility`], once all are compiled.
+/// The wanted pipelines of a kind of light, by [`VisibilitySource`], once all are compiled.
 fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    wanted: [(Visibility, bool); 3],
-    gpu: &mut Gpu,
+    wanted: [(VisibilitySource, bool); 4],
+    gpu: &mut DrawnWith,
 ) -> Option<LightPipelines> {
     let mut ready = true;
     let ids = wanted.map(|(visibility, is_wanted)| {

@@ -1,4 +1,4 @@
-//! Meshes that cannot cast, told of once each.
+//! Meshes that cannot cast, reported once each.
 
 use bevy::asset::{AssetId, AssetPath};
 use bevy::ecs::prelude::*;
@@ -6,16 +6,22 @@ use bevy::mesh::Mesh;
 use bevy::platform::collections::HashMap;
 
 use super::mesh_convert::MeshRefusal;
+use crate::reports::Reports;
 
 /// Meshes that cannot cast shadows and are in use, and why; in the render world.
 #[derive(Resource, Debug, Default)]
 pub struct RefusedMeshes {
-    entries: HashMap<AssetId<Mesh>, MeshRefusal>,
-    warnings: usize,
+    entries: HashMap<AssetId<Mesh>, Refused>,
 }
 
-/// A game that makes such meshes in every frame has heard it by then.
-const MAX_WARNINGS: usize = 32;
+#[derive(Debug)]
+struct Refused {
+    why: MeshRefusal,
+    /// The first entity that was met with the mesh; it may be gone.
+    user: Entity,
+    /// Path or id of the asset.
+    name: String,
+}
 
 impl RefusedMeshes {
     /// How many there are.
@@ -25,28 +31,21 @@ impl RefusedMeshes {
 
     /// Why a mesh cannot cast.
     pub fn get(&self, mesh: AssetId<Mesh>) -> Option<MeshRefusal> {
-        self.entries.get(&mesh).copied()
+        Some(self.entries.get(&mesh)?.why)
     }
 
-    /// Warns of a mesh the first time that it is met.
-    pub(super) fn report(
+    /// Takes note of an entity with such a mesh. The first of several stands for the mesh.
+    pub(super) fn insert(
         &mut self,
         mesh: AssetId<Mesh>,
         path: Option<&AssetPath>,
         user: Entity,
         why: MeshRefusal,
     ) {
-        if self.entries.insert(mesh, why) == Some(why) || self.warnings >= MAX_WARNINGS {
-            return;
+        if self.get(mesh) != Some(why) {
+            let name = path.map_or_else(|| mesh.to_string(), ToString::to_string);
+            self.entries.insert(mesh, Refused { why, user, name });
         }
-        self.warnings += 1;
-        let name = path.map_or_else(|| mesh.to_string(), ToString::to_string);
-        let last = if self.warnings == MAX_WARNINGS {
-            " (of further meshes nothing is said)"
-        } else {
-            ""
-        };
-        tracing::warn!("mesh {name} of entity {user} casts no shadow: {why}{last}");
     }
 
     /// Forgets meshes that are gone, or can cast now.
@@ -54,5 +53,29 @@ impl RefusedMeshes {
         for mesh in changed.iter().filter(|&&mesh| !is_refused(mesh)) {
             self.entries.remove(mesh);
         }
+    }
+
+    /// Raises the topic `mesh`.
+    pub(super) fn raise(&self, reports: &mut Reports) {
+        let mut round = reports.round("mesh");
+        for Refused { why, user, name } in self.entries.values() {
+            let (code, advice) = advice(why);
+            round.raise(Some(*user), code, || {
+                format!("The mesh {name} casts no shadow of ours: {why}. {advice}")
+            });
+        }
+    }
+}
+
+/// Number of a refusal, and what to do about it. Numbers from 10 on: the renderer has those below.
+fn advice(why: &MeshRefusal) -> (u32, &'static str) {
+    match why {
+        MeshRefusal::RenderWorldOnly => (10, "Load it with `RenderAssetUsages::default()`."),
+        MeshRefusal::NoPositions => (11, "Give it positions of three 32-bit floats."),
+        MeshRefusal::NotTriangles(_) => (
+            12,
+            "Use `PrimitiveTopology::TriangleList`, or add `NotShadowCaster` to the entity.",
+        ),
+        MeshRefusal::Index { .. } => (13, "Repair the triangle's indices, or add the vertices."),
     }
 }

@@ -9,16 +9,12 @@ pub struct AntumbraSettings {
     /// of the `AsyncComputeTaskPool`. Until it is ready, a mesh is lit and casts no shadow. `usize::MAX` waits for all,
     /// which makes frames repeatable.
     pub immediate_triangles: usize,
-    /// Gives other 3D cameras a deferred prepass too: opaque materials are deferred by default, and without it Bevy shows
-    /// none of them. Turn it off where other cameras see forward materials alone.
-    pub defer_other_cameras: bool,
 }
 
 impl Default for AntumbraSettings {
     fn default() -> Self {
         Self {
             immediate_triangles: 2048, // about a millisecond's work; by eye
-            defer_other_cameras: true,
         }
     }
 }

@@ -7,7 +7,7 @@ use bevy::transform::components::GlobalTransform;
 
 use super::camera::AntumbraCamera;
 use super::mirror::{Mirror, Mirrors};
-use super::techniques::Techniques;
+use crate::techniques::Techniques;
 
 /// Gives every marked camera a mirror, and takes those of others away. A camera that sees other layers than before gets
 /// a new one.

@@ -9,8 +9,10 @@ use bevy::transform::components::GlobalTransform;
 
 use super::light_convert::{convert_light, selection};
 use super::mirror::{HostLight, Mirror, Mirrors};
-use super::techniques::{Techniques, TouchedLights};
+use super::report::LightlessTechniques;
+use super::techniques::TouchedLights;
 use crate::scene::{Light, LightSelection};
+use crate::techniques::Techniques;
 
 /// A light changed in a way that is to be taken over.
 type LightChanged = (
@@ -51,6 +53,7 @@ pub(super) fn sync_lights(
     mut mirrors: ResMut<Mirrors>,
     techniques: Res<Techniques>,
     mut touched: ResMut<TouchedLights>,
+    mut lightless: ResMut<LightlessTechniques>,
     changed: Extract<Query<Entity, LightChanged>>,
     all: Extract<
         Query<
@@ -65,7 +68,7 @@ pub(super) fn sync_lights(
     >,
     mut removed: RemovedFromLights,
 ) {
-    let dirty = &mut touched.0;
+    let dirty = &mut touched.lights;
     dirty.extend(changed.iter());
     dirty.extend(removed.point.read());
     dirty.extend(removed.spot.read());
@@ -75,6 +78,9 @@ pub(super) fn sync_lights(
     dirty.extend(removed.selection.read());
     dirty.sort_unstable();
     dirty.dedup();
+    for &entity in &*dirty {
+        lightless.look_at(entity, main.get_entity(entity).ok().as_ref(), &techniques);
+    }
     for mirror in mirrors.iter_mut() {
         if mirror.fresh {
             for light in &all {
@@ -95,7 +101,7 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
         return;
     };
     let layers = light.get::<RenderLayers>();
-    let shines = techniques.manage(&light)
+    let shines = techniques.on(light).next().is_some()
         && light
             .get::<InheritedVisibility>()
             .is_none_or(|visibility| visibility.get())
@@ -123,5 +129,7 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     if target.get::<HostLight>() != Some(&host) {
         target.insert(host);
     }
-    techniques.copy(&light, &mut target);
+    for row in techniques.rows() {
+        row.copy(&light, &mut target);
+    }
 }

@@ -166,7 +166,7 @@ fn sync_object(
     let ready = match library.get(mesh.0.id()) {
         Some(MeshEntry::Ready(ready)) => Some(ready),
         Some(MeshEntry::Refused(refusal)) => {
-            refused.report(mesh.0.id(), mesh.0.path(), entity, *refusal);
+            refused.insert(mesh.0.id(), mesh.0.path(), entity, *refusal);
             None
         }
         Some(MeshEntry::Building(_)) | None => None,

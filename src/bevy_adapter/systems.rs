@@ -5,7 +5,8 @@ use bevy::ecs::prelude::*;
 /// Sets in the main world.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AntumbraMainSystems {
-    /// `PostUpdate`: after this set cameras that cannot show our shadows have been warned of.
+    /// `PostUpdate`: after this set marked cameras have no MSAA, and cameras that cannot show our shadows have been
+    /// warned of.
     CheckCameras,
     /// `PostUpdate`: after this set the [`MeshLibrary`](super::MeshLibrary) knows the meshes of this frame.
     CollectMeshes,
@@ -28,3 +29,7 @@ pub enum AntumbraRenderSystems {
     /// `Core3d`, in the main pass, after Bevy's deferred lighting: after this set the managed lights shine.
     Light,
 }
+
+/// The app has Bevy's renderer, and the adapter is in it: nothing of the core runs in the main world.
+#[derive(Resource)]
+pub struct Installed;

@@ -1,113 +1,90 @@
 //! Which components make a light managed: the shadow techniques, ours and those of others.
 
+use std::any::TypeId;
+
 use bevy::app::App;
-use bevy::ecs::component::Mutable;
+use bevy::app::PostUpdate;
+use bevy::ecs::component::ComponentId;
 use bevy::ecs::prelude::*;
-use bevy::ecs::world::EntityRef;
+use bevy::ecs::reflect::AppTypeRegistry;
 use bevy::render::{Extract, ExtractSchedule, RenderApp};
 
 use super::systems::AntumbraExtractSystems;
-use crate::scene::ShadowedLight;
-use crate::silhouettes::NeedsSilhouettes;
-
-/// The techniques that the adapter knows; in the render world.
-#[derive(Resource, Default)]
-pub struct Techniques {
-    entries: Vec<Technique>,
-}
-
-struct Technique {
-    is_on: fn(&EntityRef) -> bool,
-    copy: fn(&EntityRef, &mut EntityWorldMut),
-    remove: fn(&mut EntityWorldMut),
-    set_up: fn(&mut World, &mut Schedule),
-}
+use super::systems::Installed;
+use crate::schedule::AntumbraSystems;
+use crate::techniques::{AddTechnique, Technique, Techniques};
 
 /// Lights of the game whose technique was set, changed or taken away in this frame; in the render world.
 #[derive(Resource, Default)]
-pub struct TouchedLights(pub Vec<Entity>);
-
-/// Registers shadow techniques.
-pub trait AddShadowTechnique {
-    /// A light of Bevy's with the component `T` gets its shadows from us. `set_up` is given the world and the schedule of
-    /// each camera's shadow scene: a technique that the crate does not bring adds its systems and its recorder there
-    /// ([`AntumbraSystems`](crate::schedule::AntumbraSystems), [`Recorder`](crate::render::recorder::Recorder)).
-    /// Does nothing in an app without a renderer. Before the first frame.
-    fn add_shadow_technique<T>(&mut self, set_up: fn(&mut World, &mut Schedule)) -> &mut Self
-    where
-        T: Component<Mutability = Mutable> + Clone + PartialEq;
+pub struct TouchedLights {
+    /// The lights; one may be there several times.
+    pub lights: Vec<Entity>,
+    /// Components that are watched.
+    watched: Vec<TypeId>,
 }
 
-impl AddShadowTechnique for App {
-    fn add_shadow_technique<T>(&mut self, set_up: fn(&mut World, &mut Schedule)) -> &mut Self
-    where
-        T: Component<Mutability = Mutable> + Clone + PartialEq,
-    {
-        let Some(render_app) = self.get_sub_app_mut(RenderApp) else {
-            return self;
-        };
-        render_app.init_resource::<Techniques>();
-        render_app.init_resource::<TouchedLights>();
-        let mut techniques = render_app.world_mut().resource_mut::<Techniques>();
-        techniques.entries.push(Technique {
-            is_on: |light| light.contains::<T>(),
-            copy: copy::<T>,
-            remove: |light| {
-                light.remove::<T>();
-            },
-            set_up,
-        });
-        render_app.add_systems(
-            ExtractSchedule,
-            collect_touched::<T>.in_set(AntumbraExtractSystems::Collect),
-        );
+/// The components of all techniques; in the main world.
+#[derive(Resource, Default)]
+pub struct TechniqueComponents(pub Vec<ComponentId>);
+
+/// Techniques that were added before the app had a renderer; in the main world.
+#[derive(Resource, Default)]
+struct Waiting(Vec<fn(&mut App) -> bool>);
+
+/// Adds the techniques that waited for a renderer. What they added to the core in the main world does not run.
+pub(super) fn add_waiting(app: &mut App) {
+    let Some(waiting) = app.world_mut().remove_resource::<Waiting>() else {
+        return;
+    };
+    for set in AntumbraSystems::ALL {
+        app.configure_sets(PostUpdate, set.run_if(not(resource_exists::<Installed>)));
+    }
+    for add in waiting.0 {
+        add(app);
+    }
+}
+
+/// Adds a technique to an app with Bevy's renderer: to its list in the render world, from which each camera's mirror takes
+/// it. `false` if the app has no such renderer; if it gets one before it is finished, the technique is added then.
+pub fn add_technique<T: Technique>(app: &mut App) -> bool {
+    register_type::<T>(app);
+    if app.get_sub_app(RenderApp).is_none() {
+        let mut waiting = app.world_mut().get_resource_or_init::<Waiting>();
+        waiting.0.push(add_technique::<T>);
+        return false;
+    }
+    let component = app.world_mut().register_component::<T>();
+    let mut components = app.world_mut().get_resource_or_init::<TechniqueComponents>();
+    if !components.0.contains(&component) {
+        components.0.push(component);
+    }
+    let render_app = app.sub_app_mut(RenderApp);
+    render_app.init_resource::<TouchedLights>();
+    let world = render_app.world_mut();
+    world.init_resource::<Techniques>();
+    world.resource_mut::<Techniques>().add_technique::<T>();
+    let watched = &mut world.resource_mut::<TouchedLights>().watched;
+    if !watched.contains(&TypeId::of::<T>()) {
+        watched.push(TypeId::of::<T>());
+        let collect = collect_touched::<T>.in_set(AntumbraExtractSystems::Collect);
+        render_app.add_systems(ExtractSchedule, collect);
+    }
+    true
+}
+
+fn register_type<T: Technique>(app: &mut App) {
+    let world = app.world_mut();
+    world.init_resource::<AppTypeRegistry>();
+    T::register_type(&mut world.resource::<AppTypeRegistry>().write());
+}
+
+/// An app without a renderer, which learns the types of techniques alone.
+pub struct Reflected<'a>(pub &'a mut App);
+
+impl AddTechnique for Reflected<'_> {
+    fn add_technique<T: Technique>(&mut self) -> &mut Self {
+        register_type::<T>(self.0);
         self
-    }
-}
-
-impl Techniques {
-    /// Whether a light of the game has one.
-    pub fn manage(&self, light: &EntityRef) -> bool {
-        self.entries.iter().any(|technique| (technique.is_on)(light))
-    }
-
-    /// Gives a mirror's light the techniques of the game's.
-    pub fn copy(&self, from: &EntityRef, to: &mut EntityWorldMut) {
-        for technique in &self.entries {
-            (technique.copy)(from, to);
-        }
-    }
-
-    /// Takes all techniques from a mirror's light.
-    pub fn remove(&self, light: &mut EntityWorldMut) {
-        for technique in &self.entries {
-            (technique.remove)(light);
-        }
-        light.remove::<(ShadowedLight, NeedsSilhouettes)>();
-    }
-
-    /// Prepares a mirror for them.
-    pub fn set_up(&self, world: &mut World, schedule: &mut Schedule) {
-        for technique in &self.entries {
-            (technique.set_up)(world, schedule);
-        }
-    }
-}
-
-fn copy<T: Component<Mutability = Mutable> + Clone + PartialEq>(from: &EntityRef, to: &mut EntityWorldMut) {
-    match (from.get::<T>(), to.get_mut::<T>()) {
-        (Some(new), Some(mut old)) => {
-            if *old != *new {
-                *old = new.clone();
-            }
-        }
-        (Some(new), None) => {
-            to.insert(new.clone());
-        }
-        (None, Some(_)) => {
-            to.remove::<T>();
-        }
-        (None, None) => {}
     }
 }
 
@@ -116,6 +93,6 @@ fn collect_touched<T: Component>(
     changed: Extract<Query<Entity, Changed<T>>>,
     mut removed: Extract<RemovedComponents<T>>,
 ) {
-    touched.0.extend(changed.iter());
-    touched.0.extend(removed.read());
+    touched.lights.extend(changed.iter());
+    touched.lights.extend(removed.read());
 }

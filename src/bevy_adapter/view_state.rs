@@ -10,6 +10,7 @@ use bytemuck::{Pod, Zeroable};
 use super::pipelines::LightPipelines;
 use super::view_groups::ViewGroups;
 use crate::render::RenderError;
+use crate::render::gpu::strided::Strided;
 
 /// A light that Bevy gives no index that we can see, told by what Bevy uploads of it. Mirror: `Unindexed` of
 /// `shaders/bevy/base.wgsl`.
@@ -46,9 +47,6 @@ pub struct LightDraw {
 
 // As the shaders have them; naga cannot read those without Bevy's. `tests/bevy/shading.rs` would see a difference.
 const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 48);
-
-/// Bytes from one [`LightDraw`] to the next: the largest alignment of dynamic offsets that WebGPU allows a device.
-pub const DRAW_STRIDE: usize = 256;
 
 /// How a light of the frame is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -112,40 +110,25 @@ pub struct ViewState {
     pub managed: Uploaded,
     /// A bit for each point and spot light, by Bevy's index.
     pub bits: Uploaded,
-    /// [`LightDraw`]s, [`DRAW_STRIDE`] apart.
+    /// [`LightDraw`]s at dynamic offsets.
     pub lights: Uploaded,
     /// Written where the view is drawn, which only reads the mirror.
     pub groups: Mutex<ViewGroups>,
-    /// It cannot be drawn, and never will be on this device.
-    pub failed: bool,
-    warned_of_projection: bool,
-    warned_of_failure: bool,
+    /// Why it cannot be drawn, and never will be on this device.
+    pub failed: Option<RenderError>,
+    /// Whether the view is left to Bevy because it is neither perspective nor orthographic.
+    pub odd_projection: bool,
     /// Whether objects are in view that show no shadows.
     pub unshadowed_in_view: bool,
     /// Kept for their allocations.
     pub(super) bit_words: Vec<u32>,
-    pub(super) draw_bytes: Vec<u8>,
+    pub(super) light_draws: Strided<LightDraw>,
 }
 
 impl ViewState {
-    /// Gives the view up, says why, and leaves it to Bevy.
-    pub(super) fn fail<T>(&mut self, error: &RenderError) -> Option<T> {
-        tracing::error!("a view has no shadows of ours: {error}");
-        self.failed = true;
+    /// Gives the view up for good, and leaves it to Bevy.
+    pub(super) fn fail<T>(&mut self, error: RenderError) -> Option<T> {
+        self.failed = Some(error);
         None
-    }
-
-    /// Says once why a frame is left to Bevy.
-    pub(super) fn warn_of_failure(&mut self, error: &RenderError) {
-        if !std::mem::replace(&mut self.warned_of_failure, true) {
-            tracing::warn!("a frame has no shadows of ours: {error}");
-        }
-    }
-
-    /// Says once that a view is left to Bevy.
-    pub(super) fn warn_of_projection(&mut self) {
-        if !std::mem::replace(&mut self.warned_of_projection, true) {
-            tracing::warn!("a view that is neither perspective nor orthographic has no shadows of ours");
-        }
     }
 }

@@ -2,32 +2,33 @@
 
 use glam::{Affine3A, Vec3, Vec3A};
 
-/// An axis-aligned box by its corners. Empty when any `min` component exceeds its `max`.
+/// An axis-aligned box, given by its two extreme corners. It is empty when any `min` component exceeds its
+/// `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// Smallest coordinates, metres.
+    /// Corner with the smallest coordinates, metres.
     pub min: Vec3,
-    /// Largest coordinates, metres.
+    /// Corner with the largest coordinates, metres.
     pub max: Vec3,
 }
 
 impl Aabb {
-    /// The box that holds nothing; joining it with a point gives that point.
+    /// The box that holds nothing. Its union with a point is the box of that point.
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
     };
 
-    /// Coordinates that [`Aabb::padded`] keeps, metres.
+    /// Largest magnitude of a coordinate that [`Aabb::padded`] keeps, metres.
     pub const LIMIT: f32 = 1e15;
 
     /// Share of each coordinate by which [`Aabb::padded`] grows a box.
     pub const PAD: f32 = 8.0 * f32::EPSILON;
 
-    /// Share of the largest coordinate by which it grows all sides.
+    /// Share of the box's largest coordinate by which [`Aabb::padded`] grows every side.
     pub const PAD_OF_LARGEST: f32 = 1e-10;
 
-    /// The smallest box around `points`; points that are not finite are left out.
+    /// The smallest box around `points`. Points that are not finite are left out.
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         points
             .into_iter()
@@ -35,7 +36,8 @@ impl Aabb {
             .fold(Self::EMPTY, Self::including)
     }
 
-    /// The box around `center` with half sizes along each axis; empty if one of them is negative.
+    /// The box around `center` with the given half sizes along each axis. It is empty if a half size is
+    /// negative.
     pub fn around(center: Vec3, half_size: Vec3) -> Self {
         Self {
             min: center - half_size,
@@ -51,7 +53,7 @@ impl Aabb {
         }
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     pub fn union(self, other: Self) -> Self {
         Self {
             min: self.min.min(other.min),
@@ -59,7 +61,7 @@ impl Aabb {
         }
     }
 
-    /// The part in both; may be empty.
+    /// The part that lies in both boxes. It may be empty.
     pub fn intersection(self, other: Self) -> Self {
         Self {
             min: self.min.max(other.min),
@@ -67,12 +69,12 @@ impl Aabb {
         }
     }
 
-    /// Whether no point lies inside. A box with NaN is empty.
+    /// Whether no point lies inside the box. A box with NaN is empty.
     pub fn is_empty(&self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// Middle of the box.
+    /// Centre of the box.
     pub fn center(&self) -> Vec3 {
         (self.min + self.max) * 0.5
     }
@@ -82,7 +84,7 @@ impl Aabb {
         (self.max - self.min) * 0.5
     }
 
-    /// The eight corners; bit 0, 1, 2 of the index choose `max` on x, y, z.
+    /// The eight corners. Bits 0, 1 and 2 of the index choose `max` on x, y and z.
     pub fn corners(&self) -> [Vec3; 8] {
         std::array::from_fn(|i| {
             Vec3::select(
@@ -93,7 +95,8 @@ impl Aabb {
         })
     }
 
-    /// The box around this box after `b_from_a`. Empty stays empty; NaN in the transform gives empty.
+    /// The axis-aligned box around this box after `b_from_a`. An empty box stays empty; NaN in the transform
+    /// gives an empty box.
     ///
     /// Source: Arvo 1990, "Transforming Axis-Aligned Bounding Boxes", Graphics Gems.
     pub fn transformed(&self, b_from_a: &Affine3A) -> Self {
@@ -110,12 +113,12 @@ impl Aabb {
         }
     }
 
-    /// Whether `point` lies inside or on the border.
+    /// Whether `point` lies inside the box or on its border.
     pub fn contains(&self, point: Vec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
-    /// Squared distance from `point` to the nearest point of the box; 0 inside.
+    /// Squared distance from `point` to the nearest point of the box; 0 for a point inside.
     pub fn distance_sq(&self, point: Vec3) -> f32 {
         point.clamp(self.min, self.max).distance_squared(point)
     }
@@ -125,9 +128,9 @@ impl Aabb {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// The box grown by what a plane, sphere or cone test in `f32` can lose to rounding: eight epsilons of each
-    /// coordinate, and 1e-10 of the largest. Coordinates beyond ±1e15 m are brought to that, so that an infinite
-    /// box stays a box that squares without overflow. Empty stays empty.
+    /// The box grown by as much as a plane, sphere or cone test in `f32` can lose to rounding: by eight
+    /// epsilons of each coordinate, and by 1e-10 of the largest one. Coordinates beyond ±1e15 m are clamped
+    /// to that, so that an infinite box stays a box whose squares do not overflow. An empty box stays empty.
     pub fn padded(&self) -> Self {
         if self.is_empty() {
             return Self::EMPTY;

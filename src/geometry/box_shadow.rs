@@ -1,28 +1,29 @@
-//! How far the shadow of a box matters: the twin of a finite shadow volume, for boxes.
+//! How far the shadow of a box matters. This is the counterpart of a finite shadow volume, for boxes.
 
 use glam::{DVec3, Vec3};
 
 use super::Aabb;
 
-/// All that a box may shadow in a point light: its points, and those behind them as seen from the light.
+/// The region that a box may shadow in a point light: the box itself, and everything behind it as seen from
+/// the light.
 ///
-/// A point `p` is `t ≥ 1` times as far from the light as the point `q` of the box before it: `p = t q`, the light at the
-/// origin. For a given `t` each axis decides for itself whether the box, grown by `t`, and another box share a
-/// coordinate, `t · min ≤ other.max` and `t · max ≥ other.min`; so the factors at which the boxes meet are those that no
-/// axis forbids, an interval.
+/// With the light at the origin, a point `p` of that region is `t ≥ 1` times as far from the light as a point
+/// `q` of the box: `p = t q`. For a given `t`, the box scaled by `t` meets another box if they overlap on
+/// every axis: `t · min ≤ other.max` and `t · max ≥ other.min`. Each axis thus bounds `t`, and the factors
+/// that all three axes allow form an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct BoxShadow {
     light: DVec3,
-    /// Reciprocals of the caster's bounds relative to the light, by axis.
+    /// Reciprocals of the caster's lower bounds relative to the light, one an axis.
     per_min: Vec3,
     per_max: Vec3,
 }
 
 impl BoxShadow {
-    /// Share by which factors grow: rounding, on either side.
+    /// Share by which the interval of factors is widened at both ends, to cover rounding.
     const SLACK: f32 = 1e-5;
 
-    /// Of a box that is not empty, in a light at a position, all in one space.
+    /// The shadow of a box that is not empty, in a light at a position. Both are in the same space.
     pub fn new(light: DVec3, caster: &Aabb) -> Self {
         let relative = relative_to(light, caster);
         Self {
@@ -32,10 +33,11 @@ impl BoxShadow {
         }
     }
 
-    /// The greatest factor on distances from the light at which the box meets one of the others; infinite if the light is
-    /// within its bounds and that is not known, `None` if it shadows no point of any.
+    /// The greatest factor on distances from the light at which the box's shadow meets one of the other
+    /// boxes. It is infinite if the light lies within the box's bounds, because nothing then bounds the
+    /// factor; it is `None` if the box shadows no point of any other box.
     ///
-    /// Conservative: factors may be too large, by rounding.
+    /// Conservative: rounding may make a factor too large, never too small.
     pub fn farthest(&self, receivers: &[Aabb]) -> Option<f32> {
         let factors = receivers
             .iter()
@@ -43,11 +45,11 @@ impl BoxShadow {
         factors.reduce(f32::max)
     }
 
-    /// The greatest factor for one box, relative to the light.
+    /// The greatest factor for one box, which is given relative to the light.
     fn factors(&self, receiver: &Aabb) -> Option<f32> {
         let (mut least, mut most) = (1.0_f32, f32::INFINITY);
         for axis in 0..3 {
-            // A bound at the light's own coordinate forbids nothing here: its reciprocal is infinite.
+            // A bound at the light's own coordinate has an infinite reciprocal; it does not limit the factor.
             let bounds = [
                 (self.per_min[axis], receiver.max[axis]),
                 (-self.per_max[axis], -receiver.min[axis]),
@@ -68,7 +70,7 @@ impl BoxShadow {
     }
 }
 
-/// A box as seen from a position, grown by what rounding may lose.
+/// The box relative to a position, grown by as much as rounding may lose.
 fn relative_to(origin: DVec3, aabb: &Aabb) -> Aabb {
     let aabb = aabb.padded();
     let relative = |corner: Vec3| (corner.as_dvec3() - origin).as_vec3();
@@ -96,7 +98,8 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever point of a receiver lies behind a point of the caster, as seen from the light, is within the factor.
+        /// Every point of a receiver that lies behind a point of the caster, as seen from the light, is
+        /// within the factor.
         #[test]
         fn no_shadowed_point_lies_beyond(
             light in (-4.0_f64..4.0, -4.0_f64..4.0, -4.0_f64..4.0),
@@ -114,7 +117,7 @@ mod tests {
             prop_assert!(f64::from(found) >= factor * (1.0 - 1e-5), "{found} < {factor}");
         }
 
-        /// The factor is no larger than it must be: there the boxes touch.
+        /// The factor is as small as it can be: the boxes touch there.
         #[test]
         fn the_boxes_touch_at_the_factor(
             light in (-4.0_f64..4.0, -4.0_f64..4.0, -4.0_f64..4.0),

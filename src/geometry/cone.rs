@@ -1,30 +1,31 @@
-//! Circular cone with a spherical end: what a spot light reaches.
+//! Circular cone with a spherical end: the region that a spot light reaches.
 
 use glam::{DVec4, Vec3};
 
 use super::{Aabb, Sphere};
 
-/// A cone from `apex` along `axis` up to `range` from the apex. With a half-angle of π/2 it is half a ball.
+/// A cone from `apex` along `axis`, up to the distance `range` from the apex. With a half-angle of π/2 it is
+/// half a ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Metres.
+    /// Tip of the cone, metres.
     pub apex: Vec3,
-    /// Unit vector.
+    /// Direction in which the cone opens; a unit vector.
     pub axis: Vec3,
-    /// Half-angle, radians; 0 < angle ≤ π/2.
+    /// Angle between the axis and the cone's surface, radians; 0 < angle ≤ π/2.
     pub half_angle: f32,
-    /// Metres; may be infinite.
+    /// Distance from the apex at which the cone ends, metres. It may be infinite.
     pub range: f32,
 }
 
 impl Cone {
-    /// How far the cone reaches from its apex along a unit vector, metres; 0 or more. Exact but for rounding, which stays
-    /// below a millionth of the range.
+    /// How far the cone reaches from its apex along a unit vector, metres; at least 0. Exact except for
+    /// rounding, which stays below a millionth of the range.
     pub fn extent(&self, direction: Vec3) -> f32 {
         let angle = direction.dot(self.axis).clamp(-1.0, 1.0).acos();
         let beyond = (angle - self.half_angle).max(0.0);
-        // `acos` errs by up to 4e-4 rad near 0 and π. With a finite range the cosine hardly sees it; an infinite one
-        // would turn it into all or nothing.
+        // `acos` is wrong by up to 4e-4 rad near 0 and π. With a finite range the cosine hardly shows it.
+        // With an infinite range the error would decide between everything and nothing.
         if self.range == f32::INFINITY {
             let reaches = beyond < std::f32::consts::FRAC_PI_2 + 1e-3;
             return if reaches { f32::INFINITY } else { 0.0 };
@@ -32,10 +33,10 @@ impl Cone {
         self.range * beyond.cos().max(0.0)
     }
 
-    /// The box around the cone; infinite on the sides where the cone is.
+    /// The box around the cone. It is infinite on the sides towards which an infinite cone opens.
     pub fn aabb(&self) -> Aabb {
         let reach = |direction: Vec3| self.extent(direction);
-        // `acos` loses half the digits near 0 and π; the pad is more than that loses of the cosine.
+        // `acos` loses half its digits near 0 and π. The pad exceeds the resulting error of the cosine.
         let pad = |length: f32| {
             length * (1.0 + 1e-6) + 1e-6 * if self.range.is_finite() { self.range } else { 0.0 }
         };
@@ -45,16 +46,16 @@ impl Cone {
         }
     }
 
-    /// Homogeneous corners of the pyramid around the cone, apex first: oriented along the axis, so tighter than
-    /// [`Cone::aabb`] for a narrow cone. Infinite range gives directions (`w = 0`). `None` for half-angles above
-    /// 1.2 rad, where the pyramid's base is so wide that it bounds nothing.
+    /// Homogeneous corners of a pyramid around the cone, apex first. The pyramid is oriented along the axis,
+    /// so for a narrow cone it is tighter than [`Cone::aabb`]. An infinite range gives directions (`w = 0`).
+    /// `None` for half-angles above 1.2 rad, where the pyramid's base is so wide that it bounds nothing.
     pub fn bounding_points(&self) -> Option<[DVec4; 5]> {
         if self.half_angle > 1.2 {
             return None;
         }
         let (apex, axis) = (self.apex.as_dvec3(), self.axis.as_dvec3());
         let (x, y) = axis.any_orthonormal_pair();
-        // Larger by more than `axis` and the angle, both `f32`, can err.
+        // The slope is enlarged by more than the rounding of `axis` and of the angle, both `f32`.
         let slope = f64::from(self.half_angle).tan() * (1.0 + 1e-5) + 1e-6;
         let mut points = [apex.extend(1.0); 5];
         let signs = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
@@ -69,11 +70,12 @@ impl Cone {
         Some(points)
     }
 
-    /// Whether the box lies wholly outside. Conservative: `false` for some boxes that miss the cone, never `true` for
-    /// a box that touches it.
+    /// Whether the box lies wholly outside the cone. Conservative: `false` for some boxes that miss the cone,
+    /// never `true` for a box that touches it.
     ///
-    /// Three tests, each exact for its own convex bound: the ball of the range, the half-space in front of the apex,
-    /// and the tangent plane of the cone that faces the box's centre. A box's corner may slip between them.
+    /// Three tests, each exact for its own convex bound: the ball of the range, the half-space in front of
+    /// the apex, and the tangent plane of the cone that faces the box's centre. A box near the place where
+    /// two of these bounds meet may miss the cone and still pass all three.
     pub fn excludes_aabb(&self, aabb: &Aabb) -> bool {
         if aabb.is_empty() {
             return true;

@@ -1,9 +1,11 @@
-//! Convex polygons, corner after corner, and linear functions that cut them.
+//! Convex polygons, given by their corners in order, and linear functions that cut them.
 
 use glam::DVec3;
 use smallvec::SmallVec;
 
-/// The part where a linear function is not negative. Source: Sutherland & Hodgman 1974, "Reentrant Polygon Clipping".
+/// The part of the polygon where a linear function is not negative.
+///
+/// Source: Sutherland & Hodgman 1974, "Reentrant Polygon Clipping".
 pub fn clip(corners: &[DVec3], side: impl Fn(DVec3) -> f64) -> SmallVec<[DVec3; 8]> {
     let mut kept = SmallVec::new();
     for (i, &to) in corners.iter().enumerate() {
@@ -16,7 +18,7 @@ pub fn clip(corners: &[DVec3], side: impl Fn(DVec3) -> f64) -> SmallVec<[DVec3; 
     kept
 }
 
-/// Where the function is 0 on the border; `None` unless that is at two places.
+/// The two points of the polygon's border where the function is 0. `None` unless there are exactly two.
 pub fn chord(corners: &[DVec3], side: impl Fn(DVec3) -> f64) -> Option<[DVec3; 2]> {
     let sides = (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]);
     let mut crossings = sides.filter_map(|[from, to]| crossing(from, to, &side));

@@ -1,51 +1,56 @@
-//! View frustum: in perspective with its far plane at infinity, in an orthographic view a box.
+//! View frustum. In perspective its far plane is at infinity; in an orthographic view it is a box.
 
 use glam::{DVec2, DVec3, DVec4, Vec4};
 use smallvec::SmallVec;
 
-use super::light_hull::{HalfSpace, SolidEdge};
+use super::convex_solid::{HalfSpace, SolidEdge};
 use super::{Plane, PlaneSet};
 
-/// What a view sees, as a camera says it: world space, `f64` so that a camera far from the origin keeps its shape. The three axes need neither unit length nor right angles; a left-handed triple is a
-/// mirrored view.
+/// The region that a view sees, in the parameters of a camera. World space, in `f64` so that a camera far
+/// from the origin keeps its shape. The three axes need neither unit length nor right angles. A left-handed
+/// triple is a mirrored view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrustumShape {
-    /// Apex, or where an orthographic view measures depth from, metres.
+    /// Apex of a perspective view, or the point from which an orthographic view measures depth, metres.
     pub eye: DVec3,
-    /// Towards the right of the picture.
+    /// Axis that points to the right of the picture.
     pub right: DVec3,
-    /// Towards the top of the picture.
+    /// Axis that points to the top of the picture.
     pub up: DVec3,
-    /// Into the picture.
+    /// Axis that points into the picture.
     pub forward: DVec3,
-    /// Half the picture's width at `forward`, of an orthographic view at any depth, in lengths of `right`.
+    /// Half the picture's width, in lengths of `right`. In perspective it is measured at the distance of
+    /// `forward`; in an orthographic view it is the same at any depth.
     pub half_right: f64,
-    /// Half the picture's height, likewise, in lengths of `up`.
+    /// Half the picture's height, in lengths of `up`, measured at the same distance as `half_right`.
     pub half_up: f64,
-    /// Where the picture's centre is, likewise, in halves of its size to the right and up; zero but off-centre.
+    /// Offset of the picture's centre from the axis `forward`, to the right and up, in halves of the
+    /// picture's size. It is zero unless the view is off-centre.
     pub center: DVec2,
-    /// Near plane, in lengths of `forward`.
+    /// Depth of the near plane, in lengths of `forward`.
     pub near: f64,
 }
 
-/// The view frustum of a reversed infinite projection: five planes, and "the plane at infinity" as a sixth face
-/// that bounds nothing but makes the edge count of [`LightHull`](super::LightHull) work. Of an orthographic view all six
-/// are planes.
+/// The view frustum of a reversed infinite projection. It has five planes; the plane at infinity counts as a
+/// sixth face, which bounds nothing but is needed by the edge count of [`LightHull`](super::LightHull). In an
+/// orthographic view all six faces are planes.
 ///
-/// Corner `i` has bit 0 set on the right and bit 1 on top; 0–3 are on the near plane (`w = 1`), 4–7 are the
-/// directions in which the far corners lie (`w = 0`), or the corners on the far plane (`w = 1`).
+/// Corner `i` has bit 0 set on the right and bit 1 set at the top. Corners 0–3 are on the near plane
+/// (`w = 1`). Corners 4–7 are the directions in which the far corners lie (`w = 0`), or in an orthographic
+/// view the corners of the far plane (`w = 1`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frustum {
-    /// World space, in the order [`Frustum::NEAR`], `LEFT`, `RIGHT`, `BOTTOM`, `TOP`, and of an orthographic view `FAR`.
+    /// The planes in world space, in the order [`Frustum::NEAR`], `LEFT`, `RIGHT`, `BOTTOM`, `TOP`, and in an
+    /// orthographic view `FAR`.
     pub planes: PlaneSet,
-    /// World space, homogeneous.
+    /// The eight corners in world space, homogeneous.
     pub corners: [Vec4; 8],
     shape: FrustumShape,
-    /// Of an orthographic view, in lengths of `forward`.
+    /// Depth of the far plane of an orthographic view, in lengths of `forward`.
     far: Option<f64>,
-    /// The planes relative to the eye.
+    /// The planes, relative to the eye.
     half_spaces: SmallVec<[HalfSpace; 6]>,
-    /// The corners relative to the eye; directions have unit length.
+    /// The corners, relative to the eye. Directions have unit length.
     corners_eye: [DVec4; 8],
 }
 
@@ -60,12 +65,12 @@ impl Frustum {
     pub const BOTTOM: usize = 3;
     /// Index of the top plane.
     pub const TOP: usize = 4;
-    /// Index of the far plane; in perspective it stands for the plane at infinity, which has no entry in
+    /// Index of the far plane. In perspective it stands for the plane at infinity, which has no entry in
     /// [`Frustum::planes`].
     pub const FAR: usize = 5;
 
-    /// Each edge with its two planes; it runs counter-clockwise around the first plane seen from outside, so
-    /// clockwise around the second. In a mirrored view the two change places.
+    /// The edges, each with its two planes. An edge runs counter-clockwise around its first plane seen from
+    /// outside, and therefore clockwise around its second. In a mirrored view the two senses are exchanged.
     ///
     /// Source: O'Rorke 2004, "Managing Visibility for Per-Pixel Lighting", GPU Gems ch. 15, §15.4.4.
     pub const EDGES: [SolidEdge; 12] = [
@@ -83,12 +88,14 @@ impl Frustum {
         SolidEdge::new(6, 4, Self::LEFT, Self::FAR),
     ];
 
-    /// The frustum of a perspective view; `None` if the numbers do not span one (not finite, flat, no field of view).
+    /// The frustum of a perspective view. `None` if the numbers do not span one: not finite, flat, or without
+    /// a field of view.
     pub fn new(shape: &FrustumShape) -> Option<Self> {
         (shape.near > 0.0).then(|| Self::build(shape, None)).flatten()
     }
 
-    /// The box of an orthographic view with its far plane at `far` lengths of `forward`, beyond the near plane.
+    /// The box of an orthographic view. `far` is the depth of its far plane in lengths of `forward` and lies
+    /// beyond the near plane. `None` if the numbers do not span a box.
     pub fn orthographic(shape: &FrustumShape, far: f64) -> Option<Self> {
         let spans = shape.near.is_finite() && far.is_finite() && far > shape.near;
         spans.then(|| Self::build(shape, Some(far))).flatten()
@@ -109,14 +116,15 @@ impl Frustum {
             return None;
         }
         let across = |x: f64, y: f64| right * (half_right * (x + center.x)) + up * (half_up * (y + center.y));
-        // Where a line of sight passes, at depth 0, and how it runs on from there.
+        // A line of sight: the point where it passes at depth 0, and its direction from there.
         let line_at = |x: f64, y: f64| match far {
             None => (DVec3::ZERO, forward + across(x, y)),
             Some(_) => (across(x, y), forward),
         };
         let sign = |bit: usize| if bit == 0 { -1.0 } else { 1.0 };
         let lines: [(DVec3, DVec3); 4] = std::array::from_fn(|i| line_at(sign(i & 1), sign(i & 2)));
-        // The central line is the mean of the four, so it lies strictly inside every plane but near and far.
+        // The central line is the mean of the four, so it lies strictly inside every plane except near and
+        // far.
         let middle = line_at(0.0, 0.0);
         let side = |a: usize, b: usize| {
             let (from, along) = lines[a];
@@ -172,7 +180,7 @@ impl Frustum {
         })
     }
 
-    /// What it was made from.
+    /// The parameters that the frustum was made from.
     pub fn shape(&self) -> &FrustumShape {
         &self.shape
     }
@@ -182,12 +190,14 @@ impl Frustum {
         self.far
     }
 
-    /// The planes but for the far one: what lies outside of one of them is in no pixel, nor behind what a pixel shows.
+    /// All planes except the far one. Anything outside one of these is neither visible in a pixel nor farther
+    /// along the line of sight of any pixel.
     pub fn open_planes(&self) -> &[Plane] {
         &self.planes.planes[..Self::FAR]
     }
 
-    /// Apex, or where an orthographic view measures depth from, metres, world space.
+    /// Apex of a perspective view, or the point from which an orthographic view measures depth, metres, world
+    /// space.
     pub fn eye(&self) -> DVec3 {
         self.shape.eye
     }
@@ -198,42 +208,25 @@ impl Frustum {
         self.shape.right.cross(self.shape.up).dot(self.shape.forward) > 0.0
     }
 
-    /// Corners of the near rectangle, world space; indices as the corners of the frustum.
+    /// Corners of the near rectangle in world space, numbered like the corners of the frustum.
     pub fn near_corners(&self) -> [DVec3; 4] {
         std::array::from_fn(|i| self.corners_eye[i].truncate() + self.shape.eye)
     }
 
-    /// Whether a point (`w = 1`) or direction (`w = 0`) of world space lies inside or on the border.
+    /// Whether a point (`w = 1`) or direction (`w = 0`) of world space lies inside the frustum or on its
+    /// border.
     pub fn contains(&self, point: DVec4) -> bool {
         let point_eye = point - self.shape.eye.extend(0.0) * point.w;
         self.half_spaces.iter().all(|half| half.side(point_eye) >= 0.0)
     }
 
-    /// The planes relative to the eye, as [`Frustum::planes`] but exact.
+    /// The planes relative to the eye, without the rounding of [`Frustum::planes`].
     pub(super) fn half_spaces(&self) -> &[HalfSpace] {
         &self.half_spaces
     }
 
-    /// The corners relative to the eye.
+    /// The corners, relative to the eye.
     pub(super) fn corners_eye(&self) -> &[DVec4; 8] {
         &self.corners_eye
-    }
-}
-
-impl HalfSpace {
-    /// This half-space, given relative to `origin`, as a plane of world space in `f32`, moved outward by what
-    /// rounding can lose.
-    ///
-    /// A test `n·c + |n|·h + d ≥ 0` in `f32` errs by less than nine roundings (2⁻²⁴ each) of the sum of its terms'
-    /// magnitudes: the normal's own rounding, the products, the additions. Eight epsilons (2⁻²³ each) of `d` are
-    /// given here, eight of the box's coordinates by [`Aabb::padded`](super::Aabb::padded). The second term covers
-    /// the `f64` construction, whose planes lean by at most 1e-11 rad.
-    pub(super) fn to_world(self, origin: DVec3) -> Plane {
-        let offset = self.offset - self.normal.dot(origin);
-        let slack = 8.0 * f64::from(f32::EPSILON) * offset.abs() + 1e-10 * origin.abs().max_element();
-        Plane {
-            normal: self.normal.as_vec3(),
-            offset: (offset + slack) as f32,
-        }
     }
 }

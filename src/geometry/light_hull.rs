@@ -1,55 +1,24 @@
-//! Convex hull of a light and a convex solid: outside it no caster can throw a shadow into the solid.
+//! Convex hull of a light and a convex solid. No caster outside it can throw a shadow into the solid.
 
 use glam::{DVec3, DVec4};
 
+use super::convex_solid::{HalfSpace, SolidEdge};
 use super::{Aabb, Frustum, PlaneSet};
 
-/// A half-space in `f64`, relative to some origin near the solid: inside is `normal · p + offset ≥ 0`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct HalfSpace {
-    pub(super) normal: DVec3,
-    pub(super) offset: f64,
-}
-
-impl HalfSpace {
-    /// Signed distance of a point (`w = 1`), slope of a direction (`w = 0`).
-    pub(super) fn side(&self, point: DVec4) -> f64 {
-        self.normal.dot(point.truncate()) + self.offset * point.w
-    }
-}
-
-/// An edge of a convex solid: from its first corner to its second it runs counter-clockwise around its first plane
-/// seen from outside.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct SolidEdge {
-    /// Indices of the two ends.
-    pub corners: [usize; 2],
-    /// Indices of the two planes that meet here.
-    pub planes: [usize; 2],
-}
-
-impl SolidEdge {
-    pub(super) const fn new(from: usize, to: usize, left: usize, right: usize) -> Self {
-        Self {
-            corners: [from, to],
-            planes: [left, right],
-        }
-    }
-}
-
-/// Where light comes from: a homogeneous point, and how far the light extends around it.
+/// The place that light comes from: a homogeneous point, and the extent of the source around it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Emitter {
-    /// World space; `w = 1` the centre, `w = 0` the unit direction towards a light at infinity.
+    /// Place of the light in world space: its centre with `w = 1`, or the unit direction towards a light at
+    /// infinity with `w = 0`.
     pub point: DVec4,
-    /// Half the sides of a rectangle, as vectors; zero for other lights.
+    /// Half of each side of a rectangular source, as vectors; zero for other lights.
     pub half_sides: [DVec3; 2],
-    /// Radius of a sphere, metres; zero for other lights.
+    /// Radius of a spherical source, metres; zero for other lights.
     pub radius: f64,
 }
 
 impl Emitter {
-    /// A light without extent.
+    /// A source without extent.
     pub fn point(point: DVec4) -> Self {
         Self {
             point,
@@ -58,13 +27,13 @@ impl Emitter {
         }
     }
 
-    /// How far the light reaches from its centre along a unit vector, metres.
+    /// How far the source extends from its centre along a unit vector, metres.
     pub fn extent(&self, direction: DVec3) -> f64 {
         let [a, b] = self.half_sides;
         direction.dot(a).abs() + direction.dot(b).abs() + self.radius
     }
 
-    /// Radius of the sphere around all of the light, metres.
+    /// Radius of the sphere around the whole source, metres.
     pub fn bounding_radius(&self) -> f64 {
         let [a, b] = self.half_sides;
         (a + b).length().max((a - b).length()) + self.radius
@@ -73,14 +42,15 @@ impl Emitter {
 
 /// Convex hull of a light and a convex solid, in world space.
 ///
-/// It never excludes what matters: each of its planes is a supporting plane, pushed out until all corners of the solid
-/// and all of the light are inside, so even a plane whose construction was ill-conditioned only makes it larger.
+/// The hull never excludes what matters. Each of its planes is a supporting plane, pushed out until all
+/// corners of the solid and the whole light are inside. An ill-conditioned plane therefore only makes the
+/// hull larger.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightHull {
-    /// The bounding planes, moved outward by what `f32` rounding can lose for boxes that are
+    /// The bounding planes, moved outward by as much as `f32` rounding can lose in tests of boxes that are
     /// [padded](Aabb::padded).
     pub planes: PlaneSet,
-    /// Whether all of the light lies in the solid; the hull is then the solid itself.
+    /// Whether the whole light lies in the solid. The hull is then the solid itself.
     pub inside: bool,
 }
 
@@ -131,8 +101,8 @@ impl LightHull {
     }
 }
 
-/// Edges of a box whose corner `i` has bit `k` set at the upper end of axis `k` and whose plane `2k + 1` is the upper
-/// one of axis `k`.
+/// Edges of a box. Corner `i` of the box has bit `k` set at the upper end of axis `k`, and plane `2k + 1` is
+/// the upper plane of axis `k`.
 const AABB_EDGES: [SolidEdge; 12] = {
     let mut edges = [SolidEdge::new(0, 0, 0, 0); 12];
     let mut i = 0;
@@ -142,7 +112,8 @@ const AABB_EDGES: [SolidEdge; 12] = {
         let (upper_b, upper_c) = (i & 1, (i >> 1) & 1);
         let from = (upper_b << b) | (upper_c << c);
         let to = from | (1 << axis);
-        // Along +axis the edge runs counter-clockwise around face b where both faces are on like ends.
+        // Along +axis, the edge runs counter-clockwise around face b if both faces are at the same end (both
+        // upper or both lower).
         edges[i] = if upper_b == upper_c {
             SolidEdge::new(from, to, 2 * b + upper_b, 2 * c + upper_c)
         } else {
@@ -153,8 +124,8 @@ const AABB_EDGES: [SolidEdge; 12] = {
     edges
 };
 
-/// A convex solid, relative to `origin`. Plane indices of the edges past the end of `planes` are the plane at infinity,
-/// whose inside holds every light.
+/// A convex solid, relative to `origin`. An edge's plane index past the end of `planes` means the plane at
+/// infinity; every light is on its inner side.
 struct Solid<'a> {
     origin: DVec3,
     planes: &'a [HalfSpace],
@@ -163,19 +134,22 @@ struct Solid<'a> {
     mirrored: bool,
 }
 
-/// Below this sine an edge and the light do not span a plane: its normal would err by more than 1e-11.
+/// Least sine of the angle between an edge and the direction to the light. Below it the two span no plane,
+/// because the normal would be wrong by more than 1e-11.
 const MIN_SINE: f64 = 1e-4;
 
-/// A light outside a plane by less than this part of its distance counts as on it: the plane, pushed out to hold the
-/// light, is the better of two bounds that hardly differ.
+/// A light that lies outside a plane by less than this share of its distance counts as on the plane. The
+/// plane, pushed out to hold the light, and the planes through its silhouette edges then hardly differ as
+/// bounds, and the former is the better one.
 const ON_PLANE: f64 = 1e-6;
 
-/// Adds a light to a convex solid: planes that have the light inside stay; an edge between such a plane and one that
-/// has it outside is a silhouette edge and gives the plane through it and the light.
+/// Adds a light to a convex solid. Planes that have the light on their inner side stay. An edge between such
+/// a plane and one that has the light outside is a silhouette edge, and contributes the plane through it and
+/// the light.
 ///
-/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; Everitt & Kilgard 2003, "Optimized Stencil Shadow Volumes". New
-/// here: homogeneous corners and lights (far plane and sun at infinity), lights with an extent, and that each plane
-/// is moved to support what it must hold.
+/// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; Everitt & Kilgard 2003, "Optimized Stencil Shadow
+/// Volumes". New here: homogeneous corners and lights (far plane and sun at infinity), lights with an extent,
+/// and moving each plane until it supports what it must hold.
 fn hull(solid: &Solid<'_>, light: &Emitter) -> LightHull {
     let mut result = LightHull {
         planes: PlaneSet::default(),
@@ -210,15 +184,15 @@ fn hull(solid: &Solid<'_>, light: &Emitter) -> LightHull {
         }
         let [a, b] = edge.corners.map(|corner| solid.corners[corner]);
         let normal = match (a.w, b.w) {
-            // An edge of the plane at infinity: the plane through the light parallel to the side plane. With the
-            // light at infinity too it would be the plane at infinity.
+            // An edge of the plane at infinity contributes the plane through the light that is parallel to
+            // the side plane. If the light is at infinity too, that would be the plane at infinity.
             (0.0, 0.0) if at_infinity => continue,
             (0.0, 0.0) => {
                 let side_plane = edge.planes[usize::from(!first)];
                 solid.planes[side_plane].normal
             }
             _ => {
-                // `a` is the finite end of an edge that leaves to infinity, by the order of the corners.
+                // If the edge runs to infinity, `a` is its finite end: the corners are listed in that order.
                 let along = if b.w == 0.0 {
                     b.truncate()
                 } else {
@@ -239,7 +213,8 @@ fn hull(solid: &Solid<'_>, light: &Emitter) -> LightHull {
     result
 }
 
-/// Adds the plane with this normal that supports solid and light; nothing if they have no bound on that side.
+/// Adds the plane with this normal that supports both solid and light. Adds nothing if they are unbounded on
+/// that side.
 fn push_supporting(
     hull: &mut LightHull,
     solid: &Solid<'_>,

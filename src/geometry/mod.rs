@@ -1,9 +1,10 @@
-//! Pure mathematics on `glam`: no ECS, no GPU.
+//! Mathematics on `glam` alone, without ECS or GPU.
 
 pub(crate) mod aabb;
 pub(crate) mod box_shadow;
 pub(crate) mod cone;
 pub(crate) mod convex_polygon;
+pub(crate) mod convex_solid;
 pub mod edge_mesh;
 pub(crate) mod frustum;
 pub(crate) mod light_hull;
@@ -14,8 +15,9 @@ pub(crate) mod triangle;
 pub use aabb::Aabb;
 pub use box_shadow::BoxShadow;
 pub use cone::Cone;
+pub use convex_solid::SolidEdge;
 pub use frustum::{Frustum, FrustumShape};
-pub use light_hull::{Emitter, LightHull, SolidEdge};
+pub use light_hull::{Emitter, LightHull};
 pub use plane_set::{Plane, PlaneSet, excludes_points};
 pub use sphere::Sphere;
 pub use triangle::distance_to_triangle;

@@ -3,19 +3,20 @@
 use glam::{Vec3, Vec4};
 use smallvec::SmallVec;
 
-use super::{Aabb, Sphere};
+use super::Aabb;
 
-/// A half-space: the points with `normal · p + offset ≥ 0` are inside. `normal` has unit length.
+/// A half-space: the points with `normal · p + offset ≥ 0` are inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// Unit vector that points inside.
     pub normal: Vec3,
-    /// Signed distance of the origin, metres.
+    /// Signed distance of the origin from the plane, metres; positive if the origin is inside.
     pub offset: f32,
 }
 
 impl Plane {
-    /// The half-space through `point` that `normal` points into; `None` if the normal has no direction.
+    /// The half-space whose border passes through `point`, on the side that `normal` points to. `None` if the
+    /// normal has no direction.
     pub fn through(point: Vec3, normal: Vec3) -> Option<Self> {
         let normal = normal.try_normalize()?;
         Some(Self {
@@ -29,12 +30,12 @@ impl Plane {
         self.normal.dot(point) + self.offset
     }
 
-    /// Sign of a homogeneous point: a distance for `w = 1`, the slope of leaving for a direction (`w = 0`).
+    /// Signed distance of a point (`w = 1`), or its rate of change along a direction (`w = 0`).
     pub fn side(&self, point: Vec4) -> f32 {
         self.normal.dot(point.truncate()) + self.offset * point.w
     }
 
-    /// Largest signed distance of any point of the box.
+    /// Largest signed distance of any point of the box, metres.
     pub fn farthest_inside(&self, aabb: &Aabb) -> f32 {
         self.distance(aabb.center()) + self.normal.abs().dot(aabb.half_size())
     }
@@ -43,31 +44,26 @@ impl Plane {
 /// A convex volume: the intersection of its half-spaces. Without planes it holds everything.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlaneSet {
-    /// The half-spaces, in no order.
+    /// The half-spaces, in no particular order.
     pub planes: SmallVec<[Plane; 16]>,
 }
 
 impl PlaneSet {
-    /// Whether the box lies wholly outside of one plane. Conservative: `false` for some boxes that miss the
+    /// Whether the box lies wholly outside one plane. Conservative: `false` for some boxes that miss the
     /// volume near its corners, never `true` for a box that touches it.
     pub fn excludes_aabb(&self, aabb: &Aabb) -> bool {
         self.planes.iter().any(|plane| plane.farthest_inside(aabb) < 0.0)
     }
 
-    /// Whether the sphere lies wholly outside of one plane; conservative in the same way.
-    pub fn excludes_sphere(&self, sphere: &Sphere) -> bool {
-        self.planes
-            .iter()
-            .any(|plane| plane.distance(sphere.center) < -sphere.radius)
-    }
-
-    /// Whether all homogeneous points (a convex hull's corners) lie outside of one plane.
+    /// Whether the convex hull of homogeneous points lies wholly outside one plane. Conservative: `false` for
+    /// some hulls that miss the volume, never `true` for one that touches it.
     pub fn excludes_points(&self, points: &[Vec4]) -> bool {
         excludes_points(&self.planes, points)
     }
 }
 
-/// Whether the convex hull of homogeneous points lies wholly outside of one of the planes; conservative.
+/// Whether the convex hull of homogeneous points lies wholly outside one of the planes. Conservative: `false`
+/// for some hulls that miss the volume, never `true` for one that touches it.
 pub fn excludes_points(planes: &[Plane], points: &[Vec4]) -> bool {
     planes
         .iter()

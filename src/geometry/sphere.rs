@@ -4,12 +4,12 @@ use glam::{Affine3A, Vec3, Vec3A};
 
 use super::Aabb;
 
-/// A sphere; `radius` may be infinite (it then holds everything) and is never negative.
+/// A sphere. An infinite radius makes it hold everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// Centre, metres.
+    /// Centre of the sphere, metres.
     pub center: Vec3,
-    /// Radius, metres.
+    /// Radius, metres. It may be infinite and is never negative.
     pub radius: f32,
 }
 
@@ -21,14 +21,15 @@ impl Sphere {
         aabb.distance_sq(self.center) <= self.radius * self.radius
     }
 
-    /// Whether a box of local space lies wholly beyond a plane that is perpendicular to the line between both centres: tighter
-    /// than the box of the box in world space. Conservative: `false` for some boxes that miss the sphere, never `true`
-    /// for one that touches it.
+    /// Whether a box of local space lies wholly beyond a plane that separates it from the sphere. The plane
+    /// is perpendicular to the line between the two centres, so the test is tighter than one of the box's
+    /// world-space bounds. Conservative: `false` for some boxes that miss the sphere, never `true` for one
+    /// that touches it.
     pub fn excludes_oriented(&self, local: &Aabb, world_from_local: &Affine3A) -> bool {
         let center = world_from_local.transform_point3a(Vec3A::from(local.center()));
         let towards = center - Vec3A::from(self.center);
         let distance = towards.length();
-        // Unless there is a line, and finite, nothing is excluded.
+        // Without a finite line between the centres nothing can be excluded.
         if !(distance > 0.0 && distance.is_finite()) {
             return false;
         }
@@ -37,13 +38,14 @@ impl Sphere {
         let normal = towards / distance;
         let along = Vec3A::new(m.x_axis.dot(normal), m.y_axis.dot(normal), m.z_axis.dot(normal));
         let reach = along.abs().dot(half);
-        // Rounding of the centres, whose coordinates may be large beside the distance, and of the sums.
+        // The slack covers rounding of the sums and of the centres, whose coordinates may be large compared
+        // with the distance.
         let size = center.abs() + Vec3A::from(self.center).abs();
         let slack = 8.0 * f32::EPSILON * (size.element_sum() + reach + self.radius);
         distance > self.radius + reach + slack
     }
 
-    /// The box around the sphere; infinite for an infinite radius.
+    /// The box around the sphere. It is infinite for an infinite radius.
     pub fn aabb(&self) -> Aabb {
         Aabb {
             min: self.center - self.radius,
@@ -88,7 +90,7 @@ mod tests {
                 }
             }
             prop_assert!(!(excluded && nearest <= f64::from(radius)), "{nearest} of {radius}");
-            // It excludes what is clearly apart: its bounding ball does not reach.
+            // A box that is clearly apart is excluded: its bounding ball does not reach the sphere.
             let reach = f64::from(world_from_local.transform_vector3(local.half_size()).length())
                 .max(f64::from((scale.abs() * local.half_size()).length()));
             let center = world_from_local.transform_point3(local.center());

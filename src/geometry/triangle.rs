@@ -1,11 +1,12 @@
-//! Distances of triangles.
+//! Distances to triangles.
 
 use glam::DVec3;
 
-/// Distance of a point from a triangle, in the corners' units. Triangles without area are segments or points.
+/// Distance of a point from a triangle, in the corners' units. Triangles without area count as segments or
+/// points.
 ///
-/// Source: Ericson 2004, "Real-Time Collision Detection", section 5.1.5: over a corner, over an edge, or over the inside,
-/// by the signs of products with the edges.
+/// Source: Ericson 2004, "Real-Time Collision Detection", section 5.1.5. The signs of products with the edges
+/// decide whether the nearest point is a corner, on an edge, or inside.
 pub fn distance_to_triangle(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let to_segment = |from: DVec3, to: DVec3| {
         let along = to - from;

@@ -1,4 +1,4 @@
-//! Which triangles a ray may hit: a tree of boxes, walked in `f64`.
+//! Finds the triangles that a ray may hit: a tree of boxes, traversed in `f64`.
 
 use std::ops::Range;
 
@@ -8,18 +8,20 @@ use smallvec::SmallVec;
 
 use super::ray::Ray;
 
-/// Grows boxes for each ray by this share of the largest coordinate in play, so that no box misses a triangle
-/// that the intersection hits by its own rounding. That moves a corner by 10 roundings (10 · 2⁻⁵³) of the
-/// largest coordinate at most; 2⁻⁴⁶ leaves a factor of 12.
+/// Share of the largest coordinate in play by which boxes grow for each ray, so that no box misses a triangle
+/// that the intersection hits because of its own rounding. That rounding moves a corner by at most 10
+/// roundings (10 · 2⁻⁵³) of the largest coordinate; 2⁻⁴⁶ leaves a factor of 12.
 const GROWTH: f64 = 1.0 / (1u64 << 46) as f64;
 
-/// Rounding of the slab test's three operations. Source: Ize 2013, "Robust BVH Ray Traversal".
+/// Factor that covers the rounding of the slab test's three operations. Source: Ize 2013, "Robust BVH Ray
+/// Traversal".
 const FAR_ROUNDING: f64 = 1.0 + 4.0 * f64::EPSILON;
 
-/// Largest inverse of a direction's component: keeps `0 · ∞` out of the slab test.
+/// Largest inverse of a direction's component. It keeps `0 · ∞` out of the slab test.
 const MAX_INVERSE: f64 = 1e300;
 
-/// An inner node: `count` is 0 and its two children are at `first` and `first + 1`. Or a leaf of `count` slots.
+/// A node of the tree. An inner node has `count` 0 and its two children at `first` and `first + 1`. A leaf
+/// has `count` slots that begin at `first`.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     min: Vec3,
@@ -28,7 +30,7 @@ struct Node {
     count: u32,
 }
 
-/// The tree. Leaves hold ranges of *slots*; [`build`](Self::build) says which triangle each slot holds.
+/// The tree. Leaves hold ranges of *slots*; [`build`](Self::build) returns the triangle of each slot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bvh {
     nodes: Vec<Node>,
@@ -36,12 +38,13 @@ pub(super) struct Bvh {
 }
 
 impl Bvh {
-    /// Builds over triangles with coordinates of at most [`MAX_COORDINATE`](super::MAX_COORDINATE). Also gives
-    /// the order to put the triangles in: slot → index.
+    /// Builds the tree over triangles with coordinates of at most [`MAX_COORDINATE`](super::MAX_COORDINATE).
+    /// Also returns the order in which to store the triangles: the index of each slot's triangle.
     ///
-    /// `obvhs` builds because its trees are good (PLOC with reinsertion), its nodes are public, so that the walk
-    /// can be ours in `f64`, and it is made of `glam`: `bvh` and `parry3d` bring a second mathematics library,
-    /// the latter a whole collision engine, and `obvhs`'s own walk rounds in `f32`.
+    /// `obvhs` was chosen for the build because its trees are good (PLOC with reinsertion), its nodes are
+    /// public, so that the traversal can be our own in `f64`, and it uses `glam`. `bvh` and `parry3d` bring a
+    /// second mathematics library, the latter a whole collision engine, and the traversal of `obvhs` rounds
+    /// in `f32`.
     pub fn build(triangles: &[[DVec3; 3]]) -> (Self, Vec<u32>) {
         if triangles.is_empty() {
             return (Self::default(), Vec::new());
@@ -70,8 +73,8 @@ impl Bvh {
         (bvh, tree.primitive_indices)
     }
 
-    /// Hands the slots of every leaf that the ray reaches before `t_max` to `visit`, near ones first as far as
-    /// boxes tell. `visit` returns the new `t_max`; −∞ ends the walk.
+    /// Passes the slots of every leaf that the ray reaches before `t_max` to `visit`, nearer boxes first.
+    /// `visit` returns the new `t_max`; −∞ ends the traversal.
     pub fn walk(&self, ray: &Ray, mut t_max: f64, mut visit: impl FnMut(Range<usize>) -> f64) {
         let slabs = Slabs::new(ray, self.largest_coordinate);
         let Some(root) = self.nodes.first() else { return };
@@ -99,7 +102,8 @@ impl Bvh {
     }
 }
 
-/// The ray as the slab test wants it: its origin moved apart by the growth of the boxes.
+/// The ray in the form that the slab test needs. The origin is split in two, moved apart by the growth of the
+/// boxes.
 struct Slabs {
     origin_low: DVec3,
     origin_high: DVec3,
@@ -110,7 +114,8 @@ impl Slabs {
     fn new(ray: &Ray, largest_coordinate: f64) -> Self {
         let growth = GROWTH * ray.origin.abs().max_element().max(largest_coordinate);
         let inverse = DVec3::from_array(ray.direction.to_array().map(|d| {
-            // A zero keeps a sign, so ±MAX_INVERSE: the slab is then all or nothing, as it should.
+            // A zero keeps its sign and gives ±MAX_INVERSE, so the slab holds either all of the ray or
+            // nothing, as it should.
             (1.0 / d).clamp(-MAX_INVERSE, MAX_INVERSE)
         }));
         Self {
@@ -120,7 +125,7 @@ impl Slabs {
         }
     }
 
-    /// Where the ray enters the box, 0 if it starts inside; `None` if it misses.
+    /// Parameter at which the ray enters the box; 0 if it starts inside, `None` if it misses.
     ///
     /// Source: Kay & Kajiya 1986, "Ray Tracing Complex Scenes".
     fn near(&self, node: &Node) -> Option<f64> {
@@ -132,7 +137,7 @@ impl Slabs {
     }
 }
 
-/// The smallest box in `f32` that holds the triangle, one step larger.
+/// The smallest box in `f32` that holds the triangle, grown by one representable step on each side.
 fn grown_box([a, b, c]: &[DVec3; 3]) -> BuildBox {
     let min = a.min(*b).min(*c).as_vec3().to_array().map(f32::next_down);
     let max = a.max(*b).max(*c).as_vec3().to_array().map(f32::next_up);

@@ -1,4 +1,4 @@
-//! The error as a picture.
+//! Draws the error of an answer as a picture.
 
 use glam::UVec2;
 
@@ -9,9 +9,9 @@ use super::visibility::VisibilityImage;
 /// An 8-bit RGBA picture, rows from the top.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DifferenceImage {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: UVec2,
-    /// Four bytes a pixel.
+    /// The pixels, four bytes each, rows from the top.
     pub rgba8: Vec<u8>,
 }
 
@@ -20,14 +20,14 @@ pub struct DifferenceImage {
 /// | colour | pixel |
 /// | --- | --- |
 /// | grey | does not count |
-/// | green to red | error 0 to 1, by way of yellow at ½ |
-/// | faint green to red | the same within one pixel of an edge, where a hard shadow is not judged |
+/// | green to red | error 0 to 1, with yellow at ½ |
+/// | faint green to red | error 0 to 1 within one pixel of an edge, where a hard shadow is not judged |
 ///
-/// Shadow that should be lit and light that should be shadow look alike; brightness follows the truth a little
-/// (shadowed pixels are darker), so that the shape can be told.
+/// Shadow that should be lit and light that should be shadow look alike. Brightness follows the truth a
+/// little (shadowed pixels are darker), so that the scene's shape is recognisable.
 ///
 /// # Errors
-/// [`ReferenceError::Size`].
+/// [`ReferenceError::Size`] if the images differ in size.
 pub fn difference_image(
     truth: &VisibilityImage,
     got: &VisibilityImage,

@@ -1,4 +1,4 @@
-//! What the judge refuses.
+//! The errors of the ray-cast judge.
 
 use bevy_ecs::entity::Entity;
 use glam::UVec2;
@@ -9,16 +9,16 @@ use crate::scene::LightError;
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReferenceError {
-    /// Numbers of the camera that make no projection.
+    /// The camera's numbers make no projection.
     #[error(
         "camera with vertical field of view {vertical_fov}, near plane {near}, aspect {aspect} has no projection"
     )]
     Camera {
-        /// Radians.
+        /// Vertical field of view of the camera, radians.
         vertical_fov: f32,
-        /// Metres.
+        /// Distance of the near plane, metres.
         near: f32,
-        /// Width over height.
+        /// Width of the picture divided by its height.
         aspect: f32,
     },
     /// The camera's transform is singular or not finite.
@@ -30,20 +30,20 @@ pub enum ReferenceError {
     /// The entity has no light with a `GlobalTransform`.
     #[error("entity {0} has no light with a global transform")]
     NotALight(Entity),
-    /// Two images that are compared differ in size.
+    /// The two images to compare differ in size.
     #[error("the truth is {truth} pixels, the image compared with it {got}")]
     Size {
-        /// Size of the truth.
+        /// Size of the truth, pixels.
         truth: UVec2,
-        /// Size of the other.
+        /// Size of the image that is compared with the truth, pixels.
         got: UVec2,
     },
-    /// An image's number of values is not its width times its height.
+    /// The number of values in an image is not its width times its height.
     #[error("{values} values for an image of {size} pixels")]
     ValueCount {
-        /// Pixels.
+        /// Size of the image, pixels.
         size: UVec2,
-        /// Values given.
+        /// Number of values given.
         values: usize,
     },
 }

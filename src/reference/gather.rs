@@ -1,4 +1,4 @@
-//! From the entities of a world to triangles.
+//! Gathers the triangles of a world's entities.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -10,7 +10,7 @@ use crate::scene::{
     MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
 };
 
-/// What of an entity the judge looks at.
+/// The components of an entity that the judge reads.
 #[derive(QueryData)]
 struct Object {
     entity: Entity,
@@ -24,12 +24,14 @@ struct Object {
 }
 
 impl RayScene {
-    /// The triangles of every [`SceneMesh`] entity, posed where it has a [`PosedMesh`] that is not empty.
+    /// Gathers the triangles of every [`SceneMesh`] entity, in the pose of its [`PosedMesh`] if it has one
+    /// that is not empty.
     ///
-    /// The camera sees those with [`SceneMaterials`], blended ones as solidly as others; those of
-    /// [`ShadowCaster`]s block; those of [`ShadowReceiver`]s show shadows. Objects whose transform is not finite or
-    /// leaves no area are left out, as the renderer does; triangles that are not finite or name a vertex that is not there are
-    /// dropped and counted. Reads `GlobalTransform` as it is: propagate first.
+    /// The camera sees triangles of entities with [`SceneMaterials`], and blended ones as solidly as others.
+    /// Triangles of [`ShadowCaster`]s block light, and those of [`ShadowReceiver`]s show shadows. Objects
+    /// whose transform is not finite or leaves no area are left out, as in the renderer. Triangles that are not
+    /// finite or name a missing vertex are dropped and counted. `GlobalTransform`s are read as they are, so
+    /// propagate transforms first.
     pub fn from_world(world: &mut World) -> Self {
         let mut query = world.query::<Object>();
         let mut objects: Vec<_> = query.iter(world).collect();
@@ -45,7 +47,7 @@ impl RayScene {
     }
 }
 
-/// Appends an object's triangles; returns how many name vertices that are not there.
+/// Appends an object's triangles. Returns how many triangles name a missing vertex.
 fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> usize {
     let is_drawn = object.materials.is_some();
     let Some(affine) = object.place.exact_affine().filter(|_| object.blocks || is_drawn) else {
@@ -57,7 +59,8 @@ fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> us
         .map(|posed| &posed.positions)
         .filter(|positions| !positions.is_empty())
         .unwrap_or(&mesh.positions);
-    // In f64 from here: products of two f32 are exact, and a far translation costs no precision.
+    // Everything is `f64` from here: products of two `f32` are exact, and a far translation costs no
+    // precision.
     let world_from_local = DAffine3::from_mat3_translation(
         DMat3::from_cols_array(&affine.matrix3.to_cols_array().map(f64::from)),
         Vec3::from(affine.translation).as_dvec3(),
@@ -94,8 +97,8 @@ struct Look {
     is_double_sided: bool,
 }
 
-/// The look of every triangle. Triangles outside of every submesh, meshes without materials and submeshes beyond
-/// the last material are not drawn.
+/// The look of every triangle. Triangles outside all submeshes, triangles of meshes without materials, and
+/// triangles of submeshes beyond the last material are not drawn.
 fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>) -> Vec<Look> {
     let mut looks = vec![Look::default(); mesh.triangle_count()];
     let Some(materials) = materials else { return looks };

@@ -1,4 +1,4 @@
-//! Where a light is sampled, and which surface points count for it.
+//! The points at which a light is sampled, and the surface points that count for it.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
@@ -8,75 +8,76 @@ use super::error::ReferenceError;
 use super::primary::SurfaceHit;
 use crate::scene::{Light, LightError, LightKind, LightSelection};
 
-/// A surface point must be more than this in front of a light's centre's plane, and a rectangle's reach begins
-/// this far before it, metres; for directional lights it is the least cosine. As `tools/truth.py`.
+/// Least distance of a light's centre in front of the surface's plane, metres, and least distance of a
+/// surface point in front of a rectangle. For directional lights it is the least cosine. Equal to the value
+/// in `tools/truth.py`.
 const LEAST_FACING: f64 = 1e-3;
 
-/// Share of the range up to which points count: techniques and truth may cut the rim differently. As
-/// `tools/truth.py`.
+/// Share of the range up to which surface points count. Techniques and the truth may cut the rim differently.
+/// Equal to the value in `tools/truth.py`.
 const RANGE_SHARE: f64 = 0.999;
 
-/// Share of the cone's half-angle up to which points count. As `tools/truth.py`.
+/// Share of the cone's half-angle up to which surface points count. Equal to the value in `tools/truth.py`.
 const CONE_SHARE: f64 = 0.99;
 
-/// A light as the judge sees it, world space in `f64`.
+/// A light in the form that the judge uses: world space, in `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSource {
-    /// Where its light comes from.
+    /// Shape and place of the emitter.
     pub shape: LightShape,
-    /// Metres; infinite for directional lights.
+    /// Distance up to which the light reaches, metres; infinite for directional lights.
     pub range: f64,
-    /// What it lights and what blocks it.
+    /// The layers that the light lights, and the layers that block it.
     pub selection: LightSelection,
 }
 
-/// Where a light's light comes from.
+/// Shape and place of an emitter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightShape {
-    /// A point.
+    /// The light comes from a point.
     Point {
-        /// Metres.
+        /// Position of the light, metres.
         position: DVec3,
     },
-    /// A point that lights a cone.
+    /// The light comes from a point and lights a cone.
     Spot {
-        /// Metres.
+        /// Position of the light, metres.
         position: DVec3,
-        /// Unit vector.
+        /// Direction of the cone's axis, a unit vector.
         direction: DVec3,
         /// Half-angle of the cone, radians.
         outer_angle: f64,
     },
-    /// Infinitely far.
+    /// The light comes from infinitely far away.
     Directional {
         /// Unit vector towards the light.
         towards: DVec3,
     },
-    /// A rectangle that lights one side.
+    /// The light comes from a rectangle that lights one side.
     Rect {
-        /// Centre, metres.
+        /// Centre of the rectangle, metres.
         center: DVec3,
-        /// Half of the width, along it, metres.
+        /// Half of the rectangle's width, as a vector along it, metres.
         half_right: DVec3,
-        /// Half of the height, along it, metres.
+        /// Half of the rectangle's height, as a vector along it, metres.
         half_up: DVec3,
-        /// Unit vector: the side that it shines to.
+        /// Unit vector towards the side that the rectangle lights.
         direction: DVec3,
     },
-    /// A sphere, sampled as the disc through its centre that faces the receiver.
+    /// The light comes from a sphere. It is sampled on the disc through its centre that faces the receiver.
     Sphere {
-        /// Metres.
+        /// Centre of the sphere, metres.
         center: DVec3,
-        /// Metres.
+        /// Radius of the sphere, metres.
         radius: f64,
     },
 }
 
 impl LightSource {
-    /// The light at its transform; scale is ignored.
+    /// The light at its transform. Scale is ignored.
     ///
     /// # Errors
-    /// What [`Light::validate`] finds, or [`LightError::Transform`].
+    /// The error of [`Light::validate`], or [`LightError::Transform`].
     pub fn new(
         light: &Light,
         world_from_light: &GlobalTransform,
@@ -130,7 +131,7 @@ impl LightSource {
     /// The light of an entity.
     ///
     /// # Errors
-    /// [`ReferenceError::NotALight`], [`ReferenceError::Light`].
+    /// [`ReferenceError::NotALight`] or [`ReferenceError::Light`].
     pub fn of_entity(world: &World, entity: Entity) -> Result<Self, ReferenceError> {
         let parts = world
             .get_entity(entity)
@@ -141,13 +142,9 @@ impl LightSource {
         Ok(Self::new(light, transform, selection)?)
     }
 
-    /// Whether its visibility varies between 0 and 1: it is sampled rather than a single point.
-    pub fn is_area(&self) -> bool {
-        matches!(self.shape, LightShape::Rect { .. } | LightShape::Sphere { .. })
-    }
-
-    /// Whether visibility is defined at the surface point: it faces the light's centre and lies within range,
-    /// cone, and the lit side of a rectangle. The margins are those of `tools/truth.py`.
+    /// Whether visibility is defined at the surface point. The point must face the light's centre and lie
+    /// within the range, within the cone, and on the lit side of a rectangle. The margins equal those of
+    /// `tools/truth.py`.
     pub fn reaches(&self, surface: &SurfaceHit) -> bool {
         let center = match self.shape {
             LightShape::Directional { towards } => return surface.normal.dot(towards) > LEAST_FACING,

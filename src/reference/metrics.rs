@@ -1,56 +1,58 @@
-//! How far an answer is from the truth. Definitions are those of `tools/truth.py`, but for NaN: a technique that
-//! answers NaN where the truth counts is wrong by 1 there.
+//! Measures how far an answer is from the truth. The definitions are those of `tools/truth.py`, except that
+//! an answer of NaN where the truth counts is wrong by 1.
 
 use super::error::ReferenceError;
 use super::visibility::VisibilityImage;
 
-/// Where a hard shadow is wrong. A pixel is wrong if it differs from the truth by more than ½.
+/// Error counts of a hard shadow. A pixel is wrong if it differs from the truth by more than ½.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HardError {
-    /// Pixels that count.
+    /// Number of pixels that count.
     pub counted: usize,
-    /// Those that lie off the band around edges.
+    /// Number of counted pixels outside the band around edges.
     pub inner: usize,
-    /// Wrong pixels off the band.
+    /// Number of wrong pixels outside the band around edges.
     pub wrong_inner: usize,
-    /// Wrong pixels.
+    /// Number of wrong pixels, inside or outside the band.
     pub wrong_all: usize,
 }
 
 impl HardError {
-    /// Share of the pixels off the band that are wrong; `None` if there are none, as nothing is then known.
+    /// Share of wrong pixels among those outside the band. `None` if there are no such pixels, because then
+    /// nothing is known.
     pub fn share(&self) -> Option<f64> {
         (self.inner > 0).then(|| self.wrong_inner as f64 / self.inner as f64)
     }
 
-    /// Share of all pixels that count that are wrong; `None` if there are none.
+    /// Share of wrong pixels among all pixels that count. `None` if there are none.
     pub fn share_all(&self) -> Option<f64> {
         (self.counted > 0).then(|| self.wrong_all as f64 / self.counted as f64)
     }
 }
 
-/// How far a soft shadow is off.
+/// Error measures of a soft shadow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SoftError {
-    /// Pixels that count.
+    /// Number of pixels that count.
     pub counted: usize,
-    /// Those where the truth lies between 0 and 1.
+    /// Number of counted pixels where the truth lies between 0 and 1.
     pub penumbra: usize,
-    /// Root of the mean squared error.
+    /// Root mean squared error over all counted pixels.
     pub rmse: f64,
-    /// The same over the penumbra; 0 if there is none.
+    /// Root mean squared error over the pixels where the truth lies between 0 and 1; 0 if there are none.
     pub rmse_penumbra: f64,
-    /// The error that 99 % of the pixels do not exceed.
+    /// The error that 99 % of the counted pixels do not exceed.
     pub p99: f64,
-    /// Share of the pixels where the truth is 0 and the answer more than 0.1.
+    /// Share of the counted pixels where the truth is 0 and the answer is more than 0.1.
     pub umbra_lit: f64,
-    /// Share of the pixels where the truth is 1 and the answer less than 0.9.
+    /// Share of the counted pixels where the truth is 1 and the answer is less than 0.9.
     pub lit_dark: f64,
 }
 
-/// Pixels within `radius` of a change of the image, or of the border of where it counts; one entry a pixel.
+/// Whether each pixel lies within `radius` pixels of a change of the image, or of the border of the region
+/// that counts.
 ///
-/// The image wraps round at its borders, as `tools/truth.py` has it: so both exclude the same pixels.
+/// The image wraps round at its borders, as in `tools/truth.py`, so that both exclude the same pixels.
 pub fn edge_band(image: &VisibilityImage, radius: u32) -> Vec<bool> {
     let (width, height) = (image.size().x as usize, image.size().y as usize);
     let values: Vec<f32> = image
@@ -72,10 +74,10 @@ pub fn edge_band(image: &VisibilityImage, radius: u32) -> Vec<bool> {
     band
 }
 
-/// Counts wrong pixels, with a band of one pixel around edges set apart.
+/// Counts wrong pixels. A band of one pixel around edges is counted separately.
 ///
 /// # Errors
-/// [`ReferenceError::Size`].
+/// [`ReferenceError::Size`] if the images differ in size.
 pub fn compare_hard(truth: &VisibilityImage, got: &VisibilityImage) -> Result<HardError, ReferenceError> {
     let band = edge_band(truth, 1);
     let mut error = HardError {
@@ -97,10 +99,10 @@ pub fn compare_hard(truth: &VisibilityImage, got: &VisibilityImage) -> Result<Ha
     Ok(error)
 }
 
-/// Measures the error of a soft shadow; `None` if no pixel counts, as nothing is then known.
+/// Measures the error of a soft shadow. `None` if no pixel counts, because then nothing is known.
 ///
 /// # Errors
-/// [`ReferenceError::Size`].
+/// [`ReferenceError::Size`] if the images differ in size.
 pub fn compare_soft(
     truth: &VisibilityImage,
     got: &VisibilityImage,
@@ -135,7 +137,8 @@ pub fn compare_soft(
     }))
 }
 
-/// |got − truth| of every pixel, `None` where the truth does not count. A got that is not finite is off by 1.
+/// The error |got − truth| of every pixel; `None` where the truth does not count. A `got` that is not finite
+/// is wrong by 1.
 pub(super) fn differences<'a>(
     truth: &'a VisibilityImage,
     got: &'a VisibilityImage,
@@ -153,7 +156,7 @@ pub(super) fn differences<'a>(
     }))
 }
 
-/// Quantile of sorted values with linear interpolation, as `numpy.quantile`. `sorted` is not empty.
+/// Quantile of sorted values with linear interpolation, as in `numpy.quantile`. `sorted` must not be empty.
 fn quantile(sorted: &[f64], share: f64) -> f64 {
     let place = share * (sorted.len() - 1) as f64;
     let low = sorted[place.floor() as usize];

@@ -8,21 +8,21 @@
 //! | file | subject |
 //! | --- | --- |
 //! | `ray` | the ray, and its watertight intersection with a triangle in `f64` |
-//! | `contact` | which triangles touch a surface point and so cannot shadow it |
-//! | `bvh` | which triangles a ray may hit |
-//! | `ray_scene`, `gather` | the triangles of a world; the two shadow questions |
+//! | `contact` | the triangles that touch a surface point and so cannot shadow it |
+//! | `bvh` | the triangles that a ray may hit |
+//! | `ray_scene`, `gather` | the triangles of a world; the two shadow queries |
 //! | `primary` | the surface that each pixel shows |
 //! | `light_source` | where a light is sampled, and which surface points count for it |
 //! | `visibility` | visibility of every pixel |
-//! | `metrics`, `difference_image` | how far an answer is from the truth, in numbers and as a picture |
+//! | `metrics`, `difference_image` | the error of an answer, in numbers and as a picture |
 //!
 //! **What counts as truth.** A surface point sees a light sample if no blocking triangle crosses the segment
-//! between them. Blocking is two-sided. The receiving triangle, and every triangle that the point touches,
-//! does not block (the rule is that of `contact`); a triangle at the light itself does not block either
-//! ([`LIGHT_END`]). A sample below the horizon of the surface is not seen. Alpha is not looked at: masked
-//! and blended materials are seen and block whole.
+//! between them. Blocking is two-sided. The receiving triangle does not block, nor does any triangle that the
+//! point touches (`contact` defines touching), nor a triangle at the light itself ([`LIGHT_END`]). A sample
+//! below the horizon of the surface is not seen. Alpha is ignored: masked and blended materials are seen and
+//! block as a whole.
 //!
-//! Nothing here panics; the threads that work are those of the current `rayon` pool, and no result depends on
+//! Nothing here panics. The work runs on the threads of the current `rayon` pool, and no result depends on
 //! their number.
 
 mod bvh;

@@ -1,4 +1,4 @@
-//! The surface that each pixel shows.
+//! Finds the surface that each pixel shows.
 
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat3, DVec3, UVec2, Vec3};
@@ -9,46 +9,48 @@ use super::ray::Ray;
 use super::ray_scene::RayScene;
 use crate::scene::Camera;
 
-/// The point of a surface that a pixel's centre shows.
+/// The surface point that is visible at a pixel's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
-    /// World space, metres; on the triangle up to rounding.
+    /// Position in world space, metres. It lies on the triangle up to rounding.
     pub position: DVec3,
     /// Unit normal of the triangle, turned towards the camera.
     pub normal: DVec3,
-    /// Index into [`RayScene::triangles`].
+    /// Index of the triangle in [`RayScene::triangles`].
     pub triangle: u32,
-    /// From the eye, of an orthographic view from where the line of sight passes it, metres.
+    /// Distance along the line of sight, metres: from the eye, or in an orthographic view from depth 0.
     pub distance: f64,
-    /// Along the camera's −Z, in its units (metres unless it is scaled).
+    /// Depth along the camera's −Z, in the camera's units (metres unless it is scaled).
     pub view_depth: f64,
 }
 
-/// The surface of every pixel, rows from the top; `None` where there is none.
+/// The visible surface of every pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HitImage {
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: UVec2,
-    /// `size.x · size.y` entries.
+    /// The surface of each pixel, rows from the top, `size.x · size.y` entries. `None` where no surface is
+    /// visible.
     pub hits: Vec<Option<SurfaceHit>>,
 }
 
-/// Which faces the camera does not see.
+/// Which faces are invisible to the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PrimaryCulling {
-    /// It sees all.
+    /// The camera sees all faces.
     #[default]
     None,
-    /// It does not see the backs of triangles that are not double-sided. The front is the side from which a
-    /// triangle winds counter-clockwise before a mirroring transform: mirrored objects keep their outside.
+    /// The camera does not see the backs of triangles that are not double-sided. The front is the side from
+    /// which a triangle winds counter-clockwise before a mirroring transform, so mirrored objects keep their
+    /// outside.
     SingleSided,
 }
 
-/// Rays through the pixel centres (+0.5), rows from the top. Their parameter is the view depth. The picture's
-/// shape is [`Camera::aspect`], not that of `size`.
+/// Rays through the pixel centres (+0.5), rows from the top. Their parameter is the view depth. The shape of
+/// the picture is [`Camera::aspect`], not that of `size`.
 ///
 /// # Errors
-/// [`ReferenceError::Camera`], [`ReferenceError::CameraTransform`].
+/// [`ReferenceError::Camera`] or [`ReferenceError::CameraTransform`].
 pub fn camera_rays(
     camera: &Camera,
     world_from_camera: &GlobalTransform,
@@ -90,11 +92,11 @@ pub fn camera_rays(
         .collect())
 }
 
-/// The surface of every pixel, from both sides of every triangle. Nothing nearer than the near plane is seen, nor beyond
-/// the far plane of an orthographic view.
+/// Finds the surface of every pixel, with all triangles visible from both sides. Nothing in front of the near
+/// plane is visible, nor anything beyond the far plane of an orthographic view.
 ///
 /// # Errors
-/// Those of [`camera_rays`].
+/// The errors of [`camera_rays`].
 pub fn primary_hits(
     scene: &RayScene,
     camera: &Camera,
@@ -104,10 +106,10 @@ pub fn primary_hits(
     primary_hits_culled(scene, camera, world_from_camera, size, PrimaryCulling::None)
 }
 
-/// [`primary_hits`] with a choice of culling.
+/// Finds the surface of every pixel like [`primary_hits`], with a choice of culling.
 ///
 /// # Errors
-/// Those of [`camera_rays`].
+/// The errors of [`camera_rays`].
 pub fn primary_hits_culled(
     scene: &RayScene,
     camera: &Camera,
@@ -129,7 +131,7 @@ pub fn primary_hits_culled(
     Ok(HitImage { size, hits })
 }
 
-/// What a ray whose parameter is the view depth shows.
+/// The surface that a ray shows. The ray's parameter must be the view depth.
 fn surface_hit(
     scene: &RayScene,
     ray: &Ray,
@@ -144,8 +146,8 @@ fn surface_hit(
                 || (b - a).cross(c - a).dot(ray.direction) < 0.0)
     })?;
     let [a, b, c] = scene.triangles()[hit.triangle as usize].corners;
-    // From the corners, not along the ray: the point then lies on the plane to a few roundings of its
-    // coordinates, however grazing the view.
+    // The position is computed from the corners, not along the ray, so that it lies on the plane to a few
+    // roundings of its coordinates, however grazing the view.
     let position = a * hit.barycentric.x + b * hit.barycentric.y + c * hit.barycentric.z;
     let normal = (b - a).cross(c - a).normalize_or_zero();
     Some(SurfaceHit {

@@ -2,28 +2,28 @@
 
 use glam::DVec3;
 
-/// A half-line. `direction` has any length; parameters along the ray are in units of it.
+/// A half-line. Parameters along the ray are in units of the length of `direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Start, metres.
+    /// Start of the ray, metres.
     pub origin: DVec3,
-    /// Not zero.
+    /// Direction of the ray. It may have any length except zero.
     pub direction: DVec3,
 }
 
-/// Where a ray meets a triangle.
+/// The point where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// Distance in units of the ray's direction.
+    /// Distance from the ray's origin, in units of the length of its direction.
     pub t: f64,
-    /// Triangle of the [`RayScene`](super::RayScene).
+    /// Index of the triangle in its [`RayScene`](super::RayScene).
     pub triangle: u32,
-    /// Weights of the triangle's corners; each ≥ 0, sum 1.
+    /// Barycentric weights of the triangle's corners. Each is ≥ 0; their sum is 1.
     pub barycentric: DVec3,
 }
 
-/// A ray made ready for many triangles: the axes permuted so that the direction is longest along the third,
-/// and the shear that takes the direction onto that axis.
+/// A ray prepared for intersection with many triangles. The axes are permuted so that the direction is
+/// longest along the third, and a shear takes the direction onto that axis.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShearedRay {
     origin: DVec3,
@@ -32,7 +32,7 @@ pub(super) struct ShearedRay {
 }
 
 impl ShearedRay {
-    /// Shears `ray`. A direction that is zero or not finite gives a ray that hits nothing.
+    /// Prepares `ray`. A direction that is zero or not finite gives a ray that hits nothing.
     pub fn new(ray: &Ray) -> Self {
         let last = ray.direction.abs().max_position();
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
@@ -44,16 +44,16 @@ impl ShearedRay {
         }
     }
 
-    /// Parameter and barycentric weights of the crossing with a triangle, from either side.
+    /// Parameter and barycentric weights of the ray's intersection with a triangle, from either side.
     ///
-    /// Watertight: a ray that passes between two triangles with a common edge, or through the fan round a common
-    /// corner, hits at least one. Each corner is sheared alone, so triangles that share it see the same 2D
-    /// point; an edge function is the difference of two rounded products, rounding is monotonic, so its sign is
-    /// right or it is zero, and zero counts as inside. A triangle seen exactly edge-on is not hit; its
-    /// neighbours across those edges are.
+    /// The test is watertight: a ray that passes between two triangles with a common edge, or through the fan
+    /// around a common corner, hits at least one of them. Each corner is sheared separately, so triangles
+    /// that share it compute the same 2D point. An edge function is the difference of two rounded products,
+    /// and rounding is monotonic, so its sign is either right or zero; zero counts as inside. A triangle seen
+    /// exactly edge-on is not hit; its neighbours across those edges are.
     ///
-    /// Source: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", with `f64` throughout: the
-    /// original's fallback to double precision for zeros is thus its main path, and zeros stay hits.
+    /// Source: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", in `f64` throughout. The
+    /// original's fallback to double precision for zeros is thus the main path, and zeros remain hits.
     pub fn intersect(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec3)> {
         let [a, b, c] = corners.map(|corner| {
             let p = corner - self.origin;

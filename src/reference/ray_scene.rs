@@ -1,4 +1,4 @@
-//! The triangles of a world, and the questions that rays ask of them.
+//! The triangles of a world, and the ray queries on them.
 
 use bevy_ecs::entity::Entity;
 use glam::DVec3;
@@ -9,35 +9,37 @@ use super::ray::{Ray, RayHit, ShearedRay};
 use crate::conventions::LIGHT_CLEARANCE;
 use crate::scene::SelectionLayers;
 
-/// Triangles beyond this coordinate are dropped, metres: the tree's areas in `f32` stay finite below it.
+/// Largest coordinate of a triangle, metres. Triangles beyond it are dropped; below it the areas in the tree,
+/// which are `f32`, stay finite.
 pub const MAX_COORDINATE: f64 = 1e15;
 
-/// A shadow ray to a light at a position ends at this share of the way: surfaces nearer to the light than
-/// [`LIGHT_CLEARANCE`] of the receiver's distance do not block it, as under every technique.
+/// Share of the way to a positional light at which a shadow ray ends. So surfaces nearer to the light than
+/// [`LIGHT_CLEARANCE`] times the receiver's distance do not block it, as under every technique.
 pub const LIGHT_END: f64 = 1.0 - LIGHT_CLEARANCE as f64;
 
-/// A triangle in world space and what it takes part in.
+/// A triangle in world space, and its roles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneTriangle {
-    /// Metres; counter-clockwise seen from its front, also where the object's transform mirrors.
+    /// Corners, metres. They are counter-clockwise as seen from the front, also if the object's transform
+    /// mirrors.
     pub corners: [DVec3; 3],
-    /// Where it comes from; `None` for bare triangles.
+    /// Entity that the triangle belongs to; `None` for bare triangles.
     pub entity: Option<Entity>,
-    /// Its place in the mesh's triangles, or in the sequence of bare triangles.
+    /// Index among the triangles of its mesh, or in the sequence of bare triangles.
     pub source_index: u32,
-    /// [`SelectionLayers`] of its entity.
+    /// Value of the entity's [`SelectionLayers`].
     pub layers: u32,
-    /// The camera sees it.
+    /// Whether the camera sees the triangle.
     pub is_primary: bool,
-    /// It blocks light.
+    /// Whether the triangle blocks light.
     pub blocks: bool,
-    /// It shows shadows; if not, it sees every light whole.
+    /// Whether the triangle shows shadows. If not, it sees every light whole.
     pub receives: bool,
-    /// The camera sees its back too.
+    /// Whether the camera also sees the triangle's back.
     pub is_double_sided: bool,
 }
 
-/// Triangles ready for rays.
+/// Triangles prepared for ray queries.
 #[derive(Clone, Debug, Default)]
 pub struct RayScene {
     triangles: Vec<SceneTriangle>,
@@ -46,7 +48,8 @@ pub struct RayScene {
 }
 
 impl RayScene {
-    /// A scene of bare triangles: seen from both sides, receiving, blocking, on the default layer.
+    /// A scene of bare triangles. They are visible from both sides, receive, block, and are on the default
+    /// layer.
     ///
     /// Triangles that are not finite, or beyond [`MAX_COORDINATE`], are dropped and counted.
     pub fn from_triangles(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Self {
@@ -62,7 +65,8 @@ impl RayScene {
         }))
     }
 
-    /// A scene of triangles with all that they take part in. Drops as [`from_triangles`](Self::from_triangles).
+    /// A scene of triangles with given roles. Triangles that are not finite, or beyond [`MAX_COORDINATE`],
+    /// are dropped and counted.
     pub fn from_scene_triangles(triangles: impl IntoIterator<Item = SceneTriangle>) -> Self {
         let mut dropped_count = 0;
         let mut triangles: Vec<SceneTriangle> = triangles
@@ -86,22 +90,22 @@ impl RayScene {
         }
     }
 
-    /// The triangles, in the scene's own order; [`RayHit::triangle`] is an index into them.
+    /// The triangles, in the scene's own order. [`RayHit::triangle`] is an index into them.
     pub fn triangles(&self) -> &[SceneTriangle] {
         &self.triangles
     }
 
-    /// How many triangles were not usable.
+    /// Number of triangles that were dropped because they were not usable.
     pub fn dropped_count(&self) -> usize {
         self.dropped_count
     }
 
-    /// Counts triangles of the world that could not be made at all.
+    /// Counts triangles of the world that could not be built at all.
     pub(super) fn add_dropped(&mut self, count: usize) {
         self.dropped_count += count;
     }
 
-    /// The nearest crossing with `t_min ≤ t < t_max` among the triangles that `accept` takes.
+    /// The nearest intersection with `t_min ≤ t < t_max` among the triangles for which `accept` returns true.
     pub fn closest_hit(
         &self,
         ray: &Ray,
@@ -132,9 +136,9 @@ impl RayScene {
         nearest
     }
 
-    /// Whether something blocks the segment from the surface point to `light_world`.
+    /// Whether a triangle blocks the segment from the surface point to `light_world`.
     ///
-    /// `receiver` is the triangle that the point lies on, if any; `casts_for` is that of
+    /// `receiver` is the triangle that the point lies on, if any. `casts_for` is the mask of
     /// [`LightSelection`](crate::scene::LightSelection).
     pub fn blocks_segment(
         &self,
@@ -150,7 +154,10 @@ impl RayScene {
         self.is_blocked(&ray, LIGHT_END, receiver, casts_for)
     }
 
-    /// Whether something blocks the half-line from the surface point along `towards_light`.
+    /// Whether a triangle blocks the half-line from the surface point along `towards_light`.
+    ///
+    /// `receiver` is the triangle that the point lies on, if any. `casts_for` is the mask of
+    /// [`LightSelection`](crate::scene::LightSelection).
     pub fn blocks_direction(
         &self,
         surface: DVec3,
@@ -165,7 +172,7 @@ impl RayScene {
         self.is_blocked(&ray, f64::INFINITY, receiver, casts_for)
     }
 
-    /// Whether a blocking triangle crosses the ray at `0 < t < t_max` and does not touch its origin.
+    /// Whether a blocking triangle crosses the ray at `0 < t < t_max` without touching its origin.
     fn is_blocked(&self, ray: &Ray, t_max: f64, receiver: Option<u32>, casts_for: u32) -> bool {
         let sheared = ShearedRay::new(ray);
         let mut blocked = false;

@@ -1,6 +1,6 @@
 //! Repeatable stratified samples of the unit square.
 
-/// Random numbers that depend on a seed and a stream alone, so that no thread order shows.
+/// Random numbers that depend only on a seed and a stream, so that the order of threads has no influence.
 ///
 /// Source: Steele, Lea, Flood 2014, "Fast Splittable Pseudorandom Number Generators" (SplitMix64).
 #[derive(Clone, Debug)]
@@ -10,12 +10,12 @@ pub(super) struct SplitMix(u64);
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 impl SplitMix {
-    /// The numbers of stream `stream` (a pixel) for `seed`.
+    /// The random numbers of one stream (such as a pixel) for a seed.
     pub fn new(seed: u64, stream: u64) -> Self {
         Self(mix(mix(seed.wrapping_add(GOLDEN)) ^ stream.wrapping_mul(GOLDEN)))
     }
 
-    /// Uniform in 0..1.
+    /// The next number, uniform in 0..1.
     fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(GOLDEN);
         (mix(self.0) >> 11) as f64 / (1u64 << 53) as f64
@@ -28,12 +28,12 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Side of the square grid of strata for about `samples` samples: √samples rounded, at least 1.
+/// Side of the square grid of strata for about `samples` samples: √samples, rounded, at least 1.
 pub(super) fn strata_per_side(samples: u32) -> u32 {
     (f64::from(samples).sqrt().round() as u32).max(1)
 }
 
-/// A sample in each of `side · side` strata of the unit square.
+/// Yields one sample in each of `side · side` strata of the unit square.
 pub(super) fn stratified(side: u32, mut random: SplitMix) -> impl Iterator<Item = [f64; 2]> {
     (0..side)
         .flat_map(move |j| (0..side).map(move |i| (i, j)))

@@ -9,7 +9,8 @@ use super::primary::{HitImage, SurfaceHit};
 use super::ray_scene::RayScene;
 use super::sampling::{SplitMix, strata_per_side, stratified};
 
-/// A visibility per pixel, rows from the top: 1 sees the whole light, 0 none, NaN does not count.
+/// Visibility of a light at every pixel: 1 where the surface sees the whole light, 0 where it sees none of
+/// it, NaN where the pixel does not count.
 #[derive(Clone, Debug)]
 pub struct VisibilityImage {
     size: UVec2,
@@ -17,10 +18,10 @@ pub struct VisibilityImage {
 }
 
 impl VisibilityImage {
-    /// An image of given values, such as those that a technique wrote.
+    /// An image with the given values, for example those that a technique wrote.
     ///
     /// # Errors
-    /// [`ReferenceError::ValueCount`].
+    /// [`ReferenceError::ValueCount`] if the number of values does not fit the size.
     pub fn new(size: UVec2, values: Vec<f32>) -> Result<Self, ReferenceError> {
         if values.len() as u64 != u64::from(size.x) * u64::from(size.y) {
             return Err(ReferenceError::ValueCount {
@@ -31,30 +32,31 @@ impl VisibilityImage {
         Ok(Self { size, values })
     }
 
-    /// Pixels.
+    /// Width and height, pixels.
     pub fn size(&self) -> UVec2 {
         self.size
     }
 
-    /// One value per pixel, rows from the top.
+    /// One value for each pixel, rows from the top.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// Value of a pixel; `None` outside of the image.
+    /// Value of a pixel; `None` outside the image.
     pub fn get(&self, x: u32, y: u32) -> Option<f32> {
         (x < self.size.x && y < self.size.y)
             .then(|| self.values[y as usize * self.size.x as usize + x as usize])
     }
 
-    /// How many pixels count.
+    /// Number of pixels that count.
     pub fn counted(&self) -> usize {
         self.values.iter().filter(|value| !value.is_nan()).count()
     }
 }
 
-/// Visibility of the light's centre by one ray a pixel: 0 or 1, NaN where the pixel does not count: no surface,
-/// a surface that the light does not select, or that it does not reach ([`LightSource::reaches`]).
+/// Visibility of the light's centre, by one ray for each pixel: 0 or 1. It is NaN where the pixel does not
+/// count: where it shows no surface, or a surface that the light does not select or does not reach
+/// ([`LightSource::reaches`]).
 pub fn hard_visibility(scene: &RayScene, hits: &HitImage, light: &LightSource) -> VisibilityImage {
     let point = match light.shape {
         LightShape::Rect { center, .. } | LightShape::Sphere { center, .. } => {
@@ -74,10 +76,12 @@ pub fn hard_visibility(scene: &RayScene, hits: &HitImage, light: &LightSource) -
     })
 }
 
-/// Visible fraction of the light by about `samples` rays a pixel (a square grid of strata, a sample at random
-/// within each); lights that are points get one ray. NaN as in [`hard_visibility`].
+/// Visible fraction of the light, by about `samples` rays for each pixel: one at random in each stratum of a
+/// square grid. Lights that are points get one ray. Pixels that do not count are NaN, as in
+/// [`hard_visibility`].
 ///
-/// Pixels draw their samples independently; a pixel's depend on `seed` and its index alone.
+/// Higher `samples` reduce noise and cost time in proportion. Pixels draw their samples independently; the
+/// samples of a pixel depend only on `seed` and the pixel's index.
 pub fn soft_visibility(
     scene: &RayScene,
     hits: &HitImage,
@@ -90,8 +94,8 @@ pub fn soft_visibility(
     })
 }
 
-/// Visible fraction of the light from one surface point, whether or not it counts. `stream` tells points apart
-/// that share a seed.
+/// Visible fraction of the light from one surface point, whether or not the point counts. `stream`
+/// distinguishes points that share a seed.
 pub fn soft_visibility_at(
     scene: &RayScene,
     hit: &SurfaceHit,
@@ -131,7 +135,8 @@ fn per_pixel(
     }
 }
 
-/// Share of the samples that the surface point sees. Samples on or below its horizon are not seen.
+/// Share of the samples that are visible from the surface point. Samples on or below its horizon are not
+/// visible.
 fn sampled_visibility(
     scene: &RayScene,
     hit: &SurfaceHit,
@@ -170,7 +175,7 @@ fn sampled_visibility(
             let towards = (center - hit.position).normalize_or(hit.normal);
             let (right, up) = towards.any_orthonormal_pair();
             share_seen(&|[u, v]| {
-                // √ makes the strata equal in area.
+                // The square root gives the strata equal areas.
                 let (sin, cos) = (v * std::f64::consts::TAU).sin_cos();
                 center + (right * cos + up * sin) * (u.sqrt() * radius)
             })

@@ -12,24 +12,40 @@
 pub(crate) mod context;
 pub(crate) mod frame;
 pub(crate) mod gpu;
+pub(crate) mod light_function;
 pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
+pub(crate) mod recorders;
 pub(crate) mod renderer;
+pub(crate) mod report;
+pub(crate) mod resident;
 pub(crate) mod settings;
 pub(crate) mod shaders;
 
 pub use context::{RenderContext, RenderError, RequestedFeatures};
-pub use frame::frame_data::{ActiveLight, FrameData, Viewport};
+pub use frame::draw_list::{Batch, Variant};
+pub use frame::frame_data::{ActiveLight, FrameData, LightShadow, LightSlot, TechniqueIndex, Viewport};
 pub use frame::hosted::{HostFrame, HostView, stencil_lit};
 pub use frame::record::FrameOutputs;
-pub use frame::targets::{FrameTargets, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target};
+pub use frame::targets::{
+    FrameTargets, MASK_FORMAT, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target,
+};
+pub use gpu::pipeline_cache::{PipelineCache, PipelineDesc, Stage, Variants};
 pub use gpu::readback;
 pub use gpu::timings::{PassTime, Timings};
-pub use nodes::pipelines::VISIBILITY_FORMAT;
-pub use recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
+pub use light_function::{LightFunction, MULTIPLY};
+pub use nodes::pipelines::{SURFACE_BUFFERS, VISIBILITY_FORMAT};
+pub use nodes::surfaces::SurfaceResources;
+pub use pools::meshes::OversizedMesh;
+pub use recorder::{
+    Leaves, Mark, PictureInput, PrepareInput, Receivers, RecordInput, Recorder, Resolve, ResolveInput,
+    ShadowKind,
+};
+pub use recorders::{NoRecorder, Recorders};
 pub use renderer::Renderer;
+pub use resident::Gpu;
 pub use settings::RenderSettings;
-pub use shaders::Shaders;
+pub use shaders::{ShaderFile, Shaders};
 /// The version of wgpu whose devices, encoders and views all of this takes: types of another are other types.
 pub use wgpu;

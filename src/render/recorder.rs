@@ -1,29 +1,56 @@
-//! How a shadow technique joins the frame. A third party implements [`Recorder`] and hands it to
-//! [`Renderer::add_technique`](super::Renderer::add_technique); nothing here knows the techniques by name.
+//! How a shadow technique joins the frame: the GPU side of a [`Technique`](crate::techniques::Technique). Nothing here knows
+//! the techniques by name.
 
 use bevy_ecs::prelude::World;
 use fixedbitset::FixedBitSet;
 use glam::UVec2;
 
+use super::frame::draw_list::Batch;
 use super::frame::frame_data::Viewport;
 use super::frame::targets::{FrameTargets, MaskTargets};
-use super::gpu::bind_groups::BindGroupLayouts;
 use super::gpu::timings::Timings;
 use super::nodes::light_begin::LightBegin;
+use super::nodes::surfaces::{SurfaceResources, draw_batch, set_mesh};
 use super::pools::materials::MaterialPool;
 use super::pools::meshes::MeshPool;
 use super::pools::objects::ObjectTable;
-use super::{RenderContext, RenderError, Shaders};
+use super::{Gpu, RenderContext, RenderError};
 
-/// What a technique leaves of one light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Leaves {
-    /// The stencil counts shadow volumes over [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS): lit
-    /// where the count is 0.
+/// What a technique leaves of one light, and which part of the technique leaves it.
+#[derive(Clone, Copy)]
+pub enum Leaves<'a> {
+    /// The stencil counts shadow volumes over [`STENCIL_IN_BOUNDS`](crate::conventions::STENCIL_IN_BOUNDS): a surface is
+    /// lit where the count is 0.
+    Stencil(&'a dyn Mark),
+    /// The mask holds visibility. Alpha is the visible share of the whole emitter. Red, green and blue are, by colour, the
+    /// visible share of that part of the emitter which is above the surface's horizon; the light pass already leaves out the
+    /// part below it.
+    Mask(&'a dyn Resolve),
+}
+
+/// The kind of [`Leaves`], without the part of the technique that leaves it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ShadowKind {
+    /// The technique counts in the stencil.
     Stencil,
-    /// The mask holds visibility: of the emitter's area in a; by colour in rgb, where a technique that takes light below the
-    /// surface's horizon for hidden gives the share of what is above, for the light pass cuts areas there itself.
+    /// The technique writes the mask.
     Mask,
+}
+
+impl Leaves<'_> {
+    /// The kind, for choosing pipelines.
+    pub fn kind(&self) -> ShadowKind {
+        match self {
+            Self::Stencil(_) => ShadowKind::Stencil,
+            Self::Mask(_) => ShadowKind::Mask,
+        }
+    }
+}
+
+impl std::fmt::Debug for Leaves<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.kind().fmt(f)
+    }
 }
 
 /// What a technique may use while it prepares.
@@ -31,10 +58,8 @@ pub enum Leaves {
 pub struct PrepareInput<'a> {
     /// The device.
     pub context: &'a RenderContext,
-    /// Shader composition.
-    pub shaders: &'a Shaders,
-    /// The layouts that passes share.
-    pub layouts: &'a BindGroupLayouts,
+    /// What all views share: pipelines, layouts, shaders.
+    pub gpu: &'a Gpu,
     /// Meshes in buffers.
     pub meshes: &'a MeshPool,
     /// Mesh index and handedness by dense object index.
@@ -60,8 +85,65 @@ pub struct RecordInput<'a> {
     pub table: &'a ObjectTable,
     /// The part of the targets that the view has. A pass begins with all of them.
     pub viewport: Viewport,
+    /// The receivers of the light at hand, for a technique that draws them.
+    pub receivers: Receivers<'a>,
     /// Objects of which alone shadows matter, by dense index; `None`: all. A technique may leave others out.
     pub casters: Option<&'a FixedBitSet>,
+}
+
+/// The surfaces that one light lights: its set I, or the blended surfaces of the front layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Receivers<'a> {
+    /// Their draws, and among them those of objects that show no shadows ([`Variant::unshadowed`]).
+    ///
+    /// [`Variant::unshadowed`]: crate::render::Variant::unshadowed
+    pub batches: &'a [Batch],
+    /// What the batches refer to.
+    pub surfaces: SurfaceResources<'a>,
+}
+
+impl Receivers<'_> {
+    /// Draws those that show shadows with the pipeline that is set, whose vertex buffers are [`SURFACE_BUFFERS`]: position,
+    /// normal, tangent, both sets of texture coordinates, colour, and the index of the object in group 0. Sets group 2 to
+    /// the material.
+    ///
+    /// [`SURFACE_BUFFERS`]: crate::render::SURFACE_BUFFERS
+    pub fn draw(&self, pass: &mut wgpu::RenderPass) {
+        for batch in self.batches.iter().filter(|batch| !batch.variant.unshadowed) {
+            let surfaces = &self.surfaces;
+            let (Some(mesh), Some(material)) = (
+                surfaces.meshes.get(batch.mesh),
+                surfaces.materials.get(batch.material),
+            ) else {
+                continue;
+            };
+            pass.set_bind_group(2, &material.bind_group, &[]);
+            set_mesh(pass, mesh, surfaces.instances);
+            draw_batch(pass, mesh, batch);
+        }
+    }
+}
+
+/// What a technique may use while it draws its light-space pictures.
+#[derive(Debug)]
+pub struct PictureInput<'a> {
+    /// The device, for bind groups that are made while recording.
+    pub context: &'a RenderContext,
+    /// Meshes in buffers.
+    pub meshes: &'a MeshPool,
+    /// Materials in bind groups, for casters with holes.
+    pub materials: &'a MaterialPool,
+    /// The timers of passes.
+    pub timings: &'a Timings,
+    /// The label of each light, by index into [`FrameLights`](crate::sets::FrameLights).
+    pub labels: &'a [String],
+}
+
+impl PictureInput<'_> {
+    /// The label of one light.
+    pub fn label(&self, light: usize) -> &str {
+        self.labels.get(light).map_or("light", String::as_str)
+    }
 }
 
 /// What a technique may use while it resolves a mask.
@@ -71,8 +153,6 @@ pub struct ResolveInput<'a> {
     pub context: &'a RenderContext,
     /// What every recorder has.
     pub record: RecordInput<'a>,
-    /// For bind groups of the frame's textures.
-    pub device: &'a wgpu::Device,
     /// Depth and stencil of the frame; the depth must stay as it is, the stencil is the technique's own.
     pub targets: &'a FrameTargets,
     /// Radiance of the frame, for passes that share pipelines with the light's; it must stay as it is.
@@ -87,41 +167,58 @@ pub struct ResolveInput<'a> {
     pub light_begin: &'a LightBegin,
     /// For the passes' timestamps; passes are labelled `<label>/<pass>`.
     pub timings: &'a Timings,
-    /// Label of the light.
+    /// The label of the light.
     pub label: &'a str,
+    /// The label of each light, by index into [`FrameLights`](crate::sets::FrameLights).
+    pub labels: &'a [String],
 }
 
-/// The GPU side of a shadow technique.
-pub trait Recorder: Send + Sync + 'static {
-    /// For labels and statistics, in snake case.
-    fn name(&self) -> &'static str;
+impl<'a> ResolveInput<'a> {
+    /// The same for pictures that are drawn just before they are looked up.
+    pub fn pictures(&self) -> PictureInput<'a> {
+        PictureInput {
+            context: self.context,
+            meshes: self.record.meshes,
+            materials: self.record.materials,
+            timings: self.timings,
+            labels: self.labels,
+        }
+    }
+}
 
+/// The part of a technique that counts in the stencil ([`Leaves::Stencil`]).
+pub trait Mark {
+    /// Marks what one light does not see. The pass has depth (read-only), stencil, and a radiance target that must not be
+    /// written; the scissor is set and the stencil begun.
+    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
+}
+
+/// The part of a technique that writes the mask ([`Leaves::Mask`]).
+pub trait Resolve {
+    /// Records passes that leave the mask of one light, at every pixel of its scissor whose depth is in range.
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput);
+}
+
+/// The GPU side of a shadow technique. A frame calls, in this order: [`Recorder::prepare`], [`Recorder::draw_pictures`], and
+/// for each light [`Mark::mark`] or [`Resolve::resolve`] of what [`Recorder::light`] gave.
+pub trait Recorder: Send + Sync + 'static {
     /// Uploads what the frame's lights need. The world holds the sets, silhouettes and the technique's own data.
     ///
     /// # Errors
     /// Whatever the device refuses.
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError>;
 
-    /// What this technique will leave for the light at `light` in [`FrameLights`](crate::sets::FrameLights);
-    /// `None` if the light is not its own.
-    fn visibility(&self, light: usize) -> Option<Leaves>;
+    /// Draws the pictures that lights see: once a frame, before anything of the screen, however many times their lookup
+    /// follows.
+    fn draw_pictures(&self, _encoder: &mut wgpu::CommandEncoder, _input: &PictureInput) {}
 
-    /// For [`Leaves::Stencil`]: marks what one light does not see. The pass has depth (read-only), stencil, and a
-    /// radiance target that must not be written; the scissor is set and the stencil begun.
-    fn mark(&self, _light: usize, _pass: &mut wgpu::RenderPass, _input: &RecordInput) {}
-
-    /// For [`Leaves::Mask`]: records passes that leave the mask of one light, at every pixel of its scissor whose
-    /// depth is in range.
-    fn resolve(&self, _light: usize, _encoder: &mut wgpu::CommandEncoder, _input: &ResolveInput) {}
-
-    /// Whether [`Recorder::resolve`] reads the receivers' planes, which are then drawn before.
-    fn reads_planes(&self) -> bool {
-        false
-    }
+    /// What this technique leaves for the light at `light` in [`FrameLights`](crate::sets::FrameLights); `None` if another
+    /// technique shadows the light.
+    fn light(&self, light: usize) -> Option<Leaves<'_>>;
 
     /// Draws the technique's geometry over the picture: its debug view.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput);
 
-    /// Draw calls of [`Recorder::mark`] or [`Recorder::resolve`] for one light.
+    /// The number of draw calls that the shadows of one light take.
     fn batch_count(&self, light: usize) -> usize;
 }

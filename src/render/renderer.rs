@@ -1,4 +1,7 @@
-//! What lives long on the GPU.
+//! One view's part of the GPU, and the recorders of its techniques.
+
+use std::any::TypeId;
+use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
@@ -7,32 +10,34 @@ use super::frame::draw_list::DrawListBuilder;
 use super::frame::frame_data::{ActiveLight, FrameData};
 use super::frame::hosted::HostView;
 use super::frame::targets::{MaskTargets, RadianceTarget};
-use super::gpu::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, bind_in_order};
+use super::gpu::bind_groups::bind_in_order;
 use super::gpu::buffers::GrowingBuffer;
+use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
+use super::light_function::LightFunction;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
 use super::nodes::light_begin::LightBegin;
+use super::nodes::light_function::StencilToMask;
 use super::nodes::pipelines::SurfacePipelines;
 use super::nodes::surfaces::SurfaceResources;
 use super::nodes::tonemap::Tonemap;
 use super::pools::gpu_types;
 use super::pools::materials::MaterialPool;
-use super::pools::meshes::MeshPool;
+use super::pools::meshes::{MeshPool, OversizedMesh};
 use super::pools::objects::ObjectTable;
-use super::recorder::{RecordInput, Recorder};
+use super::recorder::{Leaves, Recorder};
+use super::recorders::Recorders;
 use super::settings::RenderSettings;
-use super::{FrameTargets, RenderContext, RenderError, Shaders};
+use super::{FrameTargets, Gpu, RenderContext, RenderError};
 
 /// Draws frames. A resource; systems of [`systems`](super::frame::prepare) prepare it, [`Renderer::record`] draws.
 #[derive(Resource)]
 pub struct Renderer {
     /// How the frame is drawn.
     pub settings: RenderSettings,
-    pub(super) context: RenderContext,
-    pub(super) shaders: Shaders,
-    pub(super) layouts: BindGroupLayouts,
+    pub(super) gpu: Arc<Gpu>,
     pub(super) pipelines: SurfacePipelines,
     pub(super) light_begin: LightBegin,
     pub(super) tonemap: Tonemap,
@@ -43,12 +48,14 @@ pub struct Renderer {
     pub(super) last_clip_from_world: Option<DMat4>,
     pub(super) view_buffer: wgpu::Buffer,
     pub(super) objects: GrowingBuffer,
-    pub(super) light_buffer: GrowingBuffer,
+    pub(super) lights: StridedUniforms<gpu_types::Light>,
     pub(super) instances: GrowingBuffer,
     pub(super) view_group: wgpu::BindGroup,
     pub(super) light_group: wgpu::BindGroup,
     pub(super) draw_lists: DrawListBuilder,
-    pub(super) techniques: Vec<Box<dyn Recorder>>,
+    pub(super) techniques: Recorders,
+    pub(super) functions: Vec<Box<dyn LightFunction>>,
+    pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
@@ -67,25 +74,30 @@ impl std::fmt::Debug for Renderer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Renderer")
             .field("settings", &self.settings)
-            .field("context", &self.context)
+            .field("gpu", &self.gpu)
             .field("frame", &self.frame)
             .finish_non_exhaustive()
     }
 }
 
 impl Renderer {
-    /// A renderer. The schedule gives it the crate's own techniques in its first frame
-    /// ([`add_builtin_techniques`](crate::techniques::add_builtin_techniques)).
+    /// The renderer of one view, with a device that it shares with no other view.
     ///
     /// # Errors
     /// [`RenderError::Shader`] if a shader does not compose.
     pub fn new(context: RenderContext) -> Result<Self, RenderError> {
-        let shaders = Shaders::new()?;
-        let layouts = BindGroupLayouts::new(&context.device);
-        let pipelines = SurfacePipelines::new(&context, &shaders, &layouts)?;
-        let storage = wgpu::BufferUsages::STORAGE;
-        let objects = GrowingBuffer::new(&context, "objects", storage);
-        let light_buffer = GrowingBuffer::new(&context, "lights", wgpu::BufferUsages::UNIFORM);
+        Self::on(Arc::new(Gpu::new(context)?))
+    }
+
+    /// The renderer of one view. It shares pipelines, meshes and materials with all views that draw on `gpu`. The schedule
+    /// gives it the crate's own techniques in its first frame.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] if a shader does not compose.
+    pub fn on(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
+        let context = &gpu.context;
+        let objects = GrowingBuffer::new(context, "objects", wgpu::BufferUsages::STORAGE);
+        let lights = StridedUniforms::new(context, "lights");
         let view_buffer = context.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("view"),
             size: size_of::<gpu_types::View>() as u64,
@@ -94,18 +106,21 @@ impl Renderer {
         });
         Ok(Self {
             settings: RenderSettings::default(),
-            light_begin: LightBegin::new(&context, &shaders)?,
-            tonemap: Tonemap::new(&context, &shaders, &layouts)?,
+            pipelines: SurfacePipelines::new(&gpu)?,
+            light_begin: LightBegin::new(&gpu)?,
+            tonemap: Tonemap::new(&gpu)?,
             meshes: MeshPool::default(),
-            materials: MaterialPool::new(&context),
+            materials: MaterialPool::default(),
             table: ObjectTable::default(),
             table_generation: None,
             last_clip_from_world: None,
-            view_group: bind_view(&context, &layouts, &view_buffer, &objects.buffer),
-            light_group: bind_lights(&context, &layouts, &light_buffer.buffer),
-            instances: GrowingBuffer::new(&context, "instances", wgpu::BufferUsages::VERTEX),
+            view_group: bind_view(&gpu, &view_buffer, &objects.buffer),
+            light_group: bind_lights(&gpu, &lights),
+            instances: GrowingBuffer::new(context, "instances", wgpu::BufferUsages::VERTEX),
             draw_lists: DrawListBuilder::default(),
-            techniques: Vec::new(),
+            techniques: Recorders::default(),
+            functions: Vec::new(),
+            stencil_to_mask: None,
             targets: None,
             radiance: None,
             host: None,
@@ -113,44 +128,65 @@ impl Renderer {
             host_select: None,
             front: None,
             masks: None,
-            depth_copy: DepthCopy::new(&context, &shaders, &layouts)?,
+            depth_copy: DepthCopy::new(&gpu)?,
             labels: Vec::new(),
             frame: FrameData::default(),
-            timings: Timings::new(&context),
+            timings: Timings::new(context),
             failure: None,
-            context,
-            shaders,
-            layouts,
-            pipelines,
             view_buffer,
             objects,
-            light_buffer,
+            lights,
+            gpu,
         })
     }
 
-    /// Adds a technique; lights that it claims are shadowed by it. Earlier ones are asked first.
-    pub fn add_technique(&mut self, technique: Box<dyn Recorder>) {
-        self.techniques.push(technique);
+    /// The recorders of the world's techniques.
+    pub fn recorders(&self) -> &Recorders {
+        &self.techniques
     }
 
-    /// Whether a technique of this name was added.
-    pub fn has_technique(&self, name: &str) -> bool {
-        self.techniques.iter().any(|technique| technique.name() == name)
+    /// Adds the recorder of the next technique of the world's list ([`Recorders`]).
+    ///
+    /// # Errors
+    /// What the recorder could not be made for.
+    pub(crate) fn add_recorder(
+        &mut self,
+        kind: TypeId,
+        make: impl FnOnce(&Gpu) -> Result<Box<dyn Recorder>, RenderError>,
+    ) -> Result<(), RenderError> {
+        if !self.techniques.knows(kind) {
+            let recorder = make(&self.gpu)?;
+            self.techniques.push(kind, recorder);
+        }
+        self.techniques.add_row(kind);
+        Ok(())
+    }
+
+    /// Adds a function that scales what lights give at each surface. Functions that scale the same light are multiplied.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn add_light_function(&mut self, function: Box<dyn LightFunction>) -> Result<(), RenderError> {
+        if self.stencil_to_mask.is_none() {
+            self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
+        }
+        self.functions.push(function);
+        Ok(())
+    }
+
+    /// Whether a function may scale lights.
+    pub fn has_light_functions(&self) -> bool {
+        !self.functions.is_empty()
+    }
+
+    /// What this view shares with others: device, shaders, layouts, pipelines, meshes, materials.
+    pub fn gpu(&self) -> &Arc<Gpu> {
+        &self.gpu
     }
 
     /// The device.
     pub fn context(&self) -> &RenderContext {
-        &self.context
-    }
-
-    /// Shader composition, for techniques of third parties.
-    pub fn shaders(&self) -> &Shaders {
-        &self.shaders
-    }
-
-    /// The layouts that passes share.
-    pub fn layouts(&self) -> &BindGroupLayouts {
-        &self.layouts
+        &self.gpu.context
     }
 
     /// Depth and stencil of the last frame; `None` before the first, or for a frame without pixels.
@@ -178,28 +214,31 @@ impl Renderer {
         &self.timings
     }
 
-    /// Pipelines made so far; does not grow in a steady frame.
+    /// The number of pipelines that all views of the device made so far; it does not grow in a steady frame.
     pub fn pipelines_created(&self) -> usize {
-        self.pipelines.created
+        self.gpu.pipeline_count()
     }
 
-    /// Meshes that are not drawn because the device allows no buffer of their size.
-    pub fn oversized_meshes(&self) -> usize {
-        self.meshes.oversized
+    /// Objects that are not drawn because the device allows no buffer of their mesh's size.
+    pub fn oversized_meshes(&self) -> &[OversizedMesh] {
+        &self.meshes.oversized
     }
 
     /// Name of the technique of one light of the frame, `none` without.
     pub fn technique_name(&self, light: &ActiveLight) -> &'static str {
-        light
-            .shadow
-            .map_or("none", |(technique, _)| self.techniques[technique].name())
+        light.technique.map_or("none", |technique| technique.name)
     }
 
     /// Draw calls of the technique of one light of the frame.
     pub fn shadow_batch_count(&self, light: &ActiveLight) -> usize {
-        light.shadow.map_or(0, |(technique, _)| {
-            self.techniques[technique].batch_count(light.light)
+        light.shadow.map_or(0, |shadow| {
+            self.techniques[shadow.technique.0].batch_count(light.light)
         })
+    }
+
+    /// What went wrong while the frame was prepared, if anything and if nobody took it.
+    pub fn failure(&self) -> Option<&RenderError> {
+        self.failure.as_ref()
     }
 
     /// What went wrong while the frame was prepared, if anything; such a frame draws nothing.
@@ -224,10 +263,11 @@ impl Renderer {
         if size.min_element() == 0 {
             return Ok(()); // there is nothing to draw
         }
-        let targets = FrameTargets::new(&self.context, &self.layouts, "depth and stencil", size)?;
+        let gpu = &self.gpu;
+        let targets = FrameTargets::new(&gpu.context, &gpu.layouts, "depth and stencil", size)?;
         if self.host.is_none() {
-            let radiance = RadianceTarget::new(&self.context, size)?;
-            let tonemap_group = self.tonemap.bind(&self.context, &radiance.view);
+            let radiance = RadianceTarget::new(&gpu.context, size)?;
+            let tonemap_group = self.tonemap.bind(gpu, &radiance.view);
             self.radiance = Some((radiance, tonemap_group));
         }
         self.targets = Some(targets);
@@ -239,39 +279,27 @@ impl Renderer {
         let Some(targets) = &self.targets else {
             return Ok(());
         };
+        let Gpu { context, layouts, .. } = &*self.gpu;
         if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
-            self.masks = Some(MaskTargets::new(&self.context, &self.layouts, targets)?);
+            self.masks = Some(MaskTargets::new(context, layouts, targets)?);
         }
         if self.front.is_none() && self.frame.has_front_layer() {
             let label = "front depth and stencil";
-            self.front = Some(FrameTargets::new(
-                &self.context,
-                &self.layouts,
-                label,
-                targets.size,
-            )?);
+            self.front = Some(FrameTargets::new(context, layouts, label, targets.size)?);
         }
         Ok(())
     }
 
     pub(super) fn write_objects(&mut self) {
         let bytes = bytemuck::cast_slice(self.table.constants());
-        if self.objects.write(&self.context, bytes) {
-            self.view_group = bind_view(
-                &self.context,
-                &self.layouts,
-                &self.view_buffer,
-                &self.objects.buffer,
-            );
+        if self.objects.write(&self.gpu.context, bytes) {
+            self.view_group = bind_view(&self.gpu, &self.view_buffer, &self.objects.buffer);
         }
     }
 
     pub(super) fn write_lights(&mut self) {
-        if self
-            .light_buffer
-            .write(&self.context, &self.frame.light_constants)
-        {
-            self.light_group = bind_lights(&self.context, &self.layouts, &self.light_buffer.buffer);
+        if self.lights.write(&self.gpu.context) {
+            self.light_group = bind_lights(&self.gpu, &self.lights);
         }
     }
 
@@ -284,45 +312,22 @@ impl Renderer {
         }
     }
 
-    pub(super) fn record_input(&self) -> RecordInput<'_> {
-        RecordInput {
-            view: &self.view_group,
-            meshes: &self.meshes,
-            materials: &self.materials,
-            table: &self.table,
-            viewport: self.frame.viewport,
-            casters: None,
-        }
+    /// What the technique of a light leaves of it.
+    pub(super) fn leaves(&self, light: &ActiveLight) -> Option<Leaves<'_>> {
+        self.techniques[light.shadow?.technique.0].light(light.light)
     }
 }
 
-fn bind_view(
-    context: &RenderContext,
-    layouts: &BindGroupLayouts,
-    view: &wgpu::Buffer,
-    objects: &wgpu::Buffer,
-) -> wgpu::BindGroup {
+fn bind_view(gpu: &Gpu, view: &wgpu::Buffer, objects: &wgpu::Buffer) -> wgpu::BindGroup {
     bind_in_order(
-        &context.device,
+        &gpu.context.device,
         "view",
-        &layouts.view,
+        &gpu.layouts.view,
         [view.as_entire_binding(), objects.as_entire_binding()],
     )
 }
 
-fn bind_lights(
-    context: &RenderContext,
-    layouts: &BindGroupLayouts,
-    lights: &wgpu::Buffer,
-) -> wgpu::BindGroup {
-    bind_in_order(
-        &context.device,
-        "lights",
-        &layouts.light,
-        [wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-            buffer: lights,
-            offset: 0,
-            size: std::num::NonZeroU64::new(LIGHT_STRIDE.min(size_of::<gpu_types::Light>() as u64)),
-        })],
-    )
+fn bind_lights(gpu: &Gpu, lights: &StridedUniforms<gpu_types::Light>) -> wgpu::BindGroup {
+    let layout = &gpu.layouts.light;
+    bind_in_order(&gpu.context.device, "lights", layout, [lights.binding()])
 }

@@ -1,7 +1,7 @@
 //! Composition of the WGSL files with naga_oil into plain modules.
 
 use std::borrow::Cow;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use naga_oil::compose::{
     ComposableModuleDescriptor, Composer, ComposerError, NagaModuleDescriptor, ShaderLanguage, ShaderType,
@@ -9,14 +9,36 @@ use naga_oil::compose::{
 
 use super::RenderError;
 
-macro_rules! sources {
-    ($($path:literal),* $(,)?) => {
-        [$(($path, include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)))),*]
-    };
+/// A WGSL file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShaderFile {
+    /// Path, for messages and [`Shaders::module`].
+    pub path: &'static str,
+    /// Text.
+    pub source: &'static str,
 }
 
-/// Imported files without entry points, each after those that it imports.
-pub const COMMON: [(&str, &str); 12] = sources![
+impl ShaderFile {
+    /// Whether other files import this one. It has no entry points then.
+    pub fn is_imported(&self) -> bool {
+        let defines = |line: &str| line.trim_start().starts_with("#define_import_path");
+        self.source.lines().any(defines)
+    }
+}
+
+/// Files of the folder `shaders`.
+macro_rules! shader_files {
+    ($($path:literal),* $(,)?) => {
+        &[$($crate::render::shaders::ShaderFile {
+            path: $path,
+            source: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/shaders/", $path)),
+        }),*]
+    };
+}
+pub(crate) use shader_files;
+
+/// The files of the renderer, each after those that it imports. Those of techniques come with their rows.
+pub const FILES: &[ShaderFile] = shader_files![
     "common/conventions.wgsl",
     "common/view.wgsl",
     "common/receiver.wgsl",
@@ -26,33 +48,27 @@ pub const COMMON: [(&str, &str); 12] = sources![
     "common/light.wgsl",
     "common/mask.wgsl",
     "common/front.wgsl",
-    "common/coverage.wgsl",
-    "common/wedge_light.wgsl",
-    "common/map.wgsl",
-];
-
-/// Files with entry points.
-pub const PASSES: [(&str, &str); 15] = sources![
     "passes/ambient.wgsl",
     "passes/depth_copy.wgsl",
+    "passes/full_screen.wgsl",
     "passes/host_depth.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",
+    "passes/light_function.wgsl",
     "passes/receiver_plane.wgsl",
     "passes/visibility.wgsl",
     "passes/tonemap.wgsl",
-    "techniques/stencil_volume/volume.wgsl",
-    "techniques/penumbra_wedge/wedge.wgsl",
-    "techniques/penumbra_wedge/resolve.wgsl",
-    "techniques/maps/caster.wgsl",
-    "techniques/maps/convert.wgsl",
-    "techniques/maps/frustum.wgsl",
-    "techniques/maps/resolve.wgsl",
 ];
 
 /// Composes shader modules from the crate's files and from those of third parties.
 pub struct Shaders {
-    composer: Mutex<Composer>,
+    known: Mutex<Known>,
+}
+
+#[derive(Default)]
+struct Known {
+    composer: Composer,
+    files: Vec<ShaderFile>,
 }
 
 impl std::fmt::Debug for Shaders {
@@ -62,26 +78,45 @@ impl std::fmt::Debug for Shaders {
 }
 
 impl Shaders {
-    /// A composer that knows the [`COMMON`] files.
+    /// A composer that knows the [`FILES`] of the renderer.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
     pub fn new() -> Result<Self, RenderError> {
-        let mut composer = Composer::default();
-        for (path, source) in COMMON {
-            let added = composer
-                .add_composable_module(ComposableModuleDescriptor {
-                    source,
-                    file_path: path,
-                    language: ShaderLanguage::Wgsl,
-                    ..Default::default()
-                })
-                .map(|_| ());
-            added.map_err(|error| shader_error(path, &error, &composer))?;
+        let shaders = Self {
+            known: Mutex::default(),
+        };
+        shaders.add(FILES)?;
+        Ok(shaders)
+    }
+
+    /// Makes files known, each after those that it imports. A file that is known already is left as it is.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] names the file and the place.
+    pub fn add(&self, files: &[ShaderFile]) -> Result<(), RenderError> {
+        let Known {
+            composer,
+            files: known,
+        } = &mut *self.lock();
+        for file in files {
+            if known.iter().any(|known| known.path == file.path) {
+                continue;
+            }
+            if file.is_imported() {
+                let added = composer
+                    .add_composable_module(ComposableModuleDescriptor {
+                        source: file.source,
+                        file_path: file.path,
+                        language: ShaderLanguage::Wgsl,
+                        ..Default::default()
+                    })
+                    .map(|_| ());
+                added.map_err(|error| shader_error(file.path, &error, composer))?;
+            }
+            known.push(*file);
         }
-        Ok(Self {
-            composer: Mutex::new(composer),
-        })
+        Ok(())
     }
 
     /// The whole module of one file, imports resolved.
@@ -89,38 +124,36 @@ impl Shaders {
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
     pub fn compose(&self, path: &str, source: &str) -> Result<wgpu::naga::Module, RenderError> {
-        // A poisoned composer has lost nothing: each composition starts from the common modules.
-        let mut composer = self
-            .composer
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let composer = &mut self.lock().composer;
         let module = composer.make_naga_module(NagaModuleDescriptor {
             source,
             file_path: path,
             shader_type: ShaderType::Wgsl,
             ..Default::default()
         });
-        module.map_err(|error| shader_error(path, &error, &composer))
+        module.map_err(|error| shader_error(path, &error, composer))
     }
 
-    /// A wgpu module of one of [`PASSES`].
+    /// A wgpu module of a known file with entry points.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place, or says that there is no such file.
     pub fn module(&self, device: &wgpu::Device, path: &str) -> Result<wgpu::ShaderModule, RenderError> {
-        let (_, source) =
-            PASSES
-                .iter()
-                .find(|(name, _)| *name == path)
-                .ok_or_else(|| RenderError::Shader {
-                    name: path.to_owned(),
-                    reason: "there is no such file".to_owned(),
-                })?;
-        let module = self.compose(path, source)?;
+        let file = self.lock().files.iter().copied().find(|file| file.path == path);
+        let file = file.ok_or_else(|| RenderError::Shader {
+            name: path.to_owned(),
+            reason: "there is no such file".to_owned(),
+        })?;
+        let module = self.compose(path, file.source)?;
         Ok(device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(path),
             source: wgpu::ShaderSource::Naga(Cow::Owned(module)),
         }))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Known> {
+        // A poisoned composer has lost nothing: each composition starts from the imported files.
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -1,6 +1,6 @@
-//! Animation clips: keyed translations, rotations, scales and morph weights of a scene's nodes.
+//! Animation clips: keyframed translations, rotations, scales and morph weights of a scene's nodes.
 //!
-//! Interpolation is that of glTF 2.0, appendix C.
+//! Interpolation follows glTF 2.0, appendix C.
 
 use std::ops::{Add, Mul};
 use std::sync::Arc;
@@ -11,16 +11,17 @@ use glam::{DVec4, Quat, Vec3, Vec4};
 
 use super::MorphWeights;
 
-/// The clips of a spawned scene, on its root entity beside [`SceneNodes`].
+/// The clips of a spawned scene. This component is on the scene's root entity, beside [`SceneNodes`].
 #[derive(Component, Clone, Debug)]
 pub struct AnimationClips(pub Arc<[AnimationClip]>);
 
-/// The entities of a spawned scene by node index, on its root entity.
+/// The entities of a spawned scene, by node index. This component is on the scene's root entity.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneNodes {
-    /// The node itself; `None` for a node of another scene.
+    /// Entity of each node. `None` for a node that belongs to another scene.
     pub nodes: Vec<Option<Entity>>,
-    /// The entity with the node's mesh: the node itself, but for skinned meshes one of its own.
+    /// Entity that has the mesh of each node. It is the node's own entity, except that a skinned mesh has a
+    /// separate one.
     pub meshes: Vec<Option<Entity>>,
 }
 
@@ -30,21 +31,21 @@ impl AsRef<Self> for SceneNodes {
     }
 }
 
-/// A named set of channels.
+/// A named set of animation channels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AnimationClip {
-    /// For messages and menus.
+    /// Name of the clip, used in messages and menus.
     pub name: String,
-    /// What moves.
+    /// The animated properties.
     pub channels: Vec<Channel>,
 }
 
-/// One property of one node over time.
+/// One animated property of one node.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
     /// Index of the node in [`SceneNodes`].
     pub node: usize,
-    /// How values between keys come about.
+    /// Interpolation between the keys.
     pub interpolation: Interpolation,
     /// Times of the keys, seconds, ascending.
     pub times: Vec<f32>,
@@ -52,45 +53,46 @@ pub struct Channel {
     pub values: ChannelValues,
 }
 
-/// How values between keys come about.
+/// How the value between two keys is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Interpolation {
-    /// The value of the key before.
+    /// The value stays that of the previous key.
     Step,
-    /// A straight line; the shorter great arc for rotations.
+    /// The value runs along a straight line; for rotations along the shorter great arc.
     #[default]
     Linear,
-    /// A cubic Hermite spline. Each key has three values: incoming tangent, value, outgoing tangent.
+    /// The value runs along a cubic Hermite spline. Each key has three values: incoming tangent, value,
+    /// outgoing tangent.
     CubicSpline,
 }
 
-/// Values at the keys of a channel: one a key, three with [`Interpolation::CubicSpline`].
+/// Values at the keys of a channel: one for each key, or three with [`Interpolation::CubicSpline`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum ChannelValues {
-    /// Metres, relative to the parent.
+    /// Translations, metres, relative to the parent.
     Translation(Vec<Vec3>),
-    /// Unit quaternions, but for tangents.
+    /// Rotations as unit quaternions. Spline tangents need not have unit length.
     Rotation(Vec<Quat>),
-    /// Factors along the axes.
+    /// Scale factors along the axes.
     Scale(Vec<Vec3>),
-    /// Morph weights.
+    /// Weights of the morph targets.
     Weights {
-        /// Weights of one value.
+        /// Number of morph targets, and so of weights in one value.
         target_count: usize,
-        /// All of the first value, then all of the second, and so on.
+        /// The weights: all of the first value, then all of the second, and so on.
         values: Vec<f32>,
     },
 }
 
 impl AnimationClip {
-    /// Time of the last key, seconds; 0 without keys.
+    /// Time of the last key of any channel, seconds; 0 without keys.
     pub fn duration(&self) -> f32 {
         let ends = self.channels.iter().filter_map(|channel| channel.times.last());
         ends.copied().fold(0.0, f32::max)
     }
 }
 
-/// Where a time lies among the keys.
+/// The place of a time among the keys.
 #[derive(Clone, Copy)]
 enum Segment {
     At(usize),
@@ -98,10 +100,10 @@ enum Segment {
 }
 
 impl Channel {
-    /// Checks that the values are finite and as many as the keys ask for.
+    /// Checks that the values are finite and that there are as many as the keys need.
     ///
     /// # Errors
-    /// What is wrong, for a message.
+    /// A description of the fault, for a message.
     pub fn check(&self) -> Result<(), String> {
         let (count, is_finite) = match &self.values {
             ChannelValues::Translation(values) | ChannelValues::Scale(values) => {
@@ -135,7 +137,7 @@ impl Channel {
         }
     }
 
-    /// Clamped to the first and the last key.
+    /// The segment at a time, clamped to the first and the last key. `None` without keys.
     fn segment(&self, seconds: f32) -> Option<Segment> {
         let after = self.times.partition_point(|&time| time <= seconds);
         let Some(key) = after.checked_sub(1) else {
@@ -152,7 +154,8 @@ impl Channel {
         })
     }
 
-    /// The value at a segment; `value_at` gives the n-th of the channel's values, `between` the linear mix.
+    /// The value within a segment. `value_at` returns the n-th of the channel's values, `between`
+    /// interpolates linearly.
     fn sample<T>(
         &self,
         segment: Segment,
@@ -185,10 +188,11 @@ impl Channel {
     }
 }
 
-/// Poses a scene: sets `Transform`s and [`MorphWeights`] to the clip at a time, which is clamped to the range of
-/// each channel. What does not differ is not touched, so change detection sees only what moved.
+/// Poses a scene: sets its `Transform`s and [`MorphWeights`] to the clip at a time, which is clamped to the
+/// range of each channel. Values that do not differ are not written, so change detection sees only what
+/// moved.
 ///
-/// Nodes that the scene does not have, or whose entity is gone, are passed over.
+/// Channels of nodes that the scene does not have, or whose entity is gone, are skipped.
 pub fn apply_animation(
     world: &mut World,
     scene: &impl AsRef<SceneNodes>,
@@ -233,7 +237,7 @@ fn set_transform(mut transform: Mut<'_, Transform>, channel: &Channel, segment: 
         ChannelValues::Scale(values) => posed.scale = vector(values, posed.scale),
         ChannelValues::Rotation(values) => {
             let value = channel.sample(segment, |i| values.get(i).map(|&q| Vec4::from(q)), slerp);
-            // a spline leaves the unit sphere, and exporters round
+            // A spline leaves the unit sphere, and exporters round, so the quaternion is normalised.
             let unit = value
                 .map(|value| Quat::from_vec4(value).normalize())
                 .filter(|value| value.is_finite());
@@ -260,7 +264,8 @@ fn set_weights(
     }
 }
 
-/// Along the shorter great arc. In `f64` with a true arc cosine: glam's `slerp` approximates it.
+/// Spherical interpolation along the shorter great arc. It is computed in `f64` with an exact arc cosine,
+/// because glam's `slerp` approximates it.
 ///
 /// Source: Shoemake 1985, "Animating Rotation with Quaternion Curves".
 fn slerp(start: Vec4, end: Vec4, share: f32) -> Vec4 {
@@ -271,7 +276,7 @@ fn slerp(start: Vec4, end: Vec4, share: f32) -> Vec4 {
         cosine = -cosine;
     }
     let angle = cosine.min(1.0).acos();
-    // below this the sines cancel; the line and the arc differ by less than an f32 can hold
+    // Below this angle the sines cancel, and the line differs from the arc by less than an `f32` can hold.
     if angle < 1e-6 {
         return start.lerp(end, share).as_vec4();
     }

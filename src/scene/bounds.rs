@@ -1,43 +1,17 @@
-//! Where objects are: boxes in local and world space.
+//! The systems that write the bounding boxes of objects.
 
 use bevy_ecs::change_detection::{ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
 use super::changes::{Since, bits};
-use super::churn::count_churn;
 use super::placement::placed;
-use super::{PosedMesh, SceneMesh, Skin, tasks};
+use super::{LocalBounds, PosedMesh, SceneMesh, Skin, WorldBounds, tasks};
 use crate::geometry::Aabb;
 
-/// Bounds of the mesh as posed, local space. Empty for a mesh without triangles or finite positions.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub struct LocalBounds(pub Aabb);
-
-impl Default for LocalBounds {
-    fn default() -> Self {
-        Self(Aabb::EMPTY)
-    }
-}
-
-/// Bounds in world space. Empty for an object that is left out: no triangles, or a transform that is not finite or
-/// leaves no area.
+/// Recomputes [`LocalBounds`] of meshes that were added, replaced or posed.
 ///
-/// Its change stands for the object having moved: [`update_world_bounds`] marks it whenever the transform or the local
-/// bounds changed, whether or not the box came out the same.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[component(on_add = count_churn, on_remove = count_churn)]
-pub struct WorldBounds(pub Aabb);
-
-impl Default for WorldBounds {
-    fn default() -> Self {
-        Self(Aabb::EMPTY)
-    }
-}
-
-/// Recomputes [`LocalBounds`] of meshes that were added, exchanged or posed.
-///
-/// Set: `UpdateBounds`, after [`pose_meshes`](super::pose::pose_meshes). A mesh that is not posed yet has the
+/// Set: `UpdateBounds`, after [`pose_meshes`](super::pose_meshes). A mesh that is not posed yet has the
 /// bounds of its rest pose. Cost: the vertices of changed meshes.
 #[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn update_local_bounds(
@@ -47,7 +21,7 @@ pub fn update_local_bounds(
     >,
     mut without_mesh: Query<&mut LocalBounds, Without<SceneMesh>>,
 ) {
-    // Its mesh was taken away; the other components stay.
+    // The mesh component was removed; the other components remain.
     for mut bounds in &mut without_mesh {
         bounds.set_if_neq(LocalBounds::default());
     }
@@ -65,14 +39,14 @@ pub fn update_local_bounds(
     }
 }
 
-/// Rows of one task.
+/// Number of rows that one task processes.
 const CHUNK: usize = 4096;
 
 /// Recomputes [`WorldBounds`] of objects whose transform or local bounds changed, and marks them as changed.
 ///
-/// Set: `UpdateBounds`, after [`update_local_bounds`]. Reads whole columns of change ticks, so that objects at rest cost
-/// next to nothing; moved ones are computed on all threads. Which code changed them last (bevy's `track_location`) is
-/// not recorded.
+/// Set: `UpdateBounds`, after [`update_local_bounds`]. The system reads whole columns of change ticks, so
+/// that objects at rest cost next to nothing. The bounds of moved objects are computed on all threads. The
+/// location in code of the last change (bevy's `track_location`) is not recorded.
 pub fn update_world_bounds(
     mut objects: Query<(
         Ref<LocalBounds>,

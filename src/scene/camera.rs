@@ -1,43 +1,46 @@
-//! The view.
+//! The camera component.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DMat4, DVec4, Mat4, Quat, Vec2};
 
-/// A camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed, and infinite in perspective
-/// ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
+/// A camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed; in perspective it is
+/// also infinite ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(Transform)]
 pub struct Camera {
-    /// Vertical field of view, radians; 0 < fov < π. Of no account in an orthographic view.
+    /// Vertical field of view, radians; 0 < fov < π, default π/4. An orthographic view ignores it.
     pub vertical_fov: f32,
-    /// Distance of the near plane, metres; > 0, in an orthographic view any.
+    /// Distance of the near plane, metres; default 0.1. It must be greater than 0 in perspective and may have
+    /// any sign in an orthographic view.
     pub near: f32,
-    /// Width over height of the picture; > 0.
+    /// Width of the picture divided by its height; greater than 0, default 16/9.
     pub aspect: f32,
-    /// NDC by which the picture is moved, right and up: an off-centre lens, or the jitter of temporal anti-aliasing.
+    /// Offset of the picture to the right and up, in normalised device coordinates; default zero. It serves
+    /// for an off-centre lens or the jitter of temporal anti-aliasing.
     pub shift: Vec2,
-    /// `None`: a perspective view.
+    /// Size of an orthographic view, or `None` (the default) for a perspective view.
     pub orthographic: Option<Orthographic>,
 }
 
-/// What an orthographic view has in place of a field of view: all lines of sight run along local −Z.
+/// The parameters that replace the field of view in an orthographic view. All its lines of sight run along
+/// local −Z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Orthographic {
-    /// Height of what the picture shows, metres; > 0.
+    /// Height of the visible region, metres; greater than 0.
     pub height: f32,
-    /// Distance of the far plane, metres; greater than `near`. Objects beyond it are not seen; of an object that it cuts,
-    /// what lies beyond may be seen or not, and lit or not.
+    /// Distance of the far plane, metres; greater than `near`. Objects beyond it are not seen. Of an object
+    /// that the plane cuts, the part beyond it may or may not be seen and lit.
     pub far: f32,
 }
 
-/// Makes a [`Camera`] ignore the scale of its own transform and of all its parents: it looks as the product of their
-/// rotations turns it, from where its `GlobalTransform` is. Cameras of glTF files have it.
+/// Makes a [`Camera`] ignore the scale of its own transform and of all its parents. The product of their rotations turns
+/// it, and its position is that of its `GlobalTransform`. Cameras of glTF files have this component.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct IgnoresScale;
 
-/// Reads what [`IgnoresScale`] asks of a camera and its parents.
+/// Reads the transforms of cameras, and those of their parents where [`IgnoresScale`] needs them.
 #[derive(SystemParam)]
 pub struct CameraTurns<'w, 's> {
     marked: Query<'w, 's, (), With<IgnoresScale>>,
@@ -45,7 +48,7 @@ pub struct CameraTurns<'w, 's> {
 }
 
 impl CameraTurns<'_, '_> {
-    /// Where a camera looks from: its transform, without scale where that is ignored.
+    /// The transform of a camera, without scale if that is ignored.
     pub fn place(&self, camera: Entity, world_from_camera: &GlobalTransform) -> GlobalTransform {
         if !self.marked.contains(camera) {
             return *world_from_camera;
@@ -58,8 +61,8 @@ impl CameraTurns<'_, '_> {
     }
 }
 
-/// Where a camera looks from: its `GlobalTransform`, without scale if it has [`IgnoresScale`]. `None` for an entity without
-/// a transform.
+/// Returns a camera's `GlobalTransform`, without scale if it has [`IgnoresScale`]. `None` for an entity without a
+/// transform.
 pub fn camera_place(world: &World, camera: Entity) -> Option<GlobalTransform> {
     let world_from_camera = world.get::<GlobalTransform>(camera)?;
     if world.get::<IgnoresScale>(camera).is_none() {
@@ -106,7 +109,8 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// An orthographic view of so much height between the two planes, metres.
+    /// An orthographic camera with the given height of the visible region and the distances of its two
+    /// planes, all in metres.
     pub fn orthographic(height: f32, near: f32, far: f32, aspect: f32) -> Self {
         Self {
             near,
@@ -131,8 +135,9 @@ impl Camera {
             && self.shift.is_finite()
     }
 
-    /// Half the size of the picture at distance 1, of an orthographic view at any, as (right, up); its centre is at minus
-    /// `shift` times that.
+    /// Half the size of the picture as (right, up), metres. In perspective it is measured at distance 1; in
+    /// an orthographic view it is the same at any distance. The centre of the picture lies at minus `shift`
+    /// times this half size.
     pub fn half_extent_at_unit_distance(&self) -> (f64, f64) {
         let up = match self.orthographic {
             None => (f64::from(self.vertical_fov) * 0.5).tan(),
@@ -141,8 +146,8 @@ impl Camera {
         (up * f64::from(self.aspect), up)
     }
 
-    /// Reversed projection. In perspective infinite, `z_clip = near`, `w_clip = −z_view`; an orthographic one is 1 on the
-    /// near plane and 0 on the far one.
+    /// The reversed projection. In perspective it is infinite, with `z_clip = near` and `w_clip = −z_view`.
+    /// In an orthographic view its depth is 1 on the near plane and 0 on the far plane.
     pub fn clip_from_view(&self) -> DMat4 {
         let (right, up) = self.half_extent_at_unit_distance();
         let (near, shift) = (f64::from(self.near), self.shift.as_dvec2());
@@ -165,7 +170,7 @@ impl Camera {
         m
     }
 
-    /// World to view for a camera at `world_from_camera`; `None` if that is singular or not finite.
+    /// World to view for a camera at `world_from_camera`. `None` if that transform is singular or not finite.
     pub fn view_from_world(world_from_camera: &GlobalTransform) -> Option<DMat4> {
         let world_from_view = Mat4::from(world_from_camera.affine()).as_dmat4();
         let determinant = world_from_view.determinant();

@@ -5,46 +5,48 @@ use bevy_transform::prelude::Transform;
 use glam::Vec3;
 use smallvec::SmallVec;
 
-/// A room: a box in its local space, of which the inside is seen from elsewhere through [`Portal`]s alone. That its
-/// walls are there, opaque and whole, is a promise.
+/// A room: a box in local space whose inside can be seen from elsewhere only through [`Portal`]s. The user
+/// promises that its walls exist, are opaque and have no other openings.
 ///
-/// Objects that touch the box are in the cell; those in several cells, in all of them; [`InCells`] says otherwise. Objects
-/// in no cell are seen from everywhere, and a camera or light that stands in no cell sees everything. Cells may overlap:
-/// who stands in several looks out of each. While a cell's box is empty, sheared or not finite, no cell hides
-/// anything, and it is reported ([`Cells::issues`](crate::sets::Cells)).
+/// An object that touches the box is in the cell; an object that touches several boxes is in all of those
+/// cells. [`InCells`] overrides this. Objects in no cell are visible from everywhere, and a camera or light
+/// that stands in no cell sees everything. Cells may overlap: a viewer who stands in several looks out of
+/// each. While the box of a cell is empty, sheared or not finite, no cell hides anything, and the cell is
+/// reported ([`Cells::issues`](crate::sets::Cells)).
 ///
-/// Its [`SelectionLayers`](super::SelectionLayers) are those of its walls: lights for which they do not cast see through.
+/// The [`SelectionLayers`](super::SelectionLayers) of a cell are those of its walls. A light for which the
+/// walls do not cast sees through them.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[require(Transform)]
 #[require(super::SelectionLayers)]
 pub struct Cell {
-    /// Half of the box's size along the local axes, metres; > 0.
+    /// Half of the box's size along the local axes, metres; each greater than 0.
     pub half_size: Vec3,
 }
 
-/// The cells that an object is in, whatever it touches. Entities that are no cells count for nothing; with none left the
-/// object is in no cell.
+/// The cells that an object is in, regardless of the cells that it touches. Entities that are no cells are
+/// ignored; if none is left, the object is in no cell.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct InCells(pub SmallVec<[Entity; 2]>);
 
-/// An opening between two cells. It is seen through both ways.
+/// An opening between two cells, visible through from both sides.
 ///
-/// An outline that is not flat or not convex counts as its convex hull, one without three finite corners lets all through,
-/// and who sees a portal that joins something which is no cell sees everything; all three are reported
-/// ([`Cells::issues`](crate::sets::Cells)).
+/// An outline that is not flat or not convex counts as its convex hull. An outline without three finite
+/// corners hides nothing. If a portal joins an entity that is no cell, a viewer who sees the portal sees
+/// everything. All three are reported ([`Cells::issues`](crate::sets::Cells)).
 #[derive(Component, Clone, Debug, PartialEq)]
 #[require(Transform)]
 pub struct Portal {
-    /// The two cells.
+    /// The two cells that the portal connects.
     pub joins: [Entity; 2],
-    /// Seen through; a closed door is not.
+    /// Whether the portal can be seen through. A closed door is not open.
     pub open: bool,
-    /// Corners of a flat convex polygon in local space, in any order.
+    /// Corners of a flat convex polygon in local space, metres, in any order.
     pub outline: SmallVec<[Vec3; 4]>,
 }
 
 impl Portal {
-    /// An open rectangle of these half sizes in the local XY plane.
+    /// An open rectangle with the given half sizes, metres, in the local XY plane.
     pub fn rectangle(joins: [Entity; 2], half_width: f32, half_height: f32) -> Self {
         let corner = |x: f32, y: f32| Vec3::new(x * half_width, y * half_height, 0.0);
         Self {

@@ -1,4 +1,4 @@
-//! Lights: what they emit and from where. The shadow technique is a component of its own beside it.
+//! Lights: what they emit and from where. The shadow technique of a light is a separate component beside it.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
@@ -8,8 +8,8 @@ use bevy_reflect::prelude::ReflectDefault;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DVec4, Vec3};
 
-/// A light. Placed by its `GlobalTransform`: it sits at the origin and shines along local −Z.
-/// Scale is ignored.
+/// A light, placed by its `GlobalTransform`: it sits at the origin of its local space and shines along local
+/// −Z. Scale is ignored.
 ///
 /// A light whose numbers are not usable ([`Light::validate`]) lights nothing and is counted as skipped.
 #[derive(Component, Clone, Debug, PartialEq)]
@@ -18,44 +18,46 @@ use glam::{DVec4, Vec3};
 pub struct Light {
     /// Shape and direction of the emission.
     pub kind: LightKind,
-    /// Linear RGB; each ≥ 0.
+    /// Colour of the light, linear RGB, each component ≥ 0.
     pub color: Vec3,
-    /// Candela; lux for a directional light; ≥ 0.
+    /// Luminous intensity, candela; for a directional light illuminance, lux. At least 0.
     pub intensity: f32,
-    /// Distance beyond which nothing is lit, metres; > 0, `f32::INFINITY` for none. Unused by directional lights.
+    /// Distance beyond which nothing is lit, metres; greater than 0. Higher values light more objects and
+    /// cost more; `f32::INFINITY` means no limit. Directional lights ignore it.
     pub range: f32,
 }
 
 /// Shape and direction of a light's emission.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// From a point into all directions.
+    /// The light shines from a point in all directions.
     Point,
-    /// From a point into a cone around −Z: full inside the inner half-angle, nothing outside the outer one. Equal angles make
-    /// a cone with a sharp edge.
+    /// The light shines from a point into a cone around −Z, with full intensity inside the inner half-angle
+    /// and none outside the outer one. Equal angles make a cone with a sharp edge.
     Spot {
-        /// Half-angle of full intensity, radians; 0 ≤ inner ≤ outer.
+        /// Half-angle of the region of full intensity, radians; 0 ≤ inner ≤ outer.
         inner_angle: f32,
-        /// Half-angle of the cone, radians; 0 < outer ≤ π/2.
+        /// Half-angle of the whole cone, radians; greater than 0 and at most π/2.
         outer_angle: f32,
     },
-    /// Parallel light along −Z from infinity.
+    /// The light comes from infinity, parallel along −Z.
     Directional,
-    /// A rectangle in the local XY plane that shines to its −Z side.
+    /// The light shines from a rectangle in the local XY plane, to its −Z side.
     Rect {
-        /// Size along local X, metres; ≥ 0.
+        /// Size of the rectangle along local X, metres; at least 0.
         width: f32,
-        /// Size along local Y, metres; ≥ 0.
+        /// Size of the rectangle along local Y, metres; at least 0.
         height: f32,
     },
-    /// A sphere.
+    /// The light shines from a sphere in all directions.
     Sphere {
-        /// Metres; ≥ 0.
+        /// Radius of the sphere, metres; at least 0.
         radius: f32,
     },
 }
 
-/// What a light acts on. A bit shared with an object's [`SelectionLayers`](super::SelectionLayers) selects it.
+/// The objects that a light acts on. An object is selected if its [`SelectionLayers`](super::SelectionLayers)
+/// share a bit with the mask.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
@@ -63,9 +65,9 @@ pub enum LightKind {
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
 pub struct LightSelection {
-    /// Layers that the light lights.
+    /// Mask of the layers that the light lights; default all.
     pub affects: u32,
-    /// Layers that block this light.
+    /// Mask of the layers that block the light; default all.
     pub casts_for: u32,
 }
 
@@ -78,45 +80,39 @@ impl Default for LightSelection {
     }
 }
 
-/// Every receiver that the light does not see is dark in it, so that it need not be drawn for the light: what a shadow
-/// technique says of its light by requiring this component, and takes back when it is removed. Without it nothing is
-/// occluded from the light.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ShadowedLight;
-
 /// Why a light cannot shine.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightError {
-    /// NaN or negative.
-    #[error("range is {0}, it must be greater than 0")]
+    /// The range is NaN, zero or negative.
+    #[error("range is {0} m, it must be greater than 0 m")]
     Range(f32),
-    /// NaN, negative or infinite.
+    /// The intensity is NaN, negative or infinite.
     #[error("intensity is {0}, it must be finite and at least 0")]
     Intensity(f32),
-    /// NaN, negative or infinite.
+    /// A component of the colour is NaN, negative or infinite.
     #[error("colour is {0}, its components must be finite and at least 0")]
     Color(Vec3),
-    /// Angles of a spot light out of order.
+    /// The angles of a spot light are out of order or too large.
     #[error(
         "cone half-angles are {inner} and {outer} radians, 0 ≤ inner ≤ outer and 0 < outer ≤ π/2 are needed"
     )]
     Angles {
-        /// Inner half-angle.
+        /// Inner half-angle, radians.
         inner: f32,
-        /// Outer half-angle.
+        /// Outer half-angle, radians.
         outer: f32,
     },
-    /// Size of a rectangle or sphere is NaN, negative or infinite.
-    #[error("size is {0}, it must be finite and at least 0")]
+    /// The size of a rectangle or sphere is NaN, negative or infinite.
+    #[error("size is {0} m, it must be finite and at least 0 m")]
     Size(f32),
-    /// NaN or infinite transform, or one without a direction.
+    /// The transform is not finite, or gives the light no direction.
     #[error("its transform is not finite or has no direction")]
     Transform,
 }
 
 impl Light {
-    /// A point light.
+    /// A point light with the given colour, intensity in candela and range in metres.
     pub fn point(color: Vec3, intensity: f32, range: f32) -> Self {
         Self {
             kind: LightKind::Point,
@@ -126,7 +122,7 @@ impl Light {
         }
     }
 
-    /// A directional light of `lux`.
+    /// A directional light with the given colour and illuminance in lux.
     pub fn directional(color: Vec3, lux: f32) -> Self {
         Self {
             kind: LightKind::Directional,
@@ -136,10 +132,10 @@ impl Light {
         }
     }
 
-    /// Checks the numbers.
+    /// Checks that all numbers are usable.
     ///
     /// # Errors
-    /// The first number that is out of its range.
+    /// [`LightError`] for the first number that is out of its range.
     pub fn validate(&self) -> Result<(), LightError> {
         let usable = |x: f32| x.is_finite() && x >= 0.0;
         if !usable(self.intensity) {
@@ -166,11 +162,11 @@ impl Light {
         }
     }
 
-    /// The light as a homogeneous point in world space: position with `w = 1`, or the unit direction towards a
-    /// directional light with `w = 0`. Rectangles and spheres give their centre.
+    /// The light as a homogeneous point in world space: its position with `w = 1`, or for a directional light
+    /// the unit direction towards it with `w = 0`. Rectangles and spheres give their centre.
     ///
     /// # Errors
-    /// [`LightError::Transform`] if it is not finite.
+    /// [`LightError::Transform`] if the point is not finite, or a directional light has no direction.
     pub fn point_world(&self, world_from_light: &GlobalTransform) -> Result<DVec4, LightError> {
         let point = if self.kind == LightKind::Directional {
             let towards = -light_direction(world_from_light).ok_or(LightError::Transform)?;
@@ -186,7 +182,7 @@ impl Light {
     }
 }
 
-/// Unit world direction of local −Z; `None` if the transform flattens it or is not finite.
+/// Unit direction of local −Z in world space. `None` if the transform flattens it or is not finite.
 pub fn light_direction(world_from_light: &GlobalTransform) -> Option<Vec3> {
     (-Vec3::from(world_from_light.affine().matrix3.z_axis)).try_normalize()
 }

@@ -12,35 +12,35 @@ use super::churn::count_churn;
 /// A surface in the metallic-roughness model of glTF 2.0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// For messages.
+    /// Name of the material, used in messages.
     pub name: String,
-    /// Linear RGBA, each 0..=1.
+    /// Base colour, linear RGBA, each component 0..=1; default white.
     pub base_color: Vec4,
-    /// Multiplies `base_color`; sRGB colour, linear alpha.
+    /// Texture that multiplies `base_color`; sRGB colour and linear alpha.
     pub base_color_texture: Option<TextureSlot>,
-    /// 0..=1.
+    /// Metalness: 0 is a dielectric, 1 a metal; default 1.
     pub metallic: f32,
-    /// Perceptual roughness, 0..=1.
+    /// Perceptual roughness: 0 is a mirror, 1 is fully rough; default 1.
     pub roughness: f32,
-    /// Green multiplies `roughness`, blue multiplies `metallic`.
+    /// Texture whose green channel multiplies `roughness` and whose blue channel multiplies `metallic`.
     pub metallic_roughness_texture: Option<TextureSlot>,
-    /// Tangent-space normals.
+    /// Texture of tangent-space normals.
     pub normal_texture: Option<TextureSlot>,
-    /// Scales the X and Y of the normal texture.
+    /// Factor on X and Y of the normals in the texture. Higher values make bumps look steeper; default 1.
     pub normal_scale: f32,
-    /// Red is the share of ambient light that arrives.
+    /// Texture whose red channel is the share of ambient light that arrives.
     pub occlusion_texture: Option<TextureSlot>,
-    /// 0 ignores the occlusion texture, 1 applies it fully.
+    /// Strength of the occlusion texture: 0 ignores it, 1 (the default) applies it fully.
     pub occlusion_strength: f32,
-    /// Linear RGB, ≥ 0.
+    /// Emitted radiance, linear RGB, each component ≥ 0; default black.
     pub emissive: Vec3,
-    /// Multiplies `emissive`; sRGB.
+    /// Texture that multiplies `emissive`; sRGB.
     pub emissive_texture: Option<TextureSlot>,
-    /// What alpha means.
+    /// Meaning of the alpha channel.
     pub alpha_mode: AlphaMode,
-    /// Drawn from both sides.
+    /// Whether the surface is drawn from both sides; default `false`.
     pub double_sided: bool,
-    /// Shows the base colour and takes no light.
+    /// Whether the surface shows its base colour and takes no light; default `false`.
     pub unlit: bool,
 }
 
@@ -78,67 +78,69 @@ impl Material {
     }
 }
 
-/// What a material's alpha means.
+/// The meaning of a material's alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
-    /// Nothing; the surface is opaque.
+    /// Alpha is ignored and the surface is opaque.
     #[default]
     Opaque,
-    /// The surface is absent where alpha is below the cutoff. It still blocks light whole in shadow volumes.
+    /// The surface is absent where alpha is below the cutoff, which is the value given here. In shadow
+    /// volumes it still blocks light as a whole.
     Mask(f32),
-    /// The surface is blended over what lies behind, after the lights, without receiving shadows.
+    /// The surface is blended over what lies behind it. Of the blended surfaces at a pixel only the nearest
+    /// receives shadows; farther ones are lit without.
     Blend,
 }
 
-/// A texture and how a material looks it up.
+/// A texture and the way in which a material samples it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureSlot {
     /// The image and its sampler.
     pub texture: Arc<Texture>,
-    /// 0 or 1: which texture coordinates.
+    /// Which set of texture coordinates is used: 0 or 1.
     pub uv_set: u32,
-    /// Applied to the coordinates first (`KHR_texture_transform`).
+    /// Transform of the texture coordinates, applied before sampling (`KHR_texture_transform`).
     pub uv_transform: Affine2,
 }
 
-/// An image of 8-bit RGBA and how it is sampled.
+/// An image of 8-bit RGBA texels and its sampler settings.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Texture {
-    /// For messages.
+    /// Name of the texture, used in messages.
     pub name: String,
-    /// Texels; > 0.
+    /// Width, texels; greater than 0.
     pub width: u32,
-    /// Texels; > 0.
+    /// Height, texels; greater than 0.
     pub height: u32,
-    /// `width · height · 4` bytes, rows from the top.
+    /// The texels, `width · height · 4` bytes, rows from the top.
     pub rgba8: Vec<u8>,
-    /// Wrapping along u and v.
+    /// Wrapping along u and along v.
     pub wrap: [TextureWrap; 2],
-    /// Linear magnification; nearest if not.
+    /// Whether magnification is linear; if not, it takes the nearest texel.
     pub linear_magnify: bool,
-    /// Linear minification and mipmapping; nearest if not.
+    /// Whether minification and mipmapping are linear; if not, they take the nearest texel.
     pub linear_minify: bool,
 }
 
-/// What lies beyond a texture's border.
+/// How a texture continues beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TextureWrap {
-    /// It repeats.
+    /// The texture repeats.
     #[default]
     Repeat,
-    /// It repeats mirrored.
+    /// The texture repeats, mirrored every other time.
     Mirror,
-    /// Its border goes on.
+    /// The texels of the border extend outward.
     Clamp,
 }
 
-/// The materials of an entity, one for each of the mesh's submeshes.
+/// The materials of an entity, one for each submesh of its mesh.
 #[derive(Component, Clone, Debug)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct SceneMaterials(pub SmallVec<[Arc<Material>; 1]>);
 
 impl SceneMaterials {
-    /// Whether every triangle of the mesh is drawn with them, and opaque.
+    /// Whether these materials draw every triangle of the mesh, all of them opaque.
     pub fn are_opaque(&self, mesh: &MeshData) -> bool {
         let drawn: usize = mesh
             .submeshes

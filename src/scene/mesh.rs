@@ -6,57 +6,60 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{Vec2, Vec3, Vec4};
 
-/// An indexed triangle mesh in local space: several submeshes, one a material, over shared vertices.
-/// Every vertex stream has one entry a vertex unless it says that it may be empty.
+/// An indexed triangle mesh in local space: several submeshes, one for each material, over shared vertices.
+/// Every vertex stream has one entry for each vertex, unless its description says that it may be empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeshData {
-    /// For messages.
+    /// Name of the mesh, used in messages.
     pub name: String,
-    /// Metres.
+    /// Position of each vertex, metres.
     pub positions: Vec<Vec3>,
-    /// Unit length.
+    /// Unit normal of each vertex.
     pub normals: Vec<Vec3>,
-    /// Unit tangent, and the bitangent's sign in `w`; `w = 0` where there is none. May be empty.
+    /// Unit tangent of each vertex, and in `w` the sign of the bitangent. `w = 0` where a vertex has no
+    /// tangent. May be empty.
     pub tangents: Vec<Vec4>,
-    /// First texture coordinates. May be empty.
+    /// First set of texture coordinates. May be empty.
     pub uv0: Vec<Vec2>,
-    /// Second texture coordinates. May be empty.
+    /// Second set of texture coordinates. May be empty.
     pub uv1: Vec<Vec2>,
-    /// Linear RGBA that multiplies the base colour. May be empty.
+    /// Vertex colours: linear RGBA that multiplies the base colour. May be empty.
     pub colors: Vec<Vec4>,
-    /// Three a triangle, each below `positions.len()`.
+    /// Vertex indices, three for each triangle, each below `positions.len()`.
     pub indices: Vec<u32>,
-    /// Ranges of `indices`, one a material.
+    /// Ranges of `indices`, one for each material.
     pub submeshes: Vec<Submesh>,
-    /// Four joints a vertex, indices into [`Skin::joints`](super::Skin::joints). Empty if not skinned.
+    /// Four joints for each vertex, as indices into [`Skin::joints`](super::Skin::joints). Empty if the mesh
+    /// is not skinned.
     pub joints: Vec<[u16; 4]>,
-    /// Weights of the joints; sum 1. Empty if not skinned.
+    /// Weights of the four joints of each vertex; their sum is 1. Empty if the mesh is not skinned.
     pub joint_weights: Vec<Vec4>,
-    /// Morph targets.
+    /// Morph targets of the mesh. [`MorphWeights`](super::MorphWeights) weights them.
     pub morph_targets: Vec<MorphTarget>,
 }
 
-/// A part of a mesh with one material.
+/// A part of a mesh that has one material.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Submesh {
-    /// First entry of [`MeshData::indices`].
+    /// Index of the submesh's first entry in [`MeshData::indices`].
     pub first_index: u32,
-    /// Entries; a multiple of three.
+    /// Number of indices, a multiple of three.
     pub index_count: u32,
 }
 
-/// What a morph target adds to each vertex at weight 1. Streams are empty or have one entry a vertex.
+/// The offsets that a morph target adds to each vertex at weight 1. A stream is either empty or has one entry
+/// for each vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphTarget {
-    /// Added to positions.
+    /// Offsets added to positions, metres.
     pub positions: Vec<Vec3>,
-    /// Added to normals.
+    /// Offsets added to normals.
     pub normals: Vec<Vec3>,
-    /// Added to tangents.
+    /// Offsets added to tangents.
     pub tangents: Vec<Vec3>,
 }
 
-/// The mesh of an entity. It is drawn if it has [`SceneMaterials`](super::SceneMaterials) too.
+/// The mesh of an entity. It is drawn if the entity also has [`SceneMaterials`](super::SceneMaterials).
 #[derive(Component, Clone, Debug)]
 #[require(Transform)]
 #[require(super::LocalBounds)]
@@ -65,19 +68,20 @@ pub struct MorphTarget {
 pub struct SceneMesh(pub Arc<MeshData>);
 
 impl MeshData {
-    /// Number of triangles.
+    /// Number of triangles in the mesh.
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }
 
-    /// The entries of [`MeshData::indices`] that a submesh draws: whole triangles, cut to what is there.
+    /// The range of [`MeshData::indices`] that a submesh draws: whole triangles, cut to the indices that
+    /// exist.
     pub fn submesh_range(&self, submesh: &Submesh) -> std::ops::Range<usize> {
         let first = (submesh.first_index as usize).min(self.indices.len());
         let count = (submesh.index_count as usize).min(self.indices.len() - first);
         first..first + count - count % 3
     }
 
-    /// A mesh of one submesh from positions and indices, with smooth normals (area-weighted).
+    /// A mesh with a single submesh, from positions and indices. Its normals are smooth (area-weighted).
     pub fn from_triangles(name: &str, positions: Vec<Vec3>, indices: Vec<u32>) -> Self {
         let mut normals = vec![Vec3::ZERO; positions.len()];
         for corner in indices.chunks_exact(3) {
@@ -103,7 +107,7 @@ impl MeshData {
         }
     }
 
-    /// An axis-aligned box with flat normals, wound outward.
+    /// An axis-aligned box around the origin with flat normals, wound outward.
     pub fn cuboid(half_size: Vec3) -> Self {
         let mut mesh = Self {
             name: "cuboid".to_owned(),
@@ -132,7 +136,7 @@ impl MeshData {
         mesh
     }
 
-    /// A horizontal square facing +Y.
+    /// A horizontal square around the origin that faces +Y.
     pub fn plane(half_size: f32) -> Self {
         let h = half_size;
         Self::from_triangles(
@@ -147,7 +151,7 @@ impl MeshData {
         )
     }
 
-    /// A sphere of `20 · 4^subdivisions` triangles with smooth normals, wound outward.
+    /// A sphere of `20 · 4^subdivisions` triangles around the origin with smooth normals, wound outward.
     pub fn icosphere(radius: f32, subdivisions: u32) -> Self {
         let phi = (1.0 + 5.0f32.sqrt()) * 0.5;
         let mut positions: Vec<Vec3> = [

@@ -1,21 +1,23 @@
-//! Components that a user spawns, and where they come from.
+//! Components that a user spawns, and the import and animation of scenes.
 //!
 //! | component | says |
 //! | --- | --- |
 //! | [`SceneMesh`], [`SceneMaterials`] | what an entity looks like |
-//! | [`ShadowCaster`], [`ShadowReceiver`] | which part it takes in shadows |
-//! | [`Occluder`] | whether it may hide others |
-//! | [`SelectionLayers`] | which lights select it ([`LightSelection`]) |
+//! | [`ShadowCaster`], [`ShadowReceiver`] | whether an entity blocks light, and whether it shows shadows |
+//! | [`Occluder`] | whether an entity may hide others |
+//! | [`SelectionLayers`] | which lights select an entity ([`LightSelection`]) |
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
-//! | [`Light`] | a light; its shadow technique is a component of [`techniques`](crate::techniques) beside it |
-//! | [`Camera`], [`IgnoresScale`] | the view |
-//! | [`Skin`], [`MorphWeights`] | a mesh that is posed each frame into [`PosedMesh`] |
-//! | [`WorldBounds`] | written by us: where it is |
+//! | [`Light`] | a light; its shadow technique is a further component ([`techniques`](crate::techniques)) |
+//! | [`Camera`], [`IgnoresScale`] | the view, and whether it leaves the scale of its transform out |
+//! | [`Skin`], [`MorphWeights`] | how a mesh is posed each frame into [`PosedMesh`] |
+//! | [`WorldBounds`] | where an entity is; written by this crate |
 //!
-//! Scenes come from code or from glTF files (`gltf_import`), clips of theirs move them ([`animation`]).
+//! Scenes come from code or from glTF files (`gltf_import`). The animation clips of a file move its entities
+//! ([`AnimationClip`], [`apply_animation`]).
 
 pub(crate) mod animation;
 pub(crate) mod bounds;
+pub(crate) mod bounds_components;
 pub(crate) mod camera;
 pub(crate) mod caster;
 pub(crate) mod cell;
@@ -29,16 +31,19 @@ pub(crate) mod mesh;
 pub(crate) mod occluder;
 pub(crate) mod placement;
 pub(crate) mod pose;
+mod pose_components;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
-pub use bounds::{LocalBounds, WorldBounds, update_local_bounds, update_world_bounds};
+pub use bounds::{update_local_bounds, update_world_bounds};
+pub use bounds_components::{LocalBounds, WorldBounds};
 pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
-pub use light::{Light, LightError, LightKind, LightSelection, ShadowedLight};
+pub use light::{Light, LightError, LightKind, LightSelection};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;
-pub use pose::{MorphWeights, PosedMesh, Skin, pose_meshes};
+pub use pose::pose_meshes;
+pub use pose_components::{MorphWeights, PosedMesh, Skin};

@@ -6,19 +6,21 @@ use bevy_ecs::prelude::*;
 
 use super::MeshData;
 
-/// Says whether an object may hide others; without it the object hides others if it is large, plain and opaque
-/// ([`OcclusionSettings::auto`](crate::sets::OcclusionSettings::auto)).
+/// Says whether an object may hide others. An object without this component hides others if it is large,
+/// simple and opaque ([`OcclusionSettings::auto`](crate::sets::OcclusionSettings::auto)).
 ///
-/// Whatever it says, these never hide anything: objects with a surface that is blended or alpha-masked, posed meshes,
-/// and meshes that cannot cast. From the camera only drawn objects hide others, from a light only its casters.
+/// Regardless of this component, some objects never hide anything: objects with a blended or alpha-masked
+/// surface, posed meshes, and meshes that cannot cast. Only drawn objects hide others from the camera, and
+/// only a light's casters hide others from that light.
 #[derive(Component, Clone, Debug, Default)]
 pub enum Occluder {
-    /// By its own triangles, however many these are.
+    /// The object hides others with its own triangles, however many there are.
     #[default]
     Own,
-    /// By a simpler mesh in the same local space, wound outward. That it lies nowhere outside of the object is a promise:
-    /// a mesh that breaks it hides what should show.
+    /// The object hides others with a simpler mesh in the same local space, wound outward. The user promises
+    /// that this mesh lies nowhere outside the object. A mesh that breaks the promise hides objects that
+    /// should be visible.
     Proxy(Arc<MeshData>),
-    /// It hides nothing.
+    /// The object hides nothing.
     Never,
 }

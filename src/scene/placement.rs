@@ -1,11 +1,11 @@
-//! Where an object stands: its transform, or what stands for it where that has no volume.
+//! The matrix that an object is drawn and casts with: its transform, or a substitute if that has no volume.
 //!
-//! | transform | stands for it |
+//! | transform | matrix |
 //! | --- | --- |
-//! | finite, keeps volume | itself, bit for bit |
-//! | flattens any direction, of a skinned mesh | its translation alone: joints say where the mesh is |
-//! | flattens one direction, else | itself, with a thickness too small to see: the object is a plate that is drawn and casts |
-//! | flattens two directions or all, else; or is not finite | nothing: the object is left out |
+//! | finite, keeps volume | the transform, bit for bit |
+//! | flattens any direction, skinned mesh | its translation alone, because the joints decide where the mesh is |
+//! | flattens one direction, other mesh | the transform with a thickness too small to see: the object is a plate |
+//! | flattens more directions, other mesh; or not finite | none: the object is left out |
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -14,15 +14,15 @@ use glam::{Affine3A, DMat3, DMat4, DVec3, Mat4};
 
 use super::Skin;
 
-/// A transform is flat if it shrinks some direction by more than this against the longest of its axes: products of rounded
-/// rotations and a scale of 0 come out some 10⁻⁷ thick.
+/// A transform is flat if it scales some direction by less than this share of its longest axis. Products of rounded
+/// rotations and a scale of 0 have a share of some 10⁻⁷.
 const FLAT: f64 = 5e-7;
 
-/// Thickness of a flat object, as a share of the longest axis of its transform: a tenth of a pixel of an object that fills
-/// 10,000, and still a hundred times what stored depth tells apart of one that is two of its sizes away.
+/// Thickness of a flat object, as a share of the longest axis of its transform. It is a tenth of a pixel for an object
+/// that fills 10,000 pixels, and a hundred times the resolution of stored depth at a distance of two object sizes.
 const THICKNESS: f64 = 1e-5;
 
-/// What says where an object stands.
+/// The components that determine where an object stands.
 #[derive(QueryData)]
 #[query_data(derive(Clone, Copy))]
 pub struct Placement {
@@ -36,12 +36,12 @@ impl PlacementItem<'_, '_> {
         placed(self.transform, self.is_skinned)
     }
 
-    /// As [`affine`](Self::affine), in `f64`.
+    /// The matrix of [`affine`](Self::affine) in `f64`.
     pub fn world_from_local(&self) -> Option<DMat4> {
         self.affine().map(|affine| Mat4::from(affine).as_dmat4())
     }
 
-    /// As [`affine`](Self::affine), but a flat object has no thickness.
+    /// The matrix of [`affine`](Self::affine), but without the thickness of a flat object.
     pub fn exact_affine(&self) -> Option<Affine3A> {
         let affine = self.affine()?;
         let is_flat = !self.is_skinned && flattened(&self.transform.affine()).is_some();
@@ -65,16 +65,16 @@ pub fn placed(transform: &GlobalTransform, is_skinned: bool) -> Option<Affine3A>
     plate
 }
 
-/// Whether `f32` holds the volume of the unit cube.
+/// Whether the volume of the transformed unit cube is neither 0 nor infinite in `f32`.
 fn has_volume(affine: &Affine3A) -> bool {
     let determinant = affine.matrix3.determinant();
     determinant.is_finite() && determinant != 0.0
 }
 
-/// A flat transform with a thickness; `None` for one that is not flat, or has no area either.
+/// Gives a flat transform a thickness. `None` for a transform that is not flat, or that has no area either.
 ///
-/// A thickness δ along the unit normal `n` of the plane that all is mapped to, from the direction `k` that is lost:
-/// `M + δ n kᵀ`. It never mirrors, so that fronts stay where corners run counter-clockwise.
+/// The transform `M` maps everything to a plane with unit normal `n`, and loses the direction `k`. With a thickness δ
+/// it is `M + δ n kᵀ`. This never mirrors, so fronts stay where corners run counter-clockwise.
 fn flattened(affine: &Affine3A) -> Option<Affine3A> {
     let m = affine.matrix3;
     let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_dvec3());
@@ -168,7 +168,7 @@ mod tests {
         for scale in [Vec3::ZERO, Vec3::X, Vec3::splat(1e-30), Vec3::splat(1e30)] {
             let transform = Transform::from_xyz(1.0, 2.0, 3.0).with_scale(scale);
             assert_eq!(of(transform), None, "{scale}");
-            // Beyond what `f32` holds, too, joints alone count.
+            // The joints alone count for a scale that `f32` cannot hold, too.
             let skinned = placed(&transform.into(), true).unwrap();
             assert_eq!(skinned, Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0)));
         }

@@ -1,55 +1,24 @@
-//! Skins and morph targets: meshes that are posed on the CPU, so that silhouettes, bounds, shadow volumes and
-//! the picture all see the same vertices.
-
-use std::sync::Arc;
+//! Skins and morph targets. Meshes are posed on the CPU, so that silhouettes, bounds, shadow volumes and the
+//! picture all use the same vertices.
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::{Mat3, Mat4, Vec3, Vec4};
+use glam::{Mat3, Mat4};
 
 use super::placement::placed;
-use super::{MeshData, SceneMesh};
+use super::{MeshData, MorphWeights, PosedMesh, SceneMesh, Skin};
 
-/// Binds a mesh to joints. Removing it leaves the mesh in its rest pose.
-#[derive(Component, Clone, Debug)]
-#[require(PosedMesh)]
-pub struct Skin {
-    /// Joint entities; their `GlobalTransform` is read.
-    pub joints: Vec<Entity>,
-    /// One for each joint: from the mesh's bind space to the joint's local space. The identity where missing.
-    pub inverse_bind: Arc<[Mat4]>,
-}
-
-/// Weights of the mesh's morph targets; 0 where missing or not finite.
-#[derive(Component, Clone, Debug, PartialEq)]
-#[require(PosedMesh)]
-pub struct MorphWeights(pub Vec<f32>);
-
-/// The mesh of this frame, in the entity's local space. Empty until [`pose_meshes`] has run once; from then on
-/// it has one entry for each vertex of the mesh.
-///
-/// It changes (as change detection sees it) exactly in frames in which [`pose_meshes`] posed the mesh anew:
-/// after [`SceneMesh`], [`Skin`] or [`MorphWeights`] changed, and for a skinned mesh after the `GlobalTransform`
-/// of a joint or of the entity itself did. The triangles stay those of the mesh.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub struct PosedMesh {
-    /// Metres.
-    pub positions: Vec<Vec3>,
-    /// Unit length.
-    pub normals: Vec<Vec3>,
-    /// As [`MeshData::tangents`](super::MeshData::tangents); empty if the mesh has none.
-    pub tangents: Vec<Vec4>,
-}
-
-/// Poses meshes with a [`Skin`] or [`MorphWeights`] into their [`PosedMesh`]: morph targets first, then joints.
+/// Poses meshes with a [`Skin`] or [`MorphWeights`] into their [`PosedMesh`]: morph targets first, then
+/// joints.
 ///
 /// Set: `UpdateBounds`, after transform propagation, before
-/// [`update_local_bounds`](super::bounds::update_local_bounds).
+/// [`update_local_bounds`](super::update_local_bounds).
 ///
 /// Vertices that are equal in all streams are posed to equal bits, and equal input gives equal output. A mesh
-/// whose own transform or joints are not finite, or whose joints are gone, keeps its last pose, or gets its
-/// rest pose if it has none. Joints alone say where a skinned mesh is, whatever the scale of its own transform. Cost: the vertices of the meshes that moved; nothing is allocated after the first
-/// frame of a mesh.
+/// keeps its last pose while its own transform is not finite or while a joint is missing or not finite; if it
+/// has no pose yet, it gets its rest pose. The joints alone decide where a skinned mesh is, so the scale of its
+/// own transform has no effect. Cost: the vertices of the meshes that moved. Nothing is allocated after the
+/// first frame of a mesh.
 #[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn pose_meshes(
     mut meshes: Query<(
@@ -104,10 +73,11 @@ pub fn pose_meshes(
     }
 }
 
-/// For each joint the matrix from bind space to the entity's local space; `false` if there is none.
+/// Collects for each joint the matrix from bind space to the entity's local space. Returns `false` if one of
+/// them does not exist.
 ///
-/// In `f64` until the end: the two world transforms cancel, and far from the origin an `f32` would not hold
-/// what is left.
+/// The product is computed in `f64`, because the two world transforms nearly cancel and far from the origin
+/// an `f32` would lose the remainder.
 fn collect_joint_matrices(
     skin: &Skin,
     world_from_local: &GlobalTransform,
@@ -146,7 +116,7 @@ fn copy_rest_pose(data: &MeshData, posed: &mut PosedMesh) {
     posed.tangents.clone_from(&data.tangents);
 }
 
-/// Adds the weighted targets to the rest pose.
+/// Adds the weighted morph targets to the rest pose.
 fn morph(data: &MeshData, weights: &[f32], posed: &mut PosedMesh) {
     let mut turns = false;
     for (target, &weight) in data.morph_targets.iter().zip(weights) {
@@ -183,12 +153,12 @@ fn morph(data: &MeshData, weights: &[f32], posed: &mut PosedMesh) {
     }
 }
 
-/// Linear blend skinning of what `posed` holds.
+/// Applies linear blend skinning to the vertices in `posed`.
 fn apply_skin(data: &MeshData, local_from_bind: &[Mat4], posed: &mut PosedMesh) {
     for (vertex, (joints, weights)) in data.joints.iter().zip(&data.joint_weights).enumerate() {
         let mut blend = Mat4::ZERO;
         for (&joint, weight) in joints.iter().zip(weights.to_array()) {
-            // joints of no weight are often left at any index
+            // Exporters often leave any index in joints of weight 0.
             if weight != 0.0
                 && let Some(matrix) = local_from_bind.get(usize::from(joint))
             {
@@ -214,8 +184,9 @@ fn apply_skin(data: &MeshData, local_from_bind: &[Mat4], posed: &mut PosedMesh) 
     }
 }
 
-/// The matrix that turns normals, up to a positive factor, and −1 where `linear` mirrors. Cofactors instead of
-/// the inverse transpose: they exist for a flattened joint too.
+/// The matrix that turns normals, up to a positive factor, and −1 where `linear` mirrors (else 1). It
+/// consists of cofactors instead of the inverse transpose, because cofactors also exist for a flattened
+/// joint.
 fn normal_matrix(linear: &Mat3) -> (Mat3, f32) {
     let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
     let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

@@ -1,35 +1,41 @@
-//! The sets of a frame: what is drawn, what each light lights, and which casters can matter to it.
+//! The sets of a frame: which objects are drawn, which objects each light lights, and which casters matter to
+//! it.
 //!
-//! All are bitsets over the dense index of [`Objects`], so that I = V ∩ L is a word-wise AND.
+//! All sets are bitsets over the dense index of [`Objects`], so that I = V ∩ L is a word-wise AND.
 //!
 //! | set | holds | written by | error allowed |
 //! | --- | --- | --- | --- |
 //! | F [`FrustumSet`] | objects whose bounds touch the view frustum, occluded or not | [`collect_frustum_set`] | may keep too many |
-//! | V [`VisibleSet`] | F less what is occluded from the camera ([`occlusion`]) | [`collect_visible_set`] | same |
-//! | L [`FrameLight::l`] | objects within the light's volume ([`FrameLight::reach`], by [`collect_light_sets`]), less what is occluded from it | [`collect_light_occlusion`] | same |
-//! | I [`FrameLight::i`] | V ∩ L, drawn and affected, less what is dark wherever it is seen ([`VisibleParts`]): what the light pass draws. Empty: the light is skipped | [`collect_illumination`] | same |
+//! | V [`VisibleSet`] | F without objects that are occluded from the camera | [`collect_visible_set`] | may keep too many |
+//! | L [`FrameLight::l`] | objects within the light's volume ([`FrameLight::reach`], by [`collect_light_sets`]) that are not occluded from the light | [`collect_light_occlusion`] | may keep too many |
+//! | I [`FrameLight::i`] | objects that the light pass draws: V ∩ L, drawn and affected, without objects whose visible part ([`VisibleParts`]) is dark. If I is empty, the light is skipped | [`collect_illumination`] | may keep too many |
 //! | S [`FrameLight::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
 //!
-//! S asks F and the hulls of the light, not V: what is hidden can still cast into view (chapter 15, figure 15-2).
+//! S depends on F and the light's hulls but not on V, because a hidden caster can still throw its shadow into
+//! view (chapter 15, figure 15-2).
 //!
-//! Beside them: [`View`] by [`collect_view`], [`ScissorRect`] and [`DepthBounds`] by [`collect_illumination`].
+//! Beside the sets, [`collect_view`] writes [`View`], and [`collect_illumination`] writes [`ScissorRect`] and
+//! [`DepthBounds`].
 //!
-//! The index is in spatial order, so that a word of a bitset is 64 neighbours with a box around them ([`Clusters`]): every
-//! set is found from boxes around boxes down to the objects, and costs what it touches. Where more than one thread is
-//! there (bevy's `ComputeTaskPool`), lights and pieces of the index are shared among them, with the same outcome.
+//! The index is in spatial order, so that a word of a bitset stands for 64 neighbours with a box around them
+//! ([`Clusters`]). Every set is found by testing boxes around boxes first and objects last, so its cost is in
+//! proportion to what it touches. If there is more than one thread (bevy's `ComputeTaskPool`), lights and
+//! pieces of the index are shared among them, with the same result.
 //!
-//! Each step recomputes what its inputs changed and nothing else; a frame in which nothing moved computes no set and
-//! allocates nothing ([`SetWork`] counts).
+//! Each step recomputes only what its inputs changed. A frame in which nothing moved computes no set and
+//! allocates nothing ([`SetWork`] counts the work).
 //!
-//! Limits: coordinates are brought to ±1e15 m. Bounds grow by eight `f32` epsilons of their coordinates, so at
-//! 1000 km from the origin sets are about a metre generous, and still never drop anything.
+//! Limits: coordinates are clamped to ±1e15 m. Bounds grow by eight `f32` epsilons of their coordinates, so
+//! 1000 km from the origin the sets are about a metre too large, and still never drop anything.
 //!
-//! Source: O'Rorke 2004, "Managing Visibility for Per-Pixel Lighting", GPU Gems ch. 15; McGuire 2004, "Efficient
-//! Shadow Volume Rendering", GPU Gems ch. 9; Everitt & Kilgard 2003, "Optimized Stencil Shadow Volumes".
+//! Source: O'Rorke 2004, "Managing Visibility for Per-Pixel Lighting", GPU Gems ch. 15; McGuire 2004,
+//! "Efficient Shadow Volume Rendering", GPU Gems ch. 9; Everitt & Kilgard 2003, "Optimized Stencil Shadow
+//! Volumes".
 
 pub(crate) mod index;
 pub(crate) mod light;
 pub(crate) mod occlusion;
+pub(crate) mod report;
 pub(crate) mod view;
 pub(crate) mod work;
 
@@ -50,6 +56,7 @@ pub use light::light_volume::LightVolume;
 pub use light::reach::collect_light_sets;
 pub use light::scissor::ScissorRect;
 pub use light::shadow::collect_shadow_sets;
+pub use light::technique::{LightTechnique, NeededSilhouettes, Needs};
 pub use occlusion::{
     AutoOccluders, CellIssue, Cells, Occluders, OcclusionSettings, collect_cells, collect_occluders,
 };
@@ -57,14 +64,15 @@ pub use view::frame_view::{View, ViewData, ViewportSize, collect_view};
 pub use view::frustum::{FrustumSet, collect_frustum_set};
 pub use view::screen::{Projector, ScreenBounds};
 pub use view::seen_into::{SeeThrough, SeenInto, collect_seen_into};
-pub use view::view_depth::{DepthReach, ViewDepth, begin_depth_reach, fit_view_depth};
+pub use view::stored_depth::ViewDepth;
+pub use view::view_depth::{DepthReach, begin_depth_reach, fit_view_depth};
 pub use view::visible::{CameraOcclusion, VisibleSet, collect_visible_set};
 pub use view::visible_parts::VisibleParts;
 pub use work::SetWork;
 
 use crate::scene::ObjectChurn;
 
-/// Inserts the resources of the sets, those that are missing.
+/// Inserts the resources of the sets that are missing.
 pub fn init_set_resources(world: &mut World) {
     world.init_resource::<SetWork>();
     world.init_resource::<ObjectChurn>();
@@ -83,7 +91,7 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<LightOcclusion>();
 }
 
-/// The systems of the sets, chained; they belong into `AntumbraSystems::CollectSets`.
+/// The systems of the sets, chained. They belong in `AntumbraSystems::CollectSets`.
 pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
     (
         begin_depth_reach,
@@ -95,8 +103,8 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         collect_frame_lights,
         collect_light_sets,
         collect_light_occlusion, // what a light does not see is dark already
-        collect_illumination,    // scissor and depth bounds too: an empty one skips the light
-        collect_shadow_sets,     // last: it asks which receivers are left
+        collect_illumination,    // also scissor and depth bounds: an empty one skips the light
+        collect_shadow_sets,     // last, because it depends on which receivers are left
     )
         .chain()
 }

@@ -5,24 +5,19 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec4, Vec4};
 
-use super::casters::{CasterEdges, CasterMesh, PosedPlanes};
+use super::caster_shape::CasterShape;
+use super::casters::CasterMesh;
 use super::grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
 use super::stacks::stacked_boxes;
 use super::{CapMode, Contour, FacingBits, classify, extract_contour};
 use crate::geometry::Aabb;
-use crate::scene::placement::Placement;
-use crate::scene::{PosedMesh, SceneMesh};
-use crate::sets::{FrameLights, Objects, SeenInto};
+use crate::sets::{FrameLights, NeededSilhouettes, Objects, SeenInto};
 
-/// Marks lights whose technique is built on silhouettes.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct NeedsSilhouettes;
-
-/// Frames that a pair's silhouette outlives its last use: a light that flickers in and out of view does not pay each
-/// time, and memory follows what is looked at. By eye.
+/// Frames that a silhouette is kept after its last use. A light that flickers in and out of view does not pay
+/// each time, and memory follows what is looked at. Chosen by eye.
 const KEPT_FRAMES: u64 = 120;
 
-/// No silhouette.
+/// Marks an object without a silhouette.
 const NONE: u32 = u32::MAX;
 
 /// The silhouette of one caster in one light.
@@ -30,17 +25,19 @@ const NONE: u32 = u32::MAX;
 pub struct Silhouette {
     /// The caster.
     pub entity: Entity,
-    /// The light as a homogeneous point in the caster's space: what it was extracted for.
+    /// The light as a homogeneous point in the caster's space, for which the silhouette was extracted.
     pub light_local: Vec4,
     /// Which triangles stand for the caster.
     pub mode: CapMode,
     /// Metres from the light within which surfaces do not block it.
     pub clearance: f64,
-    /// Pieces of the caster that lie one behind the other, about; both sides of a piece where all triangles are caps.
+    /// Number of pieces of the caster that lie one behind the other, estimated from bounding boxes. Both sides of a
+    /// piece count where all triangles are caps.
     pub stacked: u32,
     /// Edges and caps.
     pub contour: Contour,
-    /// Unique among all silhouettes ever extracted; tells a copy of it whether it is stale. 0: the slot is free.
+    /// Unique among all silhouettes ever extracted, so a copy can detect that it is stale. 0 marks a free
+    /// slot.
     pub revision: u64,
     source: Option<Arc<CasterMesh>>,
     last_used: u64,
@@ -53,8 +50,8 @@ pub struct LightSilhouettes {
     pub light: Entity,
     /// Slots, used and free; an index stays valid until its pair is forgotten.
     pub slots: Vec<Silhouette>,
-    /// The sum of [`Silhouette::stacked`] over casters that lie one behind the other, about: what a technique that counts
-    /// needs room for. It says so from boxes, and knows nothing of a piece that is folded.
+    /// Largest sum of [`Silhouette::stacked`] over casters that lie one behind the other: the range of counts that a
+    /// technique needs. It is an estimate from bounding boxes, so it does not know of folds within a piece.
     pub stacked: u32,
     stacked_of: Option<(usize, u64)>,
     slot_of: Vec<u32>,
@@ -62,7 +59,7 @@ pub struct LightSilhouettes {
     layout_generation: u64,
 }
 
-/// The silhouettes of this frame. Written by [`build_silhouettes`].
+/// The silhouettes of this frame. Written by `build_silhouettes`.
 #[derive(Resource, Debug, Default)]
 pub struct Silhouettes {
     lights: Vec<LightSilhouettes>,
@@ -76,7 +73,7 @@ pub struct Silhouettes {
 }
 
 impl Silhouettes {
-    /// The silhouettes in a light; `None` if it never needed any.
+    /// Returns the silhouettes in a light; `None` if the light never needed any.
     pub fn of_light(&self, light: Entity) -> Option<&LightSilhouettes> {
         let at = self
             .lights
@@ -85,20 +82,20 @@ impl Silhouettes {
         Some(&self.lights[at])
     }
 
-    /// All lights, by entity.
+    /// Returns the silhouettes of all lights, ascending by light.
     pub fn lights(&self) -> &[LightSilhouettes] {
         &self.lights
     }
 }
 
 impl LightSilhouettes {
-    /// Slot and silhouette of the caster at a dense index, if it has one with something to cast.
+    /// Returns slot and silhouette of the object with this dense index, if it has a silhouette in this light.
     pub fn of_object(&self, object: usize) -> Option<(usize, &Silhouette)> {
         let slot = *self.slot_of.get(object).filter(|slot| **slot != NONE)? as usize;
         Some((slot, &self.slots[slot]))
     }
 
-    /// Maps slots to dense indices anew when objects came or went.
+    /// Rebuilds the map from dense indices to slots when objects came or went.
     fn remap(&mut self, objects: &Objects) {
         if self.layout_generation == objects.layout_generation && self.slot_of.len() == objects.len() {
             return;
@@ -167,28 +164,22 @@ impl LightSilhouettes {
     }
 }
 
-type CasterItem<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    Placement,
-    Option<(&'a PosedMesh, &'a PosedPlanes)>,
-);
-
-/// Extracts the silhouettes of every light's set S that are not known yet or are stale.
+/// Extracts the silhouettes that the technique of each light needs, of set S or of all casters that the light reaches
+/// ([`NeededSilhouettes`]), where they are not known yet or are stale.
 ///
 /// Set: `BuildSilhouettes`. Reads [`FrameLights`], [`Objects`], [`SeenInto`]; writes [`Silhouettes`].
 ///
-/// A pair is stale when the light or the caster moved (by change ticks) and the light stands elsewhere in the caster's
-/// space for it (by value: what moves together keeps its silhouette), when the caster was posed or its mesh exchanged,
-/// or when the camera or the light went into or out of its bounds ([`CapMode`]).
+/// A silhouette is stale when the caster was posed, when its mesh was exchanged, when the camera or the light
+/// entered or left its bounds ([`CapMode`]), or when the light has another position in the caster's space.
+/// Change ticks of light and caster select the pairs to check; the check itself compares values, so a light
+/// and a caster that move together keep their silhouette.
 pub fn build_silhouettes(
     mut silhouettes: ResMut<Silhouettes>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     seen_into: Res<SeenInto>,
     clearance: Res<LightClearance>,
-    wanting: Query<(), With<NeedsSilhouettes>>,
-    casters: Query<CasterItem<'static>>,
+    casters: Query<CasterShape>,
 ) {
     let Silhouettes {
         lights: kept,
@@ -202,7 +193,8 @@ pub fn build_silhouettes(
     *frame += 1;
     *extracted = 0;
     for light in &lights.lights {
-        if !wanting.contains(light.entity) {
+        let needed = light.needs().silhouettes;
+        if needed == NeededSilhouettes::None {
             continue;
         }
         let at = kept
@@ -225,9 +217,15 @@ pub fn build_silhouettes(
         let entry = &mut kept[at];
         entry.remap(&objects);
         let mut changed = false;
-        for object in light.s.ones() {
+        let shadowing = (needed == NeededSilhouettes::Shadowing).then(|| light.s.ones());
+        let reached = (needed == NeededSilhouettes::Reached).then(|| light.reached_casters(&objects));
+        for object in shadowing
+            .into_iter()
+            .flatten()
+            .chain(reached.into_iter().flatten())
+        {
             let entity = objects.entities[object];
-            let Ok((edges, mesh, place, posed)) = casters.get(entity) else {
+            let Ok(caster) = casters.get(entity) else {
                 continue;
             };
             let point = light.point_world;
@@ -237,7 +235,8 @@ pub fn build_silhouettes(
             let mode = cap_mode(light_within || seen_into.0.contains(object));
             let slot = entry.slot_for(object, entity);
             let silhouette = &mut entry.slots[slot];
-            // Change ticks tell of this frame only: what was not looked at in the last one is checked by value.
+            // Change ticks cover this frame only, so a silhouette that was not used in the last frame is
+            // checked by value.
             let watched = silhouette.last_used + 1 == *frame;
             silhouette.last_used = *frame;
             let known = silhouette.revision != 0
@@ -246,38 +245,32 @@ pub fn build_silhouettes(
                 && silhouette
                     .source
                     .as_ref()
-                    .is_some_and(|source| Arc::ptr_eq(source, &edges.0));
+                    .is_some_and(|source| Arc::ptr_eq(source, &caster.edges.0));
             if known && watched && !light.moved && !objects.moved.contains(object) {
                 continue;
             }
-            let in_local = place
+            let in_local = caster
                 .world_from_local()
                 .and_then(|matrix| Some((matrix, light_in_local(&matrix, light.point_world)?)));
             let Some((world_from_local, light_local)) = in_local else {
                 entry.forget(object);
                 continue;
             };
-            if known && posed.is_none() && silhouette.light_local == light_local {
+            if known && !caster.is_posed() && silhouette.light_local == light_local {
                 continue;
             }
-            let planes = match posed {
-                Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => &planes.0,
-                _ => &edges.0.planes,
-            };
-            classify(&edges.0.edges, planes, light_local, bits);
+            let edges = caster.edges;
+            classify(&edges.0.edges, caster.planes(), light_local, bits);
             extract_contour(&edges.0.edges, bits, mode, &mut silhouette.contour);
             grazed.clear();
             if light_within {
-                let positions = posed
-                    .map(|(posed, _)| &posed.positions)
-                    .filter(|positions| positions.len() >= edges.0.edges.vertex_count());
                 let grazing = GrazingLight {
                     light_world: point,
                     light_local,
                     world_from_local: &world_from_local,
                     clearance,
                 };
-                let positions = positions.unwrap_or(&mesh.0.positions);
+                let (planes, positions) = (caster.planes(), caster.positions());
                 find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
                 take_out_of_contour(&edges.0.edges, bits, mode, grazed, &mut silhouette.contour);
             }
@@ -307,11 +300,15 @@ pub fn build_silhouettes(
         }
         entry.forget_unused(*frame, &objects);
     }
-    // Lights that are gone take their silhouettes with them.
-    kept.retain(|entry| wanting.contains(entry.light));
+    // Lights that are gone, and those whose technique needs none any more, take their silhouettes with them.
+    kept.retain(|entry| {
+        lights
+            .of_entity(entry.light)
+            .is_some_and(|light| light.needs().silhouettes != NeededSilhouettes::None)
+    });
 }
 
-/// Whether a light is in a caster's bounds, or nearer to them than its clearance.
+/// Whether a light is within a caster's bounds, or nearer to them than its clearance.
 pub fn light_is_within(bounds: &Aabb, light_world: DVec4, clearance: f64) -> bool {
     let light = light_world.truncate();
     light_world.w != 0.0
@@ -319,8 +316,9 @@ pub fn light_is_within(bounds: &Aabb, light_world: DVec4, clearance: f64) -> boo
             || light.distance(light.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3())) <= clearance)
 }
 
-/// Back-facing triangles suffice for a caster unless the camera or the light may be inside of it: then all count.
-/// Whether the light is inside matters to pieces that are wound inward in part, which no volume tells.
+/// Back-facing triangles suffice for a caster unless the camera or the light may be inside it; then all
+/// triangles are caps. A light inside matters for pieces that are partly wound inward, which cannot be
+/// detected from a volume.
 fn cap_mode(looked_or_lit_from_within: bool) -> CapMode {
     if looked_or_lit_from_within {
         CapMode::AllTriangles
@@ -329,14 +327,15 @@ fn cap_mode(looked_or_lit_from_within: bool) -> CapMode {
     }
 }
 
-/// The light as a homogeneous point in a caster's space, by way of f64; `None` for a transform without inverse.
+/// Transforms the light to a homogeneous point in a caster's space, in `f64`; `None` for a transform without
+/// inverse.
 pub fn light_in_local(world_from_local: &DMat4, light_world: DVec4) -> Option<Vec4> {
     let determinant = world_from_local.determinant();
     if !(determinant.is_finite() && determinant != 0.0) {
         return None;
     }
     let local = (world_from_local.inverse() * light_world).as_vec4();
-    // An affine map keeps w, but for rounding.
+    // An affine map keeps w; this removes its rounding error.
     let local = Vec4::new(local.x, local.y, local.z, light_world.w as f32);
     local.is_finite().then_some(local)
 }

@@ -1,4 +1,5 @@
-//! The edge meshes of casters: one for all objects that share a mesh, and planes of its own for each posed object.
+//! Edge meshes of casters. All objects with one mesh share its edge mesh; each posed object has planes of its
+//! own.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
@@ -11,40 +12,44 @@ use crate::geometry::Aabb;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput, is_outside_out};
 use crate::scene::{MeshData, PosedMesh, SceneMesh, ShadowCaster};
 
-/// What all casters with one mesh share.
+/// Edges and planes that all casters with one mesh share.
 #[derive(Debug)]
 pub struct CasterMesh {
     /// Welded triangles and their edges.
     pub edges: EdgeMesh,
-    /// Planes in the pose that the mesh was made in.
+    /// Planes of the triangles in the mesh's rest pose.
     pub planes: FacingPlanes,
-    /// From outside, fronts alone are seen of the mesh as it was made: it is closed, and nowhere inside out.
+    /// Whether only fronts of the mesh are seen from outside in any pose: it is closed, never posed, and nowhere inside
+    /// out.
     pub shows_fronts_alone: bool,
-    /// Boxes of its pieces, local space; none of a mesh of one piece.
+    /// Boxes of the pieces, local space, each with weight 1. Empty for a mesh of one piece.
     pub pieces: Vec<(Aabb, u32)>,
 }
 
-/// The edge mesh of a caster. Written by [`build_caster_edges`]; a caster whose mesh has none (it is counted in
-/// [`CasterMeshes::failures`]) casts nothing.
+/// The edge mesh of a caster, written by `build_caster_edges`.
+///
+/// A caster whose mesh has no edge mesh does not have this component but a [`RefusedCaster`], and casts nothing.
 #[derive(Component, Clone, Debug)]
 pub struct CasterEdges(pub Arc<CasterMesh>);
 
-/// Planes of a posed caster's triangles in this frame's pose.
+/// Why a caster casts nothing. Written by `build_caster_edges`; it stays as long as the entity has the mesh.
+#[derive(Component, Clone, Debug, PartialEq)]
+pub struct RefusedCaster(pub EdgeMeshError);
+
+/// Planes of a posed caster's triangles in this frame's pose. Written by `update_posed_planes`.
 #[derive(Component, Clone, Debug, Default)]
 pub struct PosedPlanes(pub FacingPlanes);
 
-/// The edge meshes in use, by mesh.
+/// The edge meshes in use, one per mesh.
 #[derive(Resource, Debug, Default)]
 pub struct CasterMeshes {
-    /// By the address of the mesh, which the weak handle tells from a later mesh at the same address.
+    /// Keyed by the address of the mesh. The weak handle distinguishes a later mesh at the same address.
     by_address: HashMap<usize, (Weak<MeshData>, Arc<CasterMesh>)>,
-    /// Meshes that cannot cast, by name, and why; each once.
-    pub failures: Vec<(String, EdgeMeshError)>,
 }
 
 impl CasterMesh {
-    /// The edge mesh of a mesh: work for a loading thread, in the triangles of the mesh. [`CasterMeshes::insert`] takes
-    /// what it made.
+    /// Builds the edge mesh of a mesh. The time is linear in the mesh's triangles, so do it on a loading
+    /// thread and hand the result to [`CasterMeshes::insert`].
     ///
     /// # Errors
     /// [`EdgeMeshError`] names the triangle.
@@ -58,7 +63,7 @@ impl CasterMesh {
         })?;
         let mut planes = FacingPlanes::default();
         compute_planes(&edges, &mesh.positions, &mut planes);
-        // A pose may turn parts inside out: what it shows is not told from the mesh as it was made.
+        // A pose may turn parts inside out, which the rest pose does not show.
         let shows_fronts_alone =
             keys.is_none() && edges.is_closed() && is_outside_out(&mesh.positions, edges.corners());
         let pieces = piece_boxes(&edges, &mesh.positions);
@@ -72,7 +77,7 @@ impl CasterMesh {
 }
 
 impl CasterMeshes {
-    /// The edge mesh of a mesh, built the first time.
+    /// Returns the edge mesh of a mesh, and builds it on first use.
     ///
     /// # Errors
     /// [`EdgeMeshError`] names the triangle.
@@ -87,14 +92,14 @@ impl CasterMeshes {
         Ok(built)
     }
 
-    /// Keeps an edge mesh that was built elsewhere, of just this mesh.
+    /// Keeps an edge mesh that was built elsewhere, from exactly this mesh.
     pub fn insert(&mut self, mesh: &Arc<MeshData>, built: Arc<CasterMesh>) {
         self.by_address.retain(|_, (source, _)| source.strong_count() > 0);
         self.by_address
             .insert(address(mesh), (Arc::downgrade(mesh), built));
     }
 
-    /// Whether it is there already.
+    /// Whether the edge mesh of this mesh is known already.
     pub fn contains(&self, mesh: &Arc<MeshData>) -> bool {
         let known = self.by_address.get(&address(mesh));
         known.is_some_and(|(source, _)| source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh)))
@@ -105,8 +110,8 @@ fn address(mesh: &Arc<MeshData>) -> usize {
     Arc::as_ptr(mesh) as usize
 }
 
-/// A number for each vertex, equal where all that moves the vertex in any pose is equal: only such vertices may be
-/// welded. `None` for a mesh that is never posed.
+/// A number for each vertex. Two vertices have equal numbers if every pose moves them alike; only such
+/// vertices may be welded. `None` for a mesh that is never posed.
 fn pose_keys(mesh: &MeshData) -> Option<Vec<u32>> {
     if mesh.joints.is_empty() && mesh.morph_targets.is_empty() {
         return None;
@@ -130,39 +135,39 @@ fn pose_keys(mesh: &MeshData) -> Option<Vec<u32>> {
     Some(keys.collect())
 }
 
-/// Gives casters their edge mesh when they appear or exchange their mesh.
+/// Gives a caster its edge mesh when it appears or when its mesh is exchanged.
 ///
-/// Set: `BuildSilhouettes`, first. Cost: the triangles of new meshes.
+/// Set: `BuildSilhouettes`, first. Cost: linear in the triangles of new meshes.
 pub fn build_caster_edges(
     mut commands: Commands,
     mut meshes: ResMut<CasterMeshes>,
     changed: Query<
-        (Entity, &SceneMesh, Option<&PosedMesh>),
+        (Entity, &SceneMesh, Option<&PosedMesh>, Has<RefusedCaster>),
         (With<ShadowCaster>, Or<(Added<ShadowCaster>, Changed<SceneMesh>)>),
     >,
 ) {
-    for (entity, mesh, posed) in &changed {
+    for (entity, mesh, posed, was_refused) in &changed {
         let mut entity = commands.entity(entity);
         match meshes.get_or_build(&mesh.0) {
             Ok(edges) => {
                 entity.insert(CasterEdges(edges));
+                if was_refused {
+                    entity.remove::<RefusedCaster>();
+                }
                 if posed.is_some() {
                     entity.insert(PosedPlanes::default());
                 }
             }
             Err(error) => {
-                entity.remove::<CasterEdges>();
-                if !meshes.failures.iter().any(|(name, _)| *name == mesh.0.name) {
-                    meshes.failures.push((mesh.0.name.clone(), error));
-                }
+                entity.remove::<CasterEdges>().insert(RefusedCaster(error));
             }
         }
     }
 }
 
-/// Recomputes the planes of casters that were posed.
+/// Recomputes the planes of casters whose pose changed.
 ///
-/// Set: `BuildSilhouettes`, after [`build_caster_edges`]. Cost: the triangles of posed casters.
+/// Set: `BuildSilhouettes`, after [`build_caster_edges`]. Cost: linear in the triangles of posed casters.
 pub fn update_posed_planes(
     mut casters: Query<
         (&CasterEdges, &PosedMesh, &mut PosedPlanes),

@@ -7,23 +7,24 @@ use super::facing::{FacingBits, MIXED};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeSide, LaneSide};
 
-/// The half of [`extract_contour`](super::extract_contour) that fills the edges.
+/// Extracts the edges of a contour: one half of [`extract_contour`](super::extract_contour).
 ///
-/// The multiplicity of a→b is the sum, over the triangles that traverse it, of +1 if the triangle faces the light
-/// and −1 if not (it is turned then), and the reverse for those that traverse b→a. Where only back-facing triangles
-/// are caps, those that face the light count 0.
+/// The multiplicity of a→b is a sum over the triangles at the edge. A triangle that traverses a→b adds +1 if
+/// it faces the light; otherwise it is turned and adds −1. A triangle that traverses b→a adds the opposite.
+/// Where only back-facing triangles are caps, triangles that face the light add 0.
 ///
-/// Cost: the edges of clusters that are mixed or meet unlike ones, one test for each other cluster and seam, a copy of
-/// the boundary edges, and the irregular edges. Edges are named by their vertices and no position is read: copying
-/// positions was a third of the time (interior by mesh), and three times the memory.
+/// Cost: the edges of clusters that are mixed or adjoin unlike clusters, one test for every other cluster and
+/// seam, a copy of the boundary edges, and the irregular edges. Edges hold vertex indices, and no position is
+/// read: copying positions took a third of the time (interior by mesh) and three times the memory.
 pub fn extract_edges(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     contour.edges.clear();
     contour.double_edges.clear();
     if !fits(mesh, facing) {
         return;
     }
-    // A regular edge between unlike triangles: +1 + 1 if all triangles are caps, 0 − (−1) if only back-facing ones. An
-    // edge joins triangles into one piece, so both clusters of a seam are of one kind.
+    // The multiplicity of a regular edge between unlike triangles is 1 − (−1) = 2 if all triangles are caps,
+    // and 0 − (−1) = 1 if only back-facing ones are. An edge joins its triangles into one piece, so the
+    // clusters on both sides of a seam are both closed or both open.
     let single = match mode {
         CapMode::ClosedBackFacing => mesh.closed_cluster_count(),
         CapMode::AllTriangles => 0,
@@ -39,8 +40,8 @@ pub fn extract_edges(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contou
     push_irregular(mesh, facing, mode, contour);
 }
 
-/// Pushes the regular edges of some clusters whose two triangles differ, as the one that faces the light traverses
-/// them.
+/// Pushes those regular edges of some clusters whose two triangles differ, in the direction of the triangle
+/// that faces the light.
 fn push_regular(mesh: &EdgeMesh, facing: &FacingBits, clusters: Range<usize>, edges: &mut Vec<[u32; 2]>) {
     let (words, states) = (facing.words(), facing.states());
     for i in clusters {
@@ -70,10 +71,10 @@ fn push_regular(mesh: &EdgeMesh, facing: &FacingBits, clusters: Range<usize>, ed
     }
 }
 
-/// Pushes those of `count` edges whose two triangles differ. `side` is an edge's side in the cluster of `word` and
-/// `corners`; the lowest bit of `other` says whether the triangle beyond it faces the light.
+/// Pushes those of `count` edges whose two triangles differ. `side` gives an edge's side in the cluster of
+/// `word` and `corners`; the lowest bit of `other` says whether the triangle beyond the edge faces the light.
 ///
-/// They are rare and come in no order that a branch predictor could learn: a first loop only gathers bits.
+/// Such edges are rare, and no branch predictor can learn where they come, so a first loop only gathers bits.
 #[inline(always)]
 fn push_unlike(
     word: u64,
@@ -87,7 +88,7 @@ fn push_unlike(
         let end = count.min(first + 64);
         let mut unlike = 0u64;
         for i in first..end {
-            // Shifted in from above: only constant shifts beside those by lanes.
+            // Bits enter from above, so every shift but those by lanes is constant.
             unlike = unlike >> 1 | (word >> side(i).lane() ^ other(i)) << 63;
         }
         unlike >>= 64 - (end - first);
@@ -100,7 +101,7 @@ fn push_unlike(
     }
 }
 
-/// Pushes all boundary edges, as their triangle traverses them once it is turned to face the light.
+/// Pushes all boundary edges, each in the direction of its triangle once that is turned to face the light.
 fn push_boundary(mesh: &EdgeMesh, facing: &FacingBits, edges: &mut Vec<[u32; 2]>) {
     let runs = mesh.boundary_slots().iter().zip(mesh.boundary_vertices());
     edges.extend(runs.map(|(&slot, &edge)| turned(edge, facing.is_facing(slot as usize))));
@@ -126,7 +127,7 @@ fn push_irregular(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: 
     }
 }
 
-/// By places instead of a choice between two copies.
+/// Swaps an edge's vertices unless `is_forward`. Indexing avoids a branch between two copies.
 #[inline(always)]
 fn turned(edge: [u32; 2], is_forward: bool) -> [u32; 2] {
     [edge[usize::from(!is_forward)], edge[usize::from(is_forward)]]

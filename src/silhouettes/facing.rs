@@ -1,4 +1,4 @@
-//! A bit per triangle: whether its front is towards the light.
+//! One bit per triangle: whether its front is towards the light.
 
 use glam::Vec4;
 use wide::f32x8;
@@ -7,12 +7,12 @@ use super::planes::{Certainty, FacingPlanes, PlaneBlock};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::EdgeMesh;
 
-/// Which triangles face a light: a word a cluster, a bit a slot.
+/// Which triangles face a light: one word per cluster, one bit per slot.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FacingBits {
     words: Vec<u64>,
-    /// [`HAS_BACK`] and [`HAS_FACING`] of each cluster: a byte, so that all of them stay in the first cache while
-    /// seams ask for them in any order.
+    /// [`HAS_BACK`] and [`HAS_FACING`] of each cluster. A byte each, because seams read them in random order
+    /// and all of them should stay in the first-level cache.
     states: Vec<u8>,
     /// Clusters whose bounds did not decide.
     tested: Vec<u32>,
@@ -22,11 +22,11 @@ pub struct FacingBits {
 pub(super) const HAS_BACK: u8 = 1;
 /// The cluster has a triangle that faces the light.
 pub(super) const HAS_FACING: u8 = 2;
-/// The cluster has both.
+/// The cluster has triangles of both kinds.
 pub(super) const MIXED: u8 = HAS_BACK | HAS_FACING;
 
 impl FacingBits {
-    /// One word a cluster; bits beyond the cluster's triangles are 0.
+    /// One word per cluster; bits beyond the cluster's triangles are 0.
     pub fn words(&self) -> &[u64] {
         &self.words
     }
@@ -45,12 +45,7 @@ impl FacingBits {
         self.states.iter().filter(|&&state| state == MIXED).count()
     }
 
-    /// Clusters whose bounds did not decide, so that every triangle was tested.
-    pub fn tested_cluster_count(&self) -> usize {
-        self.tested.len()
-    }
-
-    /// Bits chosen by the caller, a word a cluster of `mesh`. The contour is closed for any choice.
+    /// Takes bits chosen by the caller, one word per cluster of `mesh`. The contour is closed for any choice.
     pub fn from_words(mesh: &EdgeMesh, words: impl IntoIterator<Item = u64>) -> Self {
         let mut bits = Self::default();
         for (cluster, word) in mesh.clusters().iter().zip(words) {
@@ -71,14 +66,16 @@ impl FacingBits {
     }
 }
 
-/// For each triangle, whether the light lies strictly in front of its plane. On the plane counts as not facing, and
-/// so does NaN. `light_local` is a position with `w = 1` or, with `w = 0`, the direction towards the light.
+/// Decides for each triangle whether the light lies strictly in front of its plane.
 ///
-/// Any answer leaves the contour closed, so rounding may turn only triangles that are edge-on to the light.
-/// Without planes of this mesh there are no bits, and nothing will be cast.
+/// A light on the plane counts as not facing, and so does NaN. `light_local` is a position with `w = 1` or,
+/// with `w = 0`, the direction towards the light. If `planes` are not those of `mesh`, there are no bits and
+/// nothing is cast.
 ///
-/// Cost: each cluster's bounds, and the triangles of those that they leave open. The bits are those of
-/// [`classify_scalar`], to the last. Idea of culling by bounds: The Dark Mod; ours uses normal cones.
+/// The contour is closed for any answer, so rounding can only change triangles that are edge-on to the light.
+///
+/// Cost: each cluster's bounds, and the triangles of clusters whose bounds do not decide. The bits equal
+/// those of [`classify_scalar`] exactly. Idea of culling by bounds: The Dark Mod; ours uses normal cones.
 pub fn classify(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4, bits: &mut FacingBits) {
     bits.clear();
     if planes.blocks.len() != mesh.clusters().len() {
@@ -93,8 +90,9 @@ pub fn classify(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4, bits:
         }
         return;
     }
-    // All bounds before the first plane: with the choice in one loop, each wrong guess held up the next block's planes,
-    // and they come from far (0.4 ns a triangle, interior by mesh).
+    // All bounds are tested before the first plane is read. With both in one loop, each mispredicted branch
+    // delayed the load of the next block's planes, which are far away in memory (0.4 ns a triangle, interior
+    // by mesh).
     bits.tested.resize(planes.bounds.len(), 0);
     let mut tested = 0;
     for (i, (cluster, bounds)) in mesh.clusters().iter().zip(&planes.bounds).enumerate() {
@@ -124,7 +122,7 @@ fn state_of(word: u64, full_word: u64) -> u8 {
     (u8::from(word != 0) * HAS_FACING) | (u8::from(word != full_word) * HAS_BACK)
 }
 
-/// Twin of [`classify`] that tests one triangle after the other.
+/// Scalar twin of [`classify`]: tests every triangle, one at a time.
 pub fn classify_scalar(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4, bits: &mut FacingBits) {
     bits.clear();
     if planes.blocks.len() != mesh.clusters().len() {
@@ -134,7 +132,7 @@ pub fn classify_scalar(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4
     for (cluster, block) in mesh.clusters().iter().zip(&planes.blocks) {
         let mut word = 0;
         for lane in 0..cluster.triangle_count as usize {
-            // The order of the sum is that of `facing_word`.
+            // The terms are added in the order of `facing_word`.
             let value =
                 block.x[lane] * l.x + block.y[lane] * l.y + block.z[lane] * l.z + block.offset[lane] * l.w;
             word |= u64::from(value > 0.0) << lane;
@@ -144,7 +142,8 @@ pub fn classify_scalar(mesh: &EdgeMesh, planes: &FacingPlanes, light_local: Vec4
     bits.tested.extend(0..planes.blocks.len() as u32);
 }
 
-/// No fused multiply-add: a frame is the same on every machine, and equal to the twin's.
+/// Tests the planes of one block. It uses no fused multiply-add, so the bits are the same on every machine
+/// and equal to those of [`classify_scalar`].
 fn facing_word(block: &PlaneBlock, light_local: Vec4) -> u64 {
     let [x, y, z, w] = light_local.to_array().map(f32x8::splat);
     let (xs, ys) = (block.x.as_chunks::<8>().0, block.y.as_chunks::<8>().0);

@@ -1,13 +1,13 @@
-//! Triangles that a light lies in or on: they block nothing.
+//! Triangles in or on which a light lies. They block nothing.
 //!
-//! The plane of such a triangle holds the light, up to rounding, so that which side it shows is chance, its outline may
-//! surround the light, and pushed away from the light it covers half of space. Lamps flush with a ceiling, and lights that an
-//! editor snapped to a wall, are on surfaces. So one rule holds under every technique: **a surface nearer to a light than
-//! [`LightClearance`] does not block it.**
+//! The plane of such a triangle contains the light, up to rounding. So it is chance which side faces the light. Its
+//! outline may surround the light, and pushed away from the light it covers half of space. Lamps flush with a ceiling and
+//! lights that an editor snapped to a wall are on surfaces. So one rule holds under every technique: **a surface nearer
+//! to a light than [`LightClearance`] does not block it.**
 //!
-//! Volumes and wedges leave out whole triangles ([`find_grazed`]), which is the same for what lies on either side of a closed
-//! solid: a segment that enters it through a triangle that is left out leaves it through another. Maps have their near plane
-//! there, and the ray caster ends its rays there.
+//! Volumes and wedges leave out whole triangles ([`find_grazed`]). That gives the same shadows outside of a closed solid,
+//! because a segment that enters it through such a triangle leaves it through another one. Maps put their near plane at
+//! the clearance, and the ray caster ends its rays there.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
@@ -16,19 +16,22 @@ use bevy_ecs::reflect::ReflectResource;
 use bevy_reflect::prelude::ReflectDefault;
 use glam::{DMat4, DVec4, Vec3, Vec4};
 
-use super::contour::{CapMode, Contour, extract_caps_without, fits};
+use super::caps::extract_caps_without;
+use super::contour::{CapMode, Contour, fits};
 use super::facing::FacingBits;
 use super::planes::{Certainty, FacingPlanes};
 use crate::conventions::{CLUSTER_TRIANGLES, LIGHT_CLEARANCE};
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
 
-/// How near to a light surfaces do not block it, as a share of the light's range or of the distance of the caster's farthest
-/// point, whichever is less; of maps, which hold many casters, of the range alone if there is one.
+/// Distance from a light within which surfaces do not block it. It is a share of the light's range or of the distance to
+/// the caster's farthest point, whichever is less. Maps hold many casters, so for them it is a share of the range if
+/// there is one.
 ///
-/// Higher values let light pass surfaces that a light was set upon less exactly, and at the end surfaces that should block
-/// it. Lower values leave it to rounding which side of a surface a light is on. From 0 to 0.01; 10⁻⁵ by default: a fifth of a
-/// millimetre for a range of 20 metres. It costs a test of each triangle of the casters that the light stands on or in.
+/// Higher values let light pass surfaces on which the light was placed less exactly, and finally surfaces that should
+/// block it. Lower values leave it to rounding on which side of a surface a light is. The range is 0 to 0.01, the default
+/// 10⁻⁵: a fifth of a millimetre for a range of 20 metres. It costs a test of each triangle of the casters on or in which
+/// the light stands.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -53,7 +56,7 @@ impl LightClearance {
         }
     }
 
-    /// Metres of a light for a caster with these bounds; 0 for a directional light.
+    /// The clearance of a light in metres, for a caster with these bounds; 0 for a directional light.
     pub fn metres(self, light_world: DVec4, range: f32, bounds_world: &Aabb) -> f64 {
         if light_world.w == 0.0 || bounds_world.is_empty() {
             return 0.0;
@@ -65,23 +68,23 @@ impl LightClearance {
     }
 }
 
-/// A light in a caster's space, and how near to it nothing blocks.
+/// A light in a caster's space, and its clearance.
 #[derive(Clone, Copy, Debug)]
 pub struct GrazingLight<'a> {
-    /// World space, a position.
+    /// Position of the light, world space.
     pub light_world: DVec4,
-    /// The same in the caster's space.
+    /// Position of the light in the caster's space.
     pub light_local: Vec4,
-    /// Where the caster stands.
+    /// The matrix from the caster's space to world space.
     pub world_from_local: &'a DMat4,
-    /// Metres.
+    /// Distance from the light within which nothing blocks it, metres.
     pub clearance: f64,
 }
 
-/// Triangles that block nothing: those nearer to the light than the clearance, and those whose plane holds it up to rounding.
-/// A word a cluster, a bit a slot; no words if there are none.
+/// Finds the triangles that block nothing: those nearer to the light than the clearance, and those whose plane contains
+/// the light up to rounding. The result has one word per cluster and one bit per slot, or no words if there are none.
 ///
-/// Cost: each cluster's bounds, and the triangles of those that they leave open.
+/// Cost: the bounds of each cluster, and the triangles of the clusters whose bounds do not exclude the light.
 pub fn find_grazed(
     mesh: &EdgeMesh,
     planes: &FacingPlanes,
@@ -89,7 +92,8 @@ pub fn find_grazed(
     light: &GrazingLight,
     words: &mut Vec<u64>,
 ) {
-    /// A plane that holds the light: the terms of a facing test have six roundings of 2⁻²⁴, and its position as many.
+    /// Relative error within which a plane contains the light: the terms of a facing test have six roundings of 2⁻²⁴,
+    /// and the position has as many.
     const ROUNDING: f32 = 12.0 / (1 << 24) as f32;
     words.clear();
     let fits = planes.blocks.len() == mesh.clusters().len() && positions.len() >= mesh.vertex_count();
@@ -133,14 +137,14 @@ pub fn find_grazed(
     }
 }
 
-/// Whether a slot's bit is set in words as those of [`find_grazed`].
+/// Whether a slot's bit is set in the words that [`find_grazed`] writes.
 pub fn is_grazed(words: &[u64], slot: usize) -> bool {
     let word = words.get(slot / CLUSTER_TRIANGLES);
     word.is_some_and(|word| word >> (slot % CLUSTER_TRIANGLES) & 1 != 0)
 }
 
-/// Takes triangles out of a contour of the mesh: their caps go, and their edges are those of what remains beside them. The
-/// contour stays closed.
+/// Takes triangles out of a contour of the mesh. Their caps are removed, and their edges become those of the remaining
+/// triangles beside them. The contour stays closed.
 ///
 /// Cost: the triangles of the mesh, if any are taken out.
 pub fn take_out_of_contour(
@@ -207,7 +211,7 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// The edge from its lower vertex, and −1 where it ran to that.
+/// The edge from its lower vertex to its higher one, and 1, or −1 if it ran the other way.
 fn undirected([a, b]: [u32; 2]) -> ([u32; 2], i32) {
     if a <= b { ([a, b], 1) } else { ([b, a], -1) }
 }

@@ -1,11 +1,11 @@
 //! The contour as closed loops.
 
-/// Closed loops over a contour's edges. Each edge is in exactly one; no loop visits a vertex twice.
+/// Closed loops over a contour's edges. Each edge is in exactly one loop; no loop visits a vertex twice.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Loops {
-    /// Indices of edges, loop after loop, each edge starting where the one before it ends.
+    /// Indices of edges, one loop after the other. Each edge of a loop starts where the edge before it ends.
     pub edges: Vec<u32>,
-    /// Where each loop starts in `edges`, and the end of the last; empty without loops.
+    /// Where each loop starts in `edges`, and where the last one ends. Empty if there are no loops.
     pub starts: Vec<u32>,
     scratch: Scratch,
 }
@@ -13,25 +13,26 @@ pub struct Loops {
 /// Memory that lasts from one call to the next.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Scratch {
-    /// Edges by the vertex that they start from.
+    /// Edges, sorted by the vertex from which they start.
     outgoing: Vec<u32>,
-    /// The vertices, ascending; a vertex is named by its place here.
+    /// All vertices, ascending. The other lists refer to a vertex by its place in this one.
     vertices: Vec<u32>,
-    /// For each edge the place of its end.
+    /// For each edge, the place of the vertex where it ends.
     ends: Vec<u32>,
-    /// For each vertex its next unused entry of `outgoing`; then where they end.
+    /// For each vertex, its next unused entry of `outgoing`.
     next: Vec<u32>,
+    /// For each vertex, the end of its entries of `outgoing`.
     last: Vec<u32>,
-    /// For each vertex 1 + where it is on the path, or 0.
+    /// For each vertex, 1 + its position on the path, or 0.
     on_path: Vec<u32>,
     path: Vec<u32>,
 }
 
-/// Edges that do not make closed loops.
+/// Why edges do not make closed loops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoopError {
-    /// Every vertex of a contour starts as many edges as it ends.
+    /// A vertex starts more or fewer edges than it ends; in a contour the numbers are equal.
     #[error("vertex {vertex} starts {starting} edges and ends {ending}")]
     Unbalanced {
         /// The vertex.
@@ -46,7 +47,7 @@ pub enum LoopError {
 /// Splits the directed edges of a [`Contour`](super::Contour) into closed loops.
 ///
 /// # Errors
-/// [`LoopError::Unbalanced`]; a contour never is.
+/// [`LoopError::Unbalanced`]; it never occurs for the edges of a contour.
 pub fn link_loops(edge_vertices: &[[u32; 2]]) -> Result<Loops, LoopError> {
     let mut loops = Loops::default();
     loops.link(edge_vertices)?;
@@ -54,7 +55,7 @@ pub fn link_loops(edge_vertices: &[[u32; 2]]) -> Result<Loops, LoopError> {
 }
 
 impl Loops {
-    /// The loops, each a list of edges.
+    /// Iterates over the loops, each a list of edges.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
         self.starts
             .windows(2)
@@ -66,19 +67,19 @@ impl Loops {
         self.starts.len().saturating_sub(1)
     }
 
-    /// Whether there are none.
+    /// Whether there are no loops.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// As [`link_loops`], into memory that is there already. After an error there are no loops.
+    /// Does what [`link_loops`] does, in memory that is there already. After an error there are no loops.
     ///
-    /// Walks along unused edges, lowest first, and cuts a loop off as soon as the walk meets itself: in a balanced
-    /// graph it can only get stuck where it began. O(n log n); the same edges give the same loops.
+    /// It walks along unused edges, lowest first, and cuts a loop off as soon as the walk meets itself. In a
+    /// balanced graph it can only get stuck where it began. O(n log n); the same edges give the same loops.
     /// Source: Hierholzer 1873, without joining the loops into one.
     ///
     /// # Errors
-    /// As [`link_loops`].
+    /// [`LoopError::Unbalanced`], as in [`link_loops`].
     pub fn link(&mut self, edge_vertices: &[[u32; 2]]) -> Result<(), LoopError> {
         self.edges.clear();
         self.starts.clear();
@@ -118,7 +119,8 @@ impl Loops {
                 continue;
             }
             let first = on_path[vertex] as usize - 1;
-            // The loop's other vertices leave the path; where the loop closes, the path goes on.
+            // The loop's other vertices leave the path; the path continues from the vertex where the loop
+            // closes.
             for &edge in &path[first..path.len() - 1] {
                 on_path[ends[edge as usize] as usize] = 0;
             }
@@ -133,7 +135,8 @@ impl Loops {
 }
 
 impl Scratch {
-    /// Lists the vertices and the edges that leave each; fails where fewer or more arrive than leave.
+    /// Lists the vertices and the edges that leave each. It fails at a vertex where fewer or more edges
+    /// arrive than leave.
     fn index(&mut self, edge_vertices: &[[u32; 2]]) -> Result<(), LoopError> {
         self.vertices.clear();
         self.vertices.extend(edge_vertices.as_flattened());
@@ -148,7 +151,7 @@ impl Scratch {
         self.ends.clear();
         self.ends
             .extend(edge_vertices.iter().map(|&[_, end]| place(end) as u32));
-        // As balances first: arriving edges.
+        // `on_path` first counts the edges that arrive at each vertex.
         self.on_path.clear();
         self.on_path.resize(self.vertices.len(), 0);
         for &end in &self.ends {

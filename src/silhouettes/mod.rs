@@ -1,6 +1,8 @@
-//! Silhouettes: which triangles of a caster face a light, and the contour between those that do and those that
-//! do not. Pure functions on flat arrays; buffers are the caller's and are reused, so a steady frame allocates
-//! nothing.
+//! Silhouettes: which triangles of a caster face a light, and the contour between those that do and those
+//! that do not.
+//!
+//! These are pure functions on flat arrays. The caller owns the buffers and reuses them, so a steady frame
+//! allocates nothing.
 //!
 //! ```text
 //! EdgeMesh + positions ──► FacingPlanes ──► FacingBits ──► Contour ──► Loops
@@ -9,16 +11,21 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `planes` | a plane a triangle and bounds a cluster |
-//! | `facing` | a bit a triangle, 64 at a time |
-//! | `turning` | a bit a triangle: whether its plane cuts the light |
-//! | `grazed` | a bit a triangle: whether the light lies in or on it, so that it blocks nothing |
+//! | `planes` | one plane per triangle, bounds per cluster |
+//! | `facing` | one bit per triangle: whether it faces the light; 64 at a time |
+//! | `turning` | one bit per triangle: whether its plane cuts the light |
+//! | `grazed` | one bit per triangle: whether the light lies in or on it, so that it blocks nothing |
 //! | `stacks` | how many casters lie one behind the other |
-//! | `contour` | what a volume is made of; cap triangles |
+//! | `contour` | what a volume is made of |
+//! | `caps` | cap triangles |
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
+//! | `casters` | edge meshes of casters, planes of posed casters |
+//! | `cache` | silhouettes of (light, caster) pairs, kept between frames |
 
 pub(crate) mod cache;
+mod caps;
+pub(crate) mod caster_shape;
 pub(crate) mod casters;
 mod contour;
 mod edges;
@@ -26,12 +33,15 @@ mod facing;
 pub(crate) mod grazed;
 mod loops;
 mod planes;
+pub(crate) mod report;
 pub(crate) mod stacks;
 mod turning;
 
-pub use cache::{LightSilhouettes, NeedsSilhouettes, Silhouette, Silhouettes};
-pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes};
-pub use contour::{CapMode, Contour, extract_caps, extract_contour};
+pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
+pub use caps::{extract_caps, extract_contour};
+pub use caster_shape::{CasterShape, CasterShapeItem};
+pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCaster};
+pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};

@@ -1,12 +1,14 @@
-//! The plane of every triangle, and what bounds those of a cluster.
+//! The plane of every triangle, and bounds of the planes of each cluster.
 
 use glam::{DVec3, Vec3, Vec4};
 
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{Cluster, EdgeMesh};
 
-/// The planes of one cluster: `x·p + y·p + z·p + offset` is positive on a triangle's front. Unit normals; a
-/// triangle of no area and the padding of a short cluster have zeros, so that they never face.
+/// The planes of one cluster: `x·p.x + y·p.y + z·p.z + offset` is positive on a triangle's front.
+///
+/// Normals have unit length. A triangle without area and the padding of a short cluster have zeros, so they
+/// never face the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PlaneBlock {
     pub x: [f32; CLUSTER_TRIANGLES],
@@ -15,32 +17,35 @@ pub(super) struct PlaneBlock {
     pub offset: [f32; CLUSTER_TRIANGLES],
 }
 
-/// Planes of an [`EdgeMesh`] in one pose, by slot.
+/// Planes of an [`EdgeMesh`] in one pose, in the order of its slots.
 #[derive(Clone, Debug, Default)]
 pub struct FacingPlanes {
     pub(super) blocks: Vec<PlaneBlock>,
-    /// One a cluster, or none at all.
+    /// One per cluster, or empty.
     pub(super) bounds: Vec<ClusterBounds>,
     non_finite_triangles: usize,
 }
 
-/// What a light's side of all planes of a cluster can be told from: a cone of normals, taken apart along and
-/// across its axis, and how far the planes are from the cluster's centre.
+/// Bounds of a cluster's planes, which often decide for all of them on which side a light is.
+///
+/// They are a cone of normals, as extents along and across its axis, and the range of the planes' distances
+/// from the cluster's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ClusterBounds {
     center: Vec3,
     axis: Vec3,
-    /// Least and largest `axis · normal`.
+    /// Smallest and largest `axis · normal`.
     along: [f32; 2],
-    /// Largest length of a normal's part across the axis.
+    /// Largest length of a normal's component across the axis.
     across: f32,
-    /// Least and largest signed distance of the centre. The least is −∞ if some triangle never faces.
+    /// Smallest and largest signed distance of the centre from a plane. The smallest is −∞ if some triangle
+    /// never faces.
     offset: [f32; 2],
-    /// Bounds the terms that rounding errors are relative to.
+    /// Bounds the terms to which rounding errors are relative.
     magnitude: f32,
 }
 
-/// What [`ClusterBounds`] can tell.
+/// What [`ClusterBounds`] can decide about a cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Certainty {
     AllFacing,
@@ -55,11 +60,11 @@ const EMPTY_BLOCK: PlaneBlock = PlaneBlock {
     offset: [0.0; CLUSTER_TRIANGLES],
 };
 
-/// Computes planes, and the cluster bounds that pay for a mesh that keeps its pose.
+/// Computes planes, and the cluster bounds, which pay off for a mesh that keeps its pose.
 ///
-/// `positions` are those that the mesh was built from or a pose of them. With fewer than
-/// [`EdgeMesh::vertex_count`], or if a triangle has a corner that is NaN or infinite
-/// ([`FacingPlanes::non_finite_triangles`]), there are no planes, and nothing will be cast.
+/// `positions` are those from which the mesh was built, or a pose of them. There are no planes, and nothing
+/// is cast, if there are fewer than [`EdgeMesh::vertex_count`] positions or if a triangle has a corner that
+/// is NaN or infinite ([`FacingPlanes::non_finite_triangles`]).
 pub fn compute_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
     compute_posed_planes(mesh, positions, planes);
     if planes.blocks.is_empty() {
@@ -72,12 +77,12 @@ pub fn compute_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPl
     }
 }
 
-/// As [`compute_planes`], but without what speeds up each light: [`classify`](super::classify) then looks at every
-/// triangle. Cheaper for a pose that lasts one frame, unless many lights see it.
+/// Computes planes as [`compute_planes`] does, but without cluster bounds, so [`classify`](super::classify)
+/// tests every triangle. This is cheaper for a pose that lasts one frame, unless many lights see it.
 ///
-/// One bad corner takes the whole caster out for this pose. To leave out its triangles alone would make their
-/// neighbours' edges boundaries, in every list that was made when the mesh was built; and a pose with such a corner is
-/// broken in the picture as well.
+/// One bad corner removes the whole caster for this pose. Removing its triangles alone would turn their
+/// neighbours' edges into boundary edges, in every list that was made when the mesh was built. A pose with
+/// such a corner is broken in the picture as well.
 pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut FacingPlanes) {
     planes.bounds.clear();
     planes.non_finite_triangles = 0;
@@ -101,7 +106,7 @@ pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut Fa
             block.z[lane] = plane.z;
             block.offset[lane] = plane.w;
         }
-        // The mesh may be another than last time.
+        // The mesh may differ from that of the last call.
         for lane in corners.len()..CLUSTER_TRIANGLES {
             block.x[lane] = 0.0;
             block.y[lane] = 0.0;
@@ -114,10 +119,12 @@ pub fn compute_posed_planes(mesh: &EdgeMesh, positions: &[Vec3], planes: &mut Fa
     }
 }
 
-/// Unit normal and offset; zero for a triangle of no area. In `f64`, where neither tiny triangles underflow nor
-/// distant ones lose their offset, and rounded once. The offset is NaN if a corner is not finite, and only then: a
-/// coordinate that is not finite leaves a NaN or an infinity in the normal, which becomes NaN when it is made unit, and
-/// three finite corners overflow nowhere but in the last rounding.
+/// Unit normal and offset; zero for a triangle without area.
+///
+/// The computation is in `f64`, so tiny triangles do not underflow and distant ones keep their offset, and it
+/// rounds once. The offset is NaN exactly if a corner is not finite. A coordinate that is not finite leaves a
+/// NaN or an infinity in the normal, and normalising turns that into NaN. Three finite corners can overflow
+/// only in the last rounding.
 fn plane_of(a: Vec3, b: Vec3, c: Vec3) -> Vec4 {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     let normal = (b - a).cross(c - a);
@@ -133,19 +140,20 @@ fn plane_of(a: Vec3, b: Vec3, c: Vec3) -> Vec4 {
 }
 
 impl FacingPlanes {
-    /// Triangles with a corner that is NaN or infinite in this pose: the caster is left out because of them. Those that
-    /// the mesh had when it was built are not among them, nor are vertices that no triangle uses.
+    /// Number of triangles with a corner that is NaN or infinite in this pose. If there are any, the caster
+    /// is left out. Triangles that were already so when the mesh was built do not count, nor do vertices that
+    /// no triangle uses.
     pub fn non_finite_triangles(&self) -> usize {
         self.non_finite_triangles
     }
 
-    /// Memory for each triangle of `mesh`, with its share of bounds.
+    /// Bytes per triangle of `mesh`, including a share of the cluster bounds.
     pub fn bytes_per_triangle(&self, mesh: &EdgeMesh) -> f64 {
         let bytes = size_of_val(&self.blocks[..]) + size_of_val(&self.bounds[..]);
         bytes as f64 / mesh.triangle_count().max(1) as f64
     }
 
-    /// Plane of a slot: normal and offset.
+    /// Returns the plane of a slot as (normal, offset).
     pub fn plane(&self, slot: usize) -> Vec4 {
         let (block, lane) = (&self.blocks[slot / CLUSTER_TRIANGLES], slot % CLUSTER_TRIANGLES);
         Vec4::new(block.x[lane], block.y[lane], block.z[lane], block.offset[lane])
@@ -153,7 +161,7 @@ impl FacingPlanes {
 }
 
 impl ClusterBounds {
-    /// Bounds of the planes as rounded, since those are what the test of a triangle sees.
+    /// Bounds the planes after rounding, because the test of a triangle sees those.
     fn of(mesh: &EdgeMesh, cluster: &Cluster, positions: &[Vec3], block: &PlaneBlock) -> Self {
         let corners = mesh.corners()[cluster.triangles()].as_flattened();
         let (low, high) = corners
@@ -176,7 +184,7 @@ impl ClusterBounds {
         let (mut across, mut magnitude) = (0.0f64, 0.0f64);
         let mut some_never_face = false;
         for (normal, distance) in planes() {
-            // A triangle that never faces is no obstacle to "none faces" and rules out "all face".
+            // A triangle that never faces does not contradict "none faces", but it rules out "all face".
             if normal == DVec3::ZERO {
                 some_never_face = true;
                 continue;
@@ -206,17 +214,18 @@ impl ClusterBounds {
         }
     }
 
-    /// Whether all triangles face the light, or none does, so surely that the test of each, with its rounding
-    /// errors, would say the same.
+    /// Decides whether all triangles face the light or none does, only where the test of each triangle, with
+    /// its rounding errors, would agree.
     ///
-    /// With `v` from the centre to the light, a plane's value is `n·v + w·offset`; `n·v` splits along the axis
-    /// into `(n·axis)(axis·v)` and across it into at most `across · |v − axis (axis·v)|`. Tighter than a sphere and
-    /// a cone's half-angle, without special cases: offsets replace the radius, and no angle can exceed π.
+    /// With `v` from the centre to the light, a plane's value is `n·v + w·offset`. The term `n·v` splits into
+    /// `(n·axis)(axis·v)` along the axis and at most `across · |v − axis (axis·v)|` across it. This is
+    /// tighter than a sphere and a cone's half-angle and needs no special cases: offsets replace the radius,
+    /// and no angle can exceed π.
     pub(super) fn certainty(&self, light_local: Vec4) -> Certainty {
         self.certainty_around(light_local, 0.0)
     }
 
-    /// The same of all points within `radius` of the light.
+    /// Decides like [`certainty`](Self::certainty), for all points within `radius` of the light at once.
     pub(super) fn certainty_around(&self, light_local: Vec4, radius: f32) -> Certainty {
         let w = light_local.w;
         let v = light_local.truncate() - self.center * w;
@@ -227,7 +236,7 @@ impl ClusterBounds {
         const ROUNDING: f32 = 32.0 / (1 << 24) as f32;
         let terms = light_local.truncate().abs().element_sum() + w.abs() * self.magnitude;
         let margin = radius + ROUNDING * terms + f32::MIN_POSITIVE;
-        // NaN and ∞ − ∞ fail both comparisons. With w < 0 least and largest offset would trade places.
+        // NaN and ∞ − ∞ fail both comparisons. With w < 0, smallest and largest offset would trade places.
         if w < 0.0 {
             Certainty::Unknown
         } else if a.min(b) - across + w * self.offset[0] > margin {

@@ -1,22 +1,22 @@
-//! How many casters lie one behind the other as a light sees them: what techniques that count need room for.
+//! The number of casters that lie one behind the other as a light sees them. Techniques that count need room for it.
 //!
-//! An estimate from boxes. Half-lines from the light through the middle of boxes pass other boxes; what they pass is counted.
-//! Boxes of what stands beside the line count too, so it is rarely too low: where a single connected piece of surface is folded
-//! many times, of which it knows nothing, or where boxes overlap off their middles alone.
+//! It is an estimate from bounding boxes: half-lines from the light through the centres of boxes count the boxes that they
+//! pass. A line also passes boxes of casters that it misses, so the estimate is rarely too low. It is too low where a single
+//! connected piece of surface is folded many times, or where boxes overlap only away from their centres.
 
 use glam::{DVec3, DVec4};
 
 use crate::geometry::Aabb;
 use crate::geometry::edge_mesh::EdgeMesh;
 
-/// Half-lines that are followed at most.
+/// The greatest number of half-lines that are followed.
 const LINES: usize = 64;
 
-/// Pieces of a mesh whose boxes are kept at most; of more, none are.
+/// The greatest number of pieces of a mesh whose boxes are kept. A mesh of more pieces keeps none.
 const MOST_PIECES: usize = 4096;
 
-/// The largest sum of the weights of the boxes that one of the half-lines from the light passes, or lines along a directional
-/// light's. Cost: [`LINES`] times the boxes.
+/// The largest sum of weights of the boxes that one half-line from the light passes. For a directional light it is a whole
+/// line. Cost: [`LINES`] times the boxes.
 pub fn stacked_boxes(light: DVec4, boxes: &[(Aabb, u32)]) -> u32 {
     let step = boxes.len().div_ceil(LINES).max(1);
     let from = light.truncate();
@@ -52,7 +52,8 @@ fn passes(aabb: &Aabb, origin: DVec3, along: DVec3, first: f64) -> bool {
     near <= far
 }
 
-/// Boxes of the pieces of a mesh: triangles that share a vertex are of one. None of a mesh of one piece, or of very many.
+/// Boxes of the pieces of a mesh; triangles that share a vertex belong to one piece. The list is empty for a mesh of one
+/// piece, and for one of very many.
 pub fn piece_boxes(mesh: &EdgeMesh, positions: &[glam::Vec3]) -> Vec<Aabb> {
     let mut parents: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
     let root = |parents: &mut Vec<u32>, mut vertex: u32| {

@@ -1,8 +1,9 @@
-//! A bit per triangle: whether its plane cuts the light, so that a part of the light is before it and a part behind.
+//! One bit per triangle: whether its plane cuts the light, so that part of the light is in front of it and
+//! part behind.
 //!
-//! Only the edges of such triangles can be silhouette edges from one point of the light and none from another: with the
-//! silhouette edges from the centre they are the potential silhouette edges of Laine, Aila, Assarsson, Lehtinen &
-//! Akenine-Möller 2005, "Soft Shadow Volumes for Ray Tracing", section 3.
+//! Only the edges of such triangles can be silhouette edges from one point of the light and not from another.
+//! Together with the silhouette edges from the centre they are the potential silhouette edges of Laine, Aila,
+//! Assarsson, Lehtinen & Akenine-Möller 2005, "Soft Shadow Volumes for Ray Tracing", section 3.
 
 use glam::{Vec3, Vec4};
 
@@ -10,17 +11,17 @@ use super::planes::{Certainty, FacingPlanes};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::EdgeMesh;
 
-/// How far a light reaches around its centre, in the caster's space.
+/// The extent of a light around its centre, in the caster's space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightExtent {
-    /// A parallelogram: halves of its sides.
+    /// A parallelogram, given by half of each of its two sides.
     Sides([Vec3; 2]),
-    /// An ellipsoid, a sphere in the world: half axes, at any angle to one another.
+    /// An ellipsoid, which is a sphere in the world, given by its half axes at any angle to one another.
     Ellipsoid([Vec3; 3]),
 }
 
 impl LightExtent {
-    /// Largest distance along a direction.
+    /// Largest distance from the centre along a direction.
     fn along(&self, normal: Vec3) -> f32 {
         match self {
             Self::Sides(sides) => sides.iter().map(|side| normal.dot(*side).abs()).sum(),
@@ -28,7 +29,7 @@ impl LightExtent {
         }
     }
 
-    /// At least the largest distance.
+    /// Upper bound of the largest distance from the centre.
     fn radius(&self) -> f32 {
         match self {
             Self::Sides(sides) => sides.iter().map(|side| side.length()).sum(),
@@ -37,10 +38,12 @@ impl LightExtent {
     }
 }
 
-/// For each triangle, whether its plane cuts a light around the position `light_local`: a word a cluster, as in
-/// [`FacingBits`](super::FacingBits). Triangles of no area do not; without planes of this mesh there are no words.
+/// Decides for each triangle whether its plane cuts a light around the position `light_local`. There is one
+/// word per cluster, as in [`FacingBits`](super::FacingBits).
 ///
-/// Cost: each cluster's bounds, and the triangles of those that they leave open.
+/// The bit of a triangle without area is 0. If `planes` are not those of `mesh`, there are no words.
+///
+/// Cost: each cluster's bounds, and the triangles of clusters whose bounds do not decide.
 pub fn find_turning(
     mesh: &EdgeMesh,
     planes: &FacingPlanes,
@@ -48,7 +51,7 @@ pub fn find_turning(
     extent: &LightExtent,
     words: &mut Vec<u64>,
 ) {
-    /// What touches the light, up to rounding, does not cut it.
+    /// A plane that only touches the light, up to rounding, does not cut it.
     const SHRINK: f32 = 0.999;
     words.clear();
     if planes.blocks.len() != mesh.clusters().len() {

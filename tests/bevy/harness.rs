@@ -3,6 +3,7 @@
 use bevy::app::SubApps;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
+use bevy::render::error_handler::RenderErrorHandler;
 
 use antumbra::bevy_adapter::prelude::*;
 
@@ -16,10 +17,31 @@ pub const SIZE: UVec2 = UVec2::new(128, 72);
 /// The plugins of a game without a window, with results in the same frame.
 pub fn headless() -> App {
     crate::setup::listen();
-    let mut app = frames::app();
+    complete(frames::app())
+}
+
+/// The same, with ours and more added before Bevy's.
+pub fn antumbra_first(more: impl FnOnce(&mut App)) -> App {
+    crate::setup::listen();
+    let mut app = App::new();
+    app.add_plugins(AntumbraPlugin);
+    more(&mut app);
+    at_once(complete(frames::with_plugins(app)))
+}
+
+fn complete(mut app: App) -> App {
     app.insert_resource(GlobalAmbientLight {
         brightness: 50.0,
         ..default()
+    });
+    // Validation and other errors of the device fail the test.
+    app.insert_resource(RenderErrorHandler(|error, _, _| panic!("{error:?}")));
+    app
+}
+
+fn at_once(mut app: App) -> App {
+    app.insert_resource(AntumbraSettings {
+        immediate_triangles: usize::MAX,
     });
     app
 }
@@ -28,11 +50,7 @@ pub fn headless() -> App {
 pub fn antumbra() -> App {
     let mut app = headless();
     app.add_plugins(AntumbraPlugin);
-    app.insert_resource(AntumbraSettings {
-        immediate_triangles: usize::MAX,
-        ..default()
-    });
-    app
+    at_once(app)
 }
 
 /// What every camera of the tests has.

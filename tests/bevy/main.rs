@@ -4,19 +4,24 @@
     reason = "the example and the tests each have an app without a window"
 )]
 
-#[path = "../harness/mod.rs"]
+#[path = "../gpu/harness/mod.rs"]
 mod core_harness;
 
 mod bad_input;
+mod cameras;
 mod depth;
 mod foreign;
 mod harness;
 mod lifetimes;
 mod minimal;
 mod models;
+mod reports;
 mod runs;
+mod scaled;
 mod selection;
 mod setup;
 mod shading;
 mod shadows;
+mod shared;
+mod stripes;
 mod sync;

@@ -1,8 +1,12 @@
 //! The README's snippet is the example's, and the example runs.
 
+use antumbra::bevy_adapter::prelude::*;
+use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
 
 use crate::harness::{self, Game};
+use crate::setup::warnings;
 
 #[path = "../../examples/bevy_minimal.rs"]
 #[allow(dead_code, reason = "its main is for the command line")]
@@ -32,8 +36,7 @@ fn the_example_shows_a_shadow() {
             .query_filtered::<Entity, With<Camera3d>>()
             .single(world)
             .unwrap();
-        let tonemapping = bevy::core_pipeline::tonemapping::Tonemapping::None;
-        world.entity_mut(camera).insert((target, tonemapping));
+        world.entity_mut(camera).insert((target, Tonemapping::None));
         if !casts {
             let meshes: Vec<Entity> = world
                 .query_filtered::<Entity, With<Mesh3d>>()
@@ -58,7 +61,50 @@ fn the_example_shows_a_shadow() {
 }
 
 #[test]
+fn without_the_marker_the_example_looks_as_bevy_does_and_says_what_is_missing() {
+    let picture = |ours: bool| {
+        let mut app = harness::headless();
+        if ours {
+            example::game(&mut app);
+        } else {
+            app.add_systems(Startup, example::setup);
+        }
+        let target = harness::target(app.world_mut(), UVec2::new(64, 36));
+        let unmark = move |mut commands: Commands, cameras: Query<Entity, With<Camera3d>>| {
+            for camera in &cameras {
+                let mut camera = commands.entity(camera);
+                camera.remove::<AntumbraCamera>();
+                // With the multisampling of Bevy's default.
+                camera.insert((
+                    Name::new(if ours { "forgotten" } else { "bevy" }),
+                    Msaa::default(),
+                ));
+                camera.insert((target.clone(), Tonemapping::AcesFitted));
+            }
+        };
+        app.add_systems(PostStartup, unmark);
+        let mut game = Game::start(app);
+        game.run(12);
+        let world = game.world();
+        let camera = world
+            .query_filtered::<Entity, With<Camera3d>>()
+            .single(world)
+            .unwrap();
+        harness::frames::texels(&mut game.apps, camera)
+    };
+    let (ours, bevys) = (picture(true), picture(false));
+    assert_eq!(ours.1, TextureFormat::Rgba8UnormSrgb);
+    assert!(ours.2.iter().any(|&byte| byte != ours.2[0]), "nothing is seen");
+    assert!(ours == bevys, "it does not look as Bevy does");
+    let lines = warnings("`forgotten`");
+    assert_eq!(lines.len(), 1, "{lines:?}");
+    assert!(lines[0].contains("insert `AntumbraCamera`"));
+    assert!(warnings("`bevy`").is_empty());
+}
+
+#[test]
 fn the_example_draws_with_its_render_world_on_another_thread() {
+    crate::setup::listen(); // before Bevy's logger does
     let folder = std::env::temp_dir().join(format!("antumbra_bevy_minimal_{}", std::process::id()));
     let file = folder.join("bevy_minimal.png");
     let mut app = example::bevy_headless::headless(file.clone());

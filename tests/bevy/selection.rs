@@ -1,6 +1,7 @@
 //! What a light affects, and what it does not.
 
 use antumbra::bevy_adapter::prelude::*;
+use antumbra::techniques::Techniques;
 use bevy::camera::visibility::RenderLayers;
 use bevy::prelude::*;
 
@@ -75,20 +76,16 @@ fn halves(picture: &Picture) -> [f32; 2] {
 fn what_a_light_does_not_affect_it_does_not_light() {
     let mut floors = floors(true);
     let (camera, light) = (floors.camera, floors.light);
-    let techniques: [(&str, fn(&mut EntityWorldMut)); 3] = [
-        ("stencil", |light| {
-            light.insert(StencilVolume::default());
-        }),
-        ("wedges", |light| {
-            light.remove::<StencilVolume>().insert(PenumbraWedge::default());
-        }),
-        ("cube", |light| {
-            light.remove::<PenumbraWedge>().insert(OmniMap::default());
-        }),
-    ];
-    for (name, technique) in techniques {
+    let techniques = Techniques::default();
+    let point = antumbra::scene::Light::point(Vec3::ONE, 1.0, 1.0);
+    for row in techniques.rows() {
+        let (name, settings) = (row.name(), row.defaults());
+        if settings.check(&point).is_err() {
+            continue;
+        }
         let mut entity = floors.game.world().entity_mut(light);
-        technique(&mut entity);
+        techniques.take(&mut entity);
+        settings.insert(&mut entity);
         entity.remove::<LightSelection>();
         let all = floors.game.run(4).settled(camera);
         let select = |floors: &mut Floors, affects: u32| {

@@ -100,7 +100,7 @@ fn wrong_setups_warn_once_and_go_on() {
     assert!(game.radiance(camera).mean() > 0.0);
     assert_eq!(warnings("has no `Hdr`").len(), 1);
 
-    // MSAA is turned off, and told of, by Bevy.
+    // MSAA is turned off by us before Bevy sees it.
     let mut app = harness::antumbra();
     let camera = scene(app.world_mut());
     app.world_mut().entity_mut(camera).insert(Msaa::Sample4);

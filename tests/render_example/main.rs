@@ -3,11 +3,12 @@
 //! Runs the built example: `cargo test` builds it; with `--test render_example` alone, build it before with
 //! `cargo build --example render` and the same features.
 
-#[path = "../gltf_builder/mod.rs"]
+#[path = "../gltf/gltf_builder/mod.rs"]
 mod gltf_builder;
 
 mod errors;
 mod outputs;
+mod reports;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use antumbra::techniques::Techniques;
 use glam::UVec2;
 use serde::Deserialize;
 
@@ -24,8 +25,11 @@ pub struct Shot {
     pub ambient: [f32; 3],
     /// Poses the scene.
     pub animation: Option<ShotAnimation>,
-    /// Absent: those of the scene, with stencil volumes.
+    /// Absent: those of the scene, with the first technique.
     pub lights: Option<Vec<ShotLight>>,
+    /// The techniques that its lights may name.
+    #[serde(skip)]
+    pub techniques: Techniques,
 }
 
 /// A pose in time.
@@ -50,9 +54,10 @@ impl Shot {
     ///
     /// # Errors
     /// One line that names the file and the element.
-    pub fn load(path: &Path) -> Result<Self, String> {
+    pub fn load(path: &Path, techniques: Techniques) -> Result<Self, String> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let mut shot = Self::parse(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut shot =
+            Self::parse(&text, techniques).map_err(|error| format!("{}: {error}", path.display()))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         shot.scene = folder.join(&shot.scene);
         for (index, light) in shot.lights.iter_mut().flatten().enumerate() {
@@ -74,13 +79,14 @@ impl Shot {
     ///
     /// # Errors
     /// One line that names the element.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    pub fn parse(text: &str, techniques: Techniques) -> Result<Self, String> {
         let mut json = serde_json::Deserializer::from_str(text);
-        let shot: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
+        let mut shot: Self = serde_path_to_error::deserialize(&mut json).map_err(|error| {
             let element = error.path().to_string();
             format!("{element}: {}", error.inner())
         })?;
         json.end().map_err(|error| format!("after the shot: {error}"))?;
+        shot.techniques = techniques;
         shot.check()?;
         Ok(shot)
     }
@@ -109,7 +115,7 @@ impl Shot {
         }
         for (index, light) in self.lights.iter().flatten().enumerate() {
             light
-                .parts()
+                .parts(&self.techniques)
                 .map_err(|error| format!("lights[{index}]: {error}"))?;
         }
         Ok(())

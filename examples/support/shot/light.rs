@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use antumbra::prelude::*;
+use antumbra::techniques::{Row, Settings, Techniques};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 use serde::Deserialize;
@@ -74,8 +75,8 @@ pub struct LightParts {
     pub light: Light,
     /// Where it stands and shines to.
     pub transform: Transform,
-    /// Its technique, if any.
-    pub shadow: Option<ShotShadow>,
+    /// Its technique and the settings, if any.
+    pub shadow: Option<Settings>,
     /// Path of its picture, if any.
     pub texture: Option<PathBuf>,
 }
@@ -95,8 +96,8 @@ impl ShotLight {
     /// What to spawn.
     ///
     /// # Errors
-    /// What is wrong with its numbers.
-    pub fn parts(&self) -> Result<LightParts, String> {
+    /// What is wrong with its numbers, and with the settings of its technique.
+    pub fn parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
         const CANDELA: f32 = 60.0;
         const LUX: f32 = 3.0;
         let at = |p: [f32; 3]| Transform::from_translation(p.into());
@@ -193,11 +194,18 @@ impl ShotLight {
             range: range.unwrap_or(f32::INFINITY),
         };
         light.validate().map_err(|error| error.to_string())?;
-        if let Some(shadow) = shadow {
-            shadow.check(&light)?;
+        let shadow = shadow
+            .map(|shadow| shadow.settings(techniques))
+            .transpose()?
+            .flatten();
+        if let Some(shadow) = &shadow {
+            shadow.check(&light).map_err(|error| format!("shadow: {error}"))?;
         }
-        if picture.is_some() && !matches!(shadow, Some(ShotShadow::PenumbraWedge { .. })) {
-            return Err("texture: needs the technique penumbra_wedge".to_owned());
+        let shows = |row: Row| row.needs().emitter_texture;
+        if picture.is_some() && !shadow.as_ref().is_some_and(|shadow| shows(shadow.row())) {
+            let rows = techniques.rows().iter().filter(|row| shows(**row));
+            let names: Vec<&str> = rows.map(Row::name).collect();
+            return Err(format!("texture: needs the technique {}", names.join(" or ")));
         }
         Ok(LightParts {
             light,

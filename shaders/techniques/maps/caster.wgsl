@@ -1,20 +1,21 @@
 // Depth of the casters as one face of a map sees them.
-// Host    src/techniques/maps/map_pipelines.rs
+// Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 casters, 1 first surface (`peel` alone), 2 material (`masked` alone)
 // Spaces  in: local; out: clip of the face, reversed depth
 #import antumbra::surface::{Fragment, base_color, material}
 
-struct MapCaster {                  // mirror: render::gpu_types::MapCaster
+struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
     clip_from_local: mat4x4f,
 }
 
 @group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
 @group(1) @binding(0) var first_depth: texture_depth_2d;
 
-// Share by which a surface must lie beyond the first to be another: the two passes round alike, their edges do not.
+// Share by which a surface must be beyond the first to count as another. Both passes round alike, but not at
+// edges.
 const BEYOND: f32 = 1e-5;
-// The least of it where depth is linear (parallel faces, whose w is 1): towards the far end a share of depth would be less than
-// what the terms round by that depth is the small difference of.
+// Least difference of depth instead of that share where depth is linear (parallel faces, whose w is 1). Towards the far
+// end depth is a small difference of large terms, and a share of it would be less than their rounding.
 const BEYOND_PARALLEL: f32 = 1e-6;
 
 @vertex

@@ -1,5 +1,5 @@
-// One face as it is looked up, from the depths of its first and second surface.
-// Host    src/techniques/maps/map_pipelines.rs
+// One face in the format that is looked up, made from the depths of its first and second surface.
+// Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  1 surfaces, 2 map
 #import antumbra::map::{map_light, pack_two_bytes, pack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_FLOAT, FORMAT_TWO_BYTES, FORMAT_FOUR_BYTES}
@@ -8,19 +8,15 @@
 @group(1) @binding(1) var second_depth: texture_depth_2d;
 
 override FORMAT: u32 = 1u;
-override SURFACE: u32 = 0u;          // techniques::maps::MapSurface in its order
+override SURFACE: u32 = 0u;
 override PARALLEL: bool = false;
+
+const NEAREST: u32 = 0u;            // mirror: techniques::maps::MapSurface::Nearest
+const MIDPOINT: u32 = 2u;           // mirror: techniques::maps::MapSurface::Midpoint
 
 struct Corner {
     @builtin(position) position_clip: vec4f,
     @location(0) @interpolate(flat) face: u32,
-}
-
-// The face is the instance index.
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) face: u32) -> Corner {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return Corner(vec4f(corner, 0.0, 1.0), face);
 }
 
 // Depth of the chosen surface; 0: none. Where there is no second one, the first stands for it.
@@ -29,10 +25,10 @@ fn chosen(in: Corner) -> f32 {
     let first = textureLoad(first_depth, texel, 0);
     var second = textureLoad(second_depth, texel, 0);
     second = select(second, first, second == 0.0);
-    // Halfway in distance: depth is its reciprocal, or falls with it.
+    // Halfway in distance: perspective depth is the reciprocal of distance, parallel depth is linear in it.
     let halfway = select(2.0 / (1.0 / max(first, 1e-30) + 1.0 / max(second, 1e-30)), 0.5 * (first + second), PARALLEL);
-    let beyond = select(second, halfway, SURFACE == 2u);
-    return select(select(beyond, first, SURFACE == 0u), 0.0, first == 0.0);
+    let beyond = select(second, halfway, SURFACE == MIDPOINT);
+    return select(select(beyond, first, SURFACE == NEAREST), 0.0, first == 0.0);
 }
 
 @fragment

@@ -1,7 +1,7 @@
-// Edges of what a map's faces show, over the picture: the debug view.
-// Host    src/techniques/maps/map_pipelines.rs
-// Groups  0 casters: of each face, clip space of the view from the cube [−1, 1]² × [0, 1]
-struct MapCaster {                  // mirror: render::gpu_types::MapCaster
+// Edges of the volumes that a map's faces show, drawn over the picture: the debug view.
+// Host    src/techniques/maps/gpu/pipelines.rs
+// Groups  0 casters: for each face, the matrix to the view's clip space from the cube [−1, 1]² × [0, 1]
+struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
     clip_from_local: mat4x4f,
 }
 
@@ -12,7 +12,7 @@ struct End {
     @location(0) color: vec3f,
 }
 
-// Vertices 0..24 are the ends of twelve edges; bits of a corner are right, top, near.
+// Vertices 0..24 are the ends of twelve edges. The bits of a corner are right, top, near.
 @vertex
 fn edge(@builtin(vertex_index) vertex: u32, @builtin(instance_index) face: u32) -> End {
     let index = vertex / 2u;

@@ -1,12 +1,13 @@
-// Visibility of each pixel, looked up in a map: into the mask.
-// Host    src/techniques/maps/map_pipelines.rs
+// Visibility of each pixel, looked up in a map and written into the mask.
+// Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 view, 1 receiver, 2 map and jitter, 3 textures
 // Spaces  as in common/map.wgsl
 //
-// A pixel is compared with the plane of its own triangle, traced along each texel's ray: on a flat surface the texel's
-// depth and the plane's are of one point. The plane is raised by a share of a texel for what is not flat.
+// A pixel is compared with the plane of its own triangle, traced along each texel's ray: on a flat surface,
+// the texel's depth and the plane's depth belong to one point. The plane is raised by a share of a texel for
+// surfaces that are not flat.
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes}
+#import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
 
 @group(2) @binding(1) var compare: sampler_comparison;
@@ -14,18 +15,18 @@
 @group(3) @binding(0) var depth_map: texture_depth_2d_array;
 @group(3) @binding(1) var distance_map: texture_2d_array<f32>;
 
-// techniques::maps::MapFilter in its order; the adaptive one last.
-const BILINEAR: u32 = 0u;
-const BRUTE: u32 = 1u;
-const DITHERED: u32 = 2u;
-const JITTERED: u32 = 3u;
-const SOFT: u32 = 4u;
-const ADAPTIVE: u32 = 5u;
+// Values of FILTER: techniques::maps::MapFilter in its order; the adaptive variant of `Jittered` comes last.
+const BILINEAR: u32 = 0u;           // mirror: techniques::maps::MapFilter::Bilinear
+const BRUTE: u32 = 1u;              // mirror: techniques::maps::MapFilter::Brute4x4
+const DITHERED: u32 = 2u;           // mirror: techniques::maps::MapFilter::Dithered4
+const JITTERED: u32 = 3u;           // mirror: techniques::maps::MapFilter::Jittered
+const SOFT: u32 = 4u;               // mirror: techniques::maps::MapFilter::Soft4
+const ADAPTIVE: u32 = 5u;           // mirror: techniques::maps::MapFilter::Jittered, adaptive
 
-// techniques::maps::request::MapShape in its order.
-const SPOT: u32 = 0u;
-const CUBE: u32 = 1u;
-const CASCADES: u32 = 2u;
+// Values of SHAPE: techniques::maps::request::MapShape in its order.
+const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
+const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
+const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
 
 override FILTER: u32 = 0u;
 override SHAPE: u32 = 0u;
@@ -33,58 +34,64 @@ override FORMAT: u32 = 0u;
 override CASCADE_COUNT: u32 = 1u;
 override SHOW_TAPS: bool = false;
 
-// Pixels along a side of the jitter's tile, and its texels of two samples each: techniques::maps::jitter.
-const TILE: u32 = 16u;
-const RIM_TEXELS: i32 = 4;
-const JITTER_TEXELS: i32 = 32;
+// Pixels along a side of the jitter's tile; texels of its rim and of all samples, two samples each:
+// techniques::maps::jitter.
+const TILE: u32 = 16u;              // mirror: techniques::maps::jitter::TILE
+const RIM_TEXELS: i32 = 4;          // mirror: techniques::maps::jitter::RIM / 2
+const JITTER_TEXELS: i32 = 32;      // mirror: techniques::maps::jitter::DEPTH
 
-// Texels of depth, for each texel sideways, that a plane may lead away from the light; by eye: beyond, it is seen edge-on.
+// Texels of depth, per texel sideways, by which a plane may recede from the light. Beyond, it counts as
+// edge-on. By eye.
 const STEEPEST: f32 = 32.0;
 
-// What f32 loses of positions and planes, as a share of their distance from eye and light.
+// Rounding of positions and planes in f32, as a share of their distance from eye and light.
 const ROUNDING: f32 = 2e-6;
 
 var<private> taps: f32 = 0.0;
 
-// A pixel before a face.
+// A receiver as seen in a face.
 struct Site {
     face: u32,
     ndc: vec2f,
-    along: f32,                     // z of the face's space
-    normal: vec3f,                  // of the receiver's plane, relative
+    along: f32,                     // z in the face's space
+    normal: vec3f,                  // of the receiver's plane, relative space
     offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin)
 }
 
-fn in_face(face: u32, v: vec3f) -> vec3f {
-    let f = map_light.faces[face];
-    return vec3f(dot(f.row_x.xyz, v), dot(f.row_y.xyz, v), dot(f.row_z.xyz, v));
+fn in_face(face: u32, vector: vec3f) -> vec3f {
+    let map_face = map_light.faces[face];
+    return vec3f(
+        dot(map_face.row_x.xyz, vector),
+        dot(map_face.row_y.xyz, vector),
+        dot(map_face.row_z.xyz, vector),
+    );
 }
 
-fn position_in_face(face: u32, p: vec3f) -> vec3f {
-    let f = map_light.faces[face];
-    return in_face(face, p) + vec3f(f.row_x.w, f.row_y.w, f.row_z.w);
+fn position_in_face(face: u32, position: vec3f) -> vec3f {
+    let map_face = map_light.faces[face];
+    return in_face(face, position) + vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w);
 }
 
-// The face of a cube that a direction leads to: techniques::omni_map::cube::DIRECTIONS.
-fn cube_face(v: vec3f) -> u32 {
-    let a = abs(v);
-    let z_face = select(4u, 5u, v.z < 0.0);
-    let y_face = select(2u, 3u, v.y < 0.0);
-    let x_face = select(0u, 1u, v.x < 0.0);
-    let yz = select(z_face, y_face, a.y >= a.z);
-    return select(yz, x_face, a.x >= a.y && a.x >= a.z);
+// The face of a cube into which a direction points: techniques::omni_map::cube::DIRECTIONS.
+fn cube_face(direction: vec3f) -> u32 {
+    let size = abs(direction);
+    let z_face = select(4u, 5u, direction.z < 0.0);
+    let y_face = select(2u, 3u, direction.y < 0.0);
+    let x_face = select(0u, 1u, direction.x < 0.0);
+    let yz = select(z_face, y_face, size.y >= size.z);
+    return select(yz, x_face, size.x >= size.y && size.x >= size.z);
 }
 
 fn unpacked(texel: vec4f) -> f32 {
     if FORMAT == FORMAT_FLOAT {
         return texel.r;
     }
-    // The largest value stands for nothing.
+    // The largest value means that no caster is there.
     let share = select(unpack_four_bytes(texel), unpack_two_bytes(texel), FORMAT == FORMAT_TWO_BYTES);
-    return select(share, 1e30, texel.r >= 1.0);
+    return select(share, NOTHING, texel.r >= 1.0);
 }
 
-// 1 where the plane is nearer than what a texel of squared distances shows.
+// 1 where the plane is nearer to the light than the squared distance in a texel, else 0.
 fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     let inside = clamp(texel, vec2i(0), vec2i(i32(map_light.size.x) - 1));
     let stored = unpacked(textureLoad(distance_map, inside, face, 0));
@@ -99,8 +106,9 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
 }
 
-// One tap: the four texels around a place of a face, weighted by the place between them. Hardware compares all four
-// with one depth; it is the plane's at the texel where that is nearest to the light.
+// One tap: compares the four texels around a place of a face, weighted by the position between them. Hardware
+// compares all four with one depth; it is the plane's depth at the texel where the plane is nearest to the
+// light.
 fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     taps += 1.0;
     let size = map_light.size.x;
@@ -108,25 +116,26 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     let corner = place - 0.5;
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
-        let n = in_face(face, site.normal);
+        let normal_face = in_face(face, site.normal);
         let projection = map_light.faces[face].projection;
         var depth: f32;
-        var slope: vec2f;           // of depth, a texel to the right and one down
+        var slope: vec2f;           // of depth, one texel to the right and one down
         var deepest: f32;
         if SHAPE == CASCADES {
-            let steep = min(n.z, -1e-6);
-            let at = (site.offset - dot(n.xy, ndc) * projection.x) / steep;
-            depth = 1.0 - at / projection.y;
-            slope = vec2f(n.x, -n.y) * (projection.z / (steep * projection.y));
+            let steep = min(normal_face.z, -1e-6);
+            let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
+            depth = 1.0 - along / projection.y;
+            slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
             deepest = 1.0 - (site.along + STEEPEST * projection.z) / projection.y;
         } else {
             let scale = projection.y / site.offset;
-            depth = dot(n, vec3f(ndc * projection.x, 1.0)) * scale;
-            slope = vec2f(n.x, -n.y) * (projection.z * scale);
+            depth = dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale;
+            slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
             deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
         }
         let lenient = max(slope * (1.0 - between), -slope * between);
-        // Where the plane leaves the far end of a parallel box nothing was drawn, and nothing is nearer.
+        // Nothing is drawn where the plane leaves the far end of a parallel box, so no caster is nearer
+        // there.
         depth = max(max(depth + lenient.x + lenient.y, deepest), 0.0);
         depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
@@ -140,16 +149,17 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     return mix(top, bottom, between.y);
 }
 
-// A tap some texels off the pixel's own place; on a cube it may lie in another face.
+// A tap at an offset in texels from the pixel's own place. On a cube it may be in another face.
 fn tap(site: Site, texels: vec2f) -> f32 {
     let ndc = site.ndc + texels * vec2f(2.0, -2.0) * map_light.size.y;
     if SHAPE == CUBE {
-        let f = map_light.faces[site.face];
-        let side = f.projection.x;
-        let direction = f.row_x.xyz * (ndc.x * side) + f.row_y.xyz * (ndc.y * side) + f.row_z.xyz;
+        let map_face = map_light.faces[site.face];
+        let side = map_face.projection.x;
+        let direction = map_face.row_x.xyz * (ndc.x * side) + map_face.row_y.xyz * (ndc.y * side)
+            + map_face.row_z.xyz;
         let face = cube_face(direction);
-        let q = in_face(face, direction);
-        return tap_face(site, face, q.xy / (q.z * side));
+        let direction_face = in_face(face, direction);
+        return tap_face(site, face, direction_face.xy / (direction_face.z * side));
     }
     return tap_face(site, site.face, ndc);
 }
@@ -165,7 +175,7 @@ fn brute(site: Site) -> f32 {
     return sum / 16.0;
 }
 
-// Source: the same, §11.4: the pattern of figure 11-4.
+// Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.4: the pattern of figure 11-4.
 fn dithered(site: Site, pixel: vec2u) -> f32 {
     let odd_x = pixel.x & 1u;
     let offset = vec2f(f32(odd_x), f32(odd_x ^ (pixel.y & 1u)));
@@ -173,7 +183,8 @@ fn dithered(site: Site, pixel: vec2u) -> f32 {
         + tap(site, offset + vec2f(-1.5, -1.5)) + tap(site, offset + vec2f(0.5, -1.5)));
 }
 
-// Source: Gerasimov 2004, GPU Gems ch. 12, listing 12-3; corners of a square turned so that no two share a row.
+// The taps are corners of a square, turned so that no two share a row.
+// Source: Gerasimov 2004, GPU Gems ch. 12, listing 12-3.
 fn soft(site: Site, radius: f32) -> f32 {
     let a = vec2f(0.9239, 0.3827) * radius;
     let b = vec2f(-a.y, a.x);
@@ -185,7 +196,8 @@ fn two_jittered(site: Site, pixel: vec2u, texel: i32, radius: f32) -> f32 {
     return tap(site, offsets.xy) + tap(site, offsets.zw);
 }
 
-// The rim tells whether all of the disc is lit or dark; where it disagrees, the rest is looked up.
+// The rim indicates whether the whole disc is lit or dark. The other taps are made only where the rim
+// disagrees.
 // Source: Uralsky & Ahmad 2004, "Soft Shadows" (NVIDIA SDK white paper).
 fn jittered(site: Site, pixel: vec2u, radius: f32) -> f32 {
     var sum = 0.0;
@@ -220,7 +232,7 @@ fn filtered(site: Site, pixel: vec2u) -> f32 {
     return tap(site, vec2f(0.0));
 }
 
-// How far a plane is raised, metres.
+// Distance by which a plane is raised, metres.
 fn raised(receiver: Receiver, texel: f32, along: f32, facing: f32) -> f32 {
     return map_light.bias.x * texel + map_light.bias.w * facing
         + ROUNDING * (length(receiver.position) + abs(along));
@@ -229,74 +241,85 @@ fn raised(receiver: Receiver, texel: f32, along: f32, facing: f32) -> f32 {
 fn from_point(receiver: Receiver, pixel: vec2u) -> f32 {
     let first = map_light.faces[0];
     var face = 0u;
-    var q = position_in_face(0u, receiver.position);
+    var position_face = position_in_face(0u, receiver.position);
     if SHAPE == CUBE {
-        let v = first.row_x.xyz * q.x + first.row_y.xyz * q.y + first.row_z.xyz * q.z;
-        face = cube_face(v);
-        q = position_in_face(face, receiver.position);
+        let from_light = first.row_x.xyz * position_face.x + first.row_y.xyz * position_face.y
+            + first.row_z.xyz * position_face.z;
+        face = cube_face(from_light);
+        position_face = position_in_face(face, receiver.position);
     }
-    let f = map_light.faces[face];
+    let map_face = map_light.faces[face];
     var normal = receiver.normal;
-    let n = in_face(face, normal);
-    let origin = vec3f(f.row_x.w, f.row_y.w, f.row_z.w);
-    var offset = receiver.offset + dot(n, origin);
+    let normal_face = in_face(face, normal);
+    let origin = vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w);
+    var offset = receiver.offset + dot(normal_face, origin);
     if dot(normal, normal) == 0.0 {
-        // Of what is not known it is assumed that it faces the light.
-        let towards = -q / max(length(q), 1e-30);
-        normal = f.row_x.xyz * towards.x + f.row_y.xyz * towards.y + f.row_z.xyz * towards.z;
-        offset = dot(towards, q);
+        // A receiver without a plane is assumed to face the light.
+        let towards = -position_face / max(length(position_face), 1e-30);
+        normal = map_face.row_x.xyz * towards.x + map_face.row_y.xyz * towards.y
+            + map_face.row_z.xyz * towards.z;
+        offset = dot(towards, position_face);
     }
     if offset >= 0.0 {
         return 0.0;                 // it faces away
     }
-    if q.z <= f.projection.y {
-        return 1.0;                 // before the near plane
+    if position_face.z <= map_face.projection.y {
+        return 1.0;                 // in front of the near plane
     }
-    let raise = raised(receiver, f.projection.z * q.z, length(q), -offset / max(length(q), 1e-30));
+    let raise = raised(
+        receiver,
+        map_face.projection.z * position_face.z,
+        length(position_face),
+        -offset / max(length(position_face), 1e-30),
+    );
     offset += min(raise, -0.5 * offset);
-    let ndc = q.xy / (q.z * f.projection.x);
+    let ndc = position_face.xy / (position_face.z * map_face.projection.x);
     if SHAPE == SPOT && max(abs(ndc.x), abs(ndc.y)) > 1.0 {
         return 1.0;                 // out of the cone
     }
-    return filtered(Site(face, ndc, q.z, normal, offset), pixel);
+    return filtered(Site(face, ndc, position_face.z, normal, offset), pixel);
 }
 
 // Visibility in one cascade.
 fn from_cascade(face: u32, receiver: Receiver, pixel: vec2u) -> f32 {
-    let f = map_light.faces[face];
-    let q = position_in_face(face, receiver.position);
+    let map_face = map_light.faces[face];
+    let position_face = position_in_face(face, receiver.position);
     var normal = receiver.normal;
     let unknown = dot(normal, normal) == 0.0;
-    normal = select(normal, -f.row_z.xyz, unknown);
-    let n = in_face(face, normal);
-    if n.z >= 0.0 {
+    normal = select(normal, -map_face.row_z.xyz, unknown);
+    let normal_face = in_face(face, normal);
+    if normal_face.z >= 0.0 {
         return 0.0;                 // it faces away
     }
-    var offset = select(receiver.offset + dot(n, vec3f(f.row_x.w, f.row_y.w, f.row_z.w)), dot(n, q), unknown);
-    offset += raised(receiver, f.projection.z, q.z, -n.z);
-    return filtered(Site(face, q.xy / f.projection.x, q.z, normal, offset), pixel);
+    var offset = select(
+        receiver.offset + dot(normal_face, vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w)),
+        dot(normal_face, position_face),
+        unknown,
+    );
+    offset += raised(receiver, map_face.projection.z, position_face.z, -normal_face.z);
+    return filtered(Site(face, position_face.xy / map_face.projection.x, position_face.z, normal, offset), pixel);
 }
 
-// The finest cascade that shows the pixel; near its border, it passes into the next. They are chosen first and looked up
-// then, two at most, so that all pixels look up together.
+// Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
+// Cascades are chosen before any is looked up, at most two, so that all pixels take the lookup together.
 fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
     var finest = CASCADE_COUNT;
     var next = CASCADE_COUNT;
     var weight = 1.0;
     for (var face = 0u; face < CASCADE_COUNT; face++) {
-        let f = map_light.faces[face];
-        let q = position_in_face(face, receiver.position);
-        // The filter stays inside.
-        let reach = map_light.size.z + 3.0 * f.projection.z;
-        let room = f.projection.x - reach - max(abs(q.x), abs(q.y));
-        let shows = room > 0.0 && q.z < f.projection.y;
-        let width = max(map_light.limits.w * f.projection.x, 1e-6);
+        let map_face = map_light.faces[face];
+        let position_face = position_in_face(face, receiver.position);
+        // The filter's taps stay inside the cascade.
+        let reach = map_light.size.z + 3.0 * map_face.projection.z;
+        let room = map_face.projection.x - reach - max(abs(position_face.x), abs(position_face.y));
+        let shows = room > 0.0 && position_face.z < map_face.projection.y;
+        let width = max(map_light.limits.w * map_face.projection.x, 1e-6);
         next = select(next, face, shows && finest < face && next == CASCADE_COUNT);
         weight = select(weight, clamp(room / width, 0.0, 1.0), shows && finest == CASCADE_COUNT);
         finest = select(finest, face, shows && finest == CASCADE_COUNT);
     }
     if finest == CASCADE_COUNT {
-        return 1.0;                 // beyond the last
+        return 1.0;                 // beyond the last cascade
     }
     var visibility = from_cascade(finest, receiver, pixel);
     if weight < 1.0 && next < CASCADE_COUNT {
@@ -305,16 +328,10 @@ fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
     return visibility;
 }
 
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
-
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let receiver = receiver_at(position.xy);
-    // Nothing there, or out of the light's reach: nobody looks.
+    // No surface is there, or it is out of the light's reach: the value is not used.
     if receiver.depth == 0.0 || receiver.depth > map_light.limits.x || receiver.depth < map_light.limits.y {
         return vec4f(vec3f(select(1.0, 0.0, SHOW_TAPS)), 1.0);
     }

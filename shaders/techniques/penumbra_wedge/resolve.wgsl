@@ -1,40 +1,36 @@
-// From sums to visibility: what one part of a light adds to the mask. Its share of the light is the blend constant.
-// Host    src/techniques/penumbra_wedge/node.rs
+// From sums to visibility: adds one part of a light to the mask. The part's share of the light is the blend
+// constant.
+// Host    src/techniques/penumbra_wedge/gpu/recorder.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW, SPLIT_STEPS}
 
-@group(3) @binding(0) var facing_sums: texture_2d<f32>;         // or what was added, in four bytes
+@group(3) @binding(0) var facing_sums: texture_2d<f32>;         // with IS_SPLIT: the bytes that were added
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
-@group(3) @binding(2) var combined: texture_2d<f32>;            // coverage of the groups before
+@group(3) @binding(2) var combined: texture_2d<f32>;            // coverage of the groups before this one
 @group(3) @binding(3) var<storage, read_write> overflow: atomic<u32>;
 @group(3) @binding(4) var averted_sums: texture_2d<f32>;
 @group(3) @binding(5) var averted_subtracted: texture_2d<f32>;
 
-// The light is a sphere, else a rectangle.
+// The light is a sphere; otherwise it is a rectangle.
 override IS_SPHERE: bool = false;
 // The light is a textured rectangle.
 override IS_TEXTURED: bool = false;
-// The sums are four bytes each way.
+// The sums are four bytes for what is added and four for what is subtracted.
 override IS_SPLIT: bool = false;
-// There is one sum for all colours.
+// One channel holds the sum for all colours.
 override IS_SCALAR: bool = false;
-// Beside a sum, hard shadows and places on the light are counted.
+// Besides the sum, the channels count hard shadows and places on the light.
 override IS_SAMPLED: bool = false;
-// More layers may lie one behind the other than the digits of places have room for in steps.
+// More casters may lie one behind the other than the digits of places have room for in steps, so places are
+// either hidden or not.
 override IS_DEEP: bool = false;
-// The coverage of groups was combined.
+// The coverage of groups has been combined.
 override IS_COMBINED: bool = false;
-
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4f {
-    let corner = vec2f(f32((vertex & 1u) << 2u), f32((vertex & 2u) << 1u)) - 1.0;
-    return vec4f(corner, 0.0, 1.0);
-}
 
 fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     if IS_SPLIT {
-        let weights = vec4f(512.0, 64.0, 8.0, 1.0) * (255.0 / 4096.0);
+        let weights = vec4f(512.0, 64.0, 8.0, 1.0) * (255.0 / SPLIT_STEPS);
         // A byte that is full may have lost a carry.
         if any(max(added, subtracted) >= vec4f(1.0)) {
             atomicAdd(&overflow, 1u);
@@ -44,7 +40,7 @@ fn joined(added: vec4f, subtracted: vec4f) -> vec4f {
     return select(added, added.rrrr, IS_SCALAR);
 }
 
-// What is covered above the horizon, by layers.
+// Coverage of the part above the horizon, by layer.
 struct Covered {
     facing: vec4f,
     averted: vec4f,
@@ -56,8 +52,9 @@ fn summed(pixel: vec2u, over: vec4f) -> Covered {
     return Covered(clamp(-facing, vec4f(0.0), over), clamp(-averted, vec4f(0.0), over));
 }
 
-// How often each place is hidden, told by three of them that one float holds beside the count of hard shadows. Digits have
-// room for 32 times, or for 256: what is more is told as less, so a light with more layers than 30 takes the latter.
+// How often three places are hidden: the count of hard shadows, less the signed counts of edges that one
+// float holds for the three. A digit has room for 32 times, or for 256 without steps; higher counts wrap around
+// to lower ones. So a light with more than 30 casters one behind the other leaves the steps out.
 fn times_hidden(hard: f32, packed: f32) -> vec3f {
     let second = round(packed / 256.0);
     let third = round(second / 256.0);
@@ -68,8 +65,8 @@ fn times_hidden(hard: f32, packed: f32) -> vec3f {
     return told - 32.0 * floor((told + 1.0) / 32.0);
 }
 
-// The same without steps. A digit that is out of its range, −128 to 127, has carried into the next: it is told first, and
-// taken out of what the next are read from.
+// As times_hidden, for digits without steps. A digit outside of its range, −128 to 127, has carried into the next
+// one. So each digit is determined first and subtracted from what the next ones are read from.
 fn times_hidden_deep(hard: f32, packed: f32) -> vec3f {
     let first = within_256(hard - (packed - 256.0 * round(packed / 256.0)));
     let rest = (packed - (hard - first)) / 256.0;
@@ -83,7 +80,7 @@ fn within_256(times: f32) -> f32 {
 
 // How often the places on the light are hidden in one layer.
 struct Counts {
-    covered: f32,                   // the sum of what is covered, overlaps as often as they are
+    covered: f32,                   // sum of coverages; each overlap counts again
     hidden: mat3x3f,
 }
 
@@ -98,7 +95,7 @@ fn counts(sums: vec4f, over: f32, is_above: mat3x3f) -> Counts {
     return Counts(hard * over - (sums.r + hard * one), hidden);
 }
 
-// Sums over the places.
+// Sum over all places.
 fn sum_of(values: mat3x3f) -> f32 {
     return dot(values[0] + values[1] + values[2], vec3f(1.0));
 }
@@ -107,25 +104,28 @@ fn product(a: mat3x3f, b: mat3x3f) -> mat3x3f {
     return mat3x3f(a[0] * b[0], a[1] * b[1], a[2] * b[2]);
 }
 
-// A layer's account of what is hidden, and how well it accounts for what the places tell.
+// A layer's estimate of the hidden share, and how well its counts fit the hidden places.
 struct Account {
     hidden: f32,
     fit: f32,
 }
 
-// What is hidden, told by nine places, and better by the exact sum that goes with them: by so much as places that are
-// hidden more often are those that are hidden at all. Where nothing overlaps, sum and places agree, and the sum is the
-// answer; where all is hidden twice over, the sum says nothing.
+// Estimates the hidden share from nine samples, corrected by the exact sum of coverages (a control variate).
+// The correction is weighted by how well sample counts correlate with being hidden. Where nothing overlaps,
+// sum and samples agree and the sum is the answer. Where everything is hidden twice, the sum says nothing.
 //
-// Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples", 8.9.
+// What hides more of the light than lies between places hides some places too, so the sum may add no more than
+// that share. Without this limit it would add more where many casters hide the same rim of the light but no
+// place.
 //
-// What hides more of the light than lies between places hides some of them: the sum adds no more than that. It would where
-// many hide the same rim of the light, and no place.
+// Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples",
+// 8.9.
 fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
-    // Share of the light that lies on one side of a line and holds no place, and what thin casters hide besides; by eye.
+    // Share of the light that lies on one side of a line and holds no place, with a margin for thin casters. By eye.
     const UNSEEN = 0.15;
     const COUNT = 9.0;
-    // The weight of believing, against places that all tell the same; by trial over the models.
+    // Weight of the prior slope (`believed`), which decides where all places have equal counts. By trial over
+    // the models.
     const BELIEF = 0.25;
     let mean = sum_of(is_hidden) / COUNT;
     let mean_count = sum_of(layer.hidden) / COUNT;
@@ -138,7 +138,8 @@ fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
     return Account(mean + min(slope * (layer.covered - mean_count), UNSEEN), fit);
 }
 
-// The layer whose account fits better tells; by turns where they fit alike within this, so that none jumps.
+// The layer whose estimate fits better is used. Within this difference of fits the two are blended, so that
+// none jumps.
 const FIT_WIDTH: f32 = 0.4;
 
 fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
@@ -156,26 +157,27 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     return clamp(mix(by_facing.hidden, by_averted.hidden, to_averted), 0.0, over);
 }
 
-// What of the whole light lies above the horizon; never quite nothing.
+// Share of the whole light that lies above the horizon, at least a little more than 0.
 fn whole_above(pixel: vec2f) -> f32 {
     let half_size = select(light.half_size / light.place.zw, vec2f(light.whole.w), IS_SPHERE);
-    let at = seat_at(receiver_at(pixel), light.whole.xyz, half_size, IS_SPHERE);
-    return max(above(at.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
+    let own_seat = seat_at(receiver_at(pixel), light.whole.xyz, half_size, IS_SPHERE);
+    return max(above(own_seat.horizon, Maths(IS_SPHERE, false, false)).a, 1e-3);
 }
 
 fn above_here(horizon: vec3f) -> vec4f {
     return above(horizon, Maths(IS_SPHERE, false, IS_TEXTURED));
 }
 
-// By colour: of what lies above the horizon, for light passes cut there too; of the area: of all.
+// Writes visibility. a: the visible share of the whole emitter. rgb: the visible share of that part of the
+// emitter which is above the surface's horizon; the light pass already leaves out the part below it.
 @fragment
 fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
-    let at = seat(receiver_at(position.xy), IS_SPHERE);
-    let over = above_here(at.horizon);
+    let own_seat = seat(receiver_at(position.xy), IS_SPHERE);
+    let over = above_here(own_seat.horizon);
     var covered = vec4f(0.0);
     if IS_SAMPLED {
-        covered = vec4f(sampled(pixel, at.horizon, over.a));
+        covered = vec4f(sampled(pixel, own_seat.horizon, over.a));
     } else if IS_COMBINED {
         let before = textureLoad(combined, pixel, 0);
         let by_layer = 0.5 * (before.xy + before.zw);
@@ -188,16 +190,17 @@ fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(visible.rgb / whole_above(position.xy), visible.a);
 }
 
-// Coverage between the extremes of no and all overlap: equation 1 is max + ½ min, of two groups. Of more, one after the
-// other, it would depend on their order; half of the sum and the largest is the same of two, and does not. So the sum is kept
-// in xy and the largest in zw: layers are two accounts of one shadow, and each is combined by itself. By colour there is no
-// room for that: the layer that hides more counts, and groups are combined one after the other.
+// Combines coverages halfway between no and full overlap. For two groups, equation 1 is the largest plus half of
+// the smaller, which equals half of the sum plus half of the largest. The latter does not depend on the order of
+// the groups if there are more than two. So xy holds the sum and zw the largest. The two layers are two estimates
+// of one shadow, so each is combined by itself. Textured lights have no room for that; there the layer that hides
+// more counts, and groups are combined one after the other.
 // Source: Assarsson et al. 2003, equation 1.
 @fragment
 fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let pixel = vec2u(position.xy);
-    let at = seat(receiver_at(position.xy), IS_SPHERE);
-    let layers = summed(pixel, above_here(at.horizon));
+    let own_seat = seat(receiver_at(position.xy), IS_SPHERE);
+    let layers = summed(pixel, above_here(own_seat.horizon));
     let by_color = max(layers.facing, layers.averted);
     let before = textureLoad(combined, pixel, 0);
     if IS_TEXTURED {

@@ -1,22 +1,22 @@
 // Wedges, separators and caps of one part of a light, blended into the visibility buffer.
-// Host    src/techniques/penumbra_wedge/node.rs
+// Host    src/techniques/penumbra_wedge/gpu/recorder.rs
 // Groups  0 view, 1 receiver, 2 wedges
-// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip. Infinity is w = 0: depth 0; orthographic views
-//         end before.
+// Spaces  in: local (edges, caps) and light (rims, pieces); out: clip
+//         Infinity is w = 0, depth 0. In orthographic views everything ends before it.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW, DEEP_HARD_SHADOW, PLACE_STEPS}
+#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW, DEEP_HARD_SHADOW, PLACE_STEPS, SPLIT_STEPS}
 
-struct WedgeCaster {                // mirror: techniques::penumbra_wedge::records::WedgeCaster
+struct WedgeCaster {                // mirror: techniques::penumbra_wedge::geometry::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
-    end_local: vec4f,               // where rays end, dot(xyz, p) = w; xyz = 0: at infinity
-    end_light: vec4f,               // the same plane
+    end_local: vec4f,               // plane where rays end, local: dot(xyz, p) = w; xyz = 0: infinity
+    end_light: vec4f,               // the same plane, light space
     object: u32,
-    extrusion: f32,                 // factor on the distance from the light, or metres; 0: to the end
+    extrusion: f32,                 // factor on the distance, or metres if directional; 0: to the end
     padding: array<u32, 2>,
 }
 
-struct Wedge {                      // mirror: techniques::penumbra_wedge::records::Wedge
+struct Wedge {                      // mirror: techniques::penumbra_wedge::geometry::records::Wedge
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
@@ -25,37 +25,54 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::recor
     padding_a: u32,
     end_light: vec3f,
     padding_b: u32,
-    rims: array<vec4f, 12>,         // direction; w: 1 where the ray leaves from the end
-    sides: array<vec4f, 2>,         // planes of the triangles beside the edge
+    rims: array<vec4f, 12>,         // xyz: direction; w: 1 where the ray leaves from the edge's end, else 0
+    sides: array<vec4f, 2>,         // planes of the triangles beside the edge, light space
 }
 
 @group(2) @binding(0) var<storage, read> casters: array<WedgeCaster>;
 @group(2) @binding(1) var<storage, read> wedges: array<Wedge>;
 
-const HARD: u32 = 1u;
-const PIECE: u32 = 2u;
-const SOFT: u32 = 4u;
-const ONLY_OUTER: u32 = 128u;       // all of the shell is in this half, without a separator
-const ONLY_INNER: u32 = 256u;
-const CLOSED: u32 = 512u;           // both layers are what is averted
+const HARD: u32 = 1u;               // mirror: techniques::penumbra_wedge::geometry::records::HARD
+const PIECE: u32 = 2u;              // mirror: techniques::penumbra_wedge::geometry::records::PIECE
+const SOFT: u32 = 4u;               // mirror: techniques::penumbra_wedge::geometry::records::SOFT
+// The whole shell is in this half, without a separator.
+const ONLY_OUTER: u32 = 128u;       // mirror: techniques::penumbra_wedge::geometry::records::ONLY_OUTER
+const ONLY_INNER: u32 = 256u;       // mirror: techniques::penumbra_wedge::geometry::records::ONLY_INNER
+// Both layers are the averted triangles.
+const CLOSED: u32 = 512u;           // mirror: techniques::penumbra_wedge::geometry::records::CLOSED
+const LAYERS_SHIFT: u32 = 3u;       // mirror: techniques::penumbra_wedge::geometry::records::LAYERS_SHIFT
+const SOFT_LAYERS_SHIFT: u32 = 5u;  // mirror: techniques::penumbra_wedge::geometry::records::SOFT_LAYERS_SHIFT
 
-// The light is a sphere, else a rectangle.
+// Bits of layers.
+const FACING: u32 = 1u;             // mirror: techniques::penumbra_wedge::geometry::silhouette_layers::FACING
+const AVERTED: u32 = 2u;            // mirror: techniques::penumbra_wedge::geometry::silhouette_layers::AVERTED
+
+// Vertices of a wedge after its start, and the number of rim points of a half.
+const END: u32 = 1u;                // mirror: techniques::penumbra_wedge::geometry::topology::END
+const FAR_START: u32 = 2u;          // mirror: techniques::penumbra_wedge::geometry::topology::FAR_START
+const FAR_END: u32 = 3u;            // mirror: techniques::penumbra_wedge::geometry::topology::FAR_END
+const FIRST_RIM: u32 = 4u;          // mirror: techniques::penumbra_wedge::geometry::topology::FIRST_RIM
+const FIRST_APEX: u32 = 16u;        // mirror: techniques::penumbra_wedge::geometry::topology::FIRST_APEX
+const RIM: u32 = 6u;                // mirror: techniques::penumbra_wedge::geometry::shell::RIM
+
+// The light is a sphere; otherwise it is a rectangle.
 override IS_SPHERE: bool = false;
-// Sign of the half that is shaded: 1 for the inner half.
+// Sign of the half that is shaded: 1 for the inner half, −1 for the outer.
 override HALF_SIGN: f32 = 1.0;
-// −1 where faces before the surface count, not those behind it.
+// −1 where faces in front of the surface count instead of those behind it.
 override FACE_SIGN: f32 = 1.0;
 // Angles and areas come from tables.
 override LOOKS_UP: bool = false;
 // The light is a textured rectangle.
 override IS_TEXTURED: bool = false;
-// Layers that a cap belongs to: 1 facing, 2 averted.
+// Layers to which a cap belongs. Bit 0: facing; bit 1: averted.
 override CAP_LAYERS: u32 = 3u;
-// Steps of coverage in 1: sums of multiples are exact, so no order of blending shows.
+// Number of coverage steps in 1. Sums of their multiples are exact, so the order of blending does not show.
 override STEPS: f32 = 16384.0;
-// Beside the share, hard shadows and nine places on the light are counted.
+// Besides the share, hard shadows and nine places on the light are counted.
 override IS_SAMPLED: bool = false;
-// More layers may lie one behind the other than the digits of places have room for in steps.
+// More casters may lie one behind the other than the digits of places have room for in steps, so places are
+// either hidden or not.
 override IS_DEEP: bool = false;
 
 struct Corner {
@@ -69,7 +86,7 @@ struct Corner {
     @location(6) @interpolate(flat) other_side: vec4f,
 }
 
-// Where a ray meets the plane at which it ends; without a plane at infinity.
+// The homogeneous point where a ray meets the plane at which it ends; at infinity without a plane.
 fn end_of(plane: vec4f, start: vec3f, direction: vec3f) -> vec4f {
     let along = dot(plane.xyz, direction);
     return vec4f(start * along + direction * (plane.w - dot(plane.xyz, start)), along);
@@ -83,27 +100,27 @@ fn far_position(caster: WedgeCaster, position_local: vec3f) -> vec4f {
     return objects[caster.object].clip_from_local * far;
 }
 
-// Vertices as topology.rs names them.
+// Vertices are numbered as in topology.rs.
 @vertex
 fn wedge_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     return wedge_corner(vertex, instance);
 }
 
 fn wedge_corner(vertex: u32, instance: u32) -> Corner {
-    // Fields one by one: a copy of the record would be a copy of all its rims.
+    // Fields are read one by one, because a copy of the record would copy all its rims.
     let caster = casters[wedges[instance].caster];
     let flags = wedges[instance].flags;
     let clip_from_light = light.clip_from_light;
     let only = flags & (ONLY_OUTER | ONLY_INNER);
-    let is_far = vertex == 2u || vertex == 3u;
-    // Without a separator, the far ends of the rays that both rims share are in its place.
-    let shared_ray = select(0u, 5u, vertex == 3u);
-    let rim_index = select(shared_ray, (vertex - 4u) % 12u, vertex >= 4u);
+    let is_far = vertex == FAR_START || vertex == FAR_END;
+    // Without a separator, the far ends of the rays that both rims share replace its far ends.
+    let shared_ray = select(0u, RIM - 1u, vertex == FAR_END);
+    let rim_index = select(shared_ray, (vertex - FIRST_RIM) % (2u * RIM), vertex >= FIRST_RIM);
     let rim = wedges[instance].rims[rim_index];
     let start_light = wedges[instance].start_light;
     let end_light = wedges[instance].end_light;
     let is_shared = is_far && only != 0u;
-    let is_end = select(vertex == 1u || vertex == 3u, rim.w > 0.5, vertex >= 4u || is_shared);
+    let is_end = select(vertex == END || vertex == FAR_END, rim.w > 0.5, vertex >= FIRST_RIM || is_shared);
     let position_local = select(wedges[instance].start_local, wedges[instance].end_local, is_end);
     let position_light = select(start_light, end_light, is_end);
     let is_piece = (flags & PIECE) != 0u;
@@ -116,12 +133,12 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     let along_ray = vec4f(position_light + rim.xyz * light.reach, 1.0);
     let ray = clip_from_light * select(end_of(caster.end_light, position_light, rim.xyz), along_ray, is_finite);
     var out: Corner;
-    let is_ray = ((vertex >= 4u && vertex < 16u) || is_shared) && is_soft;
+    let is_ray = ((vertex >= FIRST_RIM && vertex < FIRST_APEX) || is_shared) && is_soft;
     out.position_clip = select(select(near, far, is_far), ray, is_ray);
     out.start_light = start_light;
     out.end_light = end_light;
-    out.hard = select(0.0, f32(flags & HARD), vertex < 4u);
-    let is_inner = (rim_index >= 6u || only == ONLY_INNER) && only != ONLY_OUTER;
+    out.hard = select(0.0, f32(flags & HARD), vertex < FIRST_RIM);
+    let is_inner = (rim_index >= RIM || only == ONLY_INNER) && only != ONLY_OUTER;
     out.soft = select(0.0, select(-1.0, 1.0, is_inner), is_soft);
     out.flags = flags;
     out.side = wedges[instance].sides[0];
@@ -129,7 +146,7 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     return out;
 }
 
-// The same for what separates: nothing where there is no separator.
+// Vertices of the separator; all in one point, which draws nothing, where there is no separator.
 @vertex
 fn separator_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     var out = wedge_corner(vertex, instance);
@@ -151,28 +168,28 @@ fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance
     return far_position(casters[instance], position_local);
 }
 
-// Of sampled sums, the first channel holds the share and the count of hard shadows, the others three places each: in
-// steps, −128 to 127 of them. Sums have the 24 bits that a float has.
+// Layout of sampled sums: the first channel holds the share and the count of hard shadows. Each other channel
+// holds three places as digits of −128 to 127 steps, within the 24 bits of a float.
 const DIGITS: vec3f = vec3f(1.0, 256.0, 65536.0);
 
-// What a whole hard shadow takes: of sampled sums a count of its own, else what of the part is above the horizon.
+// Value of a whole hard shadow: a count in sampled sums, otherwise the share of the part above the horizon.
 fn whole(pixel: vec2f) -> vec4f {
     if IS_SAMPLED {
         return vec4f(select(HARD_SHADOW, DEEP_HARD_SHADOW, IS_DEEP), 0.0, 0.0, 0.0);
     }
-    let at = seat(receiver_at(pixel), IS_SPHERE);
-    return rounded(above(at.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
+    let own_seat = seat(receiver_at(pixel), IS_SPHERE);
+    return rounded(above(own_seat.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
 }
 
 fn rounded(share: vec4f) -> vec4f {
     return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
 }
 
-// Where a receiver stands to the planes of triangles.
+// A receiver's position relative to the planes of triangles.
 struct Foot {
     p: vec3f,
-    normal: vec3f,                  // of its own triangle
-    rounding: f32,                  // how near to a plane lies in it
+    normal: vec3f,                  // of the receiver's own triangle, light space
+    rounding: f32,                  // distance below which a point counts as in a plane
 }
 
 fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
@@ -182,15 +199,18 @@ fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
 
 // Share of the light's extent by which its centre is clear of a plane.
 const CLEAR: f32 = 0.1;
-// Cosine of the angle within which normals are those of one plane.
+// Cosine of the angle within which two normals count as parallel.
 const PARALLEL: f32 = 0.9999;
 
-// By layer, whether a triangle beside the edge has its front towards the light that is seen through it. Where there is
-// none, the plane is 0: in the facing layer that is a triangle that does not, in the averted one a triangle that does.
+// For each layer, whether the triangle beside an edge has its front towards the light that is seen through
+// it. A plane of 0 means that there is no triangle; it stands for a non-facing triangle in the facing layer,
+// and a facing one in the averted.
 //
-// The receiver's own triangle hides nothing from it, and so do others in its plane. The hard shadow counts it where the
-// light's centre is behind it: then it counts here too, as seen from the centre. With the centre before it, it is of no
-// layer; or, where the hard shadow's faces pass so close to it that they may be counted, as seen from the centre too.
+// The receiver's own triangle, and any triangle in its plane, hides nothing from the receiver. If the light's
+// centre is behind the plane, the hard shadow counts the triangle, so it counts here too, as seen from the
+// centre. If the centre is clearly in front of the plane, the triangle belongs to no layer. In between, the
+// hard shadow's faces pass so close to the receiver that they may be counted, so the triangle counts as seen
+// from the centre again.
 fn faces(plane: vec4f, foot: Foot) -> vec2f {
     let value = dot(plane.xyz, foot.p) + plane.w;
     let cosine = dot(plane.xyz, foot.normal);
@@ -209,30 +229,31 @@ struct Layers {
 }
 
 fn layered(value: vec4f, layers: u32) -> Layers {
-    return Layers(value * f32(layers & 1u), value * f32(layers >> 1u & 1u));
+    return Layers(value * f32(layers & FACING), value * f32((layers & AVERTED) >> 1u));
 }
 
-// What of the part lies behind the edge, at the surface that the pixel shows, as often as the edge is one of the
-// silhouette from there: shares, or share and places.
+// Coverage of an edge at the surface that the pixel shows: the share of the part behind the edge, with the
+// places if sampled, times the multiplicity with which the edge is a silhouette edge from there.
 //
-// Of most fragments the surface is not in the wedge, whose back is behind it all the same: that is found out first.
+// The surface of most fragments is not in the wedge, although the wedge's back is behind it, so that is
+// tested first.
 fn coverage(in: Corner) -> Layers {
     let receiver = receiver_at(in.position_clip.xy);
-    let p = in_light(in_plane(receiver));
-    let seen = see(p, in.start_light, in.end_light, IS_SPHERE);
+    let position_light = in_light(in_plane(receiver));
+    let seen = see(position_light, in.start_light, in.end_light, IS_SPHERE);
     if in.soft == 0.0 || receiver.depth <= 0.0 || misses(seen, IS_SPHERE) {
         return Layers(vec4f(0.0), vec4f(0.0));
     }
-    let foot = foot_of(receiver, p);
+    let foot = foot_of(receiver, position_light);
     let by_layer = faces(in.side, foot) - faces(in.other_side, foot);
     let is_closed = (in.flags & CLOSED) != 0u;
-    let times = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> 5u & 1u), f32(in.flags >> 6u & 1u));
+    let times = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> SOFT_LAYERS_SHIFT & 1u), f32(in.flags >> (SOFT_LAYERS_SHIFT + 1u) & 1u));
     if all(times == vec2f(0.0)) {
         return Layers(vec4f(0.0), vec4f(0.0));
     }
-    let at = seat(receiver, IS_SPHERE);
-    let share = covered(at.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
-    // Also against NaN, which compares to nothing.
+    let own_seat = seat(receiver, IS_SPHERE);
+    let share = covered(own_seat.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
+    // The comparisons also reject NaN.
     let is_usable = share.a >= 0.0 && share.a < 1.0;
     var value = rounded(share);
     if IS_SAMPLED {
@@ -243,21 +264,21 @@ fn coverage(in: Corner) -> Layers {
     return Layers(value * times.x, value * times.y);
 }
 
-// What the faces add. Behind the surface, the front of a hard shadow's face gives back 1 to visibility, its back takes 1;
-// before the surface it is the other way.
+// Values that the faces add. Behind the surface, the front of a hard shadow's face adds 1 to visibility and
+// its back subtracts 1. In front of the surface it is the other way round.
 fn shell_value(in: Corner) -> Layers {
     return scaled(coverage(in), in.soft);
 }
 
 fn separator_value(in: Corner, front_facing: bool) -> Layers {
-    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.flags >> 3u);
+    let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.flags >> LAYERS_SHIFT);
     let soft = coverage(in);
     let sum = Layers(2.0 * soft.facing - hard.facing, 2.0 * soft.averted - hard.averted);
     return scaled(sum, FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> Layers {
-    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.flags >> 3u);
+    return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.flags >> LAYERS_SHIFT);
 }
 
 fn cap_value(position: vec4f, front_facing: bool) -> Layers {
@@ -272,7 +293,7 @@ fn is_nothing(value: Layers) -> bool {
     return all(value.facing == vec4f(0.0)) && all(value.averted == vec4f(0.0));
 }
 
-// Nothing is blended where there is nothing to add.
+// Discards fragments that add nothing, which saves the blending.
 @fragment
 fn shell(in: Corner) -> Layers {
     let value = shell_value(in);
@@ -306,7 +327,8 @@ fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: 
     return cap_value(position, front_facing);
 }
 
-// Twelve bits over four bytes, three in each; the upper five are for carries. What adds and what subtracts are apart.
+// Twelve bits over four bytes, three in each; the upper five bits of a byte are for carries. What is added
+// and what is subtracted are in separate textures.
 struct Split {
     @location(0) facing_added: vec4f,
     @location(1) facing_subtracted: vec4f,
@@ -315,7 +337,7 @@ struct Split {
 }
 
 fn digits(value: f32) -> vec4f {
-    let steps = u32(round(max(value, 0.0) * 4096.0));
+    let steps = u32(round(max(value, 0.0) * SPLIT_STEPS));
     return vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
 }
 

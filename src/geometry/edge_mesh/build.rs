@@ -1,53 +1,37 @@
-//! [`EdgeMesh::build`].
+//! Construction of an [`EdgeMesh`] from triangles.
 
 use glam::Vec3;
 
+use super::half_edges::{HalfEdge, edges_of, sorted_half_edges};
 use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};
 use super::order::{Item, cluster_order};
 use super::pieces::closed_triangles;
 use super::{EdgeMeshError, weld::weld};
 use crate::conventions::CLUSTER_TRIANGLES;
 
-/// What an [`EdgeMesh`] is built from.
+/// The input of [`EdgeMesh::build`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EdgeMeshInput<'a> {
-    /// All vertices of the mesh, across its submeshes.
+    /// All vertices of the mesh, across its submeshes, metres.
     pub positions: &'a [Vec3],
-    /// Three a triangle.
+    /// Vertex indices, three for each triangle.
     pub indices: &'a [u32],
-    /// One a vertex: vertices with different keys (other joints, weights or morph targets) never weld, as
-    /// a pose may part them.
+    /// One key for each vertex. Vertices with different keys (other joints, weights or morph targets) never
+    /// weld, because a pose may separate them.
     pub pose_keys: Option<&'a [u32]>,
-    /// `None` welds positions that are bit-exactly equal (−0 is 0). `Some` welds the vertices in each cube of
-    /// this width, metres: a whole vertex moves to where the lowest of them is, so caps may leave the surface
-    /// that is drawn by up to √3 of it.
+    /// Width of a welding cell, metres. `None` welds positions that are bit-exactly equal (−0 is 0). `Some`
+    /// welds all vertices in each cube of this width: every one of them moves to the position of the
+    /// lowest-numbered, so caps may leave the drawn surface by up to √3 times the width.
     pub weld_epsilon: Option<f32>,
 }
 
-/// A triangle's edge, turned to run from its lower to its higher vertex.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct HalfEdge {
-    low: u32,
-    high: u32,
-    /// Triangle · 2 + whether it traverses the edge from high to low.
-    side: u32,
-}
-
-impl HalfEdge {
-    pub(super) fn triangle(self) -> u32 {
-        self.side >> 1
-    }
-
-    pub(super) fn is_reversed(self) -> bool {
-        self.side & 1 != 0
-    }
-}
-
 impl EdgeMesh {
-    /// Welds, finds the edges and clusters the triangles. O(n log n); the same input gives the same mesh.
+    /// Welds the vertices, finds the edges and groups the triangles into clusters. O(n log n). The same input
+    /// gives the same mesh.
     ///
     /// Triangles that collapse in welding or have a position that is not finite are left out and counted
-    /// ([`EdgeMesh::report`]); those of no area but distinct corners stay. No triangles make an empty mesh.
+    /// ([`EdgeMesh::report`]). Triangles without area but with distinct corners stay. An input without
+    /// triangles gives an empty mesh.
     ///
     /// # Errors
     /// [`EdgeMeshError`] if the input is not a mesh.
@@ -66,7 +50,8 @@ impl EdgeMesh {
         Ok(mesh)
     }
 
-    /// Orders and clusters the triangles, closed ones first; returns the slot of each.
+    /// Orders the triangles, closed pieces first, and groups them into clusters. Returns the slot of each
+    /// triangle.
     fn place_triangles(
         &mut self,
         positions: &[Vec3],
@@ -107,7 +92,7 @@ impl EdgeMesh {
         slots
     }
 
-    /// Sorts the edges by kind and, within it, by the clusters that they lie in.
+    /// Sorts the edges by kind and, within a kind, by the clusters that they lie in.
     fn place_edges(&mut self, half_edges: &[HalfEdge], slots: &[u32]) {
         let slot_of = |half: &HalfEdge| slots[half.triangle() as usize];
         let mut regular = Vec::with_capacity(half_edges.len() / 2);
@@ -118,7 +103,7 @@ impl EdgeMesh {
             match edge {
                 [a] => boundary.push((slot_of(a), directed(vertices, a.is_reversed()))),
                 [a, b] if a.is_reversed() != b.is_reversed() => {
-                    // The lower slot comes first, and the edge runs as its triangle does.
+                    // The lower slot comes first, and the edge runs as that slot's triangle traverses it.
                     let (first, second) = if slot_of(a) < slot_of(b) { (a, b) } else { (b, a) };
                     let vertices = directed(vertices, first.is_reversed());
                     regular.push((slot_of(first), slot_of(second), vertices));
@@ -126,7 +111,8 @@ impl EdgeMesh {
                 _ => irregular.push((edge.iter().map(slot_of).min(), edge)),
             }
         }
-        // Like boundary edges: a light then reads facing words in their order.
+        // Irregular edges are sorted by slot like boundary edges, so that a light reads the facing words in
+        // order.
         irregular.sort_unstable();
         for (_, edge) in irregular {
             self.irregular_vertices.push([edge[0].low, edge[0].high]);
@@ -150,7 +136,7 @@ impl EdgeMesh {
     }
 
     fn place_regular_edges(&mut self, mut regular: Vec<(u32, u32, [u32; 2])>) {
-        // By the cluster of the lower slot; inner edges and seams part below.
+        // Sorts by the cluster of the lower slot. Inner edges and seams are separated below.
         regular.sort_unstable();
         for by_cluster in regular.chunk_by(|a, b| cluster_of(a.0) == cluster_of(b.0)) {
             let first = cluster_of(by_cluster[0].0);
@@ -192,7 +178,7 @@ fn cluster_of(slot: u32) -> usize {
 fn validate(input: &EdgeMeshInput<'_>) -> Result<(), EdgeMeshError> {
     let vertex_count = input.positions.len();
     let index_count = input.indices.len();
-    // Slots are padded by less than a cluster at the end of the closed and of the open part.
+    // Slots are padded by less than one cluster at the end of the closed part and of the open part.
     if !fits(vertex_count) || !fits(index_count) {
         return Err(EdgeMeshError::TooLarge {
             vertex_count,
@@ -252,26 +238,6 @@ fn welded_triangles(input: &EdgeMeshInput<'_>) -> (Vec<[u32; 3]>, EdgeMeshReport
     (triangles, report)
 }
 
-fn sorted_half_edges(triangles: &[[u32; 3]]) -> Vec<HalfEdge> {
-    let mut half_edges: Vec<HalfEdge> = (0u32..)
-        .zip(triangles)
-        .flat_map(|(triangle, &[a, b, c])| {
-            [(a, b), (b, c), (c, a)].map(|(from, to)| HalfEdge {
-                low: from.min(to),
-                high: from.max(to),
-                side: triangle << 1 | u32::from(from > to),
-            })
-        })
-        .collect();
-    half_edges.sort_unstable();
-    half_edges
-}
-
-/// The half edges of each edge in turn.
-pub(super) fn edges_of(half_edges: &[HalfEdge]) -> impl Iterator<Item = &[HalfEdge]> {
-    half_edges.chunk_by(|a, b| (a.low, a.high) == (b.low, b.high))
-}
-
 fn directed([low, high]: [u32; 2], reversed: bool) -> [u32; 2] {
     if reversed { [high, low] } else { [low, high] }
 }
@@ -280,7 +246,7 @@ fn sortable(positions: &[Vec3], triangle: u32, corners: &[u32; 3]) -> Item {
     let [a, b, c] = corners.map(|i| positions[i as usize]);
     let (ab, ac) = ((b - a).as_dvec3(), (c - a).as_dvec3());
     Item {
-        // Thirds first: the sum of finite numbers may overflow.
+        // Divides first, because the sum of finite numbers may overflow.
         centroid: a / 3.0 + b / 3.0 + c / 3.0,
         normal: ab.cross(ac).normalize_or_zero().as_vec3(),
         triangle,

@@ -1,44 +1,44 @@
 //! Why a mesh cannot become an [`EdgeMesh`](super::EdgeMesh).
 
-/// Why a mesh cannot become an [`EdgeMesh`](super::EdgeMesh). Bad shapes are no error: they cast all the same.
+/// Why a mesh cannot become an [`EdgeMesh`](super::EdgeMesh). A bad shape is no error: it still casts.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EdgeMeshError {
     /// A corner names a vertex that the mesh does not have.
     #[error("triangle {triangle} names vertex {index}, the mesh has {vertex_count}")]
     IndexOutOfRange {
-        /// Triangle in the order of the input.
+        /// Index of the triangle in the input.
         triangle: usize,
-        /// What its corner says.
+        /// Vertex index that the corner names.
         index: u32,
-        /// Positions given.
+        /// Number of positions in the input.
         vertex_count: usize,
     },
     /// The last triangle lacks corners.
     #[error("{index_count} indices do not make whole triangles: triangle {triangle} is cut short")]
     IncompleteTriangle {
-        /// Indices given.
+        /// Number of indices in the input.
         index_count: usize,
         /// The triangle that lacks corners.
         triangle: usize,
     },
-    /// Pose keys go with vertices one to one.
+    /// The number of pose keys differs from the number of vertices.
     #[error("{key_count} pose keys for {vertex_count} vertices")]
     PoseKeyCount {
-        /// Keys given.
+        /// Number of pose keys in the input.
         key_count: usize,
-        /// Positions given.
+        /// Number of positions in the input.
         vertex_count: usize,
     },
-    /// The width of a welding cell is a positive finite length.
+    /// The width of a welding cell is not a positive finite length.
     #[error("weld epsilon {0} is not a positive finite length")]
     WeldEpsilon(f32),
-    /// Vertices and indices are counted in 32 bits.
+    /// The mesh has more vertices or indices than 32 bits can count.
     #[error("{vertex_count} vertices and {index_count} indices do not fit into 32 bits")]
     TooLarge {
-        /// Positions given.
+        /// Number of positions in the input.
         vertex_count: usize,
-        /// Indices given.
+        /// Number of indices in the input.
         index_count: usize,
     },
 }

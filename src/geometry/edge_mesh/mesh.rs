@@ -1,19 +1,20 @@
-//! [`EdgeMesh`] and its parts.
+//! The edge mesh and its parts.
 
 use std::ops::Range;
 
 use crate::conventions::CLUSTER_TRIANGLES;
 
-/// A triangle mesh with its edges. Built by [`EdgeMesh::build`], then constant; positions are not part of it, so
-/// that one mesh serves all poses.
+/// A triangle mesh with its edges. It is built by [`EdgeMesh::build`] and then constant. It holds no
+/// positions, so one mesh serves all poses.
 ///
-/// A triangle is named by its **slot**: cluster · 64 + its place in the cluster, which is its bit in the cluster's
-/// facing word. Clusters of closed pieces come first. A **closed** piece is a set of triangles connected over
-/// edges, each of whose edges is traversed as often in one direction as in the other.
+/// A triangle is named by its **slot**: cluster · 64 + its place in the cluster, which is also its bit in the
+/// cluster's facing word. Clusters of closed pieces come first. A **closed** piece is a set of triangles
+/// connected over edges, with a positive volume, each of whose edges is traversed as often in one direction
+/// as in the other.
 ///
-/// A vertex is named by the lowest index among those that weld with it: it reads from the caller's positions,
-/// posed or not, and triangles draw from the mesh's own vertex buffer. Corners keep their order, so that a cap
-/// rasterises to the very depths of the drawn surface.
+/// A vertex is named by the lowest index among the vertices that weld with it. That index reads from the
+/// caller's positions, posed or not, and triangles draw from the mesh's own vertex buffer. Corners keep their
+/// order, so that a cap rasterises to exactly the depths of the drawn surface.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EdgeMesh {
     pub(super) vertex_count: usize,
@@ -32,42 +33,43 @@ pub struct EdgeMesh {
     pub(super) report: EdgeMeshReport,
 }
 
-/// Up to [`CLUSTER_TRIANGLES`] neighbouring triangles: one facing word.
+/// Up to [`CLUSTER_TRIANGLES`] neighbouring triangles, whose facing bits share one word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cluster {
-    /// First entry of [`EdgeMesh::corners`].
+    /// Index of the cluster's first triangle in [`EdgeMesh::corners`].
     pub first_triangle: u32,
-    /// 1..=64; short only at the end of the closed and of the open clusters.
+    /// Number of triangles, 1..=64. It is below 64 only in the last closed and in the last open cluster.
     pub triangle_count: u32,
-    /// First entry of [`EdgeMesh::inner_edges`]: regular ones between two triangles of this cluster.
+    /// Index of the cluster's first edge in [`EdgeMesh::inner_edges`]: regular edges between two triangles of
+    /// this cluster.
     pub first_inner: u32,
-    /// Their number.
+    /// Number of the cluster's inner edges.
     pub inner_count: u32,
-    /// First entry of [`EdgeMesh::seam_sides`] and [`EdgeMesh::seam_slots`]: regular edges between this cluster and a
-    /// later one.
+    /// Index of the cluster's first seam in [`EdgeMesh::seam_sides`] and [`EdgeMesh::seam_slots`]. A seam is
+    /// a regular edge between this cluster and a later one.
     pub first_seam: u32,
-    /// Their number.
+    /// Number of the cluster's seams.
     pub seam_count: u32,
-    /// First of the later clusters that seams lead to, in [`EdgeMesh::seam_clusters`].
+    /// Index in [`EdgeMesh::seam_clusters`] of the first later cluster that a seam leads to.
     pub first_seam_cluster: u32,
-    /// Their number.
+    /// Number of later clusters that seams lead to.
     pub seam_cluster_count: u32,
-    /// First of the boundary edges of this cluster's triangles.
+    /// Index in [`EdgeMesh::boundary_vertices`] of the first boundary edge of this cluster's triangles.
     pub first_boundary: u32,
-    /// Their number; 0 in closed pieces.
+    /// Number of boundary edges of this cluster's triangles; 0 in closed pieces.
     pub boundary_count: u32,
 }
 
-/// A triangle's side, within its cluster: the place of the triangle, and which of its corners the side starts from.
+/// A side of a triangle within its cluster: the triangle's place, and the corner that the side starts from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct LaneSide(u8);
 
 /// A regular edge between two triangles of one cluster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InnerEdge {
-    /// The edge as the triangle of the lower slot traverses it.
+    /// The edge, as a side of the triangle in the lower slot.
     pub side: LaneSide,
-    /// Place of the other triangle.
+    /// Place of the other triangle in the cluster.
     pub other_lane: u8,
 }
 
@@ -82,13 +84,13 @@ impl LaneSide {
         (self.0 % CLUSTER_TRIANGLES as u8).into()
     }
 
-    /// The corner that the side starts from: 0, 1 or 2; it ends at the next.
+    /// The corner that the side starts from: 0, 1 or 2. The side ends at the next corner.
     #[inline]
     pub fn corner(self) -> usize {
         (self.0 / CLUSTER_TRIANGLES as u8).into()
     }
 
-    /// Its vertices, among the corners of its cluster's triangles.
+    /// The two vertices of the side. `corners` are the corners of the cluster's triangles.
     #[inline]
     pub fn vertices(self, corners: &[[u32; 3]]) -> [u32; 2] {
         let triangle = corners[self.lane()];
@@ -98,14 +100,14 @@ impl LaneSide {
 
 const NEXT_CORNER: [usize; 3] = [1, 2, 0];
 
-/// A triangle at an irregular edge.
+/// One of the triangles at an irregular edge, and the direction in which it traverses the edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeSide(pub(super) u32);
 
-/// What was left out of an [`EdgeMesh`]. The rest casts.
+/// Counts of triangles that were left out of an [`EdgeMesh`]. All other triangles cast.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EdgeMeshReport {
-    /// Triangles with two corners in one place: they block no light.
+    /// Triangles with two corners in one place. They block no light.
     pub collapsed_triangles: usize,
     /// Triangles with a position that is NaN or infinite.
     pub non_finite_triangles: usize,
@@ -116,44 +118,44 @@ impl EdgeSide {
         Self(slot << 1 | u32::from(reversed))
     }
 
-    /// The triangle.
+    /// Slot of the triangle.
     pub fn slot(self) -> u32 {
         self.0 >> 1
     }
 
-    /// Whether it traverses the edge from its second vertex to its first.
+    /// Whether the triangle traverses the edge from its second vertex to its first.
     pub fn is_reversed(self) -> bool {
         self.0 & 1 != 0
     }
 }
 
 impl Cluster {
-    /// A facing word with all of the cluster's triangles facing.
+    /// The facing word in which all of the cluster's triangles face the light.
     pub fn full_word(&self) -> u64 {
         u64::MAX >> (CLUSTER_TRIANGLES as u32 - self.triangle_count)
     }
 
-    /// The cluster's triangles in [`EdgeMesh::corners`].
+    /// Range of the cluster's triangles in [`EdgeMesh::corners`].
     pub fn triangles(&self) -> Range<usize> {
         range(self.first_triangle, self.triangle_count)
     }
 
-    /// Its edges in [`EdgeMesh::inner_edges`].
+    /// Range of the cluster's edges in [`EdgeMesh::inner_edges`].
     pub fn inner(&self) -> Range<usize> {
         range(self.first_inner, self.inner_count)
     }
 
-    /// Its edges in [`EdgeMesh::seam_sides`] and [`EdgeMesh::seam_slots`].
+    /// Range of the cluster's seams in [`EdgeMesh::seam_sides`] and [`EdgeMesh::seam_slots`].
     pub fn seams(&self) -> Range<usize> {
         range(self.first_seam, self.seam_count)
     }
 
-    /// Where they lead to, in [`EdgeMesh::seam_clusters`].
+    /// Range in [`EdgeMesh::seam_clusters`] of the clusters that this cluster's seams lead to.
     pub fn seam_clusters(&self) -> Range<usize> {
         range(self.first_seam_cluster, self.seam_cluster_count)
     }
 
-    /// Its triangles' edges in [`EdgeMesh::boundary_vertices`].
+    /// Range of the boundary edges of the cluster's triangles in [`EdgeMesh::boundary_vertices`].
     pub fn boundary(&self) -> Range<usize> {
         range(self.first_boundary, self.boundary_count)
     }
@@ -164,39 +166,39 @@ fn range(first: u32, count: u32) -> Range<usize> {
 }
 
 impl EdgeMesh {
-    /// Positions that the mesh was built from, and that its vertices index.
+    /// Number of positions that the mesh was built from; vertices index into that many positions.
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
-    /// Triangles that cast.
+    /// Number of triangles that cast.
     pub fn triangle_count(&self) -> usize {
         self.corners.len()
     }
 
-    /// Those of closed pieces; they come first.
+    /// Number of triangles in closed pieces. They come first.
     pub fn closed_triangle_count(&self) -> usize {
         self.clusters[..self.closed_cluster_count]
             .last()
             .map_or(0, |cluster| cluster.triangles().end)
     }
 
-    /// Whether every piece is closed. A mesh without triangles is.
+    /// Whether every piece is closed. A mesh without triangles is closed.
     pub fn is_closed(&self) -> bool {
         self.closed_cluster_count == self.clusters.len()
     }
 
-    /// What was left out.
+    /// Counts of triangles that were left out of the mesh.
     pub fn report(&self) -> EdgeMeshReport {
         self.report
     }
 
-    /// Welded vertices of every triangle, cluster after cluster, corners in the order of the input.
+    /// Welded vertices of every triangle, cluster after cluster. Corners are in the order of the input.
     pub fn corners(&self) -> &[[u32; 3]] {
         &self.corners
     }
 
-    /// Clusters, those of closed pieces first.
+    /// All clusters; those of closed pieces come first.
     pub fn clusters(&self) -> &[Cluster] {
         &self.clusters
     }
@@ -206,60 +208,64 @@ impl EdgeMesh {
         self.closed_cluster_count
     }
 
-    /// Regular edges, of exactly two triangles that traverse them in opposite directions, inside of clusters.
+    /// Regular edges inside clusters. A regular edge has exactly two triangles, which traverse it in opposite
+    /// directions.
     ///
-    /// Edges name a side of a triangle, not vertices: an eighth of the memory, and the corners are read for the caps as
-    /// well.
+    /// An edge names a side of a triangle instead of its vertices. This takes an eighth of the memory, and
+    /// the caps read the corners anyway.
     pub fn inner_edges(&self) -> &[InnerEdge] {
         &self.inner_edges
     }
 
-    /// Regular edges between two clusters, as the triangle in the first of them traverses each.
+    /// Regular edges between two clusters, each as a side of its triangle in the earlier cluster.
     pub fn seam_sides(&self) -> &[LaneSide] {
         &self.seam_sides
     }
 
-    /// The slot of the triangle in the second.
+    /// For each entry of [`EdgeMesh::seam_sides`], the slot of its triangle in the later cluster.
     pub fn seam_slots(&self) -> &[u32] {
         &self.seam_slots
     }
 
-    /// For each cluster the later ones that it shares an edge with, ascending.
+    /// For each cluster, the later clusters that it shares an edge with, ascending.
+    /// [`Cluster::seam_clusters`] is a cluster's range.
     pub fn seam_clusters(&self) -> &[u32] {
         &self.seam_clusters
     }
 
-    /// Number of regular edges.
+    /// Number of regular edges, inside and between clusters.
     pub fn regular_count(&self) -> usize {
         self.inner_edges.len() + self.seam_sides.len()
     }
 
-    /// Edges of a single triangle, as that traverses them; always of open pieces.
+    /// Edges that have a single triangle, in the direction in which it traverses them. They belong to open
+    /// pieces.
     pub fn boundary_vertices(&self) -> &[[u32; 2]] {
         &self.boundary_vertices
     }
 
-    /// The slots of their triangles, ascending.
+    /// For each entry of [`EdgeMesh::boundary_vertices`], the slot of its triangle, ascending.
     pub fn boundary_slots(&self) -> &[u32] {
         &self.boundary_slots
     }
 
-    /// Edges that are neither regular nor boundary: of three or more triangles, or of two in one direction.
+    /// Edges that are neither regular nor boundary: they have three or more triangles, or two that traverse
+    /// them in the same direction.
     pub fn irregular_vertices(&self) -> &[[u32; 2]] {
         &self.irregular_vertices
     }
 
-    /// The triangles of irregular edge `edge`.
+    /// The triangles at the irregular edge with index `edge`.
     pub fn irregular_sides(&self, edge: usize) -> &[EdgeSide] {
         &self.irregular_sides[self.irregular_starts[edge] as usize..self.irregular_starts[edge + 1] as usize]
     }
 
-    /// Edges of all kinds.
+    /// Number of edges of all kinds.
     pub fn edge_count(&self) -> usize {
         self.regular_count() + self.boundary_vertices.len() + self.irregular_vertices.len()
     }
 
-    /// Memory for each triangle, without planes.
+    /// Bytes of this structure for each triangle. Face planes are kept elsewhere and not included.
     pub fn bytes_per_triangle(&self) -> f64 {
         let bytes = size_of_val(&self.corners[..])
             + size_of_val(&self.clusters[..])

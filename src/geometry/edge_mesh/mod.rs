@@ -1,24 +1,27 @@
-//! Triangle meshes as silhouettes need them: welded by position, every edge with *all* of its triangles,
-//! triangles grouped into clusters of one facing word each.
+//! Triangle meshes in the form that silhouettes need: vertices welded by position, every edge with *all* of
+//! its triangles, and triangles grouped into clusters of one facing word each.
 //!
 //! **Any triangle soup casts.** Each triangle, turned to face the light, bounds an infinite volume by itself
 //! (the triangle, its three edges extruded, the triangle at infinity). The number of such volumes around a
-//! point is the number of triangles between it and the light. In their sum the directed edges add with sign:
-//! an edge inside a uniformly facing patch cancels, and what is left is the contour, closed for any input.
-//! Source: Crow 1977, "Shadow Algorithms for Computer Graphics", taken from closed solids to single triangles.
+//! point is the number of triangles between the point and the light. In their sum the directed edges add with
+//! sign: edges inside a uniformly facing patch cancel, and the contour remains, closed for any input. Source:
+//! Crow 1977, "Shadow Algorithms for Computer Graphics", applied to single triangles instead of closed
+//! solids.
 //!
 //! | file | holds |
 //! | --- | --- |
 //! | `mesh` | [`EdgeMesh`] and its parts |
 //! | `build` | [`EdgeMesh::build`] |
-//! | `pieces` | which triangles hang together, and which pieces are closed |
-//! | `weld` | which vertices are one |
-//! | `winding` | whether a mesh is outside out everywhere |
-//! | `order` | which triangles share a cluster |
+//! | `half_edges` | edges of triangles, sorted |
+//! | `pieces` | connected pieces, and which of them are closed |
+//! | `weld` | welding of vertices |
+//! | `winding` | whether the outside of a mesh is seen from everywhere around it |
+//! | `order` | the order of triangles, which decides who shares a cluster |
 //! | `error` | [`EdgeMeshError`] |
 
 mod build;
 mod error;
+mod half_edges;
 mod mesh;
 mod order;
 mod pieces;

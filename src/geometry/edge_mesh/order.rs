@@ -1,37 +1,40 @@
-//! Which triangles share a cluster.
+//! The order of triangles, which decides which of them share a cluster.
 
 use glam::Vec3;
 
 use crate::conventions::CLUSTER_TRIANGLES;
 
-/// How far apart two opposite normals count, in half sizes of the part that is split.
+/// How far apart two opposite normals count as being, in multiples of the largest extent of the part that is
+/// split. Higher values make the normals within a cluster more alike; lower values make clusters more
+/// compact.
 ///
-/// Measured (`benches/silhouettes.rs`) as the share of clusters that a light finds mixed, at 0, 2, 4, 8:
-/// icosphere of 20k triangles 11, 11, 11, 11 %, deer 86, 49, 27, 27 %, interior 87, 55, 17, 11 %. More than 4 wins
-/// little and tears clusters apart: seams and memory grow.
+/// Measured (`benches/silhouettes.rs`) as the share of clusters in which a light finds both facing and
+/// non-facing triangles, at 0, 2, 4, 8: icosphere of 20k triangles 11, 11, 11, 11 %, deer 86, 49, 27, 27 %,
+/// interior 87, 55, 17, 11 %. More than 4 gains little and tears clusters apart, so that seams and memory
+/// grow.
 const NORMAL_WEIGHT: f32 = 4.0;
 
-/// A triangle while it is sorted.
+/// The sort key of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
-    /// Sum of its corners; only comparisons matter.
+    /// Mean of the triangle's corners.
     pub centroid: Vec3,
-    /// Unit length, or zero.
+    /// Unit normal of the triangle, or zero if it has no area.
     pub normal: Vec3,
-    /// Place in the order of the input.
+    /// Index of the triangle in the input.
     pub triangle: u32,
 }
 
-/// Sorts triangles so that each run of [`CLUSTER_TRIANGLES`] is compact and its normals are close, which is what
-/// makes clusters face uniformly. All runs but the last are full.
+/// Sorts triangles so that each run of [`CLUSTER_TRIANGLES`] is compact and has similar normals. Such
+/// clusters tend to face a light uniformly. All runs except the last are full.
 ///
-/// Halves the triangles again and again across the axis in which they spread the most: one of three of
+/// The triangles are halved again and again across the axis in which they spread most: one of three axes of
 /// position, or one of three of normal.
 pub(super) fn cluster_order(items: &mut [Item]) {
     let mut parts = vec![items];
     while let Some(part) = parts.pop() {
         if part.len() <= CLUSTER_TRIANGLES {
-            // The order inside of a cluster is free: that of the input is kept, as it is kind to vertex caches.
+            // Order within a cluster is free. The input's order is kept, because it suits vertex caches.
             part.sort_unstable_by_key(|item| item.triangle);
             continue;
         }
@@ -64,7 +67,7 @@ fn split(part: &mut [Item]) -> (&mut [Item], &mut [Item]) {
             item.centroid[axis]
         }
     };
-    // The place in the input decides between equals, so that the result has one order.
+    // The index in the input breaks ties, so that the result is unique.
     part.select_nth_unstable_by(middle, |a, b| {
         key(a).total_cmp(&key(b)).then(a.triangle.cmp(&b.triangle))
     });

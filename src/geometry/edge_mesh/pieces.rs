@@ -1,21 +1,22 @@
-//! Which triangles hang together, and which pieces are closed.
+//! Connected pieces of a mesh, and which of them are closed.
 
 use glam::{DVec3, Vec3};
 
-use super::build::{HalfEdge, edges_of};
+use super::half_edges::{HalfEdge, edges_of};
 
-/// Whether each triangle's piece is closed: triangles connected over edges, each edge traversed as often in one
-/// direction as in the other, around a volume that is positive.
+/// Whether each triangle belongs to a closed piece. A piece is a set of triangles connected over edges. It is
+/// closed if each of its edges is traversed as often in one direction as in the other, and if its signed
+/// volume is positive.
 ///
-/// The volume matters because only triangles that do not face the light stand for a closed piece. With `w` the number
-/// of times that the piece winds around a point, the segment from a point outside to the light crosses as many
-/// triangles of either kind, plus `w(light)` that do not face the light. In a room modelled from within `w(light)` is
-/// −1: all that is between a light in it and a point behind its walls faces the light, and the point would be lit. A
-/// piece without volume, as a card of two opposite triangles, has no inside that could tell its winding from its
-/// reverse.
+/// The volume matters because a closed piece casts by its non-facing triangles alone. Let `w(p)` be the
+/// number of times that the piece winds around a point `p`. The segment from a point outside the piece to the
+/// light crosses `w(light)` more non-facing triangles than facing ones. In a room modelled from within,
+/// `w(light)` is −1: everything between a light in the room and a point behind its walls faces the light, so
+/// the point would be lit. A piece without volume, such as a card of two opposite triangles, has no inside,
+/// so its winding cannot be distinguished from the reverse.
 ///
-/// The sign of the sum cannot tell a piece that is inside out in part; and it is that of the positions given, a pose
-/// may turn it.
+/// The sign of the volume does not reveal a piece that is inside out only in part. It is computed from the
+/// given positions; a pose may reverse it.
 pub(super) fn closed_triangles(
     positions: &[Vec3],
     triangles: &[[u32; 3]],
@@ -38,7 +39,8 @@ pub(super) fn closed_triangles(
     }
     for (triangle, corners) in (0u32..).zip(triangles) {
         let piece = root(&mut parents, triangle) as usize;
-        // Near the piece the sum loses little, however far the piece is from the origin.
+        // The sum loses little precision relative to a point of the piece, however far the piece is from the
+        // origin.
         let origin = positions[triangles[piece][0] as usize].as_dvec3();
         pieces[piece].add(corners.map(|i| positions[i as usize].as_dvec3() - origin));
     }
@@ -53,7 +55,7 @@ struct Piece {
     triangle_count: u32,
     /// Six times the signed volume.
     volume: f64,
-    /// What rounding errors are relative to.
+    /// Sum of the magnitudes that rounding errors of `volume` are relative to.
     magnitude: f64,
 }
 
@@ -65,13 +67,14 @@ impl Piece {
     }
 
     fn is_closed(&self) -> bool {
-        // A term has less than ten roundings, each at most ε/2 of |a||b||c|; the sum has one for each term.
+        // A term has less than ten roundings, each at most ε/2 of |a||b||c|. The sum adds one rounding for
+        // each term.
         let rounding = f64::EPSILON * (8.0 + f64::from(self.triangle_count));
         !self.is_open && self.volume > rounding * self.magnitude
     }
 }
 
-/// The lowest triangle of a piece; halves the path on the way.
+/// The lowest triangle of the piece that `triangle` belongs to. Halves the path on the way (union-find).
 fn root(parents: &mut [u32], mut triangle: u32) -> u32 {
     while parents[triangle as usize] != triangle {
         let grandparent = parents[parents[triangle as usize] as usize];

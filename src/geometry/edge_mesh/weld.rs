@@ -1,17 +1,17 @@
-//! Which vertices are one.
+//! Welding of vertices.
 
 use glam::Vec3;
 
-/// For every vertex the lowest vertex that it is one with (itself, if it is alone).
+/// For every vertex, the lowest-numbered vertex that it welds with. That is the vertex itself if it is alone.
 ///
-/// Without an epsilon, vertices are one if their positions are bit-exactly equal, −0 being 0. With one, space
-/// is cut into cubes of that width, centred on multiples of it, and vertices in one cube are one: two vertices
-/// nearer than the epsilon may still lie in different cubes, two in one cube are less than √3 epsilon apart.
-/// Unlike a test of distances this is transitive, and it does not depend on the order of the vertices.
+/// Without an epsilon, vertices weld if their positions are bit-exactly equal, with −0 equal to 0. With an
+/// epsilon, space is cut into cubes of that width, centred on multiples of it, and vertices in one cube weld.
+/// Two vertices nearer than the epsilon may lie in different cubes; two in one cube are less than √3 epsilon
+/// apart. Unlike a test of distances, this is transitive and does not depend on the order of the vertices.
 ///
-/// Vertices with different pose keys are never one. Positions that are not finite give any result.
+/// Vertices with different pose keys never weld. The result for positions that are not finite is unspecified.
 pub(super) fn weld(positions: &[Vec3], pose_keys: Option<&[u32]>, epsilon: Option<f32>) -> Vec<u32> {
-    // Sorting instead of hashing: the lowest index comes first by itself, and the result has one order.
+    // Sorting instead of hashing puts the lowest index first and gives a unique result.
     let mut order: Vec<([u64; 3], u32, u32)> = (0u32..)
         .zip(positions)
         .map(|(vertex, &position)| {
@@ -31,8 +31,8 @@ pub(super) fn weld(positions: &[Vec3], pose_keys: Option<&[u32]>, epsilon: Optio
     welded
 }
 
-/// Equal for positions that weld. Adding 0 turns −0 into 0. In `f64` neighbouring coordinates stay apart,
-/// however far they are from the origin and however small the cells.
+/// A key that is equal for positions that weld. Adding 0 turns −0 into 0. `f64` keeps neighbouring
+/// coordinates apart, however far they are from the origin and however small the cells.
 fn place(position: Vec3, epsilon: Option<f32>) -> [u64; 3] {
     position.to_array().map(|coordinate| {
         let coordinate = f64::from(coordinate);

@@ -1,16 +1,16 @@
-//! Whether a mesh is outside out everywhere: what hides, from outside, all that lies within it.
+//! Whether a mesh is nowhere inside out. If so, its fronts hide from outside everything that lies within it.
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
-/// Tests that are made for each triangle at most; beyond, a mesh counts as inside out somewhere.
+/// The greatest number of tests for each triangle. A mesh that needs more counts as inside out somewhere.
 const TESTS_PER_TRIANGLE: usize = 512;
 
-/// Whether no point is wound around a negative number of times by the triangles: whoever comes from outside meets a front
-/// first. The signed volume tells that of a ball, but not of a mesh that is inside out in part.
+/// Whether no point has a negative winding number. Then every ray from outside meets a front first. The signed volume would
+/// show this for a ball, but not for a mesh that is partly inside out.
 ///
-/// A region of negative number has a triangle on its border. So it is enough to walk along one direction through every
-/// triangle's centre, and to count what is passed. The direction is askew, so that no model has sides along it. A walk that
-/// does not come out at 0 has met an edge, or a hole: it says nothing.
+/// A region of negative winding number has a triangle on its border. So it is enough to walk along one direction through
+/// every triangle's centre and to count the triangles that are passed. The direction is askew, so that no model has sides
+/// along it. A walk whose count does not end at 0 has met an edge or a hole and is ignored.
 ///
 /// Cost: each triangle's cell of a grid across the direction, once when the mesh is built.
 pub fn is_outside_out(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
@@ -41,7 +41,7 @@ pub fn is_outside_out(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
         if passed.iter().map(|(_, sign)| sign).sum::<i32>() != 0 {
             continue;
         }
-        // From above; what lies in one place is entered before it is left.
+        // The walk starts above. Of two triangles in one place, the one that is entered comes first.
         let near = grid.size * 1e-9;
         passed.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut number = 0;
@@ -55,7 +55,8 @@ pub fn is_outside_out(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     true
 }
 
-/// Height at which a triangle is passed above a place, and 1 where that enters through its front; `None` beside it.
+/// The height at which a walk at a place passes a triangle, and 1 if it enters through its front, else −1. `None` if it
+/// misses the triangle.
 fn crossing([a, b, c]: &[DVec3; 3], at: DVec2) -> Option<(f64, i32)> {
     let side = |from: DVec3, to: DVec3| (to - from).truncate().perp_dot(at - from.truncate());
     let weights = [side(*b, *c), side(*c, *a), side(*a, *b)];

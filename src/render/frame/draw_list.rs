@@ -66,6 +66,15 @@ pub enum ItemFilter {
     OpaqueLit,
 }
 
+/// Whether the surfaces of a list show the shadows of the light that they are drawn for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shadows {
+    /// Those of receivers do.
+    OnReceivers,
+    /// None does: the light has no technique, or the list is for no light.
+    Nowhere,
+}
+
 /// What a list is built from beside its set.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawListInput<'a> {
@@ -80,16 +89,16 @@ pub struct DrawListInput<'a> {
 }
 
 impl DrawListBuilder {
-    /// Appends the batches of `set` to `batches` and their objects to `instances`.
+    /// Appends the batches of `set` to `batches` and their objects to `instances`; the range of the batches.
     pub fn build(
         &mut self,
         input: &DrawListInput,
         set: &FixedBitSet,
         filter: ItemFilter,
-        unshadowed: bool,
+        shadows: Shadows,
         batches: &mut Vec<Batch>,
         instances: &mut Vec<u32>,
-    ) {
+    ) -> Range<usize> {
         self.draws.clear();
         for object in set.ones() {
             let mesh = input.table.mesh[object];
@@ -105,7 +114,7 @@ impl DrawListBuilder {
                     variant: Variant {
                         mirrored: (handedness < 0.0) != input.mirrored_view,
                         culled: input.cull_back_faces && !item.double_sided,
-                        unshadowed: unshadowed || !input.receivers.contains(object),
+                        unshadowed: shadows == Shadows::Nowhere || !input.receivers.contains(object),
                     },
                     material: item.material,
                     mesh,
@@ -135,5 +144,6 @@ impl DrawListBuilder {
                 });
             }
         }
+        first..batches.len()
     }
 }

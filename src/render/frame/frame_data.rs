@@ -8,7 +8,8 @@ use glam::UVec2;
 
 use super::draw_list::Batch;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
-use crate::render::recorder::Leaves;
+use crate::render::recorder::ShadowKind;
+use crate::sets::LightTechnique;
 
 /// The part of the targets that the view has.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -33,6 +34,23 @@ impl Viewport {
     }
 }
 
+/// A recorder of a renderer, by the order in which they were added.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct TechniqueIndex(pub usize);
+
+/// The place of a light among those that a frame draws, and of its constants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct LightSlot(pub usize);
+
+/// How the shadow of one light is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LightShadow {
+    /// The recorder that draws the shadow.
+    pub technique: TechniqueIndex,
+    /// What the technique leaves of the light.
+    pub kind: ShadowKind,
+}
+
 /// One light of the frame, ready to record.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ActiveLight {
@@ -41,9 +59,13 @@ pub struct ActiveLight {
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
     /// Slot of the light's constants.
-    pub slot: usize,
-    /// Index of its technique and what that leaves; `None`: unshadowed.
-    pub shadow: Option<(usize, Leaves)>,
+    pub slot: LightSlot,
+    /// The technique of the light; `None` if nothing shadows the light.
+    pub technique: Option<LightTechnique>,
+    /// How the light's shadow is drawn; `None` if nothing shadows the light.
+    pub shadow: Option<LightShadow>,
+    /// A [`LightFunction`](crate::render::LightFunction) scales the light, which then has a mask.
+    pub is_scaled: bool,
     /// x, y, width, height; pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that it reaches, 1 ≥ near ≥ far ≥ 0.
@@ -62,7 +84,23 @@ pub struct ActiveLight {
 impl ActiveLight {
     /// Whether its technique leaves a mask.
     pub fn has_mask(&self) -> bool {
-        matches!(self.shadow, Some((_, Leaves::Mask)))
+        self.kind() == Some(ShadowKind::Mask)
+    }
+
+    /// What the light is added by: what its technique leaves, or the mask if a function scales it; `None` without either.
+    pub fn kind(&self) -> Option<ShadowKind> {
+        if self.is_scaled {
+            return Some(ShadowKind::Mask);
+        }
+        self.shadow.map(|shadow| shadow.kind)
+    }
+
+    /// Whether its technique leaves a mask that is made from the planes of the receivers.
+    pub fn reads_planes(&self) -> bool {
+        self.has_mask()
+            && self
+                .technique
+                .is_some_and(|technique| technique.needs.receiver_planes)
     }
 }
 
@@ -86,8 +124,6 @@ pub struct FrameData {
     pub blended_lights: Vec<BlendedLight>,
     /// Range of `batches`: all blended surfaces.
     pub blended_batches: Range<usize>,
-    /// Bytes of the light constants.
-    pub light_constants: Vec<u8>,
     /// For each of `lights` the casters whose shadows can reach its front layer, by dense object index.
     pub front_casters: Vec<FixedBitSet>,
     /// Where the view is in the targets.
@@ -101,6 +137,17 @@ pub struct FrameData {
 }
 
 impl FrameData {
+    /// Forgets the last frame's draws, and keeps their memory.
+    pub(in crate::render) fn clear(&mut self) {
+        self.batches.clear();
+        self.instances.clear();
+        self.lights.clear();
+        self.dark.clear();
+        self.blended.clear();
+        self.blended_lights.clear();
+        self.ambient = 0..0;
+    }
+
     /// Whether a shadowed light reaches a blended surface.
     pub fn has_front_layer(&self) -> bool {
         self.lights.iter().any(|light| !light.front.is_empty())

@@ -3,13 +3,13 @@
 
 use std::ops::Range;
 
-use super::canvas::Canvas;
 use super::frame_data::ActiveLight;
 use super::record::FrameOutputs;
+use super::recording::Recording;
+use super::targets::FrameTargets;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
-use crate::render::nodes::visibility::Shadow;
-use crate::render::recorder::{Leaves, RecordInput};
+use crate::render::recorder::{Receivers, RecordInput};
 use crate::render::renderer::Renderer;
 
 /// Which surfaces a light is added to.
@@ -22,10 +22,12 @@ pub(in crate::render) enum LightSurfaces {
 }
 
 impl LightSurfaces {
-    pub(in crate::render) fn pass(self, visibility: Option<Leaves>) -> SurfacePass {
-        match (self, visibility) {
+    pub(in crate::render) fn pass(self, light: &ActiveLight) -> SurfacePass {
+        match (self, light.kind()) {
+            (Self::Opaque, _) if light.is_scaled => SurfacePass::LightScaled,
+            (Self::Front, _) if light.is_scaled => SurfacePass::FrontLightScaled,
             (Self::Front, Some(visibility)) => SurfacePass::front_light(visibility),
-            _ => SurfacePass::light(visibility),
+            (_, visibility) => SurfacePass::light(visibility),
         }
     }
 
@@ -50,11 +52,19 @@ impl LightSurfaces {
     ) -> RecordInput<'a> {
         let casters = match self {
             Self::Opaque => None,
-            Self::Front => renderer.frame.front_casters.get(light.slot),
+            Self::Front => renderer.frame.front_casters.get(light.slot.0),
         };
         RecordInput {
+            view: &renderer.view_group,
+            meshes: &renderer.meshes,
+            materials: &renderer.materials,
+            table: &renderer.table,
+            viewport: renderer.frame.viewport,
             casters,
-            ..renderer.record_input()
+            receivers: Receivers {
+                batches: renderer.batches(&self.batches(light)),
+                surfaces: renderer.surface_resources(),
+            },
         }
     }
 }
@@ -63,51 +73,23 @@ impl Renderer {
     /// The front layer's lights, as those of opaque surfaces, with the depth of the front layer.
     pub(in crate::render) fn record_front_lights(
         &self,
-        encoder: &mut wgpu::CommandEncoder,
-        canvas: &Canvas,
+        frame: &mut Recording,
+        front: Option<&FrameTargets>,
         outputs: &FrameOutputs,
     ) {
-        let front = canvas.targets;
-        let lights = || self.frame.lights.iter().filter(|light| !light.front.is_empty());
-        if lights().any(ActiveLight::has_mask)
-            && let Some(masks) = &self.masks
-        {
-            self.depth_copy.record(encoder, front, masks, &self.timings);
-            if self.reads_planes() {
-                nodes::receiver_plane::record(
-                    encoder,
-                    front,
-                    masks,
-                    &self.frame.viewport,
-                    &self.view_group,
-                    &self.frame.batches[self.frame.blended_batches.clone()],
-                    &self.surface_resources(),
-                    &self.timings,
-                );
-            }
-        }
-        for light in lights() {
-            let label = &self.labels[light.light];
-            self.resolve_mask(encoder, canvas, light, LightSurfaces::Front);
-            {
-                let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
-                self.record_light(&mut pass, light, LightSurfaces::Front);
-            }
-            if let (Some(target), Some((_, visibility))) = (outputs.visibility.get(light.light), light.shadow)
-            {
-                nodes::visibility::record_front(
-                    encoder,
-                    target,
-                    &front.depth_stencil_view,
-                    &self.view_group,
-                    Shadow {
-                        kind: SurfacePass::visibility(visibility),
-                        mask: self.mask_of(light),
-                        scissor: light.front_scissor,
-                        batches: &self.frame.batches[light.front.clone()],
-                    },
-                    &self.surface_resources(),
-                );
+        let Some(front) = front else {
+            return;
+        };
+        let mut frame = frame.on(front);
+        self.record_receivers(&mut frame, LightSurfaces::Front);
+        for light in self.frame.lights.iter().filter(|light| !light.front.is_empty()) {
+            self.resolve_mask(&mut frame, light, LightSurfaces::Front);
+            let mut pass = frame.begin_light_pass(self.label_of(light));
+            self.record_light(&mut pass, light, LightSurfaces::Front);
+            drop(pass);
+            let shadow = self.shadow_of(light, LightSurfaces::Front);
+            if let (Some(target), Some(shadow)) = (outputs.visibility.get(light.light), shadow) {
+                nodes::visibility::record_front(&mut frame, target, shadow);
             }
         }
     }

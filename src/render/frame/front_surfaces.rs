@@ -29,7 +29,7 @@ pub(in crate::render) fn collect_front(
     for (light, casters) in active.iter_mut().zip(front_casters) {
         let first = batches.len();
         light.front = first..first;
-        if light.shadow.is_none() {
+        if light.kind().is_none() {
             continue;
         }
         let frame_light = &lights.lights[light.light];
@@ -37,7 +37,7 @@ pub(in crate::render) fn collect_front(
         let mut bounds = Aabb::EMPTY;
         for draw in blended.iter() {
             let reached = &blended_lights[draw.lights.clone()];
-            if reached.iter().any(|reached| reached.slot as usize == light.slot) {
+            if reached.iter().any(|reached| reached.slot == light.slot) {
                 let batch = batches[draw.batch].clone();
                 let object = instances[batch.instances.start as usize] as usize;
                 bounds = bounds.union(objects.boxes.get(object).intersection(reach));

@@ -12,16 +12,15 @@
 use bevy_ecs::prelude::Entity;
 use glam::{DMat4, UVec2};
 
-use super::canvas::Canvas;
 use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::RenderError;
 use crate::render::nodes::host_depth::HostDepth;
 use crate::render::nodes::host_select::HostSelect;
 use crate::render::nodes::pipelines::stencil_test;
-use crate::render::recorder::Leaves;
+use crate::render::recorder::ShadowKind;
 use crate::render::renderer::Renderer;
+use crate::render::{Gpu, RenderError};
 
 /// Where and how a host shows the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +55,9 @@ pub struct HostedLight<'a> {
     /// For soft shadows and maps: how much of the light reaches each pixel that passes [`stencil_lit`], by colour in rgb, of
     /// the emitter's area in a; [`MASK_FORMAT`](super::targets::MASK_FORMAT). Without it, all of the light does.
     pub mask: Option<&'a wgpu::TextureView>,
+    /// The mask holds for surfaces that show no shadows too, as a [`LightFunction`](crate::render::LightFunction) scales the
+    /// light. Else the host leaves the mask out for such surfaces.
+    pub is_scaled: bool,
 }
 
 /// The stencil test of pixels that a light reaches, affects and, if it has no mask, sees; whatever its technique. The
@@ -92,8 +94,8 @@ impl Renderer {
     /// [`RenderError::Shader`].
     pub fn set_host(&mut self, host: Option<HostView>) -> Result<(), RenderError> {
         if host.is_some() && self.host_depth.is_none() {
-            self.host_depth = Some(HostDepth::new(&self.context, &self.shaders, &self.layouts)?);
-            self.host_select = Some(HostSelect::new(&self.context, &self.shaders, &self.layouts)?);
+            self.host_depth = Some(HostDepth::new(&self.gpu)?);
+            self.host_select = Some(HostSelect::new(&self.gpu)?);
         }
         self.host = host;
         Ok(())
@@ -112,41 +114,36 @@ impl Renderer {
         let (Some(targets), Some(host_depth)) = (&self.targets, &self.host_depth) else {
             return;
         };
-        if self.host.is_none() || !self.frame.has_view || self.context.is_lost() {
+        if self.host.is_none() || !self.frame.has_view {
             return;
         }
-        self.timings.begin_frame();
-        let canvas = Canvas {
-            radiance: frame.radiance,
-            targets,
-            viewport: self.frame.viewport,
+        let Some(mut recording) = self.begin_recording(encoder, frame.radiance, targets) else {
+            return;
         };
-        host_depth.record(
-            encoder,
-            targets,
-            &canvas.viewport,
-            &host_depth.bind(&self.context, &self.layouts, frame.depth),
-            &self.view_group,
-            &self.frame.batches[self.frame.ambient.clone()],
-            &self.surface_resources(),
-            &self.timings,
-        );
-        self.record_receivers(encoder, targets);
+        // Before anything of the screen: however often a light is looked up, its pictures are drawn once.
+        self.draw_pictures(recording.encoder);
+        // First of the screen: every later pass tests against its depth.
+        let Gpu { context, layouts, .. } = &*self.gpu;
+        let depth = host_depth.bind(context, layouts, frame.depth);
+        host_depth.record(&mut recording, &depth, self.batches(&self.frame.ambient));
+        // Before the lights: techniques read depth and planes while they write the stencil.
+        self.record_receivers(&mut recording, LightSurfaces::Opaque);
+        // Light by light: one stencil and one mask serve them in turn.
         for group in self.light_groups(self.timings.is_active()) {
-            self.record_group(encoder, &canvas, group, |pass, light| {
+            self.record_group(&mut recording, group, |pass, light| {
                 self.mark_light(pass, light, LightSurfaces::Opaque);
                 self.select_pixels(pass, light);
                 pass.set_stencil_reference(STENCIL_IN_BOUNDS);
                 add(pass, &self.hosted_light(light));
             });
         }
-        self.timings.end_frame(encoder);
+        self.timings.end_frame(recording.encoder);
     }
 
     /// Begins the stencil of a light whose technique has not, and leaves nothing lit in it of surfaces that the light does not
     /// affect, or does not see: no caster need shadow these.
     fn select_pixels(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
-        if !matches!(light.shadow, Some((_, Leaves::Stencil))) {
+        if light.kind() != Some(ShadowKind::Stencil) {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
         }
@@ -161,6 +158,7 @@ impl Renderer {
             entity: light.entity,
             light: light.light,
             scissor: light.scissor,
+            is_scaled: light.is_scaled,
             mask: self
                 .masks
                 .as_ref()

@@ -4,6 +4,9 @@
 //! | --- | --- |
 //! | `prepare` | the systems that fill the frame |
 //! | `record` | the passes in their order: start reading here |
+//! | `record_lights` | the passes of one light |
+//! | `recording` | what all passes record with |
+//! | `required` | the pipelines that a frame needs |
 //! | `frame_data`, `draw_list` | draws and lights of the frame |
 //! | `targets`, `canvas` | the textures that passes write |
 //! | `front_surfaces`, `front_lights` | the front layer of blended surfaces |
@@ -17,4 +20,7 @@ pub(crate) mod front_surfaces;
 pub(crate) mod hosted;
 pub(crate) mod prepare;
 pub(crate) mod record;
+pub(crate) mod record_lights;
+pub(crate) mod recording;
+pub(crate) mod required;
 pub(crate) mod targets;

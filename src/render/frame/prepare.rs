@@ -4,11 +4,10 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
-use super::draw_list::{Batch, DrawListInput, ItemFilter, Variant};
-use super::frame_data::{ActiveLight, FrameData, Viewport};
+use super::draw_list::{Batch, DrawListInput, ItemFilter, Shadows, Variant};
+use super::frame_data::{ActiveLight, FrameData, LightSlot, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
 use crate::render::nodes::blended::{BlendedDraw, BlendedLight};
 use crate::render::pools::gpu_types;
 use crate::render::pools::light_constants::light_constants;
@@ -34,24 +33,7 @@ pub fn prepare_objects(
     places: Query<Placement>,
 ) {
     let renderer = renderer.as_mut();
-    renderer.frame.has_view = false;
-    renderer.failure = None;
-    if renderer.context.notice_loss() {
-        renderer.failure = Some(RenderError::DeviceLost);
-        return;
-    }
-    let host = renderer.host;
-    let size = match (&view.data, host) {
-        (None, _) => UVec2::ZERO,
-        (Some(_), None) => viewport.0,
-        (Some(_), Some(host)) => host.target_size,
-    };
-    renderer.frame.viewport = Viewport {
-        origin: host.map_or(UVec2::ZERO, |host| host.viewport_origin),
-        size: viewport.0,
-    };
-    let fits = host.map_or(Ok(()), |host| host.check(viewport.0));
-    if let Err(error) = fits.and_then(|()| renderer.resize(size)) {
+    if let Err(error) = begin_frame(renderer, &view, viewport.0) {
         renderer.failure = Some(error);
         return;
     }
@@ -59,8 +41,7 @@ pub fn prepare_objects(
         renderer.table_generation != Some(objects.flags_generation) || exchanged.iter().next().is_some();
     if rebuilt {
         renderer.table.rebuild(
-            &renderer.context,
-            &renderer.layouts,
+            &renderer.gpu,
             &objects,
             &appearance,
             &mut renderer.meshes,
@@ -72,7 +53,7 @@ pub fn prepare_objects(
         if let Some(object) = objects.index_of(entity) {
             let mesh = renderer.table.mesh[object];
             if mesh != NO_MESH {
-                renderer.meshes.write_pose(&renderer.context, mesh, pose);
+                renderer.meshes.write_pose(&renderer.gpu.context, mesh, pose);
             }
         }
     }
@@ -84,30 +65,54 @@ pub fn prepare_objects(
         && renderer.last_clip_from_world == Some(current.clip_from_world)
         && objects.moved.is_clear();
     if !still {
+        let (clip_from_world, eye) = (current.clip_from_world, current.eye);
         renderer
             .table
-            .update_constants(&objects.entities, &places, current.clip_from_world, current.eye);
+            .update_constants(&objects.entities, &places, clip_from_world, eye);
         renderer.write_objects();
-        renderer.last_clip_from_world = Some(current.clip_from_world);
+        renderer.last_clip_from_world = Some(clip_from_world);
     }
+    write_view(renderer, current);
+}
+
+/// Sizes the targets, and forgets the last frame.
+fn begin_frame(renderer: &mut Renderer, view: &View, viewport: UVec2) -> Result<(), RenderError> {
+    renderer.frame.has_view = false;
+    renderer.failure = None;
+    if renderer.gpu.context.notice_loss() {
+        return Err(RenderError::DeviceLost);
+    }
+    let host = renderer.host;
+    renderer.frame.viewport = Viewport {
+        origin: host.map_or(UVec2::ZERO, |host| host.viewport_origin),
+        size: viewport,
+    };
+    let size = match (&view.data, host) {
+        (None, _) => UVec2::ZERO,
+        (Some(_), None) => viewport,
+        (Some(_), Some(host)) => host.target_size,
+    };
+    if let Some(host) = host {
+        host.check(viewport)?;
+    }
+    renderer.resize(size)
+}
+
+/// Uploads the constants of the view, and how a host's depth becomes ours.
+fn write_view(renderer: &Renderer, current: &ViewData) {
+    let context = &renderer.gpu.context;
     if let (Some(host), Some(host_depth)) = (&renderer.host, &renderer.host_depth) {
-        host_depth.write(&renderer.context, host, current);
+        host_depth.write(context, host, current);
     }
     let ambient = renderer.settings.sanitized().ambient;
     let relative_from_ndc = (current.clip_from_world * DMat4::from_translation(current.eye)).inverse();
     let [width, height] = current.viewport.as_vec2().to_array();
+    let [x, y] = renderer.frame.viewport.origin.as_vec2().to_array();
     let constants = gpu_types::View {
         ambient: [ambient.x, ambient.y, ambient.z, 0.0],
         relative_from_ndc: relative_from_ndc.as_mat4().to_cols_array_2d(),
         size: [width, height, width.recip(), height.recip()],
-        origin: renderer
-            .frame
-            .viewport
-            .origin
-            .as_vec2()
-            .extend(0.0)
-            .extend(0.0)
-            .to_array(),
+        origin: [x, y, 0.0, 0.0],
         eye: if current.is_orthographic() {
             let towards = -current.frustum.shape().forward.normalize();
             towards.as_vec3().extend(0.0).to_array()
@@ -115,10 +120,8 @@ pub fn prepare_objects(
             [0.0, 0.0, 0.0, 1.0]
         },
     };
-    renderer
-        .context
-        .queue
-        .write_buffer(&renderer.view_buffer, 0, bytemuck::bytes_of(&constants));
+    let bytes = bytemuck::bytes_of(&constants);
+    context.queue.write_buffer(&renderer.view_buffer, 0, bytes);
 }
 
 /// Lets every technique upload what its lights need.
@@ -140,17 +143,21 @@ pub fn prepare_techniques(world: &mut World) {
             .as_ref()
             .map_or(UVec2::ZERO, |targets| targets.size);
         let input = PrepareInput {
-            context: &renderer.context,
-            shaders: &renderer.shaders,
-            layouts: &renderer.layouts,
+            context: &renderer.gpu.context,
+            gpu: &renderer.gpu,
             meshes: &renderer.meshes,
             table: &renderer.table,
             target_size,
             mirrored_view,
             debug_view: renderer.settings.debug_volumes,
         };
-        for technique in &mut renderer.techniques {
+        for technique in renderer.techniques.iter_mut() {
             if let Err(error) = technique.prepare(world, &input) {
+                renderer.failure.get_or_insert(error);
+            }
+        }
+        for function in &mut renderer.functions {
+            if let Err(error) = function.prepare(world, &input) {
                 renderer.failure.get_or_insert(error);
             }
         }
@@ -169,123 +176,113 @@ pub fn prepare_draws(
     face_culling: Res<FaceCulling>,
 ) {
     let renderer = renderer.as_mut();
-    let frame = &mut renderer.frame;
-    frame.batches.clear();
-    frame.instances.clear();
-    frame.lights.clear();
-    frame.dark.clear();
-    frame.blended.clear();
-    frame.blended_lights.clear();
-    frame.light_constants.clear();
-    frame.ambient = 0..0;
+    renderer.frame.clear();
+    renderer.lights.constants.clear();
     let Some(current) = view.data.as_ref().filter(|_| renderer.failure.is_none()) else {
         return;
     };
+    let cull_back_faces = *face_culling == FaceCulling::SingleSided;
+    collect_draws(renderer, &objects, &visible, &lights, current, cull_back_faces);
+    let instances = bytemuck::cast_slice(&renderer.frame.instances);
+    renderer.instances.write(&renderer.gpu.context, instances);
+    renderer.write_lights();
+    if let Err(error) = renderer
+        .require_targets()
+        .and_then(|()| renderer.require_pipelines())
+    {
+        renderer.failure.get_or_insert(error);
+        renderer.frame.lights.clear();
+    }
+}
+
+/// Fills the frame's lists: what is drawn for the view, for each light, and of blended surfaces.
+fn collect_draws(
+    renderer: &mut Renderer,
+    objects: &Objects,
+    visible: &VisibleSet,
+    lights: &FrameLights,
+    current: &ViewData,
+    cull_back_faces: bool,
+) {
+    let is_hosted = renderer.host.is_some();
+    let Renderer {
+        frame,
+        table,
+        draw_lists,
+        labels,
+        techniques,
+        functions,
+        settings,
+        lights: uniforms,
+        ..
+    } = renderer;
     let input = DrawListInput {
-        table: &renderer.table,
+        table,
         receivers: &objects.receivers,
         mirrored_view: current.mirrored,
         // A host has chosen already, perhaps by other rules.
-        cull_back_faces: *face_culling == FaceCulling::SingleSided && renderer.host.is_none(),
+        cull_back_faces: cull_back_faces && !is_hosted,
     };
-    renderer.draw_lists.build(
-        &input,
-        &visible.set,
-        ItemFilter::Opaque,
-        false,
-        &mut frame.batches,
-        &mut frame.instances,
-    );
-    frame.ambient = 0..frame.batches.len();
-
-    let [width, height] = current.viewport.to_array();
+    let (batches, instances) = (&mut frame.batches, &mut frame.instances);
+    let (opaque, shown) = (ItemFilter::Opaque, Shadows::OnReceivers);
+    frame.ambient = draw_lists.build(&input, &visible.set, opaque, shown, batches, instances);
     for (index, light) in lights.lights.iter().enumerate() {
-        if renderer.labels.len() <= index {
-            renderer.labels.push(format!("light {index}"));
+        if labels.len() <= index {
+            labels.push(format!("light {index}"));
         }
         let Some(scissor) = light.scissor else {
             continue; // nothing that is visible receives it
         };
-        let shadow = renderer
-            .techniques
-            .iter()
-            .enumerate()
-            .find_map(|(technique, shadow)| Some((technique, shadow.visibility(index)?)));
-        let first = frame.batches.len();
-        renderer.draw_lists.build(
-            &input,
-            &light.i,
-            ItemFilter::OpaqueLit,
-            shadow.is_none(),
-            &mut frame.batches,
-            &mut frame.instances,
-        );
-        let first_unlit = frame.batches.len();
-        if renderer.host.is_some() && collect_unlit(&mut frame.unlit, &objects, &visible, light) {
-            renderer.draw_lists.build(
-                &input,
-                &frame.unlit,
-                ItemFilter::Opaque,
-                true,
-                &mut frame.batches,
-                &mut frame.instances,
-            );
+        let shadow = light
+            .technique
+            .and_then(|technique| techniques.shadow_of(index, &technique));
+        let shadows = if shadow.is_some() {
+            Shadows::OnReceivers
+        } else {
+            Shadows::Nowhere
+        };
+        let (batches, instances) = (&mut frame.batches, &mut frame.instances);
+        let lit = ItemFilter::OpaqueLit;
+        let drawn = draw_lists.build(&input, &light.i, lit, shadows, batches, instances);
+        let mut unlit = drawn.end..drawn.end;
+        if is_hosted && collect_unlit(&mut frame.unlit, objects, visible, light) {
+            let set = &frame.unlit;
+            unlit = draw_lists.build(&input, set, opaque, Shadows::Nowhere, batches, instances);
         }
-        let unlit = first_unlit..frame.batches.len();
-        let slot = frame.lights.len();
-        let at = frame.light_constants.len();
-        frame.light_constants.resize(at + LIGHT_STRIDE as usize, 0);
-        let constants = light_constants(light, current.eye);
-        frame.light_constants[at..at + size_of::<gpu_types::Light>()]
-            .copy_from_slice(bytemuck::bytes_of(&constants));
-        let bounds = light.depth_bounds.filter(|_| renderer.settings.depth_bounds);
+        uniforms.constants.push(&light_constants(light, current.eye));
+        let bounds = light.depth_bounds.filter(|_| settings.depth_bounds);
+        let [width, height] = current.viewport.to_array();
+        let slot = LightSlot(frame.lights.len());
         frame.lights.push(ActiveLight {
             entity: light.entity,
             light: index,
             slot,
+            technique: light.technique.filter(|_| shadow.is_some()),
             shadow,
-            scissor: frame.viewport.place(if renderer.settings.scissor {
+            is_scaled: functions.iter().any(|function| function.scales(index)),
+            scissor: frame.viewport.place(if settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
                 [0, 0, width, height]
             }),
             depth_range: bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min)),
-            batches: first..first_unlit,
+            batches: drawn,
             unlit,
             front: 0..0,
             front_scissor: [0; 4],
         });
     }
-    for (index, light) in lights
-        .lights
-        .iter()
-        .enumerate()
-        .filter(|(_, light)| !light.dark.is_clear())
-    {
-        let first = frame.batches.len();
-        renderer.draw_lists.build(
-            &input,
-            &light.dark,
-            ItemFilter::OpaqueLit,
-            true,
-            &mut frame.batches,
-            &mut frame.instances,
-        );
-        frame.dark.push((index, first..frame.batches.len()));
+    let not_clear = |(_, light): &(usize, &FrameLight)| !light.dark.is_clear();
+    for (index, light) in lights.lights.iter().enumerate().filter(not_clear) {
+        let (batches, instances) = (&mut frame.batches, &mut frame.instances);
+        let (lit, nowhere) = (ItemFilter::OpaqueLit, Shadows::Nowhere);
+        let drawn = draw_lists.build(&input, &light.dark, lit, nowhere, batches, instances);
+        frame.dark.push((index, drawn));
     }
-    if renderer.host.is_none() {
-        collect_blended(frame, &input, &visible, &lights, current);
-        collect_front(frame, &input, &objects, &lights, current);
+    if !is_hosted {
+        collect_blended(frame, &input, visible, lights, current);
+        collect_front(frame, &input, objects, lights, current);
     }
-    renderer
-        .instances
-        .write(&renderer.context, bytemuck::cast_slice(&frame.instances));
-    renderer.write_lights();
-    if let Err(error) = renderer.require_targets() {
-        renderer.failure.get_or_insert(error);
-        renderer.frame.lights.clear();
-    }
-    renderer.require_pipelines();
 }
 
 /// Collects objects of V that a light does not affect, or of which it sees nothing that is in view; whether there are any.
@@ -345,8 +342,8 @@ fn collect_blended(
         for active in &frame.lights {
             if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
                 frame.blended_lights.push(BlendedLight {
-                    slot: active.slot as u32,
-                    behind_front: active.shadow.is_some(),
+                    slot: active.slot,
+                    behind_front: active.kind().is_some(),
                 });
             }
         }

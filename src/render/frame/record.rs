@@ -1,13 +1,14 @@
-//! The frame: its passes in order.
+//! The frame: its passes in order. Start reading here.
+
+use std::ops::Range;
 
 use super::canvas::Canvas;
-use super::frame_data::ActiveLight;
+use super::draw_list::Batch;
 use super::front_lights::LightSurfaces;
+use super::recording::Recording;
 use super::targets::FrameTargets;
 use crate::render::nodes;
-use crate::render::nodes::surface_pass::SurfacePass;
-use crate::render::nodes::visibility::Shadow;
-use crate::render::recorder::{Leaves, ResolveInput};
+use crate::render::recorder::PictureInput;
 use crate::render::renderer::Renderer;
 
 /// Where a frame's results go beside the radiance in the renderer's targets.
@@ -26,365 +27,127 @@ impl Renderer {
     ///
     /// [`RenderSettings::exposure`]: crate::render::RenderSettings::exposure
     pub fn prepare_output(&mut self, format: wgpu::TextureFormat) {
-        self.tonemap
-            .prepare(&self.context, format, self.settings.sanitized().exposure);
+        let exposure = self.settings.sanitized().exposure;
+        if let Err(error) = self.tonemap.prepare(&self.gpu, format, exposure) {
+            self.fail(error);
+        }
     }
 
     /// Records the prepared frame. Without a view, a size or a device it records nothing.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, outputs: &FrameOutputs) {
-        let (Some(targets), Some((radiance, tonemap_group))) = (&self.targets, &self.radiance) else {
+        let Some(mut frame) = self.begin_record(encoder) else {
             return;
         };
-        if self.context.is_lost() {
-            return;
+        // Before anything of the screen: however often a light is looked up, its pictures are drawn once.
+        self.draw_pictures(frame.encoder);
+        // First of the screen: every later pass tests against its depth.
+        nodes::ambient::record(&mut frame, self.background(), self.batches(&self.frame.ambient));
+        // Before the lights: techniques read depth and planes while they write the stencil.
+        self.record_receivers(&mut frame, LightSurfaces::Opaque);
+        // Light by light: one stencil and one mask serve them in turn.
+        self.record_lights(&mut frame, outputs);
+        // After the lights: of surfaces that a light does not see, pictures of its visibility alone show anything.
+        self.record_dark(&mut frame, outputs);
+        // Before blended surfaces, whose lights leave out the front layer.
+        let front = self.record_front_layer(&mut frame);
+        // Last of what is lit: blended surfaces stand before all that writes depth.
+        self.record_blended(&mut frame, front);
+        // After blended surfaces: at pixels of the front layer nothing comes later.
+        self.record_front_lights(&mut frame, front, outputs);
+        // Over the picture, and with the exposure of what it shows.
+        self.record_debug(&mut frame);
+        // Last: it reads the radiance of all others.
+        self.record_picture(&mut frame, outputs);
+        self.timings.end_frame(frame.encoder);
+    }
+
+    fn begin_record<'a>(&'a self, encoder: &'a mut wgpu::CommandEncoder) -> Option<Recording<'a>> {
+        let (targets, (radiance, _)) = (self.targets.as_ref()?, self.radiance.as_ref()?);
+        self.begin_recording(encoder, &radiance.view, targets)
+    }
+
+    /// Begins a frame over a radiance; `None` without a device.
+    pub(in crate::render) fn begin_recording<'a>(
+        &'a self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        radiance: &'a wgpu::TextureView,
+        targets: &'a FrameTargets,
+    ) -> Option<Recording<'a>> {
+        if self.gpu.context.is_lost() {
+            return None;
         }
         self.timings.begin_frame();
-        let resources = self.surface_resources();
         let canvas = Canvas {
-            radiance: &radiance.view,
+            radiance,
             targets,
             viewport: self.frame.viewport,
         };
-
-        // First, for every later pass tests against its depth.
-        let background = self.settings.sanitized().background.as_dvec3();
-        nodes::ambient::record(
+        Some(Recording {
             encoder,
-            &canvas,
-            wgpu::Color {
-                r: background.x,
-                g: background.y,
-                b: background.z,
-                a: 1.0,
-            },
-            &self.view_group,
-            &self.frame.batches[self.frame.ambient.clone()],
-            &resources,
-            &self.timings,
-        );
+            canvas,
+            view: &self.view_group,
+            surfaces: self.surface_resources(),
+            timings: &self.timings,
+        })
+    }
 
-        self.record_receivers(encoder, targets);
+    /// Batches of the frame by their range.
+    pub(in crate::render) fn batches(&self, range: &Range<usize>) -> &[Batch] {
+        &self.frame.batches[range.clone()]
+    }
 
-        // Light by light, so that one stencil and one mask serve all of them. Lights with stencils that follow one
-        // another share a pass, unless somebody looks at each.
-        let separate = self.timings.is_active() || !outputs.visibility.is_empty();
-        self.record_skipped_visibility(encoder, targets, outputs);
-        for group in self.light_groups(separate) {
-            self.record_group(encoder, &canvas, group, |pass, light| {
-                self.record_light(pass, light, LightSurfaces::Opaque);
-            });
-            if let [light] = group {
-                self.record_visibility(encoder, targets, light, outputs);
-            }
+    fn background(&self) -> wgpu::Color {
+        let [r, g, b] = self.settings.sanitized().background.as_dvec3().to_array();
+        wgpu::Color { r, g, b, a: 1.0 }
+    }
+
+    /// Lets the techniques draw their light-space pictures.
+    pub(in crate::render) fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder) {
+        let input = PictureInput {
+            context: &self.gpu.context,
+            meshes: &self.meshes,
+            materials: &self.materials,
+            timings: &self.timings,
+            labels: &self.labels,
+        };
+        for technique in self.techniques.iter() {
+            technique.draw_pictures(encoder, &input);
         }
-        self.record_dark(encoder, targets, outputs);
+    }
 
-        // Last of the radiance: blended surfaces stand before all that was lit.
-        let front = self.front.as_ref().filter(|_| self.frame.has_front_layer());
-        if let Some(front) = front {
-            nodes::front_layer::record(
-                encoder,
-                targets,
-                front,
-                &self.view_group,
-                &self.frame.batches[self.frame.blended_batches.clone()],
-                &resources,
-                &self.timings,
-            );
-        }
+    /// Draws the depth of the front layer of blended surfaces; `None` if no shadowed light reaches one.
+    fn record_front_layer(&self, frame: &mut Recording) -> Option<&FrameTargets> {
+        let front = self.front.as_ref().filter(|_| self.frame.has_front_layer())?;
+        nodes::front_layer::record(frame, front, self.batches(&self.frame.blended_batches));
+        Some(front)
+    }
+
+    fn record_blended(&self, frame: &mut Recording, front: Option<&FrameTargets>) {
         if !self.frame.blended.is_empty() {
-            let writes = self.timings.pass("blended");
-            let mut pass = canvas.begin_light_pass(encoder, "blended", writes);
-            nodes::blended::record(
-                &mut pass,
-                &self.view_group,
-                &self.light_group,
-                &self.frame.blended,
-                &self.frame.batches,
-                &self.frame.blended_lights,
-                front.map(|front| &front.depth_group),
-                &resources,
-            );
-        }
-        if let Some(front) = front {
-            let canvas = Canvas {
-                targets: front,
-                ..canvas
-            };
-            self.record_front_lights(encoder, &canvas, outputs);
-        }
-        if self.settings.debug_volumes {
-            let mut pass = canvas.begin_light_pass(encoder, "debug", None);
-            self.record_debug(&mut pass);
-        }
-
-        if let Some(picture) = outputs.picture {
-            self.tonemap
-                .record(encoder, picture, tonemap_group, self.timings.pass("tonemap"));
-        }
-        self.timings.end_frame(encoder);
-    }
-
-    /// The lights in their order, those together that share a pass: with stencils alone, one after the other, unless each is
-    /// to be separate.
-    pub(in crate::render) fn light_groups(&self, separate: bool) -> impl Iterator<Item = &[ActiveLight]> {
-        self.frame
-            .lights
-            .chunk_by(move |a, b| !separate && !a.has_mask() && !b.has_mask())
-    }
-
-    /// One pass for the lights of a group, after what leaves their masks.
-    pub(in crate::render) fn record_group(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        canvas: &Canvas,
-        group: &[ActiveLight],
-        mut record: impl FnMut(&mut wgpu::RenderPass, &ActiveLight),
-    ) {
-        let label = match group {
-            [light] => self.labels[light.light].as_str(),
-            _ => "lights",
-        };
-        for light in group {
-            self.resolve_mask(encoder, canvas, light, LightSurfaces::Opaque);
-        }
-        let mut pass = canvas.begin_light_pass(encoder, label, self.timings.pass(label));
-        for light in group {
-            pass.push_debug_group(&self.labels[light.light]);
-            record(&mut pass, light);
-            pass.pop_debug_group();
+            let front = front.map(|front| &front.depth_group);
+            nodes::blended::record(frame, &self.light_group, &self.frame, front);
         }
     }
 
-    /// What techniques that resolve masks read of the opaque surfaces. Before the lights, for they read it while they
-    /// write the stencil.
-    pub(in crate::render) fn record_receivers(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-    ) {
-        let Some(masks) = &self.masks else {
-            return;
-        };
-        if !self.frame.lights.iter().any(ActiveLight::has_mask) {
+    fn record_debug(&self, frame: &mut Recording) {
+        if !self.settings.debug_volumes {
             return;
         }
-        self.depth_copy.record(encoder, targets, masks, &self.timings);
-        if self.reads_planes() {
-            nodes::receiver_plane::record(
-                encoder,
-                targets,
-                masks,
-                &self.frame.viewport,
-                &self.view_group,
-                &self.frame.batches[self.frame.ambient.clone()],
-                &self.surface_resources(),
-                &self.timings,
-            );
-        }
-    }
-
-    /// Whether a technique of the frame's lights with masks reads the receivers' planes.
-    pub(in crate::render) fn reads_planes(&self) -> bool {
-        let reads = |light: &ActiveLight| match light.shadow {
-            Some((technique, Leaves::Mask)) => self.techniques[technique].reads_planes(),
-            _ => false,
-        };
-        self.frame.lights.iter().any(reads)
-    }
-
-    /// Lets the technique of a light leave its mask, if it does.
-    pub(in crate::render) fn resolve_mask(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        canvas: &Canvas,
-        light: &ActiveLight,
-        surfaces: LightSurfaces,
-    ) {
-        if let (Some((technique, Leaves::Mask)), Some(masks)) = (light.shadow, &self.masks) {
-            let input = ResolveInput {
-                context: &self.context,
-                record: surfaces.record_input(self, light),
-                device: &self.context.device,
-                radiance: canvas.radiance,
-                targets: canvas.targets,
-                masks,
-                scissor: surfaces.scissor(light),
-                depth_range: light.depth_range,
-                light_begin: &self.light_begin,
-                timings: &self.timings,
-                label: &self.labels[light.light],
-            };
-            self.techniques[technique].resolve(light.light, encoder, &input);
-        }
-    }
-
-    /// Begins the stencil of a light, and lets its technique mark what it does not see if it does so there.
-    pub(in crate::render) fn mark_light(
-        &self,
-        pass: &mut wgpu::RenderPass,
-        light: &ActiveLight,
-        surfaces: LightSurfaces,
-    ) {
-        let [x, y, width, height] = surfaces.scissor(light);
-        pass.set_scissor_rect(x, y, width, height);
-        if let Some((technique, Leaves::Stencil)) = light.shadow {
-            let (near, far) = light.depth_range;
-            self.light_begin.record(pass, near, far);
-            self.techniques[technique].mark(light.light, pass, &surfaces.record_input(self, light));
-        }
-    }
-
-    /// One light: mark what it does not see, add it where it does.
-    pub(in crate::render) fn record_light(
-        &self,
-        pass: &mut wgpu::RenderPass,
-        light: &ActiveLight,
-        surfaces: LightSurfaces,
-    ) {
-        self.mark_light(pass, light, surfaces);
-        nodes::light_accumulate::record(
-            pass,
-            &self.view_group,
-            &self.light_group,
-            light.slot,
-            surfaces.pass(light.shadow.map(|(_, visibility)| visibility)),
-            self.mask_of(light),
-            &self.frame.batches[surfaces.batches(light)],
-            &self.surface_resources(),
-        );
-    }
-
-    /// Group 3 of passes that read the mask of a light.
-    pub(in crate::render) fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
-        let masks = self.masks.as_ref().filter(|_| light.has_mask())?;
-        Some(&masks.mask_group)
-    }
-
-    fn record_visibility(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        light: &ActiveLight,
-        outputs: &FrameOutputs,
-    ) {
-        let Some(target) = outputs.visibility.get(light.light) else {
-            return;
-        };
-        nodes::visibility::record(
-            encoder,
-            target,
-            &targets.depth_stencil_view,
-            &self.view_group,
-            light.shadow.map(|(_, visibility)| Shadow {
-                kind: SurfacePass::visibility(visibility),
-                mask: self.mask_of(light),
-                scissor: light.scissor,
-                batches: &self.frame.batches[light.batches.clone()],
-            }),
-            &self.surface_resources(),
-        );
-    }
-
-    /// Surfaces that were not drawn for a light because it does not see them.
-    fn record_dark(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        outputs: &FrameOutputs,
-    ) {
-        for (light, batches) in &self.frame.dark {
-            if let Some(target) = outputs.visibility.get(*light) {
-                nodes::visibility::record_dark(
-                    encoder,
-                    target,
-                    &targets.depth_stencil_view,
-                    &self.view_group,
-                    &self.frame.batches[batches.clone()],
-                    &self.surface_resources(),
-                );
-            }
-        }
-    }
-
-    /// Lights that are skipped have visibility 1 but where they do not see a surface.
-    fn record_skipped_visibility(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        outputs: &FrameOutputs,
-    ) {
-        let skipped = |&(index, _): &(usize, _)| self.frame.lights.iter().all(|light| light.light != index);
-        for (_, target) in outputs.visibility.iter().enumerate().filter(skipped) {
-            nodes::visibility::record(
-                encoder,
-                target,
-                &targets.depth_stencil_view,
-                &self.view_group,
-                None,
-                &self.surface_resources(),
-            );
-        }
-    }
-
-    fn record_debug(&self, pass: &mut wgpu::RenderPass) {
+        let mut pass = frame.canvas.begin_light_pass(frame.encoder, "debug", None);
         for light in &self.frame.lights {
             let [x, y, width, height] = light.scissor;
             pass.set_scissor_rect(x, y, width, height);
-            if let Some((technique, _)) = light.shadow {
-                self.techniques[technique].debug(light.light, pass, &self.record_input());
+            if let Some(shadow) = light.shadow {
+                let input = LightSurfaces::Opaque.record_input(self, light);
+                self.techniques[shadow.technique.0].debug(light.light, &mut pass, &input);
             }
         }
     }
 
-    /// Surface passes whose pipelines a frame needs, by batch.
-    pub(in crate::render) fn require_pipelines(&mut self) {
-        let reads_planes = self.reads_planes();
-        let Self {
-            frame,
-            pipelines,
-            context,
-            host,
-            ..
-        } = self;
-        let mut require = |pass, batches: std::ops::Range<usize>| {
-            for batch in &frame.batches[batches] {
-                pipelines.require(context, pass, batch.variant);
-            }
-        };
-        let drawn = match host {
-            Some(_) => SurfacePass::HostSurface,
-            None => SurfacePass::Ambient,
-        };
-        require(drawn, frame.ambient.clone());
-        if reads_planes {
-            require(SurfacePass::ReceiverPlane, frame.ambient.clone());
-            require(SurfacePass::ReceiverPlane, frame.blended_batches.clone());
-        }
-        for light in &frame.lights {
-            let visibility = light.shadow.map(|(_, visibility)| visibility);
-            require(SurfacePass::light(visibility), light.batches.clone());
-            if let Some(visibility) = visibility {
-                require(SurfacePass::visibility(visibility), light.batches.clone());
-            }
-        }
-        for (_, batches) in &frame.dark {
-            require(SurfacePass::Dark, batches.clone());
-        }
-        for light in &frame.lights {
-            if let Some((_, visibility)) = light.shadow {
-                require(SurfacePass::front_light(visibility), light.front.clone());
-                require(SurfacePass::visibility(visibility), light.front.clone());
-                require(SurfacePass::VisibilityFront, light.front.clone());
-            }
-        }
-        let blended = [SurfacePass::AmbientBlended, SurfacePass::LightBlended];
-        let front = [SurfacePass::LightBehindFront, SurfacePass::FrontDepth];
-        for pass in blended
-            .into_iter()
-            .chain(front.into_iter().filter(|_| frame.has_front_layer()))
-        {
-            require(pass, frame.blended_batches.clone());
+    fn record_picture(&self, frame: &mut Recording, outputs: &FrameOutputs) {
+        if let (Some(picture), Some((_, group))) = (outputs.picture, &self.radiance) {
+            let timer = frame.timings.pass("tonemap");
+            self.tonemap.record(frame.encoder, picture, group, timer);
         }
     }
 }

@@ -15,6 +15,7 @@
 
 use glam::UVec2;
 
+use crate::conventions::DEPTH_INFINITY;
 use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
 use crate::render::{RenderContext, RenderError};
 
@@ -136,6 +137,32 @@ impl FrameTargets {
     }
 }
 
+impl FrameTargets {
+    /// The attachment of a pass that draws the depth of a frame anew.
+    pub fn cleared(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth_stencil_view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(DEPTH_INFINITY),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0),
+                store: wgpu::StoreOp::Store,
+            }),
+        }
+    }
+
+    /// The attachment of a pass that reads depth and stencil.
+    pub fn read_only(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.depth_stencil_view,
+            depth_ops: None,
+            stencil_ops: None,
+        }
+    }
+}
+
 /// What lights with masks need beside [`FrameTargets`], of the same size. One of each for all lights, which take turns.
 #[derive(Debug)]
 pub struct MaskTargets {
@@ -158,6 +185,19 @@ pub struct MaskTargets {
 }
 
 impl MaskTargets {
+    /// The mask as an attachment.
+    pub fn attachment(&self, load: wgpu::LoadOp<wgpu::Color>) -> wgpu::RenderPassColorAttachment<'_> {
+        wgpu::RenderPassColorAttachment {
+            view: &self.mask_view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load,
+                store: wgpu::StoreOp::Store,
+            },
+        }
+    }
+
     /// Textures beside `targets`.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use crate::render::pools::gpu_types;
 pub struct BindGroupLayouts {
     /// Group 0: view and objects.
     pub view: wgpu::BindGroupLayout,
-    /// Group 1: one light, at a dynamic offset of [`LIGHT_STRIDE`].
+    /// Group 1: one light, at a dynamic offset of [`Strided`](super::strided::Strided).
     pub light: wgpu::BindGroupLayout,
     /// Group 2 of drawn surfaces.
     pub material: wgpu::BindGroupLayout,
@@ -26,9 +26,6 @@ pub struct BindGroupLayouts {
     /// Group 3 of the tonemap.
     pub tonemap: wgpu::BindGroupLayout,
 }
-
-/// Bytes between lights; the largest alignment that WebGPU may ask for.
-pub const LIGHT_STRIDE: u64 = 256;
 
 /// A buffer entry of a layout.
 pub fn buffer_entry(

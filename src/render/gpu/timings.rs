@@ -89,6 +89,12 @@ impl Timings {
         })
     }
 
+    /// What a pass of one light writes, labelled `<light>/<pass>`. The label is made only where somebody looks at it.
+    pub fn pass_of(&self, light: &str, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.queries.as_ref()?;
+        self.pass(&format!("{light}/{pass}"))
+    }
+
     /// Records the resolve; after the last pass.
     pub fn end_frame(&self, encoder: &mut wgpu::CommandEncoder) {
         let count = self.labels().len() as u32;

@@ -9,9 +9,11 @@
 //! As colour and coverage of one object are written before the next, any number of lights needs no second buffer.
 
 use super::surface_pass::SurfacePass;
-use super::surfaces::{SurfaceResources, draw_batches};
-use crate::render::frame::draw_list::Batch;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
+use super::surfaces::draw_batches;
+use crate::render::frame::frame_data::{FrameData, LightSlot};
+use crate::render::frame::recording::Recording;
+use crate::render::gpu::strided::Strided;
+use crate::render::pools::gpu_types::Light;
 
 /// One blended object: its batches, and the light slots that reach it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -25,23 +27,22 @@ pub struct BlendedDraw {
 /// A light that reaches a blended object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BlendedLight {
-    /// Slot of its constants.
-    pub slot: u32,
+    /// Where the constants of the light are.
+    pub slot: LightSlot,
     /// Whether the front layer is left out.
     pub behind_front: bool,
 }
 
-/// Records the draws.
+/// Records the draws. `front` is the depth of the front layer, if there is one.
 pub fn record(
-    pass: &mut wgpu::RenderPass,
-    view: &wgpu::BindGroup,
+    frame: &mut Recording,
     lights: &wgpu::BindGroup,
-    draws: &[BlendedDraw],
-    batches: &[Batch],
-    blended_lights: &[BlendedLight],
+    data: &FrameData,
     front: Option<&wgpu::BindGroup>,
-    resources: &SurfaceResources,
 ) {
+    let (view, surfaces) = (frame.view, frame.surfaces);
+    let mut pass = frame.begin_light_pass("blended");
+    let pass = &mut pass;
     pass.set_bind_group(0, view, &[]);
     // Here ambient and light pipelines take turns. They share one layout, of which the ambient ones leave group 1 unread:
     // with a layout that lacks it, wgpu 29 on lavapipe 22.3 reads the last light as the next object's material.
@@ -49,17 +50,17 @@ pub fn record(
     if let Some(front) = front {
         pass.set_bind_group(3, front, &[]);
     }
-    for draw in draws {
-        let batch = &batches[draw.batch..=draw.batch];
-        draw_batches(pass, SurfacePass::AmbientBlended, batch, resources);
-        for light in &blended_lights[draw.lights.clone()] {
-            pass.set_bind_group(1, lights, &[light.slot * LIGHT_STRIDE as u32]);
+    for draw in &data.blended {
+        let batch = &data.batches[draw.batch..=draw.batch];
+        draw_batches(pass, SurfacePass::AmbientBlended, batch, &surfaces);
+        for light in &data.blended_lights[draw.lights.clone()] {
+            pass.set_bind_group(1, lights, &[Strided::<Light>::offset(light.slot.0)]);
             let kind = if light.behind_front {
                 SurfacePass::LightBehindFront
             } else {
                 SurfacePass::LightBlended
             };
-            draw_batches(pass, kind, batch, resources);
+            draw_batches(pass, kind, batch, &surfaces);
         }
     }
 }

@@ -6,10 +6,10 @@
 //! Reads   depth.  Writes  receiver depth
 //! Order   after `ambient`, and again after the depth of the front layer; left out when no light has a mask
 
-use crate::render::frame::targets::{DEPTH_COPY_FORMAT, FrameTargets, MaskTargets};
-use crate::render::gpu::bind_groups::BindGroupLayouts;
-use crate::render::gpu::timings::Timings;
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::frame::recording::Recording;
+use crate::render::frame::targets::{DEPTH_COPY_FORMAT, MaskTargets};
+use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
+use crate::render::{Gpu, RenderError};
 
 /// The pipeline.
 #[derive(Debug)]
@@ -18,59 +18,23 @@ pub struct DepthCopy {
 }
 
 impl DepthCopy {
-    /// Builds it.
+    /// Takes it from the shared cache.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let device = &context.device;
-        let module = shaders.module(device, "passes/depth_copy.wgsl")?;
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("depth copy"),
-            bind_group_layouts: &[None, None, None, Some(&layouts.depth)],
-            immediate_size: 0,
-        });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("depth copy"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: DEPTH_COPY_FORMAT,
-                    blend: None,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        Ok(Self { pipeline })
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let fragment = Stage::new("passes/depth_copy.wgsl", "fragment");
+        let desc = PipelineDesc::new("depth copy", EVERYWHERE, Some(fragment))
+            .with_groups([None, None, None, Some(&gpu.layouts.depth)])
+            .with_target(DEPTH_COPY_FORMAT, None, wgpu::ColorWrites::ALL);
+        Ok(Self {
+            pipeline: gpu.pipeline(desc)?,
+        })
     }
 
-    /// Records the copy of the depth of `targets`.
-    pub fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        masks: &MaskTargets,
-        timings: &Timings,
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    /// Records the copy of the depth at hand.
+    pub fn record(&self, frame: &mut Recording, masks: &MaskTargets) {
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("depth copy"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &masks.receiver_depth_view,
@@ -81,11 +45,11 @@ impl DepthCopy {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            timestamp_writes: timings.pass("depth copy"),
+            timestamp_writes: frame.timings.pass("depth copy"),
             ..Default::default()
         });
         pass.set_pipeline(&self.pipeline);
-        pass.set_bind_group(3, &targets.depth_group, &[]);
+        pass.set_bind_group(3, &frame.canvas.targets.depth_group, &[]);
         pass.draw(0..3, 0..1);
     }
 }

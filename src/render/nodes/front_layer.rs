@@ -11,27 +11,20 @@
 //! surfaces are lit without shadows.
 
 use super::surface_pass::SurfacePass;
-use super::surfaces::{SurfaceResources, draw_batches};
+use super::surfaces::draw_batches;
 use crate::render::frame::draw_list::Batch;
+use crate::render::frame::recording::Recording;
 use crate::render::frame::targets::FrameTargets;
-use crate::render::gpu::timings::Timings;
 
-/// Records the copy of the depth and the draws of the blended batches over it.
-pub fn record(
-    encoder: &mut wgpu::CommandEncoder,
-    targets: &FrameTargets,
-    front: &FrameTargets,
-    view: &wgpu::BindGroup,
-    batches: &[Batch],
-    resources: &SurfaceResources,
-    timings: &Timings,
-) {
-    encoder.copy_texture_to_texture(
-        targets.depth_stencil.as_image_copy(),
+/// Records the copy of the frame's depth into that of `front`, and the draws of the blended batches over it.
+pub fn record(frame: &mut Recording, front: &FrameTargets, batches: &[Batch]) {
+    let depth = &frame.canvas.targets.depth_stencil;
+    frame.encoder.copy_texture_to_texture(
+        depth.as_image_copy(),
         front.depth_stencil.as_image_copy(),
-        targets.depth_stencil.size(),
+        depth.size(),
     );
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("front layer"),
         depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
             view: &front.depth_stencil_view,
@@ -44,9 +37,9 @@ pub fn record(
                 store: wgpu::StoreOp::Store,
             }),
         }),
-        timestamp_writes: timings.pass("front layer"),
+        timestamp_writes: frame.timings.pass("front layer"),
         ..Default::default()
     });
-    pass.set_bind_group(0, view, &[]);
-    draw_batches(&mut pass, SurfacePass::FrontDepth, batches, resources);
+    pass.set_bind_group(0, frame.view, &[]);
+    draw_batches(&mut pass, SurfacePass::FrontDepth, batches, &frame.surfaces);
 }

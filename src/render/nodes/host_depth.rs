@@ -16,17 +16,15 @@ use std::sync::{Mutex, PoisonError};
 use glam::DVec4;
 
 use super::surface_pass::SurfacePass;
-use super::surfaces::{SurfaceResources, draw_batches};
-use crate::conventions::DEPTH_INFINITY;
+use super::surfaces::draw_batches;
 use crate::render::frame::draw_list::Batch;
-use crate::render::frame::frame_data::Viewport;
 use crate::render::frame::hosted::HostView;
-use crate::render::frame::targets::FrameTargets;
+use crate::render::frame::recording::Recording;
 use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
 use crate::render::gpu::kept::Kept;
-use crate::render::gpu::timings::Timings;
+use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
 use crate::render::pools::gpu_types;
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{ViewData, ViewDepth};
 
 /// The pipeline of the copy, and what it reads.
@@ -39,51 +37,23 @@ pub struct HostDepth {
 }
 
 impl HostDepth {
-    /// Builds it.
+    /// Takes the pipeline from the shared cache, and makes a view's own constants.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let device = &context.device;
-        let module = shaders.module(device, "passes/host_depth.wgsl")?;
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("host depth"),
-            bind_group_layouts: &[Some(&layouts.view), None, None, Some(&layouts.host)],
-            immediate_size: 0,
-        });
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        let fragment = Stage::new("passes/host_depth.wgsl", "copy");
+        let desc = PipelineDesc::new("host depth", EVERYWHERE, Some(fragment))
+            .with_groups([Some(&gpu.layouts.view), None, None, Some(&gpu.layouts.host)])
+            .with_depth(
+                gpu.context.depth_stencil_format(),
+                true,
+                wgpu::CompareFunction::Always,
+                Default::default(),
+            );
         Ok(Self {
-            copy: device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some("host depth"),
-                layout: Some(&layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("everywhere"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: Default::default(),
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: context.depth_stencil_format(),
-                    depth_write_enabled: Some(true),
-                    depth_compare: Some(wgpu::CompareFunction::Always),
-                    stencil: Default::default(),
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some("copy"),
-                    compilation_options: Default::default(),
-                    targets: &[],
-                }),
-                multiview_mask: None,
-                cache: None,
-            }),
-            constants: device.create_buffer(&wgpu::BufferDescriptor {
+            copy: gpu.pipeline(desc)?,
+            constants: gpu.context.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("host depth"),
                 size: size_of::<gpu_types::HostDepth>() as u64,
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
@@ -130,39 +100,19 @@ impl HostDepth {
     }
 
     /// Records the copy, and the draws of the visible set over it.
-    pub fn record(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        targets: &FrameTargets,
-        viewport: &Viewport,
-        host: &wgpu::BindGroup,
-        view: &wgpu::BindGroup,
-        batches: &[Batch],
-        resources: &SurfaceResources,
-        timings: &Timings,
-    ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    pub fn record(&self, frame: &mut Recording, host: &wgpu::BindGroup, batches: &[Batch]) {
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("host depth"),
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth_stencil_view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(DEPTH_INFINITY),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0),
-                    store: wgpu::StoreOp::Store,
-                }),
-            }),
-            timestamp_writes: timings.pass("host depth"),
+            depth_stencil_attachment: Some(frame.canvas.targets.cleared()),
+            timestamp_writes: frame.timings.pass("host depth"),
             ..Default::default()
         });
-        viewport.set(&mut pass);
-        pass.set_bind_group(0, view, &[]);
+        frame.canvas.viewport.set(&mut pass);
+        pass.set_bind_group(0, frame.view, &[]);
         pass.set_bind_group(3, host, &[]);
         pass.set_pipeline(&self.copy);
         pass.draw(0..3, 0..1);
-        draw_batches(&mut pass, SurfacePass::HostSurface, batches, resources);
+        draw_batches(&mut pass, SurfacePass::HostSurface, batches, &frame.surfaces);
     }
 }
 

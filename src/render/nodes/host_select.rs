@@ -9,9 +9,9 @@
 use super::pipelines::SURFACE_BUFFERS;
 use super::surfaces::{SurfaceResources, draw_batch, set_mesh};
 use crate::render::frame::draw_list::Batch;
-use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::render::gpu::pipeline_cache::{PipelineDesc, Stage};
 use crate::render::gpu::stencil_only::stencil_by_depth;
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::{Gpu, RenderError};
 
 /// The pipeline. Both sides of a surface are drawn, whichever it shows: depth tells.
 #[derive(Debug)]
@@ -20,33 +20,27 @@ pub struct HostSelect {
 }
 
 impl HostSelect {
-    /// Builds it.
+    /// Takes it from the shared cache.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let module = shaders.module(&context.device, "passes/host_depth.wgsl")?;
-        let layout = context
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("host select"),
-                bind_group_layouts: &[Some(&layouts.view)],
-                immediate_size: 0,
-            });
-        let pipeline = stencil_by_depth(
-            context,
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        const FILE: &str = "passes/host_depth.wgsl";
+        let desc = stencil_by_depth(
+            &gpu.context,
             "host select",
-            &layout,
-            &module,
-            &SURFACE_BUFFERS,
+            Stage::new(FILE, "vertex"),
+            FILE,
             wgpu::CompareFunction::Equal,
             [wgpu::StencilOperation::Zero, wgpu::StencilOperation::Keep],
         );
-        Ok(Self { pipeline })
+        let desc = PipelineDesc {
+            buffers: &SURFACE_BUFFERS,
+            ..desc.with_groups([Some(&gpu.layouts.view)])
+        };
+        Ok(Self {
+            pipeline: gpu.pipeline(desc)?,
+        })
     }
 
     /// Records the draws; scissor and viewport are set.

@@ -9,14 +9,15 @@ use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::frame::draw_list::Batch;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
+use crate::render::frame::frame_data::LightSlot;
+use crate::render::gpu::strided::Strided;
+use crate::render::pools::gpu_types::Light;
 
 /// Records the draws into the light's pass.
 pub fn record(
     pass: &mut wgpu::RenderPass,
     view: &wgpu::BindGroup,
-    lights: &wgpu::BindGroup,
-    light_slot: usize,
+    (lights, slot): (&wgpu::BindGroup, LightSlot),
     kind: SurfacePass,
     mask: Option<&wgpu::BindGroup>,
     batches: &[Batch],
@@ -24,7 +25,7 @@ pub fn record(
 ) {
     pass.set_stencil_reference(STENCIL_IN_BOUNDS);
     pass.set_bind_group(0, view, &[]);
-    pass.set_bind_group(1, lights, &[light_slot as u32 * LIGHT_STRIDE as u32]);
+    pass.set_bind_group(1, lights, &[Strided::<Light>::offset(slot.0)]);
     if let Some(mask) = mask {
         pass.set_bind_group(3, mask, &[]);
     }

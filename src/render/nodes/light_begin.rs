@@ -16,8 +16,9 @@
 //! Source: McGuire 2004, GPU Gems ch. 9, section 9.6.3, for what the test is to save.
 
 use crate::conventions::{DEPTH_INFINITY, DEPTH_NEAR, STENCIL_IN_BOUNDS};
+use crate::render::gpu::pipeline_cache::EVERYWHERE_AT_DEPTH;
 use crate::render::gpu::stencil_only::stencil_by_depth;
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::{Gpu, RenderError};
 
 /// The pipelines.
 #[derive(Debug)]
@@ -27,33 +28,26 @@ pub struct LightBegin {
 }
 
 impl LightBegin {
-    /// Builds them.
+    /// Takes them from the shared cache.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(context: &RenderContext, shaders: &Shaders) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        use wgpu::CompareFunction::{Less, LessEqual};
         use wgpu::StencilOperation::{Keep, Replace, Zero};
-        let module = shaders.module(&context.device, "passes/light_begin.wgsl")?;
-        let layout = context
-            .device
-            .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("light begin"),
-                ..Default::default()
-            });
         let pipeline = |label, compare, operations| {
-            stencil_by_depth(context, label, &layout, &module, &[], compare, operations)
+            gpu.pipeline(stencil_by_depth(
+                &gpu.context,
+                label,
+                EVERYWHERE_AT_DEPTH,
+                "passes/light_begin.wgsl",
+                compare,
+                operations,
+            ))
         };
         Ok(Self {
-            beyond_far: pipeline(
-                "light begin: far bound",
-                wgpu::CompareFunction::LessEqual,
-                [Replace, Zero],
-            ),
-            before_near: pipeline(
-                "light begin: near bound",
-                wgpu::CompareFunction::Less,
-                [Zero, Keep],
-            ),
+            beyond_far: pipeline("light begin: far bound", LessEqual, [Replace, Zero])?,
+            before_near: pipeline("light begin: near bound", Less, [Zero, Keep])?,
         })
     }
 

@@ -8,6 +8,7 @@ pub(crate) mod host_depth;
 pub(crate) mod host_select;
 pub(crate) mod light_accumulate;
 pub(crate) mod light_begin;
+pub(crate) mod light_function;
 pub(crate) mod pipelines;
 pub(crate) mod receiver_plane;
 pub(crate) mod surface_pass;

@@ -1,12 +1,12 @@
-//! Pipelines of the passes that draw surfaces, made when a frame first needs them and kept.
+//! Pipelines of the passes that draw surfaces: a table of the passes, and what of it a view has needed.
 
 use super::surface_pass::SurfacePass;
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::frame::draw_list::{VARIANT_COUNT, Variant};
-use crate::render::frame::targets::{RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
-use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::render::frame::targets::{MASK_FORMAT, RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT};
+use crate::render::gpu::pipeline_cache::{ADD, PipelineDesc, Stage};
 use crate::render::pools::gpu_types::SurfaceVertex;
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::{Gpu, RenderError};
 
 /// Format of the visibility picture; as fine as [`MASK_FORMAT`](crate::render::frame::targets::MASK_FORMAT).
 pub const VISIBILITY_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R16Float;
@@ -30,25 +30,6 @@ pub const SURFACE_BUFFERS: [wgpu::VertexBufferLayout<'static>; 3] = [
     },
 ];
 
-/// The cache.
-#[derive(Debug)]
-pub struct SurfacePipelines {
-    ambient: wgpu::ShaderModule,
-    light: wgpu::ShaderModule,
-    visibility: wgpu::ShaderModule,
-    receiver_plane: wgpu::ShaderModule,
-    host_depth: wgpu::ShaderModule,
-    unlit_layout: wgpu::PipelineLayout,
-    lit_layout: wgpu::PipelineLayout,
-    masked_layout: wgpu::PipelineLayout,
-    masked_unlit_layout: wgpu::PipelineLayout,
-    behind_front_layout: wgpu::PipelineLayout,
-    host_layout: wgpu::PipelineLayout,
-    pipelines: Vec<Option<wgpu::RenderPipeline>>,
-    /// Pipelines made so far; does not grow in a steady frame.
-    pub created: usize,
-}
-
 /// A stencil test that leaves the stencil as it is.
 pub fn stencil_test(compare: wgpu::CompareFunction, read_mask: u32) -> wgpu::StencilState {
     let face = wgpu::StencilFaceState {
@@ -65,258 +46,279 @@ pub fn stencil_test(compare: wgpu::CompareFunction, read_mask: u32) -> wgpu::Ste
     }
 }
 
+/// The bind groups that a pass reads beside the view and the material.
+#[derive(Clone, Copy, Debug)]
+enum Groups {
+    /// None.
+    Unlit,
+    /// The light.
+    Lit,
+    /// The light and its mask.
+    Masked,
+    /// The mask of a light.
+    MaskedUnlit,
+    /// The light and the depth of the front layer.
+    BehindFront,
+    /// The depth of a host.
+    Host,
+}
+
+/// Where a pass draws, by the stencil that a technique left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Where {
+    /// Everywhere.
+    Everywhere,
+    /// Where the light is seen.
+    Lit,
+    /// Where the light is not seen.
+    Shadowed,
+}
+
+/// How one pass draws surfaces.
+#[derive(Clone, Copy, Debug)]
+struct PassState {
+    file: &'static str,
+    fragment: &'static str,
+    /// The fragment stage for surfaces that show no shadow, where it is another.
+    unshadowed: &'static str,
+    groups: Groups,
+    /// `None`: the pass writes no colour.
+    format: Option<wgpu::TextureFormat>,
+    blend: Option<wgpu::BlendState>,
+    /// The surfaces are blended, and the shader multiplies by their alpha.
+    is_blended: bool,
+    writes_depth: bool,
+    compare: wgpu::CompareFunction,
+    stencil: Where,
+}
+
+const AMBIENT: &str = "passes/ambient.wgsl";
+const LIGHT: &str = "passes/light_accumulate.wgsl";
+const VISIBILITY: &str = "passes/visibility.wgsl";
+const RECEIVER_PLANE: &str = "passes/receiver_plane.wgsl";
+const HOST_DEPTH: &str = "passes/host_depth.wgsl";
+
+const FILES: [&str; 5] = [AMBIENT, LIGHT, VISIBILITY, RECEIVER_PLANE, HOST_DEPTH];
+
+const OVER: wgpu::BlendState = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
+
+const fn drawing(file: &'static str, format: wgpu::TextureFormat) -> PassState {
+    PassState {
+        file,
+        fragment: "fragment",
+        unshadowed: "fragment",
+        groups: Groups::Unlit,
+        format: Some(format),
+        blend: None,
+        is_blended: false,
+        writes_depth: false,
+        compare: wgpu::CompareFunction::Equal,
+        stencil: Where::Everywhere,
+    }
+}
+
+/// A light that is added to the surfaces whose depth is that of the frame.
+const LIT: PassState = PassState {
+    groups: Groups::Lit,
+    blend: Some(ADD),
+    ..drawing(LIGHT, RADIANCE_FORMAT)
+};
+
+/// A surface that becomes the depth of the frame.
+const NEAREST: PassState = PassState {
+    writes_depth: true,
+    compare: wgpu::CompareFunction::Greater,
+    ..drawing(AMBIENT, RADIANCE_FORMAT)
+};
+
+/// A picture of one light's visibility.
+const SEEN: PassState = drawing(VISIBILITY, VISIBILITY_FORMAT);
+
+impl SurfacePass {
+    /// The table of the passes.
+    const fn state(self) -> PassState {
+        use wgpu::CompareFunction::{Always, GreaterEqual};
+        match self {
+            Self::Ambient => NEAREST,
+            Self::AmbientBlended => PassState {
+                groups: Groups::Lit,
+                blend: Some(OVER),
+                is_blended: true,
+                compare: GreaterEqual,
+                ..drawing(AMBIENT, RADIANCE_FORMAT)
+            },
+            Self::Light => PassState {
+                stencil: Where::Lit,
+                ..LIT
+            },
+            Self::FrontLight => PassState {
+                stencil: Where::Lit,
+                is_blended: true,
+                ..LIT
+            },
+            Self::LightMasked => PassState {
+                groups: Groups::Masked,
+                fragment: "masked",
+                ..LIT
+            },
+            Self::FrontLightMasked => PassState {
+                groups: Groups::Masked,
+                fragment: "masked",
+                is_blended: true,
+                ..LIT
+            },
+            Self::LightBlended => PassState {
+                is_blended: true,
+                compare: GreaterEqual,
+                ..LIT
+            },
+            Self::LightBehindFront => PassState {
+                groups: Groups::BehindFront,
+                fragment: "behind_front",
+                unshadowed: "behind_front",
+                is_blended: true,
+                compare: GreaterEqual,
+                ..LIT
+            },
+            Self::FrontDepth => PassState {
+                fragment: "depth_of_blended",
+                unshadowed: "depth_of_blended",
+                format: None,
+                ..NEAREST
+            },
+            Self::HostSurface => PassState {
+                fragment: "surface",
+                unshadowed: "surface",
+                groups: Groups::Host,
+                format: None,
+                writes_depth: true,
+                compare: Always,
+                ..drawing(HOST_DEPTH, RADIANCE_FORMAT)
+            },
+            Self::Dark => SEEN,
+            Self::Visibility => PassState {
+                stencil: Where::Shadowed,
+                ..SEEN
+            },
+            Self::VisibilityFront => PassState {
+                fragment: "lit",
+                unshadowed: "lit",
+                ..SEEN
+            },
+            Self::VisibilityMasked => PassState {
+                groups: Groups::MaskedUnlit,
+                fragment: "masked",
+                ..SEEN
+            },
+            Self::LightScaled => PassState {
+                groups: Groups::Masked,
+                fragment: "masked",
+                unshadowed: "masked",
+                ..LIT
+            },
+            Self::FrontLightScaled => PassState {
+                groups: Groups::Masked,
+                fragment: "masked",
+                unshadowed: "masked",
+                is_blended: true,
+                ..LIT
+            },
+            Self::WholeMask => PassState {
+                fragment: "lit",
+                unshadowed: "lit",
+                ..drawing(VISIBILITY, MASK_FORMAT)
+            },
+            Self::ReceiverPlane => drawing(RECEIVER_PLANE, RECEIVER_PLANE_FORMAT),
+        }
+    }
+}
+
+/// The pipelines that a view draws surfaces with; handles into the shared cache.
+#[derive(Debug)]
+pub struct SurfacePipelines {
+    pipelines: Vec<Option<wgpu::RenderPipeline>>,
+}
+
 impl SurfacePipelines {
     /// Compiles the shaders; pipelines come later.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let layout = |label, light: Option<&wgpu::BindGroupLayout>, mask: Option<&wgpu::BindGroupLayout>| {
-            context
-                .device
-                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some(label),
-                    bind_group_layouts: &[Some(&layouts.view), light, Some(&layouts.material), mask],
-                    immediate_size: 0,
-                })
-        };
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&FILES)?;
         Ok(Self {
-            ambient: shaders.module(&context.device, "passes/ambient.wgsl")?,
-            light: shaders.module(&context.device, "passes/light_accumulate.wgsl")?,
-            visibility: shaders.module(&context.device, "passes/visibility.wgsl")?,
-            receiver_plane: shaders.module(&context.device, "passes/receiver_plane.wgsl")?,
-            host_depth: shaders.module(&context.device, "passes/host_depth.wgsl")?,
-            unlit_layout: layout("surface", None, None),
-            lit_layout: layout("lit surface", Some(&layouts.light), None),
-            masked_layout: layout("masked surface", Some(&layouts.light), Some(&layouts.mask)),
-            masked_unlit_layout: layout("mask of a surface", None, Some(&layouts.mask)),
-            behind_front_layout: layout(
-                "behind the front layer",
-                Some(&layouts.light),
-                Some(&layouts.depth),
-            ),
-            host_layout: layout("surface of a host", None, Some(&layouts.host)),
             pipelines: vec![None; SurfacePass::COUNT * VARIANT_COUNT],
-            created: 0,
         })
     }
 
-    /// The pipeline, if [`SurfacePipelines::require`] has made it.
+    /// The pipeline, if [`SurfacePipelines::require`] has taken it.
     pub fn get(&self, pass: SurfacePass, variant: Variant) -> Option<&wgpu::RenderPipeline> {
         self.pipelines[slot(pass, variant)].as_ref()
     }
 
-    /// Makes the pipeline if it does not exist yet. None is made for the visibility of surfaces that show no shadow,
-    /// which leaves them out of that picture.
-    pub fn require(&mut self, context: &RenderContext, pass: SurfacePass, variant: Variant) {
+    /// Takes the pipeline from the shared cache if it is not there yet. None is taken for the visibility of surfaces that
+    /// show no shadow: that picture leaves them out.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`].
+    pub fn require(&mut self, gpu: &Gpu, pass: SurfacePass, variant: Variant) -> Result<(), RenderError> {
         if variant.unshadowed && matches!(pass, SurfacePass::Visibility | SurfacePass::VisibilityMasked) {
-            return;
+            return Ok(());
         }
         let slot = slot(pass, variant);
         if self.pipelines[slot].is_none() {
-            self.pipelines[slot] = Some(self.create(context, pass, variant));
-            self.created += 1;
+            self.pipelines[slot] = Some(gpu.pipeline(describe(gpu, pass, variant))?);
         }
+        Ok(())
     }
+}
 
-    fn create(&self, context: &RenderContext, pass: SurfacePass, variant: Variant) -> wgpu::RenderPipeline {
-        use wgpu::CompareFunction::{Always, Equal, Greater, GreaterEqual, Less};
-        let add = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let adding = wgpu::BlendState {
-            color: add,
-            alpha: add,
-        };
-        let over = wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING;
-        // The in-bounds bit alone has a value greater than it only where shadow volumes were counted.
-        let (module, layout, format, blend, depth_write, depth_compare, stencil) = match pass {
-            SurfacePass::Ambient => (
-                &self.ambient,
-                &self.unlit_layout,
-                RADIANCE_FORMAT,
-                None,
-                true,
-                Greater,
-                Default::default(),
-            ),
-            SurfacePass::AmbientBlended => (
-                &self.ambient,
-                &self.lit_layout,
-                RADIANCE_FORMAT,
-                Some(over),
-                false,
-                GreaterEqual,
-                Default::default(),
-            ),
-            SurfacePass::Light | SurfacePass::FrontLight => (
-                &self.light,
-                &self.lit_layout,
-                RADIANCE_FORMAT,
-                Some(adding),
-                false,
-                Equal,
-                if variant.unshadowed {
-                    Default::default()
-                } else {
-                    stencil_test(Equal, 0xff)
-                },
-            ),
-            SurfacePass::LightMasked | SurfacePass::FrontLightMasked => (
-                &self.light,
-                &self.masked_layout,
-                RADIANCE_FORMAT,
-                Some(adding),
-                false,
-                Equal,
-                Default::default(),
-            ),
-            SurfacePass::LightBlended => (
-                &self.light,
-                &self.lit_layout,
-                RADIANCE_FORMAT,
-                Some(adding),
-                false,
-                GreaterEqual,
-                Default::default(),
-            ),
-            SurfacePass::LightBehindFront => (
-                &self.light,
-                &self.behind_front_layout,
-                RADIANCE_FORMAT,
-                Some(adding),
-                false,
-                GreaterEqual,
-                Default::default(),
-            ),
-            SurfacePass::FrontDepth => (
-                &self.ambient,
-                &self.unlit_layout,
-                RADIANCE_FORMAT,
-                None,
-                true,
-                Greater,
-                Default::default(),
-            ),
-            SurfacePass::VisibilityFront | SurfacePass::Dark => (
-                &self.visibility,
-                &self.unlit_layout,
-                VISIBILITY_FORMAT,
-                None,
-                false,
-                Equal,
-                Default::default(),
-            ),
-            SurfacePass::Visibility => (
-                &self.visibility,
-                &self.unlit_layout,
-                VISIBILITY_FORMAT,
-                None,
-                false,
-                Equal,
-                stencil_test(Less, 0xff),
-            ),
-            SurfacePass::ReceiverPlane => (
-                &self.receiver_plane,
-                &self.unlit_layout,
-                RECEIVER_PLANE_FORMAT,
-                None,
-                false,
-                Equal,
-                Default::default(),
-            ),
-            SurfacePass::HostSurface => (
-                &self.host_depth,
-                &self.host_layout,
-                RADIANCE_FORMAT,
-                None,
-                true,
-                Always,
-                Default::default(),
-            ),
-            SurfacePass::VisibilityMasked => (
-                &self.visibility,
-                &self.masked_unlit_layout,
-                VISIBILITY_FORMAT,
-                None,
-                false,
-                Equal,
-                Default::default(),
-            ),
-        };
-        let fragment = match pass {
-            SurfacePass::FrontDepth => "depth_of_blended",
-            SurfacePass::LightBehindFront => "behind_front",
-            SurfacePass::HostSurface => "surface",
-            SurfacePass::VisibilityFront => "lit",
-            SurfacePass::LightMasked | SurfacePass::FrontLightMasked | SurfacePass::VisibilityMasked
-                if !variant.unshadowed =>
-            {
-                "masked"
-            }
-            _ => "fragment",
-        };
-        let color = Some(wgpu::ColorTargetState {
-            format,
-            blend,
-            write_mask: wgpu::ColorWrites::ALL,
-        });
-        debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests above rely on the top bit");
-        let blended = matches!(
-            pass,
-            SurfacePass::AmbientBlended
-                | SurfacePass::LightBlended
-                | SurfacePass::LightBehindFront
-                | SurfacePass::FrontLight
-                | SurfacePass::FrontLightMasked
+fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
+    let state = pass.state();
+    let layouts = &gpu.layouts;
+    let (light, own) = match state.groups {
+        Groups::Unlit => (None, None),
+        Groups::Lit => (Some(&layouts.light), None),
+        Groups::Masked => (Some(&layouts.light), Some(&layouts.mask)),
+        Groups::MaskedUnlit => (None, Some(&layouts.mask)),
+        Groups::BehindFront => (Some(&layouts.light), Some(&layouts.depth)),
+        Groups::Host => (None, Some(&layouts.host)),
+    };
+    // The in-bounds bit alone has a value greater than it only where shadow volumes were counted.
+    debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests rely on the top bit");
+    let stencil = match state.stencil {
+        Where::Lit if !variant.unshadowed => stencil_test(wgpu::CompareFunction::Equal, 0xff),
+        Where::Shadowed => stencil_test(wgpu::CompareFunction::Less, 0xff),
+        _ => Default::default(),
+    };
+    let entry = if variant.unshadowed {
+        state.unshadowed
+    } else {
+        state.fragment
+    };
+    let vertex = Stage::new(state.file, "vertex");
+    let mut desc = PipelineDesc::new(pass.label(), vertex, Some(Stage::new(state.file, entry)))
+        .with_groups([Some(&layouts.view), light, Some(&layouts.material), own])
+        .with_depth(
+            gpu.context.depth_stencil_format(),
+            state.writes_depth,
+            state.compare,
+            stencil,
         );
-        let constants: &[(&str, f64)] = if blended { &[("BLENDED", 1.0)] } else { &[] };
-        context
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(&format!("{pass:?} {variant:?}")),
-                layout: Some(layout),
-                vertex: wgpu::VertexState {
-                    module,
-                    entry_point: Some("vertex"),
-                    compilation_options: Default::default(),
-                    buffers: &SURFACE_BUFFERS,
-                },
-                primitive: wgpu::PrimitiveState {
-                    front_face: front_face(variant.mirrored),
-                    cull_mode: variant.culled.then_some(wgpu::Face::Back),
-                    ..Default::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: context.depth_stencil_format(),
-                    depth_write_enabled: Some(depth_write),
-                    depth_compare: Some(depth_compare),
-                    stencil,
-                    bias: Default::default(),
-                }),
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module,
-                    entry_point: Some(fragment),
-                    compilation_options: wgpu::PipelineCompilationOptions {
-                        constants,
-                        ..Default::default()
-                    },
-                    targets: if matches!(pass, SurfacePass::FrontDepth | SurfacePass::HostSurface) {
-                        &[]
-                    } else {
-                        std::slice::from_ref(&color)
-                    },
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
+    if state.is_blended {
+        desc = desc.with_constants([("BLENDED", 1.0)]);
+    }
+    if let Some(format) = state.format {
+        desc = desc.with_target(format, state.blend, wgpu::ColorWrites::ALL);
+    }
+    PipelineDesc {
+        buffers: &SURFACE_BUFFERS,
+        primitive: wgpu::PrimitiveState {
+            front_face: front_face(variant.mirrored),
+            cull_mode: variant.culled.then_some(wgpu::Face::Back),
+            ..Default::default()
+        },
+        ..desc
     }
 }
 

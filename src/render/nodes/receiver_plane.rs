@@ -10,28 +10,18 @@
 //! place a surface at 100 m only to millimetres.
 
 use super::surface_pass::SurfacePass;
-use super::surfaces::{SurfaceResources, draw_batches};
+use super::surfaces::draw_batches;
 use crate::render::frame::draw_list::Batch;
-use crate::render::frame::frame_data::Viewport;
-use crate::render::frame::targets::{FrameTargets, MaskTargets};
-use crate::render::gpu::timings::Timings;
+use crate::render::frame::recording::Recording;
+use crate::render::frame::targets::MaskTargets;
 
 /// What stands where nothing was drawn: no normal packs to it. As in `shaders/common/receiver.wgsl`.
 pub const NO_PLANE: u32 = 0x8000_8000;
 
 /// Clears the planes and records the draws of the visible set.
-pub fn record(
-    encoder: &mut wgpu::CommandEncoder,
-    targets: &FrameTargets,
-    masks: &MaskTargets,
-    viewport: &Viewport,
-    view: &wgpu::BindGroup,
-    batches: &[Batch],
-    resources: &SurfaceResources,
-    timings: &Timings,
-) {
+pub fn record(frame: &mut Recording, masks: &MaskTargets, batches: &[Batch]) {
     let none = f64::from(NO_PLANE);
-    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("receiver plane"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: &masks.receiver_plane_view,
@@ -47,15 +37,11 @@ pub fn record(
                 store: wgpu::StoreOp::Store,
             },
         })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: &targets.depth_stencil_view,
-            depth_ops: None,
-            stencil_ops: None,
-        }),
-        timestamp_writes: timings.pass("receiver plane"),
+        depth_stencil_attachment: Some(frame.canvas.targets.read_only()),
+        timestamp_writes: frame.timings.pass("receiver plane"),
         ..Default::default()
     });
-    viewport.set(&mut pass);
-    pass.set_bind_group(0, view, &[]);
-    draw_batches(&mut pass, SurfacePass::ReceiverPlane, batches, resources);
+    frame.canvas.viewport.set(&mut pass);
+    pass.set_bind_group(0, frame.view, &[]);
+    draw_batches(&mut pass, SurfacePass::ReceiverPlane, batches, &frame.surfaces);
 }

@@ -1,6 +1,6 @@
 //! The passes that draw surfaces.
 
-use crate::render::recorder::Leaves;
+use crate::render::recorder::ShadowKind;
 
 /// A pass that draws surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +33,12 @@ pub enum SurfacePass {
     Dark,
     /// Writes the plane of the triangle.
     ReceiverPlane,
+    /// One light times its mask, on surfaces that show no shadows as well: a function scales it.
+    LightScaled,
+    /// The same on the front layer.
+    FrontLightScaled,
+    /// Writes a mask of 1.
+    WholeMask,
     /// Depth, where a host shows the surface.
     HostSurface,
 }
@@ -41,27 +47,51 @@ impl SurfacePass {
     /// How many there are.
     pub const COUNT: usize = Self::HostSurface as usize + 1;
 
+    /// The name that debuggers show.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Ambient => "ambient",
+            Self::AmbientBlended => "ambient blended",
+            Self::Light => "light",
+            Self::LightMasked => "light masked",
+            Self::LightBlended => "light blended",
+            Self::LightBehindFront => "light behind front",
+            Self::FrontDepth => "front depth",
+            Self::FrontLight => "front light",
+            Self::FrontLightMasked => "front light masked",
+            Self::Visibility => "visibility",
+            Self::VisibilityMasked => "visibility masked",
+            Self::VisibilityFront => "visibility front",
+            Self::Dark => "dark",
+            Self::ReceiverPlane => "receiver plane",
+            Self::LightScaled => "light scaled",
+            Self::FrontLightScaled => "front light scaled",
+            Self::WholeMask => "whole mask",
+            Self::HostSurface => "host surface",
+        }
+    }
+
     /// The pass that adds a light whose technique leaves this.
-    pub fn light(visibility: Option<Leaves>) -> Self {
+    pub fn light(visibility: Option<ShadowKind>) -> Self {
         match visibility {
-            Some(Leaves::Mask) => Self::LightMasked,
-            Some(Leaves::Stencil) | None => Self::Light,
+            Some(ShadowKind::Mask) => Self::LightMasked,
+            Some(ShadowKind::Stencil) | None => Self::Light,
         }
     }
 
     /// The pass that adds such a light to the front layer.
-    pub fn front_light(visibility: Leaves) -> Self {
+    pub fn front_light(visibility: ShadowKind) -> Self {
         match visibility {
-            Leaves::Mask => Self::FrontLightMasked,
-            Leaves::Stencil => Self::FrontLight,
+            ShadowKind::Mask => Self::FrontLightMasked,
+            ShadowKind::Stencil => Self::FrontLight,
         }
     }
 
     /// The pass that shows the visibility of a light whose technique leaves this.
-    pub fn visibility(visibility: Leaves) -> Self {
+    pub fn visibility(visibility: ShadowKind) -> Self {
         match visibility {
-            Leaves::Mask => Self::VisibilityMasked,
-            Leaves::Stencil => Self::Visibility,
+            ShadowKind::Mask => Self::VisibilityMasked,
+            ShadowKind::Stencil => Self::Visibility,
         }
     }
 }

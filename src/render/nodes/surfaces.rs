@@ -7,7 +7,7 @@ use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::{GpuMesh, MeshPool};
 
 /// What a batch's indices refer to.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct SurfaceResources<'a> {
     /// Pipelines.
     pub pipelines: &'a SurfacePipelines,

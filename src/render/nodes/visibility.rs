@@ -10,6 +10,7 @@ use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::frame::draw_list::Batch;
+use crate::render::frame::recording::Recording;
 
 /// The shadow of one light.
 #[derive(Clone, Copy, Debug)]
@@ -25,56 +26,36 @@ pub struct Shadow<'a> {
 }
 
 /// Adds the surfaces that the light does not see.
-pub fn record_dark(
-    encoder: &mut wgpu::CommandEncoder,
-    target: &wgpu::TextureView,
-    depth_stencil: &wgpu::TextureView,
-    view: &wgpu::BindGroup,
-    batches: &[Batch],
-    resources: &SurfaceResources,
-) {
-    let mut pass = begin(encoder, target, depth_stencil, wgpu::LoadOp::Load);
+pub fn record_dark(frame: &mut Recording, target: &wgpu::TextureView, batches: &[Batch]) {
+    let (view, surfaces) = (frame.view, frame.surfaces);
+    let mut pass = begin(frame, target, wgpu::LoadOp::Load);
     pass.set_bind_group(0, view, &[]);
-    draw_batches(&mut pass, SurfacePass::Dark, batches, resources);
+    draw_batches(&mut pass, SurfacePass::Dark, batches, &surfaces);
 }
 
 /// Clears the target and records the draws; without a shadow it stays all lit.
-pub fn record(
-    encoder: &mut wgpu::CommandEncoder,
-    target: &wgpu::TextureView,
-    depth_stencil: &wgpu::TextureView,
-    view: &wgpu::BindGroup,
-    shadow: Option<Shadow>,
-    resources: &SurfaceResources,
-) {
-    let clear = wgpu::LoadOp::Clear(wgpu::Color::WHITE);
-    let mut pass = begin(encoder, target, depth_stencil, clear);
+pub fn record(frame: &mut Recording, target: &wgpu::TextureView, shadow: Option<Shadow>) {
+    let (view, surfaces) = (frame.view, frame.surfaces);
+    let mut pass = begin(frame, target, wgpu::LoadOp::Clear(wgpu::Color::WHITE));
     if let Some(shadow) = shadow {
-        draw(&mut pass, view, &shadow, &[shadow.kind], resources);
+        draw(&mut pass, view, &shadow, &[shadow.kind], &surfaces);
     }
 }
 
 /// Records the front layer of blended surfaces over what is there.
-pub fn record_front(
-    encoder: &mut wgpu::CommandEncoder,
-    target: &wgpu::TextureView,
-    depth_stencil: &wgpu::TextureView,
-    view: &wgpu::BindGroup,
-    shadow: Shadow,
-    resources: &SurfaceResources,
-) {
-    let mut pass = begin(encoder, target, depth_stencil, wgpu::LoadOp::Load);
+pub fn record_front(frame: &mut Recording, target: &wgpu::TextureView, shadow: Shadow) {
+    let (view, surfaces) = (frame.view, frame.surfaces);
+    let mut pass = begin(frame, target, wgpu::LoadOp::Load);
     let kinds = [SurfacePass::VisibilityFront, shadow.kind];
-    draw(&mut pass, view, &shadow, &kinds, resources);
+    draw(&mut pass, view, &shadow, &kinds, &surfaces);
 }
 
-fn begin<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
+fn begin<'e>(
+    frame: &'e mut Recording,
     target: &wgpu::TextureView,
-    depth_stencil: &wgpu::TextureView,
     load: wgpu::LoadOp<wgpu::Color>,
-) -> wgpu::RenderPass<'a> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+) -> wgpu::RenderPass<'e> {
+    frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("visibility"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
             view: target,
@@ -85,11 +66,7 @@ fn begin<'a>(
                 store: wgpu::StoreOp::Store,
             },
         })],
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: depth_stencil,
-            depth_ops: None,
-            stencil_ops: None,
-        }),
+        depth_stencil_attachment: Some(frame.canvas.targets.read_only()),
         ..Default::default()
     })
 }

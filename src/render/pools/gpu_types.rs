@@ -1,4 +1,4 @@
-//! `#[repr(C)]` mirrors of WGSL structs; `tests/layout_contract.rs` compares names, offsets and sizes.
+//! `#[repr(C)]` mirrors of WGSL structs; `tests/gpu/layout_contract.rs` compares names, offsets and sizes.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -114,66 +114,6 @@ pub struct Material {
     pub occlusion_slot: Slot,
     /// Emissive texture.
     pub emissive_slot: Slot,
-}
-
-/// Mirror of `Caster` in `shaders/techniques/stencil_volume/volume.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Caster {
-    /// w = 1: a position; w = 0: xyz points towards the light.
-    pub light_local: [f32; 4],
-    /// Index into the objects of the frame.
-    pub object: u32,
-    /// Factor on the distance from the light; 0: to infinity.
-    pub extrusion: f32,
-    /// 4 for quads, 3 for triangles.
-    pub corners_per_edge: u32,
-    /// In the pool.
-    pub first_edge: u32,
-    /// Edges that count once; those after them count twice.
-    pub single_count: u32,
-    /// Unused.
-    pub padding_a: u32,
-    /// Unused.
-    pub padding_b: u32,
-    /// Unused.
-    pub padding_c: u32,
-}
-
-/// Mirror of `MapFace` in `shaders/common/map.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct MapFace {
-    /// Rows of face from eye-relative.
-    pub row_x: [f32; 4],
-    /// Second row.
-    pub row_y: [f32; 4],
-    /// Third row.
-    pub row_z: [f32; 4],
-    /// Half side at distance 1, near plane, texel at distance 1, unused; parallel: half side, length, texel, unused.
-    pub projection: [f32; 4],
-}
-
-/// Mirror of `MapLight` in `shaders/common/map.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct MapLight {
-    /// Faces.
-    pub faces: [MapFace; 6],
-    /// Texels along a side and their reciprocal, radius of the filter (at distance 1; parallel: metres), unused.
-    pub size: [f32; 4],
-    /// Share of a texel along the normal, relative and absolute slack, metres towards the light.
-    pub bias: [f32; 4],
-    /// Nearest and farthest depth that the light reaches, 1 / reach², share of a cascade that passes into the next.
-    pub limits: [f32; 4],
-}
-
-/// Mirror of `MapCaster` in `shaders/techniques/maps/caster.wgsl`.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct MapCaster {
-    /// Columns; computed in f64.
-    pub clip_from_local: [[f32; 4]; 4],
 }
 
 /// What a vertex has beside its position; vertex buffer 1 of drawn surfaces.

@@ -22,7 +22,8 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
     };
     /// Beyond, dividing by the least squared distance would overflow.
     const BRIGHTEST: f32 = 1e30;
-    /// Intensity per cosine at the edge of a cone without a rim: two steps of an `f32` below 1.
+    /// Slope of the intensity over the cosine at the edge of a cone without a rim. The intensity rises from 0 to 1 within two
+    /// steps of an `f32` below 1.
     const SHARP: f32 = (1 << 23) as f32;
     let emission: Vec3 = (light.light.color * light.light.intensity).min(Vec3::splat(BRIGHTEST));
     let (scale, offset) = match light.light.kind {

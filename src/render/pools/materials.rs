@@ -1,16 +1,16 @@
 //! Materials and textures on the GPU.
 
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use wgpu::util::DeviceExt;
 
 use super::gpu_types;
 use crate::conventions::RADIANCE_MAX;
-use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::mipmaps::mip_chain;
 use crate::render::gpu::slots::Slots;
+use crate::render::{Gpu, RenderContext};
 use crate::scene::material::TextureWrap;
 use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
 
@@ -19,13 +19,8 @@ use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
 pub struct GpuMaterial {
     /// Group 2 of drawn surfaces.
     pub bind_group: wgpu::BindGroup,
-    /// What its alpha means.
-    pub alpha_mode: AlphaMode,
-    /// Drawn from both sides.
-    pub double_sided: bool,
-    /// Takes no light.
-    pub unlit: bool,
-    source: Arc<Material>,
+    /// Keeps the address of the material from being that of another.
+    _source: Arc<Material>,
 }
 
 /// Largest scale of a normal texture; beyond, its normals lie in the surface to a thousandth.
@@ -45,18 +40,23 @@ struct SamplerKey {
     linear_minify: bool,
 }
 
-/// The GPU materials in use, by index, and the textures that they share.
+/// The materials that views hold, and their textures and samplers.
 #[derive(Debug)]
-pub struct MaterialPool {
-    /// By the address of the material, which the entry keeps alive.
-    slots: Slots<usize, GpuMaterial>,
-    textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
-    samplers: HashMap<SamplerKey, wgpu::Sampler>,
+pub struct SharedMaterials {
     white: wgpu::TextureView,
+    known: Mutex<Known>,
 }
 
-impl MaterialPool {
-    /// An empty pool.
+#[derive(Debug, Default)]
+struct Known {
+    /// By the address of the material, which the entry keeps alive.
+    materials: HashMap<usize, Weak<GpuMaterial>>,
+    textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
+    samplers: HashMap<SamplerKey, wgpu::Sampler>,
+}
+
+impl SharedMaterials {
+    /// No materials yet.
     pub fn new(context: &RenderContext) -> Self {
         let white = context.device.create_texture_with_data(
             &context.queue,
@@ -65,16 +65,48 @@ impl MaterialPool {
             &[255; 4],
         );
         Self {
-            slots: Slots::default(),
-            textures: HashMap::new(),
-            samplers: HashMap::new(),
             white: white.create_view(&Default::default()),
+            known: Mutex::default(),
         }
     }
 
+    fn known(&self) -> MutexGuard<'_, Known> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn get(&self, gpu: &Gpu, material: &Arc<Material>) -> Arc<GpuMaterial> {
+        let mut known = self.known();
+        let address = Arc::as_ptr(material) as usize;
+        if let Some(found) = known.materials.get(&address).and_then(Weak::upgrade) {
+            return found;
+        }
+        let made = Arc::new(known.upload(&gpu.context, &gpu.layouts.material, &self.white, material));
+        known.materials.insert(address, Arc::downgrade(&made));
+        made
+    }
+
+    /// Forgets what no view holds.
+    fn forget_unused(&self) {
+        let mut known = self.known();
+        known.materials.retain(|_, material| material.strong_count() > 0);
+        // A texture that nothing else holds is used by no material.
+        known
+            .textures
+            .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
+    }
+}
+
+/// The materials that one view uses, by index.
+#[derive(Debug, Default)]
+pub struct MaterialPool {
+    /// By the address of the material, which the entry keeps alive.
+    slots: Slots<usize, Arc<GpuMaterial>>,
+}
+
+impl MaterialPool {
     /// The material at `index`, if it is in use.
     pub fn get(&self, index: u32) -> Option<&GpuMaterial> {
-        self.slots.get(index)
+        self.slots.get(index).map(Arc::as_ref)
     }
 
     /// Begins a count of what is in use.
@@ -83,32 +115,27 @@ impl MaterialPool {
     }
 
     /// Frees what was not asked for since [`MaterialPool::begin`].
-    pub fn end(&mut self) {
+    pub fn end(&mut self, gpu: &Gpu) {
         self.slots.end();
-        // A texture that only this pool still holds is used by no material.
-        self.textures
-            .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
+        gpu.materials.forget_unused();
     }
 
-    /// Index of a material, uploaded if it is new.
-    pub fn acquire(
-        &mut self,
-        context: &RenderContext,
-        layout: &wgpu::BindGroupLayout,
-        material: &Arc<Material>,
-    ) -> u32 {
+    /// Index of a material, uploaded if no view has it.
+    pub fn acquire(&mut self, gpu: &Gpu, material: &Arc<Material>) -> u32 {
         let address = Arc::as_ptr(material) as usize;
         if let Some(index) = self.slots.acquire(address, |_| true) {
             return index;
         }
-        let entry = self.upload(context, layout, material);
-        self.slots.insert(address, entry)
+        self.slots.insert(address, gpu.materials.get(gpu, material))
     }
+}
 
+impl Known {
     fn upload(
         &mut self,
         context: &RenderContext,
         layout: &wgpu::BindGroupLayout,
+        white: &wgpu::TextureView,
         material: &Arc<Material>,
     ) -> GpuMaterial {
         let constants = constants(material);
@@ -128,7 +155,10 @@ impl MaterialPool {
         ];
         let views: Vec<_> = slots
             .iter()
-            .map(|(slot, encoding)| self.view(context, slot.as_ref(), *encoding))
+            .map(|(slot, encoding)| {
+                self.view(context, slot.as_ref(), *encoding)
+                    .unwrap_or_else(|| white.clone())
+            })
             .collect();
         let samplers: Vec<_> = slots
             .iter()
@@ -143,10 +173,7 @@ impl MaterialPool {
         let resources = std::iter::once(buffer.as_entire_binding()).chain(textures);
         GpuMaterial {
             bind_group: bind_in_order(&context.device, &material.name, layout, resources),
-            alpha_mode: material.alpha_mode,
-            double_sided: material.double_sided,
-            unlit: material.unlit,
-            source: material.clone(),
+            _source: material.clone(),
         }
     }
 
@@ -155,15 +182,13 @@ impl MaterialPool {
         context: &RenderContext,
         slot: Option<&TextureSlot>,
         encoding: Encoding,
-    ) -> wgpu::TextureView {
-        let Some(texture) = slot.map(|slot| &slot.texture).filter(|t| is_whole(t)) else {
-            return self.white.clone();
-        };
-        self.textures
+    ) -> Option<wgpu::TextureView> {
+        let texture = slot.map(|slot| &slot.texture).filter(|t| is_whole(t))?;
+        let (_, view) = self
+            .textures
             .entry((Arc::as_ptr(texture) as usize, encoding))
-            .or_insert_with(|| (texture.clone(), upload_texture(context, texture, encoding)))
-            .1
-            .clone()
+            .or_insert_with(|| (texture.clone(), upload_texture(context, texture, encoding)));
+        Some(view.clone())
     }
 
     fn sampler(&mut self, context: &RenderContext, slot: Option<&TextureSlot>) -> wgpu::Sampler {
@@ -183,13 +208,6 @@ impl MaterialPool {
             .entry(key)
             .or_insert_with(|| create_sampler(context, key))
             .clone()
-    }
-}
-
-impl GpuMaterial {
-    /// The CPU material.
-    pub fn source(&self) -> &Arc<Material> {
-        &self.source
     }
 }
 

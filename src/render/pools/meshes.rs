@@ -1,16 +1,18 @@
-//! Meshes on the GPU: one entry for each mesh shared by objects, one for each posed object.
+//! Meshes on the GPU: one for each mesh shared by objects of any view, one for each posed object of a view.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use bevy_ecs::prelude::*;
 use glam::{Vec2, Vec3, Vec4};
 use wgpu::util::DeviceExt;
 
 use super::gpu_types::SurfaceVertex;
-use crate::render::RenderContext;
-use crate::render::gpu::bind_groups::{BindGroupLayouts, bind_in_order};
+use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::slots::Slots;
+use crate::render::{Gpu, RenderContext};
 use crate::scene::{MeshData, PosedMesh, Submesh};
 
 /// A mesh in buffers.
@@ -27,6 +29,63 @@ pub struct GpuMesh {
     /// One a material; cut to the indices that there are.
     pub submeshes: Vec<Submesh>,
     source: Arc<MeshData>,
+    /// Dropped with the mesh, which ends its part of the count.
+    _counted: Counted,
+}
+
+/// Bytes that are counted while this exists.
+#[derive(Debug)]
+struct Counted {
+    bytes: u64,
+    total: Arc<AtomicU64>,
+}
+
+impl Counted {
+    fn new(bytes: u64, total: &Arc<AtomicU64>) -> Self {
+        total.fetch_add(bytes, Ordering::Relaxed);
+        Self {
+            bytes,
+            total: total.clone(),
+        }
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.total.fetch_sub(self.bytes, Ordering::Relaxed);
+    }
+}
+
+/// The meshes without a pose that some view holds, by the address of their data, which the mesh keeps alive.
+#[derive(Debug, Default)]
+pub struct SharedMeshes {
+    known: Mutex<HashMap<usize, Weak<GpuMesh>>>,
+    bytes: Arc<AtomicU64>,
+}
+
+impl SharedMeshes {
+    fn known(&self) -> MutexGuard<'_, HashMap<usize, Weak<GpuMesh>>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The number of bytes of all meshes on the device, those of poses included.
+    pub fn bytes(&self) -> u64 {
+        self.bytes.load(Ordering::Relaxed)
+    }
+
+    fn get(&self, mesh: &Arc<MeshData>) -> Option<Arc<GpuMesh>> {
+        self.known().get(&(Arc::as_ptr(mesh) as usize))?.upgrade()
+    }
+
+    fn insert(&self, mesh: &Arc<GpuMesh>) {
+        let address = Arc::as_ptr(&mesh.source) as usize;
+        self.known().insert(address, Arc::downgrade(mesh));
+    }
+
+    /// Forgets the addresses of meshes that no view holds.
+    fn forget_unused(&self) {
+        self.known().retain(|_, mesh| mesh.strong_count() > 0);
+    }
 }
 
 /// What a GPU mesh is the mesh of.
@@ -38,38 +97,49 @@ enum Key {
     Posed(Entity),
 }
 
-/// The GPU meshes in use, by index.
+/// An object that is not drawn because the device allows no buffer of its mesh's size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OversizedMesh {
+    /// The object.
+    pub entity: Entity,
+    /// Size of the buffer that the mesh needs, bytes.
+    pub needed: u64,
+    /// Size of the largest buffer of this use that the device allows, bytes.
+    pub limit: u64,
+}
+
+/// The meshes that one view uses, by index.
 #[derive(Debug, Default)]
 pub struct MeshPool {
-    slots: Slots<Key, GpuMesh>,
+    slots: Slots<Key, Arc<GpuMesh>>,
     scratch: Vec<SurfaceVertex>,
-    /// Meshes left out because the device allows no buffer of their size.
-    pub oversized: usize,
+    /// Objects that are not drawn because the device allows no buffer of their mesh's size, in the order of the objects.
+    pub oversized: Vec<OversizedMesh>,
 }
 
 impl MeshPool {
     /// The mesh at `index`, if it is in use.
     pub fn get(&self, index: u32) -> Option<&GpuMesh> {
-        self.slots.get(index)
+        self.slots.get(index).map(Arc::as_ref)
     }
 
     /// Begins a count of what is in use.
     pub fn begin(&mut self) {
         self.slots.begin();
-        self.oversized = 0;
+        self.oversized.clear();
     }
 
     /// Frees what was not asked for since [`MeshPool::begin`].
-    pub fn end(&mut self) {
+    pub fn end(&mut self, gpu: &Gpu) {
         self.slots.end();
+        gpu.meshes.forget_unused();
     }
 
     /// Index of an object's mesh, uploaded if it is new. `None` for a mesh without triangles or one that the
     /// device cannot hold.
     pub fn acquire(
         &mut self,
-        context: &RenderContext,
-        layouts: &BindGroupLayouts,
+        gpu: &Gpu,
         entity: Entity,
         mesh: &Arc<MeshData>,
         posed: Option<&PosedMesh>,
@@ -84,32 +154,40 @@ impl MeshPool {
         if let Some(index) = self.slots.acquire(key, |entry| Arc::ptr_eq(&entry.source, mesh)) {
             return Some(index);
         }
+        let is_shared = posed.is_none();
+        if is_shared && let Some(known) = gpu.meshes.get(mesh) {
+            return Some(self.slots.insert(key, known));
+        }
         let largest = (mesh.positions.len() * size_of::<SurfaceVertex>()).max(mesh.indices.len() * 4) as u64;
-        let limits = context.device.limits();
+        let limits = gpu.context.device.limits();
         let positions = (mesh.positions.len() * 12) as u64;
-        if largest > limits.max_buffer_size || positions > limits.max_storage_buffer_binding_size {
-            self.oversized += 1;
+        let buffers = [
+            (largest, limits.max_buffer_size),
+            (positions, limits.max_storage_buffer_binding_size),
+        ];
+        if let Some(&(needed, limit)) = buffers.iter().find(|(needed, limit)| needed > limit) {
+            self.oversized.push(OversizedMesh {
+                entity,
+                needed,
+                limit,
+            });
             return None;
         }
-        let entry = self.upload(context, layouts, mesh, posed);
+        let entry = Arc::new(self.upload(gpu, mesh, posed));
+        if is_shared {
+            gpu.meshes.insert(&entry);
+        }
         Some(self.slots.insert(key, entry))
     }
 
-    fn upload(
-        &mut self,
-        context: &RenderContext,
-        layouts: &BindGroupLayouts,
-        mesh: &Arc<MeshData>,
-        posed: Option<&PosedMesh>,
-    ) -> GpuMesh {
+    fn upload(&mut self, gpu: &Gpu, mesh: &Arc<MeshData>, posed: Option<&PosedMesh>) -> GpuMesh {
+        let device = &gpu.context.device;
         let buffer = |label: &str, contents: &[u8], usage| {
-            context
-                .device
-                .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                    label: Some(&format!("{} {label}", mesh.name)),
-                    contents,
-                    usage: usage | wgpu::BufferUsages::COPY_DST,
-                })
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(&format!("{} {label}", mesh.name)),
+                contents,
+                usage: usage | wgpu::BufferUsages::COPY_DST,
+            })
         };
         let positions = buffer(
             "positions",
@@ -117,24 +195,28 @@ impl MeshPool {
             wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::STORAGE,
         );
         fill_surface(&mut self.scratch, mesh, posed);
+        let surface = buffer(
+            "surface",
+            bytemuck::cast_slice(&self.scratch),
+            wgpu::BufferUsages::VERTEX,
+        );
+        let indices = buffer(
+            "indices",
+            bytemuck::cast_slice(&drawable_indices(mesh)),
+            wgpu::BufferUsages::INDEX,
+        );
+        let bytes = positions.size() + surface.size() + indices.size();
         GpuMesh {
+            _counted: Counted::new(bytes, &gpu.meshes.bytes),
             positions_group: bind_in_order(
-                &context.device,
+                device,
                 "positions",
-                &layouts.positions,
+                &gpu.layouts.positions,
                 [positions.as_entire_binding()],
             ),
             positions,
-            surface: buffer(
-                "surface",
-                bytemuck::cast_slice(&self.scratch),
-                wgpu::BufferUsages::VERTEX,
-            ),
-            indices: buffer(
-                "indices",
-                bytemuck::cast_slice(&drawable_indices(mesh)),
-                wgpu::BufferUsages::INDEX,
-            ),
+            surface,
+            indices,
             submeshes: mesh
                 .submeshes
                 .iter()

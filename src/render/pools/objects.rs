@@ -8,8 +8,7 @@ use glam::{DMat4, DVec3};
 use super::gpu_types;
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
-use crate::render::RenderContext;
-use crate::render::gpu::bind_groups::BindGroupLayouts;
+use crate::render::Gpu;
 use crate::scene::placement::Placement;
 use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{Objects, ViewData};
@@ -71,8 +70,7 @@ impl ObjectTable {
     /// objects come and go, or exchange a mesh or material.
     pub fn rebuild(
         &mut self,
-        context: &RenderContext,
-        layouts: &BindGroupLayouts,
+        gpu: &Gpu,
         objects: &Objects,
         appearance: &Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
         meshes: &mut MeshPool,
@@ -87,9 +85,7 @@ impl ObjectTable {
             let first = self.items.len() as u32;
             let mut mesh_index = NO_MESH;
             if let Ok((mesh, object_materials, posed)) = appearance.get(entity) {
-                mesh_index = meshes
-                    .acquire(context, layouts, entity, &mesh.0, posed)
-                    .unwrap_or(NO_MESH);
+                mesh_index = meshes.acquire(gpu, entity, &mesh.0, posed).unwrap_or(NO_MESH);
                 for (submesh, part) in mesh.0.submeshes.iter().enumerate() {
                     let Some(material) = object_materials.and_then(|materials| materials.0.get(submesh))
                     else {
@@ -100,7 +96,7 @@ impl ObjectTable {
                     }
                     self.items.push(Item {
                         submesh: submesh as u32,
-                        material: materials.acquire(context, &layouts.material, material),
+                        material: materials.acquire(gpu, material),
                         blended: material.alpha_mode == AlphaMode::Blend,
                         double_sided: material.double_sided,
                         unlit: material.unlit,
@@ -110,8 +106,8 @@ impl ObjectTable {
             self.mesh.push(mesh_index);
             self.item_range.push(first..self.items.len() as u32);
         }
-        meshes.end();
-        materials.end();
+        meshes.end(gpu);
+        materials.end(gpu);
     }
 
     /// Items of one object.

@@ -1,4 +1,4 @@
-//! Reading accessors: every bound is checked before a byte is read and before memory is taken.
+//! Reading of accessors. Every bound is checked before a byte is read and before memory is allocated.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -10,14 +10,15 @@ use gltf::json::{Index, Root};
 
 use super::{Element, GltfError};
 
-/// Memory that a file of no bytes may decode to: enough for accessors without a view, which are all zeros.
+/// Decoded bytes that even an empty file may take. This is enough for accessors without a view, which are all
+/// zeros.
 const BUDGET_BASE_BYTES: u64 = 512 << 20;
 
-/// Decoded bytes for each byte of the file and its buffers. By eye: flat normals take most, about 30 for a triangle of 8-bit
-/// indices over quantised positions.
+/// Decoded bytes that each byte of the file and its buffers may take. By eye: flat normals take most, about
+/// 30 for a triangle of 8-bit indices over quantised positions.
 const BUDGET_PER_BYTE: u64 = 64;
 
-/// The accessors of a file, and how much memory they may still decode to.
+/// The accessors of a file, and how much memory decoding them may still take.
 pub(super) struct Accessors<'a> {
     pub file: PathBuf,
     pub root: &'a Root,
@@ -25,19 +26,19 @@ pub(super) struct Accessors<'a> {
     budget_bytes: Cell<u64>,
 }
 
-/// Elements of one kind in a buffer, in bounds.
+/// The bytes of a series of elements in a buffer, with bounds checked.
 struct Elements<'a> {
     bytes: &'a [u8],
     stride: usize,
 }
 
-/// An accessor after its checks.
+/// An accessor whose bounds and types are checked.
 struct Layout<'a> {
     count: usize,
     component: ComponentType,
     width: usize,
     normalized: bool,
-    /// Absent: all zeros.
+    /// The stored elements. `None` means that all are zero.
     base: Option<Elements<'a>>,
     sparse: Option<(Vec<u32>, Elements<'a>)>,
 }
@@ -54,7 +55,7 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    /// An error about an element.
+    /// An error about an element of this file.
     pub fn invalid(&self, element: Element, reason: impl Into<String>) -> GltfError {
         GltfError::Invalid {
             file: self.file.clone(),
@@ -63,7 +64,7 @@ impl<'a> Accessors<'a> {
         }
     }
 
-    /// The item that `element` points to.
+    /// The item of `list` that `element` refers to.
     pub fn get<'l, T, S>(
         &self,
         list: &'l [T],
@@ -80,7 +81,7 @@ impl<'a> Accessors<'a> {
         })
     }
 
-    /// Takes memory from the budget before it is allocated.
+    /// Takes memory from the budget. Call this before allocating.
     pub fn charge(&self, element: Element, count: usize, bytes_each: usize) -> Result<(), GltfError> {
         let bytes = (count as u64).saturating_mul(bytes_each as u64);
         let left = self.budget_bytes.get();
@@ -95,7 +96,7 @@ impl<'a> Accessors<'a> {
         Ok(())
     }
 
-    /// Number of elements, after no check but that the accessor exists.
+    /// Number of elements as the file states it, unchecked; 0 if the accessor does not exist.
     pub fn count(&self, accessor: usize) -> usize {
         self.root
             .accessors
@@ -103,7 +104,7 @@ impl<'a> Accessors<'a> {
             .map_or(0, |accessor| accessor.count.0 as usize)
     }
 
-    /// Whether the accessor has four components (colours may have three).
+    /// Whether the accessor has four components. Colours may have three.
     pub fn is_vec4(&self, accessor: usize) -> bool {
         self.root
             .accessors
@@ -111,7 +112,8 @@ impl<'a> Accessors<'a> {
             .is_some_and(|accessor| matches!(accessor.type_, Checked::Valid(Type::Vec4)))
     }
 
-    /// Elements of `N` numbers; integers become −1..=1 or 0..=1 if normalised, else their value.
+    /// Reads elements of `N` numbers. Integers become −1..=1 or 0..=1 if they are normalised, and otherwise
+    /// keep their value.
     pub fn read_f32<const N: usize>(&self, accessor: usize) -> Result<Vec<[f32; N]>, GltfError> {
         let layout = self.layout(accessor, N)?;
         self.charge(Element::Accessor(accessor), layout.count, 4 * N)?;
@@ -121,7 +123,7 @@ impl<'a> Accessors<'a> {
         }))
     }
 
-    /// Elements of `N` unsigned integers: vertex indices, joint indices.
+    /// Reads elements of `N` unsigned integers, such as vertex or joint indices.
     pub fn read_u32<const N: usize>(&self, accessor: usize) -> Result<Vec<[u32; N]>, GltfError> {
         let layout = self.layout(accessor, N)?;
         use ComponentType::{U8, U16, U32};
@@ -156,7 +158,7 @@ impl<'a> Accessors<'a> {
             return Err(invalid("its type or component type is unknown".to_owned()));
         };
         let component = component.0;
-        // matrices of 8 and 16-bit numbers have padded columns; nothing that we read may be one
+        // Matrices of 8-bit and 16-bit numbers have padded columns, which this import does not read.
         let is_plain =
             !matches!(type_, Type::Mat2 | Type::Mat3) && (width != 16 || component == ComponentType::F32);
         if type_.multiplicity() != width || !is_plain {
@@ -221,7 +223,8 @@ impl<'a> Accessors<'a> {
         })
     }
 
-    /// The bytes of `count` elements of `size` bytes each, from the start of the first to the end of the last.
+    /// The bytes of `count` elements of `size` bytes each, from the start of the first to the end of the
+    /// last.
     fn elements(
         &self,
         element: Element,
@@ -314,7 +317,8 @@ fn component_u32(bytes: &[u8], component: ComponentType) -> u32 {
     }
 }
 
-/// Source of the normalisation: glTF 2.0 §3.11, "Animations" (the equations for all accessors).
+/// Converts a component to a number. Source of the normalisation: glTF 2.0 §3.11, "Animations" (the equations
+/// apply to all accessors).
 fn component_f32(bytes: &[u8], component: ComponentType, normalized: bool) -> f32 {
     let (value, largest) = match component {
         ComponentType::I8 => (f32::from(bytes[0] as i8), 127.0),

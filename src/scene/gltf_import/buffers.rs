@@ -1,4 +1,4 @@
-//! Where bytes come from: the binary chunk, data URIs and external files.
+//! Sources of bytes: the binary chunk, data URIs and external files.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -12,7 +12,7 @@ use gltf::json::Root;
 
 use super::{Element, GltfError};
 
-/// Exporters differ in whether they pad.
+/// Decoder that accepts base64 with and without padding, because exporters differ.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
@@ -55,12 +55,12 @@ pub(super) fn load<'a>(
     Ok(buffers)
 }
 
-/// Reads a data URI or a file beside the glTF file, at most `limit` bytes of a file. The error says why not.
+/// Reads a data URI, or at most `limit` bytes of a file beside the glTF file. The error states the reason.
 pub(super) fn read_uri(uri: &str, base_dir: Option<&Path>, limit: Option<u64>) -> Result<Vec<u8>, String> {
     if let Some(data) = uri.strip_prefix("data:") {
         return decode_data_uri(data);
     }
-    // a scheme is letters before a colon; one that is not `data` points outside of the file system
+    // A scheme consists of letters before a colon. Schemes other than `data` point outside the file system.
     if let Some((scheme, _)) = uri.split_once(':')
         && scheme
             .chars()
@@ -74,10 +74,10 @@ pub(super) fn read_uri(uri: &str, base_dir: Option<&Path>, limit: Option<u64>) -
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
     let mut path = base_dir.join(&*decoded);
     if !path.exists() && base_dir.join(uri).exists() {
-        path = base_dir.join(uri); // written without encoding, with a percent sign in its name
+        path = base_dir.join(uri); // the name has a percent sign and was written without encoding
     }
     let read = || -> std::io::Result<Vec<u8>> {
-        // a pipe or a device would never end
+        // Reading a pipe or a device might never end.
         if !std::fs::metadata(&path)?.is_file() {
             return Err(std::io::Error::other("not a file"));
         }
@@ -90,7 +90,7 @@ pub(super) fn read_uri(uri: &str, base_dir: Option<&Path>, limit: Option<u64>) -
     read().map_err(|error| format!("cannot read {}: {error}", path.display()))
 }
 
-/// What follows `data:`. Source: RFC 2397.
+/// Decodes the part of a data URI after `data:`. Source: RFC 2397.
 fn decode_data_uri(data: &str) -> Result<Vec<u8>, String> {
     let (head, payload) = data.split_once(',').ok_or("the data URI has no comma")?;
     let bytes = percent_encoding::percent_decode_str(payload);

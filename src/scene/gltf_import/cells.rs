@@ -7,11 +7,12 @@
 //! {"extras": {"antumbra": {"occluder": false}}}
 //! ```
 //!
-//! A cell is a box around the node's origin, a portal a rectangle in its XY plane. Without `half_size` the node's mesh says
-//! what they are: its bounds for a cell, the convex hull of its vertices for a portal; that mesh is not drawn then.
+//! A cell is a box around the node's origin, a portal a rectangle in the node's XY plane. Without `half_size`
+//! the shape comes from the node's mesh: the bounds of the mesh for a cell, the convex hull of its vertices
+//! for a portal. That mesh is then not drawn.
 //!
-//! A file in which one of these cannot be read, or two cells have one name, has no cells and no portals at all: a portal
-//! left out would hide what should show.
+//! If one of these cannot be read, or two cells share a name, all cells and portals of the file are dropped,
+//! because a missing portal would hide objects that should be visible.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -23,112 +24,18 @@ use gltf::json::{Value, deserialize::from_str};
 use smallvec::SmallVec;
 
 use super::accessors::Accessors;
+use super::cell_extras::GltfVisibility;
 use super::nodes::GltfNode;
 use super::{Element, LoadedGltf, Report, SkipKind};
 use crate::geometry::Aabb;
 use crate::scene::{Cell, InCells, MeshData, Occluder, Portal};
-
-/// What the `extras` of a node say about visibility.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GltfVisibility {
-    /// The node is a cell of this name.
-    pub cell: Option<String>,
-    /// The node is a portal.
-    pub portal: Option<GltfPortal>,
-    /// Half of the size of the cell or portal, metres; `None`: that of the mesh.
-    pub half_size: Option<Vec3>,
-    /// Names of the cells that the node's mesh is in.
-    pub in_cells: Option<Vec<String>>,
-    /// Whether the node's mesh hides others.
-    pub occluder: Option<bool>,
-}
-
-/// A portal.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GltfPortal {
-    /// Names of the two cells.
-    pub joins: [String; 2],
-    /// Seen through.
-    pub open: bool,
-}
-
-impl GltfVisibility {
-    /// Whether the node's mesh is but the shape of a cell or portal, and not drawn.
-    pub fn takes_mesh(&self) -> bool {
-        (self.cell.is_some() || self.portal.is_some()) && self.half_size.is_none()
-    }
-
-    fn read(value: &Value) -> Result<Self, String> {
-        let Some(value) = value.get("antumbra") else {
-            return Ok(Self::default());
-        };
-        let object = value.as_object().ok_or("antumbra is not an object")?;
-        let mut visibility = Self::default();
-        for (key, value) in object {
-            match key.as_str() {
-                "cell" => visibility.cell = Some(name(value)?),
-                "portal" => visibility.portal = Some(portal(value)?),
-                "half_size" => visibility.half_size = Some(half_size(value)?),
-                "in_cells" => {
-                    let names = value.as_array().ok_or("in_cells is not a list")?;
-                    visibility.in_cells = Some(names.iter().map(name).collect::<Result<_, _>>()?);
-                }
-                "occluder" => {
-                    visibility.occluder = Some(value.as_bool().ok_or("occluder is not true or false")?)
-                }
-                other => return Err(format!("antumbra.{other} is not known")),
-            }
-        }
-        if visibility.cell.is_some() && visibility.portal.is_some() {
-            return Err("it is both a cell and a portal".to_owned());
-        }
-        Ok(visibility)
-    }
-}
-
-fn name(value: &Value) -> Result<String, String> {
-    value
-        .as_str()
-        .map(str::to_owned)
-        .ok_or_else(|| format!("{value} is not the name of a cell"))
-}
-
-fn portal(value: &Value) -> Result<GltfPortal, String> {
-    let joins = value.get("joins").and_then(Value::as_array);
-    let [a, b] = joins.map(Vec::as_slice).unwrap_or_default() else {
-        return Err("portal.joins is not a list of two cells".to_owned());
-    };
-    let open = match value.get("open") {
-        None => true,
-        Some(open) => open.as_bool().ok_or("portal.open is not true or false")?,
-    };
-    Ok(GltfPortal {
-        joins: [name(a)?, name(b)?],
-        open,
-    })
-}
-
-/// Two or three positive numbers.
-fn half_size(value: &Value) -> Result<Vec3, String> {
-    let numbers = value.as_array().map(Vec::as_slice).unwrap_or_default();
-    let mut size = Vec3::ONE;
-    for (axis, number) in numbers.iter().enumerate().take(3) {
-        size[axis] = number.as_f64().unwrap_or(0.0) as f32;
-    }
-    if !(2..=3).contains(&numbers.len()) || !size.is_finite() || size.min_element() <= 0.0 {
-        return Err(format!(
-            "half_size is {value}, two or three positive numbers are needed"
-        ));
-    }
-    Ok(size)
-}
 
 /// Reads the extras of all nodes.
 pub(super) fn load(accessors: &Accessors<'_>, nodes: &mut [GltfNode], report: &mut Report) {
     let mut sound = true;
     for (index, (json, node)) in accessors.root.nodes.iter().zip(nodes.iter_mut()).enumerate() {
         let Some(extras) = &json.extras else { continue };
-        // Extras of others may be anything.
+        // Extras of other tools may hold anything.
         let Ok(value) = from_str::<Value>(extras.get()) else {
             continue;
         };
@@ -168,7 +75,7 @@ fn check_shape(visibility: GltfVisibility, has_mesh: bool) -> Result<GltfVisibil
     Ok(visibility)
 }
 
-/// Gives the entities of a scene their cells, portals, lists and occluders.
+/// Gives the entities of a scene their cells, portals, cell lists and occluders.
 pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -188,7 +95,7 @@ pub(super) fn spawn(
             world.spawn((Cell { half_size }, place, ChildOf(*entity))).id(),
         );
     }
-    // Whoever is meant is not in this scene; who looks there sees everything.
+    // A name that is not found becomes a placeholder that is no cell: a viewer who looks there sees all.
     let find = |name: &String| cells.get(name.as_str()).copied().unwrap_or(Entity::PLACEHOLDER);
     for (index, node) in gltf.nodes.iter().enumerate() {
         if let (Some(portal), Some(entity)) = (&node.visibility.portal, entities[index]) {
@@ -233,7 +140,7 @@ fn bounds(gltf: &LoadedGltf, node: &GltfNode) -> (Vec3, Vec3) {
     (aabb.center(), aabb.half_size())
 }
 
-/// The vertices of a node's mesh, each place once.
+/// The vertices of a node's mesh, without duplicates.
 fn outline(gltf: &LoadedGltf, node: &GltfNode) -> SmallVec<[Vec3; 4]> {
     let mut outline: SmallVec<[Vec3; 4]> = SmallVec::new();
     for &position in mesh_of(gltf, node).iter().flat_map(|mesh| &mesh.positions) {

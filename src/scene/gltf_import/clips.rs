@@ -1,4 +1,4 @@
-//! Animations: each channel is read whole, or left out and reported.
+//! Animation clips. A channel is either read whole, or left out and reported.
 
 use glam::{Quat, Vec3};
 use gltf::json::animation::{
@@ -11,10 +11,10 @@ use super::nodes::GltfNode;
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::animation::{AnimationClip, Channel, ChannelValues, Interpolation};
 
-/// All clips of the file.
+/// All clips of the file. A channel whose keys do not fit is reported and left out.
 ///
 /// # Errors
-/// An index that points nowhere and an accessor that is broken; a channel whose keys do not fit is reported.
+/// An index that is out of range, or a broken accessor.
 pub(super) fn load(
     accessors: &Accessors<'_>,
     nodes: &[GltfNode],

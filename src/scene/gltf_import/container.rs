@@ -6,7 +6,7 @@ use gltf::json::{Error as JsonError, Root, Value, deserialize};
 
 use super::{Element, GltfError, Report, SkipKind};
 
-/// Extensions that the import understands.
+/// The glTF extensions that the import supports.
 pub const SUPPORTED_EXTENSIONS: [&str; 5] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
@@ -21,7 +21,7 @@ pub(super) struct Document<'a> {
     pub binary_chunk: Option<&'a [u8]>,
 }
 
-/// Parses GLB or JSON bytes and refuses what the import cannot show at all.
+/// Parses GLB or JSON bytes. Refuses files that the import cannot show at all.
 pub(super) fn parse<'a>(
     bytes: &'a [u8],
     file: &Path,
@@ -65,7 +65,8 @@ pub(super) fn parse<'a>(
     Ok(Document { root, binary_chunk })
 }
 
-/// The JSON chunk and the first binary chunk. Source: glTF 2.0 §4.4, "Binary glTF Layout".
+/// Splits a GLB file into its JSON chunk and its first binary chunk. Source: glTF 2.0 §4.4, "Binary glTF
+/// Layout".
 fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     let word = |at: usize| {
         let field = bytes.get(at..at.checked_add(4)?)?;
@@ -114,8 +115,8 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     }
 }
 
-/// Reads the schema. What the specification leaves optional and `gltf::json` demands is filled in on a second
-/// try, so that a good file pays nothing and a bad one keeps the line and column of the first error.
+/// Reads the schema. Fields that the specification leaves optional but `gltf::json` requires are filled in on
+/// a second try. A good file thus pays nothing, and a bad one reports the line and column of the first error.
 fn parse_json(json: &[u8], report: &mut Report) -> Result<Root, JsonError> {
     let first_error = match deserialize::from_slice::<Root>(json) {
         Ok(root) => return Ok(root),

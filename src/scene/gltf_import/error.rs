@@ -1,4 +1,4 @@
-//! Why a glTF file cannot be loaded. Every variant names the file and the element.
+//! Errors of the glTF import. Every variant names the file and the element.
 
 use std::path::PathBuf;
 
@@ -11,93 +11,93 @@ pub enum GltfError {
     /// The file itself cannot be read.
     #[error("{}: {source}", file.display())]
     Io {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
     /// The GLB container is broken: wrong magic, version, or a chunk that runs past the end.
     #[error("{}: GLB container: {reason}", file.display())]
     Container {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// What is wrong with the container.
         reason: String,
     },
     /// The JSON is malformed or does not follow the glTF schema.
     #[error("{}: JSON: {source}", file.display())]
     Json {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// Where and why parsing stopped.
         source: gltf::json::Error,
     },
-    /// Not glTF 2.
+    /// The file is not glTF 2.
     #[error("{}: asset version {version:?} is not supported, 2.0 is", file.display())]
     Version {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
-        /// What `asset.version` or `asset.minVersion` says.
+        /// The value of `asset.minVersion`, or of `asset.version` if that is absent.
         version: String,
     },
-    /// The file cannot be shown without an extension that is not supported.
+    /// The file requires an extension that is not supported.
     #[error("{}: required extension {extension} is not supported", file.display())]
     Extension {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// Name of the extension.
         extension: String,
     },
-    /// An index points past the end of the list it is for.
+    /// An index points past the end of the list that it refers to.
     #[error("{}: {element}: {target} {index} does not exist, the file has {count}", file.display())]
     Reference {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
-        /// Who holds the index.
+        /// The element that holds the index.
         element: Element,
-        /// What it should point to.
+        /// What kind of element the index should refer to.
         target: &'static str,
-        /// The index.
+        /// The index that is out of range.
         index: usize,
-        /// How many there are.
+        /// How many elements of that kind exist.
         count: usize,
     },
     /// An element breaks a rule without which it has no meaning.
     #[error("{}: {element}: {reason}", file.display())]
     Invalid {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
-        /// The element.
+        /// The element that breaks the rule.
         element: Element,
-        /// The rule, and what was found.
+        /// The rule, and what was found instead.
         reason: String,
     },
     /// A triangle uses a vertex that the primitive does not have.
     #[error("{}: mesh {mesh} primitive {primitive}: index {index} is out of range, it has {vertex_count} vertices",
         file.display())]
     VertexIndex {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
         /// Index of the mesh.
         mesh: usize,
         /// Index of the primitive within the mesh.
         primitive: usize,
-        /// The vertex index.
+        /// The vertex index that is out of range.
         index: u32,
-        /// Vertices of the primitive.
+        /// Number of vertices of the primitive.
         vertex_count: usize,
     },
-    /// Decoding would take far more memory than the file can honestly need.
+    /// Decoding would take far more memory than a file of this size can honestly need.
     #[error("{}: {element}: decoding it takes {bytes} bytes, {left} are left of the limit for a file of this size",
         file.display())]
     TooLarge {
-        /// The glTF file.
+        /// Path of the glTF file.
         file: PathBuf,
-        /// The element.
+        /// The element to decode.
         element: Element,
-        /// What it asks for.
+        /// Bytes that decoding the element would take.
         bytes: u64,
-        /// What is left.
+        /// Bytes that are left of the limit.
         left: u64,
     },
 }

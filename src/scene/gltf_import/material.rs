@@ -1,4 +1,4 @@
-//! Metallic-roughness materials.
+//! Import of metallic-roughness materials.
 
 use std::sync::Arc;
 
@@ -103,7 +103,8 @@ impl Import<'_, '_> {
         })
     }
 
-    /// `value` if it lies in 0..=`largest`, else the nearest that does, reported.
+    /// Returns `value` if it lies in 0..=`largest`. Otherwise returns the nearest number that does, and
+    /// reports it.
     fn number(&mut self, what: &str, value: f32, largest: f32) -> f32 {
         if (0.0..=largest).contains(&value) {
             return value;
@@ -150,8 +151,8 @@ impl Import<'_, '_> {
     }
 }
 
-/// The transform of a normal or occlusion texture, which `gltf::json` leaves unparsed. One that does not parse
-/// is none.
+/// The transform of a normal or occlusion texture, which `gltf::json` leaves unparsed. A transform that does
+/// not parse counts as absent.
 fn transform_of<'v>(others: impl IntoIterator<Item = (&'v String, &'v Value)>) -> Option<TextureTransform> {
     let (_, value) = others
         .into_iter()
@@ -159,10 +160,11 @@ fn transform_of<'v>(others: impl IntoIterator<Item = (&'v String, &'v Value)>) -
     deserialize::from_value(value.clone()).ok()
 }
 
-/// Scale, then rotate counter-clockwise as seen with v pointing down, then offset.
+/// The transform of texture coordinates: scale, then a rotation counter-clockwise as seen with v pointing
+/// down, then an offset.
 ///
-/// The matrix printed in the extension's text turns the other way from its words; the words, Khronos' own test
-/// model TextureTransformTest, three.js and Bevy agree on this one.
+/// The matrix printed in the extension's text turns the other way from its words. This function follows the
+/// words; so do Khronos' own test model TextureTransformTest, three.js and Bevy.
 fn texture_affine(transform: &TextureTransform) -> Affine2 {
     Affine2::from_mat2_translation(
         Mat2::from_angle(-transform.rotation.0) * Mat2::from_diagonal(Vec2::from(transform.scale.0)),

@@ -1,4 +1,4 @@
-//! Meshes: the primitives of a glTF mesh become the submeshes of one [`MeshData`].
+//! Import of meshes: the primitives of a glTF mesh become the submeshes of one [`MeshData`].
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -15,14 +15,14 @@ use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::mesh::MorphTarget;
 use crate::scene::{Material, MeshData, Submesh};
 
-/// A mesh and what it is drawn with.
+/// A mesh and its materials.
 #[derive(Clone, Debug)]
 pub struct GltfMesh {
-    /// All of its primitives that have triangles.
+    /// The mesh. Its submeshes are the primitives that have triangles.
     pub data: Arc<MeshData>,
-    /// One for each submesh.
+    /// The materials, one for each submesh.
     pub materials: SmallVec<[Arc<Material>; 1]>,
-    /// Weight of each morph target where a node says nothing else.
+    /// Weight of each morph target, for nodes that give no weights of their own.
     pub weights: Vec<f32>,
 }
 
@@ -90,7 +90,8 @@ fn morph_weights(mesh: &Mesh, target_count: usize, index: usize, report: &mut Re
     weights
 }
 
-/// Vertices that no triangle uses any more get a position that bounds and buffers can hold.
+/// Replaces positions that are not finite. No triangle uses those vertices any more, but bounds and buffers
+/// must be able to hold them.
 fn replace_non_finite_positions(positions: &mut [Vec3]) {
     let stand_in = positions
         .iter()
@@ -110,13 +111,13 @@ struct Import<'i, 'a> {
     index: usize,
     report: &'i mut Report,
     data: MeshData,
-    /// First vertex and count by the accessors they came from: exporters often cut one vertex buffer into
-    /// primitives by index alone.
+    /// First vertex and vertex count, by the accessors that the vertices came from. Exporters often cut one
+    /// vertex buffer into primitives by index alone.
     vertex_runs: HashMap<Vec<Option<usize>>, (usize, usize)>,
 }
 
 impl Import<'_, '_> {
-    /// Appends a primitive as a submesh; `false` if it has no triangles.
+    /// Appends a primitive as a submesh. Returns `false` if the primitive has no triangles.
     fn primitive(&mut self, primitive_index: usize, primitive: &Primitive) -> Result<bool, GltfError> {
         let element = Element::Primitive {
             mesh: self.index,
@@ -211,7 +212,7 @@ impl Import<'_, '_> {
             None => known_base,
         };
         let first_index = self.data.indices.len();
-        // positions fit 32 bits (`append`), so do these sums
+        // `append` holds the number of vertices below 2³², so these sums fit.
         self.data.indices.extend(
             triangles
                 .as_flattened()
@@ -230,8 +231,8 @@ impl Import<'_, '_> {
         Ok(true)
     }
 
-    /// A primitive whose data is there in a compressed form alone, though the file does not require that form to be read: its
-    /// accessors name no data, and would read as zeros.
+    /// Refuses a primitive whose data exists only in compressed form, although the file does not list that extension as
+    /// required. Its accessors have no data of their own and would read as zeros.
     fn refuse_compressed(&self, element: Element, primitive: &Primitive) -> Result<(), GltfError> {
         let extensions = primitive.extensions.as_ref();
         if !extensions.is_some_and(|extensions| extensions.others.contains_key(DRACO)) {
@@ -282,8 +283,8 @@ impl Import<'_, '_> {
         }
     }
 
-    /// Appends streams to those of the mesh; where only one of the two has a stream, defaults fill the other.
-    /// Returns the first new vertex.
+    /// Appends streams to those of the mesh. Where only one side has a stream, default values fill the other
+    /// side. Returns the index of the first new vertex.
     fn append(&mut self, element: Element, new: Vertices) -> Result<usize, GltfError> {
         let base = self.data.positions.len();
         let end = base + new.positions.len();
@@ -363,7 +364,7 @@ fn vertex_key(primitive: &Primitive) -> Vec<Option<usize>> {
         key.extend([Some(joints), attribute(primitive, Semantic::Weights(set))]);
         set += 1;
     }
-    key.push(None); // parts the joints from the targets
+    key.push(None); // separates the joints from the targets
     for target in primitive.targets.iter().flatten() {
         key.extend([target.positions, target.normals, target.tangents].map(|a| a.map(|a| a.value())));
     }

@@ -1,22 +1,24 @@
-//! glTF 2.0 import: a file becomes a [`LoadedGltf`] on the CPU, a scene of it becomes entities.
+//! glTF 2.0 import. A file becomes a [`LoadedGltf`] on the CPU, and a scene of it becomes entities.
 //!
 //! | step | file |
 //! | --- | --- |
 //! | GLB container, JSON, required extensions | `container.rs` |
 //! | buffers from chunk, data URI, file | `buffers.rs` |
-//! | accessors, bounds first | `accessors.rs` |
+//! | accessors, with bounds checked first | `accessors.rs` |
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | materials, textures | `material.rs`, `texture.rs` |
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs` |
-//! | cells, portals, occluders in extras | `cells.rs` |
+//! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
 //! | entities | `spawn.rs` |
 //!
-//! What a file cannot mean is a [`GltfError`]; what can be left out is left out and listed in the [`Report`].
-//! The `gltf` crate gives the JSON schema only: its readers and its validation panic on some malformed files.
+//! Content without a possible meaning is a [`GltfError`]. Content that the rest can do without is left out
+//! and listed in the [`Report`]. Of the `gltf` crate only the JSON schema is used, because its readers and
+//! its validation panic on some malformed files.
 
 mod accessors;
 mod buffers;
+mod cell_extras;
 mod cells;
 mod clips;
 mod container;
@@ -34,7 +36,7 @@ mod vertices;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use cells::{GltfPortal, GltfVisibility};
+pub use cell_extras::{GltfPortal, GltfVisibility};
 pub use container::SUPPORTED_EXTENSIONS;
 pub use error::GltfError;
 pub use mesh::GltfMesh;
@@ -47,48 +49,48 @@ use super::{Camera, Light, Material};
 use accessors::Accessors;
 use texture::Textures;
 
-/// A glTF file on the CPU. Lists are indexed as in the file.
+/// A glTF file on the CPU. Lists have the same indices as in the file.
 #[derive(Clone, Debug)]
 pub struct LoadedGltf {
-    /// Where it came from, for messages.
+    /// Path or name of the file, used in messages.
     pub file: PathBuf,
     /// Meshes with their materials.
     pub meshes: Vec<GltfMesh>,
-    /// Materials.
+    /// Materials of the file.
     pub materials: Vec<Arc<Material>>,
-    /// A forest.
+    /// Nodes of the file. They form a forest.
     pub nodes: Vec<GltfNode>,
-    /// At least one.
+    /// Scenes of the file; there is at least one.
     pub scenes: Vec<GltfSceneRoots>,
     /// Index of the scene to show first.
     pub default_scene: usize,
     /// Lights of `KHR_lights_punctual`.
     pub lights: Vec<Light>,
-    /// Cameras; `None` for those that are not supported.
+    /// Cameras of the file. `None` for a camera whose numbers make no projection.
     pub cameras: Vec<Option<Camera>>,
-    /// Skins.
+    /// Skins of the file.
     pub skins: Vec<GltfSkin>,
-    /// Animations.
+    /// Animation clips of the file.
     pub clips: Arc<[AnimationClip]>,
-    /// What was left out.
+    /// Everything that was left out or repaired.
     pub report: Report,
 }
 
 impl LoadedGltf {
-    /// Triangles of all meshes, each mesh once.
+    /// Number of triangles of all meshes, counting each mesh once.
     pub fn triangle_count(&self) -> usize {
         self.meshes.iter().map(|mesh| mesh.data.triangle_count()).sum()
     }
 }
 
-/// Loads a `.glb` or `.gltf` file; files that it refers to are looked for beside it.
+/// Loads a `.glb` or `.gltf` file. Relative references to other files start at its folder.
 ///
 /// # Errors
 /// [`GltfError`] names the file and the element.
 pub fn load_gltf(path: impl AsRef<Path>) -> Result<LoadedGltf, GltfError> {
     let path = path.as_ref();
     let read = || {
-        // a pipe or a device would never end
+        // Reading a pipe or a device might never end.
         if !std::fs::metadata(path)?.is_file() {
             return Err(std::io::Error::other("not a file"));
         }
@@ -101,8 +103,8 @@ pub fn load_gltf(path: impl AsRef<Path>) -> Result<LoadedGltf, GltfError> {
     load(&bytes, path.parent(), path)
 }
 
-/// Loads GLB or glTF JSON from memory. External files are looked for in `base_dir`; `name` stands for the file
-/// in messages.
+/// Loads GLB or glTF JSON from memory. External files are looked for in `base_dir`; messages call the file
+/// `name`.
 ///
 /// # Errors
 /// [`GltfError`] names the file and the element.
@@ -120,7 +122,8 @@ fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf
     let materials = material::load(&accessors, &mut textures, &mut report)?;
     let meshes = mesh::load(&accessors, &materials, &mut report)?;
     let skins = nodes::load_skins(&accessors, &mut report)?;
-    let nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
+    let mut nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
+    cells::load(&accessors, &mut nodes, &mut report);
     let (scenes, default_scene) = nodes::load_scenes(&accessors, &nodes)?;
     let lights = nodes::load_lights(&accessors, &mut report);
     let cameras = nodes::load_cameras(&accessors, &mut report);

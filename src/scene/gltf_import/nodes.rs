@@ -1,4 +1,4 @@
-//! The node forest, its transforms, and the lights, cameras and skins that hang on it.
+//! Import of the node forest, its transforms, and the lights, cameras and skins of nodes.
 
 use std::sync::Arc;
 
@@ -9,63 +9,65 @@ use gltf::json::scene::Node;
 use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
-use super::cells;
-use super::cells::GltfVisibility;
+use super::cell_extras::GltfVisibility;
 use super::mesh::GltfMesh;
 use super::transforms::{NodeTransform, transform_of};
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{Camera, Light, LightKind, MeshData};
 
-/// Deepest nesting of nodes. Transform propagation and despawning recurse once a level.
+/// Deepest nesting of nodes. The limit exists because transform propagation and despawning recurse once a
+/// level.
 pub const MAX_NODE_DEPTH: usize = 512;
 
-/// A node by its index in the file.
+/// A node of the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfNode {
-    /// Its name, or "node 3".
+    /// Name of the node, or "node 3" if it has none.
     pub name: String,
-    /// Relative to its parent, or to `stretch` if there is one; may be singular or not finite (it is in the report then).
+    /// Transform relative to the parent, or to `stretch` if there is one. It may be singular or not finite; the
+    /// report then lists it.
     pub transform: Transform,
-    /// Of a node whose matrix shears: what stands between it and its parent. No translation, rotation and scale alone make
-    /// such a matrix, two of them one after the other do.
+    /// Transform between the parent and `transform`, of a node whose matrix shears. No single translation, rotation
+    /// and scale makes such a matrix; two of them one after the other do.
     pub stretch: Option<Transform>,
-    /// Indices of its children.
+    /// Indices of the node's children.
     pub children: Vec<usize>,
-    /// Index into [`LoadedGltf::meshes`](super::LoadedGltf::meshes).
+    /// Index of the node's mesh in [`LoadedGltf::meshes`](super::LoadedGltf::meshes).
     pub mesh: Option<usize>,
-    /// Index into [`LoadedGltf::skins`](super::LoadedGltf::skins); only where there is a mesh with joints.
+    /// Index of the node's skin in [`LoadedGltf::skins`](super::LoadedGltf::skins). Present only if the node
+    /// has a mesh with joints.
     pub skin: Option<usize>,
-    /// Index into [`LoadedGltf::lights`](super::LoadedGltf::lights).
+    /// Index of the node's light in [`LoadedGltf::lights`](super::LoadedGltf::lights).
     pub light: Option<usize>,
-    /// Index into [`LoadedGltf::cameras`](super::LoadedGltf::cameras).
+    /// Index of the node's camera in [`LoadedGltf::cameras`](super::LoadedGltf::cameras).
     pub camera: Option<usize>,
-    /// One for each morph target of the mesh.
+    /// Weights of the mesh's morph targets, one for each.
     pub weights: Vec<f32>,
-    /// Cells, portals and occluders of its extras.
+    /// Cells, portals and occluders from the node's extras.
     pub visibility: GltfVisibility,
 }
 
-/// A scene: what can be spawned.
+/// A scene of the file, which can be spawned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct GltfSceneRoots {
-    /// Its name, or "scene 0".
+    /// Name of the scene, or "scene 0" if it has none.
     pub name: String,
-    /// Indices of nodes without a parent.
+    /// Indices of the scene's root nodes.
     pub roots: Vec<usize>,
 }
 
-/// Joints by node index.
+/// A skin: the joints that move the vertices of a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfSkin {
-    /// Its name, or "skin 0".
+    /// Name of the skin, or "skin 0" if it has none.
     pub name: String,
-    /// Indices into [`LoadedGltf::nodes`](super::LoadedGltf::nodes).
+    /// Joints of the skin, as indices into [`LoadedGltf::nodes`](super::LoadedGltf::nodes).
     pub joints: Vec<usize>,
-    /// One for each joint: from the mesh's bind space to the joint's local space.
+    /// Inverse bind matrices, one for each joint: from the mesh's bind space to the joint's local space.
     pub inverse_bind: Arc<[Mat4]>,
 }
 
-/// All nodes. They are a forest, at most [`MAX_NODE_DEPTH`] deep, and their indices exist.
+/// All nodes of the file. They form a forest at most [`MAX_NODE_DEPTH`] deep, and all their indices exist.
 pub(super) fn load(
     accessors: &Accessors<'_>,
     meshes: &[GltfMesh],
@@ -112,7 +114,7 @@ pub(super) fn load(
         let skin = check_skin(accessors, element, joint_count, skin, report)?;
         let mesh_data = mesh.map(|(_, mesh)| &mesh.data);
         if let Some(data) = mesh_data.filter(|data| skin.is_some() || !data.morph_targets.is_empty()) {
-            // each such node is posed by itself: count its vertices and weights as the file's own
+            // Each such node is posed separately, so its vertices and weights count like those of the file.
             accessors.charge(element, data.positions.len(), size_of::<[Vec3; 3]>())?;
             accessors.charge(element, data.morph_targets.len(), size_of::<f32>())?;
         }
@@ -130,17 +132,17 @@ pub(super) fn load(
         });
     }
     check_forest(accessors, &nodes)?;
-    cells::load(accessors, &mut nodes, report);
     Ok(nodes)
 }
 
-/// Joints that a mesh needs.
+/// Number of joints that a mesh needs.
 fn joint_count(data: &MeshData) -> usize {
     let largest = data.joints.iter().flatten().max();
     largest.map_or(0, |&joint| usize::from(joint) + 1)
 }
 
-/// A skin counts where the mesh has joints; every joint that a vertex follows must be in it.
+/// Checks that the skin has every joint that a vertex of the mesh follows. A skin counts only if the mesh has
+/// joints.
 fn check_skin(
     accessors: &Accessors<'_>,
     element: Element,
@@ -189,7 +191,7 @@ fn node_weights(node: &Node, mesh: &GltfMesh, element: Element, report: &mut Rep
     weights
 }
 
-/// Nobody has two parents, is their own ancestor, or lies too deep.
+/// Checks that no node has two parents, is its own ancestor, or is nested too deep.
 fn check_forest(accessors: &Accessors<'_>, nodes: &[GltfNode]) -> Result<(), GltfError> {
     let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
     for (parent, node) in nodes.iter().enumerate() {
@@ -200,7 +202,7 @@ fn check_forest(accessors: &Accessors<'_>, nodes: &[GltfNode]) -> Result<(), Glt
             }
         }
     }
-    // with one parent each, only a cycle is out of reach from the roots
+    // As every node has at most one parent, only the nodes of a cycle cannot be reached from the roots.
     let mut reached = vec![false; nodes.len()];
     let mut level: Vec<usize> = (0..nodes.len()).filter(|&node| parents[node].is_none()).collect();
     for _ in 0..MAX_NODE_DEPTH {
@@ -220,7 +222,8 @@ fn check_forest(accessors: &Accessors<'_>, nodes: &[GltfNode]) -> Result<(), Glt
     }
 }
 
-/// All scenes; where the file has none, one of every node without a parent.
+/// All scenes, and the index of the default one. A file without scenes gets one that holds every node without
+/// a parent.
 pub(super) fn load_scenes(
     accessors: &Accessors<'_>,
     nodes: &[GltfNode],
@@ -274,7 +277,7 @@ fn json_lights<'a>(accessors: &Accessors<'a>) -> &'a [JsonLight] {
         .map_or(&[], |extension| &extension.lights)
 }
 
-/// All lights of `KHR_lights_punctual`: candela, or lux, as they stand there.
+/// All lights of `KHR_lights_punctual`. Intensities are kept as they are, in candela or lux.
 pub(super) fn load_lights(accessors: &Accessors<'_>, report: &mut Report) -> Vec<Light> {
     let lights = json_lights(accessors).iter().enumerate().map(|(index, json)| {
         let spot = json.spot.as_ref();
@@ -309,7 +312,7 @@ pub(super) fn load_lights(accessors: &Accessors<'_>, report: &mut Report) -> Vec
     lights.collect()
 }
 
-/// All cameras; `None` for those whose numbers make no projection.
+/// All cameras. `None` for those whose numbers make no projection.
 pub(super) fn load_cameras(accessors: &Accessors<'_>, report: &mut Report) -> Vec<Option<Camera>> {
     let cameras = accessors.root.cameras.iter().enumerate().map(|(index, json)| {
         let perspective = json.perspective.as_ref().map(|perspective| Camera {
@@ -319,7 +322,7 @@ pub(super) fn load_cameras(accessors: &Accessors<'_>, report: &mut Report) -> Ve
             ..Camera::default()
         });
         let orthographic = json.orthographic.as_ref().map(|view| {
-            let (right, up) = (view.xmag.abs(), view.ymag.abs()); // half the picture each
+            let (right, up) = (view.xmag.abs(), view.ymag.abs()); // half of the picture's size each
             Camera::orthographic(2.0 * up, view.znear, view.zfar, right / up)
         });
         let usable = perspective.or(orthographic).filter(Camera::is_valid);
@@ -332,7 +335,7 @@ pub(super) fn load_cameras(accessors: &Accessors<'_>, report: &mut Report) -> Ve
     cameras.collect()
 }
 
-/// All skins. A joint without an inverse bind matrix has the identity.
+/// All skins. A joint without an inverse bind matrix gets the identity.
 pub(super) fn load_skins(accessors: &Accessors<'_>, report: &mut Report) -> Result<Vec<GltfSkin>, GltfError> {
     let mut skins = Vec::with_capacity(accessors.root.skins.len());
     for (index, skin) in accessors.root.skins.iter().enumerate() {

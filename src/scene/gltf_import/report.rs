@@ -1,8 +1,8 @@
-//! What was left out of a glTF file that was loaded all the same.
+//! Records what was left out of a glTF file that was loaded all the same.
 
 use std::fmt;
 
-/// A part of a glTF file, by its index there.
+/// A part of a glTF file, named by its index in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Element {
     /// The file as a whole.
@@ -23,9 +23,9 @@ pub enum Element {
     Mesh(usize),
     /// A primitive of a mesh.
     Primitive {
-        /// The mesh.
+        /// Index of the mesh.
         mesh: usize,
-        /// The primitive within it.
+        /// Index of the primitive within the mesh.
         primitive: usize,
     },
     /// A node.
@@ -38,9 +38,9 @@ pub enum Element {
     Animation(usize),
     /// A channel of an animation.
     Channel {
-        /// The animation.
+        /// Index of the animation.
         animation: usize,
-        /// The channel within it.
+        /// Index of the channel within the animation.
         channel: usize,
     },
     /// A camera.
@@ -72,37 +72,39 @@ impl fmt::Display for Element {
     }
 }
 
-/// What kind of thing was left out or repaired.
+/// The kind of content that was left out or repaired.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum SkipKind {
-    /// A primitive of points or lines: it has no surface. Counts primitives.
+    /// A primitive of points or lines, which has no surface. Counts primitives.
     DrawMode,
-    /// A primitive without a triangle. Counts primitives.
+    /// A primitive without triangles. Counts primitives.
     EmptyPrimitive,
     /// Triangles with a corner that is not finite. Counts triangles.
     NonFiniteTriangle,
     /// Indices at the end that do not fill a triangle. Counts indices.
     IncompleteTriangle,
-    /// Vertex data that was repaired: not finite, no length, or more joints than four. Counts vertices.
+    /// Vertex data that was repaired because it was not finite, had no length, or named more than four
+    /// joints. Counts vertices.
     VertexData,
-    /// A node whose transform leaves no area or is not finite; it is loaded, its objects are not drawn. Counts nodes.
+    /// A node whose transform leaves no area or is not finite. It is loaded, but its objects are not drawn. Counts
+    /// nodes.
     NodeTransform,
-    /// A node whose skin or morph weights do not fit its mesh. Counts nodes.
+    /// A node or mesh whose skin or morph weights do not fit. Counts nodes, meshes or inverse bind matrices.
     NodeMesh,
-    /// Extras of a node that cannot be read; the file has no cells and portals then. Counts nodes.
+    /// A node whose extras cannot be read. The file then has no cells and no portals. Counts nodes.
     Visibility,
-    /// A texture that a material does without. Counts textures or images.
+    /// A texture that a material has to do without. Counts textures, images or materials.
     Texture,
-    /// A material number that is out of range and was clamped. Counts numbers.
+    /// A material number that was out of range and was clamped. Counts numbers.
     MaterialValue,
-    /// A camera that is not a perspective one, or whose numbers make none. Counts cameras.
+    /// A camera whose numbers make no projection. Counts cameras.
     Camera,
-    /// A light whose numbers cannot shine; it is loaded and lights nothing. Counts lights.
+    /// A light whose numbers are not usable. It is loaded and lights nothing. Counts lights.
     Light,
-    /// An animation channel that moves nothing. Counts channels.
+    /// An animation channel that cannot be read or that targets no node. Counts channels.
     AnimationChannel,
-    /// An extension in use that is not supported and not required. Counts extensions.
+    /// An extension in use that is neither supported nor required. Counts extensions.
     Extension,
 }
 
@@ -127,16 +129,16 @@ impl fmt::Display for SkipKind {
     }
 }
 
-/// One thing that was left out or repaired.
+/// One entry of a [`Report`]: content that was left out or repaired.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Skip {
-    /// What kind of thing.
+    /// Kind of the content.
     pub kind: SkipKind,
-    /// Where.
+    /// The part of the file that holds the content.
     pub element: Element,
-    /// How many; the kind says of what.
+    /// How many; [`SkipKind`] says what is counted.
     pub count: usize,
-    /// Why.
+    /// Why the content was left out or repaired.
     pub reason: String,
 }
 
@@ -150,15 +152,16 @@ impl fmt::Display for Skip {
     }
 }
 
-/// Everything that was left out or repaired, in the order of loading. `Display` gives one line each.
+/// Everything that was left out or repaired, in the order of loading. `Display` prints one line for each
+/// entry.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Report {
-    /// The entries.
+    /// The entries, in the order of loading.
     pub skips: Vec<Skip>,
 }
 
 impl Report {
-    /// Total of one kind.
+    /// Sum of the counts of all entries of one kind.
     pub fn count(&self, kind: SkipKind) -> usize {
         self.skips
             .iter()
@@ -167,7 +170,7 @@ impl Report {
             .sum()
     }
 
-    /// Whether nothing was left out.
+    /// Whether nothing was left out or repaired.
     pub fn is_empty(&self) -> bool {
         self.skips.is_empty()
     }

@@ -1,4 +1,4 @@
-//! From a loaded file to entities.
+//! Spawning of entities from a loaded file.
 
 use std::sync::Arc;
 
@@ -17,8 +17,8 @@ use crate::scene::{
 /// The entities of a spawned scene.
 #[derive(Clone, Debug)]
 pub struct SpawnedScene {
-    /// Parent of them all; it has [`AnimationClips`] and [`SceneNodes`], and an identity transform to place the
-    /// scene with.
+    /// Parent of all other entities. It has [`AnimationClips`], [`SceneNodes`], and an identity transform
+    /// with which to place the scene.
     pub root: Entity,
     /// Entities by glTF node index.
     pub nodes: SceneNodes,
@@ -36,13 +36,15 @@ impl AsRef<SceneNodes> for SpawnedScene {
     }
 }
 
-/// Spawns a scene of the file, the default one for `None`.
+/// Spawns a scene of the file; `None` spawns the default scene.
 ///
-/// Each node becomes an entity with `Transform`, `Name`, `ChildOf`, and the mesh, light and camera of the node.
-/// A node that shears has an entity above it that stretches, as its own turns. A skinned mesh is an entity of its own, a child of the root: glTF ignores the transform of its node.
+/// Each node becomes an entity with `Transform`, `Name`, `ChildOf`, and the mesh, light and camera of the
+/// node. A node whose matrix shears gets a second entity between it and its parent, which carries the outer
+/// part of the matrix. A skinned mesh becomes a separate entity, a child of the root, because glTF ignores
+/// the transform of its node.
 ///
 /// # Errors
-/// A scene that does not exist, and a skin whose joints are not all in the scene. Nothing is spawned then.
+/// A scene that does not exist, or a skin whose joints are not all in the scene. Nothing is spawned then.
 pub fn spawn_scene(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -121,7 +123,7 @@ fn spawn_node(
         spawned.cameras.push(entity);
     }
     if node.visibility.takes_mesh() {
-        return; // its mesh is the shape of a cell or portal
+        return; // the mesh only gives the shape of a cell or portal
     }
     let Some(mesh) = node.mesh.and_then(|mesh| gltf.meshes.get(mesh)) else {
         return;

@@ -1,4 +1,5 @@
-//! Images and samplers. A texture that cannot be had is reported, and the material does without it.
+//! Import of images and samplers. A texture that cannot be loaded is reported, and the material does without
+//! it.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -16,10 +17,11 @@ use super::{Element, GltfError, Report, SkipKind, buffers};
 use crate::scene::Texture;
 use crate::scene::material::TextureWrap;
 
-/// Largest width and height of an image; every GPU that wgpu names as a default has half of it.
+/// Largest width and height of an image, texels. wgpu's default limits guarantee half of it.
 const MAX_IMAGE_SIZE: u32 = 16384;
 
-/// Pixels of all images of a file together, bytes. A file of a few kilobytes can ask for terabytes.
+/// Largest size of the decoded pixels of all images of a file together, bytes. The limit exists because a
+/// file of a few kilobytes can ask for terabytes.
 const MAX_IMAGE_BYTES: u64 = 4 << 30;
 
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -29,7 +31,7 @@ struct SamplerKey {
     linear_minify: bool,
 }
 
-/// Loads each image once for each way it is sampled, when a material first asks for it.
+/// Loads each image when a material first asks for it, once for each way in which it is sampled.
 pub(super) struct Textures<'a> {
     accessors: &'a Accessors<'a>,
     base_dir: Option<&'a Path>,
@@ -47,10 +49,10 @@ impl<'a> Textures<'a> {
         }
     }
 
-    /// The texture, or `None` after a report.
+    /// The texture, or `None` if it could not be loaded; the reason is then in the report.
     ///
     /// # Errors
-    /// An index that points nowhere, and an image whose buffer view runs past its buffer.
+    /// An index that is out of range, or an image whose buffer view runs past its buffer.
     pub fn load(
         &mut self,
         index: Index<JsonTexture>,
@@ -64,7 +66,7 @@ impl<'a> Textures<'a> {
             Some(sampler) => self.accessors.get(&root.samplers, sampler, element, "sampler")?,
             None => &Sampler::default(),
         };
-        // absent where an extension holds the source
+        // The source is absent if it is in an extension.
         if texture.source.value() == u32::MAX as usize {
             report.add(SkipKind::Texture, element, 1, "it has no PNG or JPEG image");
             return Ok(None);
@@ -155,7 +157,7 @@ fn sampler_key(sampler: &Sampler) -> SamplerKey {
     }
 }
 
-/// Width, height and RGBA bytes; the error says why not.
+/// Decodes to width, height and RGBA bytes. The error states the reason.
 fn decode(encoded: &[u8], left_bytes: u64) -> Result<(u32, u32, Vec<u8>), String> {
     let reader = || {
         let mut reader = ImageReader::new(Cursor::new(encoded))

@@ -1,4 +1,4 @@
-//! Transforms of nodes: from the file's matrices and factors to what an entity holds.
+//! Transforms of nodes: from the file's matrices and factors to the transform of an entity.
 
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{DMat3, DVec3, Mat3, Mat4, Quat, Vec3};
@@ -6,17 +6,17 @@ use gltf::json::scene::Node;
 
 use crate::scene::placement::placed;
 
-/// How a node stands to its parent.
+/// The transform of a node relative to its parent.
 pub(super) struct NodeTransform {
-    /// The innermost part, or all of it.
+    /// The inner part, or the whole transform if there is no `stretch`.
     pub transform: Transform,
-    /// The part between the parent and `transform`, of a matrix that shears.
+    /// The part between the parent and `transform`, if the node's matrix shears.
     pub stretch: Option<Transform>,
-    /// What is wrong with it.
+    /// A description of the transform's fault, if it has one.
     pub problem: Option<&'static str>,
 }
 
-/// The transform of a node, and what is wrong with it.
+/// The transform of a node, and a description of its fault if it has one.
 pub(super) fn transform_of(node: &Node) -> NodeTransform {
     let mut stretch = None;
     let mut problem = None;
@@ -56,7 +56,7 @@ pub(super) fn transform_of(node: &Node) -> NodeTransform {
     }
 }
 
-/// `rotation` with unit length; exact input is kept bit for bit.
+/// `rotation` normalised to unit length. Input that is already normalised is kept bit for bit.
 fn unit_rotation(rotation: Quat) -> Option<Quat> {
     if rotation.is_normalized() {
         return Some(rotation);
@@ -65,12 +65,13 @@ fn unit_rotation(rotation: Quat) -> Option<Quat> {
     unit.is_finite().then_some(unit)
 }
 
-/// Error of a matrix that is kept as one translation, rotation and scale, as a share of its longest axis: several times the
-/// rounding of exporters that multiply matrices in `f32`, and less than a pixel of an object that fills the picture.
+/// Largest error of a matrix that is kept as one translation, rotation and scale, as a share of its longest axis.
+/// It is several times the rounding of exporters that multiply matrices in `f32`, and less than a pixel of an object
+/// that fills the picture.
 const NO_SHEAR: f32 = 1e-5;
 
-/// Translation, rotation and scale of a matrix: one of them, or two, of which the first stands above the second, for one that
-/// shears. A flattened axis gets scale 0 and whatever direction completes the rotation.
+/// Translation, rotation and scale of a matrix. A matrix that shears gives two such transforms, of which the first
+/// is the parent of the second. A flattened axis gets scale 0 and any direction that completes the rotation.
 fn decompose(matrix: &Mat4) -> (Option<Transform>, Transform) {
     let linear = Mat3::from_mat4(*matrix);
     let translation = matrix.w_axis.truncate();
@@ -87,7 +88,7 @@ fn decompose(matrix: &Mat4) -> (Option<Transform>, Transform) {
     let axes = columns.map(Vec3::try_normalize);
     let axes = match axes {
         [Some(x), Some(y), Some(z)] => {
-            // of a mirroring matrix one axis is turned round, as in every node that mirrors
+            // If the matrix mirrors, one axis is reversed, as in every node that mirrors.
             let mirror = if x.cross(y).dot(z) < 0.0 { -1.0 } else { 1.0 };
             scale.x *= mirror;
             [x * mirror, y, z]

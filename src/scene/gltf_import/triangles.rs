@@ -1,4 +1,4 @@
-//! Triangle lists from the other modes, and flat normals.
+//! Conversion of other primitive modes to triangle lists, and flat normals.
 
 use glam::{Vec3, Vec4};
 use gltf::json::mesh::Mode;
@@ -8,7 +8,7 @@ use super::vertices::Vertices;
 use super::{Element, GltfError};
 use crate::scene::mesh::MorphTarget;
 
-/// Triangles in the order and winding of glTF 2.0 §3.7.2.1.
+/// The triangles of a primitive, in the order and winding of glTF 2.0 §3.7.2.1.
 pub(super) fn triangulate(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     match mode {
         Mode::TriangleStrip => corners
@@ -30,7 +30,7 @@ pub(super) fn triangulate(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
-/// Gives each triangle vertices of its own with the triangle's normal.
+/// Gives each triangle separate vertices with the triangle's normal.
 pub(super) fn split_flat(
     accessors: &Accessors<'_>,
     element: Element,
@@ -53,7 +53,8 @@ pub(super) fn split_flat(
     }
     let positions = gather(&shared.positions, corners);
     let normals = flat_normals(&positions);
-    // the target's own normals move smooth ones, which are not there; at weight 1 these are exact
+    // The target's own normals are offsets from smooth normals, which do not exist here. The offsets that are
+    // computed instead are exact at weight 1.
     let flat_target = |target: &MorphTarget| {
         if target.positions.is_empty() {
             return MorphTarget::default();
@@ -89,7 +90,7 @@ pub(super) fn split_flat(
     })
 }
 
-/// The normal of each triangle, once for each of its corners; +Y where it has no area.
+/// The normal of each triangle, repeated for each of its corners; +Y for a triangle without area.
 fn flat_normals(positions: &[Vec3]) -> Vec<Vec3> {
     positions
         .chunks_exact(3)

@@ -1,4 +1,4 @@
-//! The vertex streams of one primitive, repaired where they hold what no vertex may have.
+//! The vertex streams of one primitive. Values that no vertex may have are repaired.
 
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -8,17 +8,17 @@ use super::accessors::Accessors;
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::mesh::MorphTarget;
 
-/// Squared length of a unit vector may be off by this much before it is normalised again, so that exact input
-/// stays bit for bit. By eye: 8-bit normals are off by more, 32-bit ones by less.
+/// How far the squared length of a vector may be from 1 before it is normalised again. The tolerance keeps
+/// exact input bit for bit. By eye: 8-bit normals are off by more, 32-bit ones by less.
 const UNIT_TOLERANCE: f32 = 1e-5;
 
-/// Four joints of each vertex, and their weights.
+/// The four joints of each vertex, and their weights.
 type Influences = (Vec<[u16; 4]>, Vec<Vec4>);
 
-/// Streams of one primitive; each has one entry a vertex.
+/// The streams of one primitive. Each has one entry for each vertex.
 #[derive(Default)]
 pub(super) struct Vertices {
-    /// As stored: may hold values that are not finite.
+    /// Positions as stored; they may contain values that are not finite.
     pub positions: Vec<Vec3>,
     pub normals: Option<Vec<Vec3>>,
     pub tangents: Option<Vec<Vec4>>,
@@ -28,7 +28,7 @@ pub(super) struct Vertices {
     pub targets: Vec<MorphTarget>,
 }
 
-/// The accessor of an attribute.
+/// Index of the accessor of an attribute.
 pub(super) fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive
         .attributes
@@ -47,7 +47,7 @@ struct Reader<'r, 'a> {
 /// Reads all streams that a mesh can hold.
 ///
 /// # Errors
-/// A stream whose accessor is broken, of the wrong type, or not as long as the positions.
+/// A stream whose accessor is broken, has the wrong type, or has another length than the positions.
 pub(super) fn read(
     accessors: &Accessors<'_>,
     element: Element,
@@ -70,7 +70,7 @@ pub(super) fn read(
     let normals = reader.normals()?;
     Ok(Vertices {
         positions,
-        // tangents without normals say nothing (glTF 2.0 §3.7.2.1)
+        // Tangents without normals have no meaning (glTF 2.0 §3.7.2.1).
         tangents: if normals.is_some() {
             reader.tangents()?
         } else {
@@ -92,7 +92,7 @@ impl Reader<'_, '_> {
 
     fn check_length(&self, accessor: usize, name: &str) -> Result<(), GltfError> {
         let (count, vertex_count) = (self.accessors.count(accessor), self.vertex_count);
-        // one that does not exist is named by the read that follows
+        // If the accessor does not exist, the read that follows reports it.
         if accessor < self.accessors.root.accessors.len() && count != vertex_count {
             let reason = format!(
                 "{name} of {} has {count} elements, POSITION has {vertex_count}",
@@ -183,8 +183,9 @@ impl Reader<'_, '_> {
         Ok(Some(colors))
     }
 
-    /// Influences in ascending order of joints, the four strongest if there are more, weights of sum 1. One
-    /// order for all, so that the two sides of a seam pose to the same bits.
+    /// The influences of each vertex in ascending order of joints, with weights of sum 1. If there are more
+    /// than four, the four strongest are used. The fixed order makes the two sides of a seam pose to the same
+    /// bits.
     fn skin(&mut self) -> Result<Option<Influences>, GltfError> {
         let mut sets = Vec::new();
         while let (set, Some(joints)) = (

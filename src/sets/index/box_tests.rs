@@ -1,8 +1,8 @@
-//! Tests of boxes against volumes, that yield a word of a bitset at a time.
+//! Tests of boxes against volumes. Each yields a word of a bitset at a time.
 //!
-//! Each comes in two strengths: for objects, whose padding covers rounding, and for the [clusters](super::clusters) around
-//! them. The second never drops a cluster with an object in it that the first would keep, rounding included, so that sets
-//! do not depend on which objects share a cluster.
+//! Each test comes in two strengths: for objects, whose padding covers rounding, and for the clusters around
+//! them. The second never drops a cluster that contains an object which the first would keep, rounding
+//! included, so that sets do not depend on which objects share a cluster.
 
 use glam::Vec3;
 use wide::f32x8;
@@ -10,21 +10,21 @@ use wide::f32x8;
 use super::boxes::{Boxes, GROUPS, Group, LANES};
 use crate::geometry::{Aabb, Cone, PlaneSet, Sphere};
 
-/// What a test of clusters says.
+/// The result of a test of clusters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Touch {
     /// Bits of the boxes that may touch the volume.
     pub touching: usize,
-    /// Bits of those that lie wholly inside: what is in them need not be asked.
+    /// Bits of the boxes that lie wholly inside the volume, so that their contents need no test.
     pub inside: usize,
 }
 
-/// By how much a ball grows for clusters, relative to its squared radius: the objects' own slack, and the rounding
-/// of squares and sums on both sides.
+/// Share of its squared radius by which a ball grows for clusters. It covers the slack of the objects' test,
+/// and the rounding of squares and sums on both sides.
 const CLUSTER_SLACK: f32 = 64.0 * f32::EPSILON;
 
 impl Boxes {
-    /// Bits of the boxes of a word, among `candidates`, that no plane excludes.
+    /// Bits of those boxes of a word, among `candidates`, that no plane excludes.
     pub fn touching_planes(&self, word: usize, candidates: usize, volume: &PlaneSet) -> usize {
         self.test(word, candidates, |group| {
             let mut inside = u32::MAX;
@@ -41,7 +41,7 @@ impl Boxes {
         })
     }
 
-    /// Which clusters the planes do not exclude, and which lie inside of all of them.
+    /// The clusters that the planes do not exclude, and those that lie inside all planes.
     pub fn clusters_touching_planes(&self, word: usize, candidates: usize, volume: &PlaneSet) -> Touch {
         self.classify(word, candidates, |group| {
             let (mut touching, mut inside) = (u32::MAX, u32::MAX);
@@ -58,19 +58,20 @@ impl Boxes {
         })
     }
 
-    /// Bits of the boxes of a word, among `candidates`, that share a point with the ball.
+    /// Bits of those boxes of a word, among `candidates`, that share a point with the ball.
     ///
     /// Source: Arvo 1990, "A Simple Method for Box-Sphere Intersection Testing", Graphics Gems.
     pub fn touching_sphere(&self, word: usize, candidates: usize, ball: &Sphere) -> usize {
         let center = splat(ball.center);
-        // The boxes carry the rounding of the differences; the squares' own is relative.
+        // The boxes' padding covers the rounding of the differences. The rounding of the squares is relative
+        // to the radius.
         let radius_sq = f32x8::splat(ball.radius * ball.radius * (1.0 + 8.0 * f32::EPSILON));
         self.test(word, candidates, |group| {
             nearest_sq(group, &center).simd_le(radius_sq).to_bitmask()
         })
     }
 
-    /// Bits of the boxes of a word, among `candidates`, whose centres are not in the ball.
+    /// Bits of those boxes of a word, among `candidates`, whose centres lie outside the ball.
     pub fn centered_beyond(&self, word: usize, candidates: usize, ball: &Sphere) -> usize {
         let center = splat(ball.center);
         let radius_sq = f32x8::splat(ball.radius * ball.radius);
@@ -80,7 +81,7 @@ impl Boxes {
         })
     }
 
-    /// Which clusters share a point with the ball, and which have no point outside.
+    /// The clusters that share a point with the ball, and those that have no point outside it.
     pub fn clusters_touching_sphere(&self, word: usize, candidates: usize, ball: &Sphere) -> Touch {
         let center = splat(ball.center);
         let radius_sq = ball.radius * ball.radius;
@@ -93,7 +94,8 @@ impl Boxes {
         })
     }
 
-    /// Bits of the boxes of a word, among `candidates`, that may touch the cone: [`Cone::excludes_aabb`], eight at once.
+    /// Bits of those boxes of a word, among `candidates`, that may touch the cone. Tests like
+    /// [`Cone::excludes_aabb`], eight boxes at once.
     pub fn touching_cone(&self, word: usize, candidates: usize, cone: &Cone) -> usize {
         let ball = Sphere {
             center: cone.apex,
@@ -107,7 +109,8 @@ impl Boxes {
         let axes = ConeAxes::new(cone);
         self.test(word, candidates, |group| {
             let place = axes.place(group, f32x8::ZERO);
-            // On the axis any tangent plane will do: `px`, `py` are then far below the floor and the plane leans in.
+            // On the axis any tangent plane serves. `px` and `py` are then far below the floor, and the plane
+            // leans in.
             let scale = axes.cos / place.radial.fast_max(f32x8::splat(1e-18));
             let normal = [0, 1, 2]
                 .map(|i| axes.axis[i] * axes.sin - (axes.x[i] * place.px + axes.y[i] * place.py) * scale);
@@ -117,7 +120,7 @@ impl Boxes {
         })
     }
 
-    /// Bits of the boxes of a word, among `candidates`, that share a point with the box.
+    /// Bits of those boxes of a word, among `candidates`, that share a point with the box.
     pub fn touching_box(&self, word: usize, candidates: usize, aabb: &Aabb) -> usize {
         let (center, half) = (splat(aabb.center()), splat(aabb.half_size()));
         self.test(word, candidates, |group| {
@@ -127,11 +130,12 @@ impl Boxes {
         })
     }
 
-    /// Which clusters may touch the cone; none counts as inside.
+    /// The clusters that may touch the cone. None counts as inside.
     ///
-    /// The signed distance to a cone grows by at most the way that one goes. An object `a` beside the cluster's centre, with
-    /// half sizes `b`, has |a| + |b| ≤ √2·|a + b| ≤ √2·|half size of the cluster| to the far corner that its own test
-    /// asks for; that much farther out none can be kept.
+    /// The signed distance to a cone changes by at most the distance that a point moves. Take an object at
+    /// offset `a` from the cluster's centre, with half sizes `b`. The far corner that its own test uses is at
+    /// most |a| + |b| ≤ √2·|a + b| ≤ √2·|half size of the cluster| away from that centre. If the centre lies
+    /// farther outside the cone than that, no object can be kept.
     pub fn clusters_touching_cone(&self, word: usize, candidates: usize, cone: &Cone) -> Touch {
         let ball = Sphere {
             center: cone.apex,
@@ -145,7 +149,7 @@ impl Boxes {
         let axes = ConeAxes::new(cone);
         let reach = f32x8::splat(std::f32::consts::SQRT_2 * (1.0 + 1e-5));
         self.classify(word, candidates, |group| {
-            // Its objects may lie farther from the apex, and so have more slack than the centre would.
+            // Objects of the cluster may lie farther from the apex than its centre, and then have more slack.
             let size = group.half[0] + group.half[1] + group.half[2];
             let place = axes.place(group, size * f32x8::splat(4.0));
             let distance = place.along * axes.sin - place.radial * axes.cos;
@@ -194,7 +198,7 @@ fn dot(a: &[f32x8; 3], b: &[f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Distance of the centres along a normal, and how far the boxes reach along it.
+/// Distance of the boxes' centres along a normal, and the extent of the boxes along it.
 #[inline]
 fn along(group: &Group, normal: Vec3) -> (f32x8, f32x8) {
     let normal = splat(normal);
@@ -217,7 +221,7 @@ fn farthest_sq(group: &Group, point: &[f32x8; 3]) -> f32x8 {
     dot(&beyond, &beyond)
 }
 
-/// A cone in registers.
+/// A cone in vector registers.
 struct ConeAxes {
     apex: [f32x8; 3],
     axis: [f32x8; 3],
@@ -227,16 +231,16 @@ struct ConeAxes {
     cos: f32x8,
 }
 
-/// Where boxes are in a cone.
+/// The places of eight boxes relative to a cone.
 struct InCone {
     to_center: [f32x8; 3],
     along: f32x8,
     px: f32x8,
     py: f32x8,
-    /// Distance from the axis.
+    /// Distance of each box's centre from the axis.
     radial: f32x8,
     slack: f32x8,
-    /// Bits of the boxes that reach before the apex.
+    /// Bits of the boxes that reach in front of the apex.
     in_front: u32,
 }
 
@@ -254,7 +258,8 @@ impl ConeAxes {
         }
     }
 
-    /// `extra` is what the slack for rounding takes in beyond the distance of the centre.
+    /// The places of eight boxes. `extra` is a length that the slack for rounding adds to the distance of the
+    /// centre.
     #[inline]
     fn place(&self, group: &Group, extra: f32x8) -> InCone {
         let to_center = [0, 1, 2].map(|i| group.center[i] - self.apex[i]);

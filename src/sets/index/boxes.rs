@@ -1,31 +1,32 @@
-//! Bounds in flat arrays, eight to a group: where the tests of [`box_tests`](super::box_tests) find them.
+//! Bounds in flat arrays, in groups of eight, as the tests of `box_tests` read them.
 
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
 use crate::geometry::Aabb;
 
-/// Objects that one word of a bitset holds.
+/// Number of objects in one word of a bitset.
 pub const WORD: usize = usize::BITS as usize;
 
-/// Boxes in one group.
+/// Number of boxes in one group.
 pub(in crate::sets) const LANES: usize = 8;
 
-/// Groups in one word.
+/// Number of groups in one word.
 pub(in crate::sets) const GROUPS: usize = WORD / LANES;
 
-/// Half size of a lane that holds no object: fails every test, and is far enough from overflow to stay finite there.
+/// Half size of a lane that holds no object. It fails every test, and is far enough from the limits of `f32`
+/// that no test overflows.
 const ABSENT: f32 = -1e15;
 
-/// Boxes as centres and half sizes, [padded](Aabb::padded) so that the `f32` tests never exclude wrongly. The array is
-/// filled up to whole words with lanes that fail every test.
+/// Boxes as centres and half sizes, [padded](Aabb::padded) so that the `f32` tests never exclude wrongly. The
+/// array is filled up to whole words with lanes that fail every test.
 #[derive(Clone, Debug, Default)]
 pub struct Boxes {
     pub(in crate::sets) groups: Vec<Group>,
     len: usize,
 }
 
-/// Eight boxes: three cache lines, which go into registers as they are.
+/// Eight boxes: three cache lines, loaded into vector registers without conversion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::sets) struct Group {
     pub(in crate::sets) center: [f32x8; 3],
@@ -38,7 +39,8 @@ impl Group {
         half: [f32x8::new([ABSENT; LANES]); 3],
     };
 
-    /// Puts the padded boxes into the lanes of `mask`; eight times [`Boxes::set`], to the bit.
+    /// Writes the padded boxes into the lanes of `mask`. Bit for bit the same as calling [`Boxes::set`] for
+    /// each.
     pub(in crate::sets) fn write(&mut self, boxes: &[Aabb], mask: usize) {
         let lanes = |coordinate: fn(&Aabb) -> f32| {
             let mut lanes = [0.0; LANES];
@@ -67,7 +69,7 @@ impl Group {
         }
     }
 
-    /// Stores one box as it is, or marks it absent if it is empty.
+    /// Stores one box without padding, or marks the lane absent if the box is empty.
     pub(in crate::sets) fn set(&mut self, lane: usize, aabb: &Aabb) {
         let (center, half) = if aabb.is_empty() {
             (Vec3::ZERO, Vec3::splat(ABSENT))
@@ -86,7 +88,7 @@ impl Group {
     }
 }
 
-/// All bits of a lane set where the mask's bit is.
+/// A vector whose lanes have all bits set where the mask has a bit, and none elsewhere.
 pub(in crate::sets) fn lane_mask(mask: usize) -> f32x8 {
     let lane = |i: usize| f32::from_bits(((mask >> i & 1) as u32).wrapping_neg());
     f32x8::new(std::array::from_fn(lane))
@@ -98,7 +100,7 @@ impl Boxes {
         self.len
     }
 
-    /// Whether there are none.
+    /// Whether there are no boxes.
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
@@ -108,30 +110,30 @@ impl Boxes {
         self.len.div_ceil(WORD)
     }
 
-    /// Makes all boxes absent, `len` of them; keeps the allocations.
+    /// Sets the number of boxes to `len` and makes all of them absent. Keeps the allocations.
     pub fn reset(&mut self, len: usize) {
         self.len = len;
         self.groups.clear();
         self.groups.resize(len.div_ceil(WORD) * GROUPS, Group::ABSENT);
     }
 
-    /// Stores the padded box, or marks it absent if it is empty.
+    /// Stores the padded box, or marks the lane absent if the box is empty.
     pub fn set(&mut self, index: usize, aabb: &Aabb) {
         self.set_unpadded(index, &aabb.padded());
     }
 
-    /// Stores the box as it is.
+    /// Stores the box without padding.
     pub(in crate::sets) fn set_unpadded(&mut self, index: usize, aabb: &Aabb) {
         self.groups[index / LANES].set(index % LANES, aabb);
     }
 
-    /// Centre and half size, in `f64`.
+    /// Centre and half size of a padded box, in `f64`.
     pub fn center_half(&self, index: usize) -> (DVec3, DVec3) {
         let (center, half) = self.load(index);
         (center.as_dvec3(), half.as_dvec3())
     }
 
-    /// The padded box; empty if absent.
+    /// The padded box. It is empty if the lane is absent.
     pub fn get(&self, index: usize) -> Aabb {
         let (center, half) = self.load(index);
         if half.x < 0.0 {

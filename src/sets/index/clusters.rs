@@ -1,45 +1,46 @@
 //! Boxes around boxes: a hierarchy of fan-out 64 over the dense object index.
 //!
-//! A cluster is one word of every bitset over the objects; a block is 64 clusters. Since [`Objects`](crate::sets::Objects) puts
-//! objects into spatial order, the 64 objects of a word are neighbours, and a light
-//! that is far from their common box has zeros there. A query tests the boxes of all blocks, then the clusters of those it
-//! touches, then the objects of those it touches: eight boxes at a time throughout, and without any pointer.
+//! A cluster is one word of every bitset over the objects; a block is 64 clusters.
+//! [`Objects`](crate::sets::Objects) puts objects into spatial order, so the 64 objects of a word are
+//! neighbours, and a light far from their common box has zeros there. A query tests the boxes of all blocks,
+//! then the clusters of the blocks that it touches, then the objects of the clusters that it touches. All
+//! tests take eight boxes at a time and follow no pointers.
 //!
-//! Objects that move refit the boxes of their words; the order stays until it has become poor.
+//! When objects move, the boxes of their words are refitted. The order stays until it has become poor.
 //!
-//! Measured: 100,000 unit boxes in 400×20×400 m, 64 point lights of 20 m that all move; L, I and S of all, one thread,
-//! release:
+//! Measured: 100,000 unit boxes in 400×20×400 m, 64 point lights of 20 m that all move; L, I and S of all,
+//! one thread, release:
 //!
 //! | order of the index | query | ms |
 //! | --- | --- | --- |
 //! | median splits (`spatial_order.rs`) | blocks, clusters, objects | 1.03 |
-//! | cells of a grid along a Z-curve | same | 1.22 |
+//! | cells of a grid along a Z-curve | blocks, clusters, objects | 1.22 |
 //! | median splits | all objects, flat | 3.63 |
 //! | by entity | all objects, flat | 11.5 |
 //! | by entity | blocks, clusters, objects | 11.5 |
 //!
-//! So the order matters more than the levels: in the order of entities nearly every word holds some object near any
-//! light, and all that follows must look at every word. A grid with lists of objects in its cells was not pursued, since its
-//! answer has to be scattered into the bitsets bit by bit; nor was a binary hierarchy of single objects, which
-//! has to be refitted from every object upward.
+//! The order thus matters more than the levels. In the order of entities nearly every word holds some object
+//! near any light, and all later steps must look at every word. Two alternatives were not pursued: a grid
+//! with lists of objects in its cells, because its answer has to be scattered into the bitsets bit by bit;
+//! and a binary hierarchy of single objects, because it has to be refitted from every object upward.
 
 use fixedbitset::FixedBitSet;
 
 use super::box_tests::Touch;
 use super::boxes::{Boxes, Group, WORD};
-use super::lit_bounds::word_bounds;
+use super::word_bounds::word_bounds;
 use crate::geometry::Aabb;
 
-/// Share of the coordinates by which a cluster grows: thrice what tests of its objects may lose by rounding, so that none
-/// of them can pass where the cluster does not.
+/// Share of the coordinates by which a cluster grows. It is three times what tests of its objects may lose by
+/// rounding, so no object can pass a test that its cluster fails.
 const PAD: f32 = 24.0 * f32::EPSILON;
 
-/// Boxes around the words of [`Boxes`], and around the words of those.
+/// Boxes around the words of [`Boxes`], and boxes around words of those.
 #[derive(Clone, Debug, Default)]
 pub struct Clusters {
     /// A box around each word of objects.
     pub words: Boxes,
-    /// A box around each word of `words`.
+    /// A box around each word of `words`, that is around each block of 64 × 64 objects.
     pub blocks: Boxes,
 }
 
@@ -48,12 +49,12 @@ pub struct Clusters {
 pub struct Found {
     /// Index of the word.
     pub word: usize,
-    /// Whether its box lies wholly in the volume, and so all of its objects touch it.
+    /// Whether the word's box lies wholly in the volume, so that all of its objects touch the volume.
     pub inside: bool,
 }
 
 impl Clusters {
-    /// Makes room for the words of `objects` boxes, all absent.
+    /// Makes room for the words of `objects` boxes, all of them absent.
     pub fn reset(&mut self, objects: usize) {
         self.words.reset(objects.div_ceil(WORD));
         self.blocks.reset(self.words.words());
@@ -66,8 +67,9 @@ impl Clusters {
         }
     }
 
-    /// Calls `visit` for every word whose box passes the test at both levels, ascending. With `among`, only for words
-    /// whose bit is set there. The test takes boxes, a word of them and candidates.
+    /// Calls `visit` for every word whose box passes the test at both levels, ascending. With `among`, only
+    /// words whose bit is set there are considered. The arguments of `test` are the boxes, the index of a
+    /// word of them, and the candidates in that word.
     pub fn find(
         &self,
         among: Option<&FixedBitSet>,
@@ -108,8 +110,8 @@ impl Clusters {
         }
     }
 
-    /// Sum of the half areas of all words' boxes, m²: in proportion to how many of them a small light touches. Words with
-    /// objects of no end are left out.
+    /// Sum of the half areas of all words' boxes, m². It is proportional to the number of words that a small
+    /// light touches. Words that hold an unbounded object are left out.
     ///
     /// Source: MacDonald & Booth 1990, "Heuristics for ray tracing using space subdivision".
     pub fn cost(&self) -> f64 {
@@ -131,7 +133,7 @@ pub(in crate::sets) fn for_bits(mut bits: usize, mut visit: impl FnMut(usize)) {
     }
 }
 
-/// The box around the boxes of a word, grown by [`PAD`]; empty if all are absent.
+/// The box around the boxes of a word, grown by [`PAD`]. It is empty if all boxes are absent.
 pub(in crate::sets) fn around(groups: &[Group]) -> Aabb {
     let aabb = word_bounds(groups);
     if aabb.is_empty() {

@@ -1,4 +1,4 @@
-//! From components to the dense object index.
+//! Collects the dense object index from components.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -12,7 +12,7 @@ use crate::scene::{
 };
 use crate::sets::work::SetWork;
 
-/// All that [`collect_objects`] reads of one object when it rebuilds.
+/// The components that [`collect_objects`] reads of one object when it rebuilds.
 type ObjectItem<'a> = (
     Entity,
     Ref<'a, WorldBounds>,
@@ -24,10 +24,10 @@ type ObjectItem<'a> = (
     Has<SceneMaterials>,
 );
 
-/// Objects that have a component too; to be counted, by archetype.
+/// Objects that also have the component `T`. The query only counts them, by archetype.
 type ObjectsWith<'w, 's, T> = Query<'w, 's, (), (With<WorldBounds>, With<T>)>;
 
-/// What [`collect_objects`] counts.
+/// The queries by which [`collect_objects`] notices that objects or markers came or went.
 #[derive(SystemParam)]
 pub struct ObjectCounts<'w, 's> {
     churn: Res<'w, ObjectChurn>,
@@ -37,21 +37,23 @@ pub struct ObjectCounts<'w, 's> {
     layered: Query<'w, 's, Ref<'static, SelectionLayers>, With<WorldBounds>>,
 }
 
-/// What tells that an object moved.
+/// The queries by which [`collect_objects`] notices that an object moved.
 #[derive(SystemParam)]
 pub struct Motion<'w, 's> {
     bounds: Query<'w, 's, (Entity, Ref<'static, WorldBounds>)>,
     posed: Query<'w, 's, Entity, (With<WorldBounds>, Changed<PosedMesh>)>,
-    /// Where nobody but the app writes the bounds. With local bounds, those in world space change with the transform.
+    /// Transforms of objects whose world bounds are written by the app alone. For objects with local bounds,
+    /// the world bounds change together with the transform.
     transforms:
         Query<'w, 's, (Entity, Ref<'static, GlobalTransform>), (With<WorldBounds>, Without<LocalBounds>)>,
 }
 
 /// Brings [`Objects`] up to date.
 ///
-/// Set: `CollectSets`, first. Reads [`WorldBounds`] and the marker components. With nothing changed it only reads
-/// columns of change ticks; moved objects are written alone, and the clusters around them. An object or marker that came
-/// or went rebuilds all, O(n log n), and so does an order that motion has spoilt, which is at most one frame in 120.
+/// Set: `CollectSets`, first. Reads [`WorldBounds`] and the marker components. If nothing changed, it only
+/// reads columns of change ticks. If objects moved, only they and the clusters around them are written. If an
+/// object or marker came or went, everything is rebuilt, O(n log n). Everything is also rebuilt when motion
+/// has spoilt the order, which happens in at most one frame of 120.
 pub fn collect_objects(
     mut objects: ResMut<Objects>,
     mut work: ResMut<SetWork>,

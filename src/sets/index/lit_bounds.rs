@@ -1,15 +1,16 @@
 //! Bounds of many boxes at once: those of a set, each cut by a box.
 
 use fixedbitset::FixedBitSet;
-use glam::Vec3;
 use wide::f32x8;
 
 use super::box_tests::splat;
 use super::boxes::{Boxes, Group, LANES, lane_mask};
 use super::clusters::Clusters;
+use super::word_bounds::reduce;
 use crate::geometry::Aabb;
 
-/// The box around the parts of a set's boxes that lie in `cut`; `words` has every word of the set that is not 0.
+/// The box around the parts of a set's boxes that lie in `cut`. `words` must have a bit for every word of the
+/// set that is not 0.
 pub(in crate::sets) fn lit_bounds(
     boxes: &Boxes,
     clusters: &Clusters,
@@ -20,7 +21,7 @@ pub(in crate::sets) fn lit_bounds(
     let mut lit = Aabb::EMPTY;
     for word in words.ones() {
         let bits = set(word);
-        // What it could add is there already.
+        // Whatever the word could add is already inside.
         if bits == 0 || contains(&lit, &clusters.words.get(word).intersection(*cut)) {
             continue;
         }
@@ -33,7 +34,7 @@ fn contains(outer: &Aabb, inner: &Aabb) -> bool {
     outer.min.cmple(inner.min).all() && inner.max.cmple(outer.max).all()
 }
 
-/// The box around the parts of the boxes of a word that lie in `cut`.
+/// The box around those parts of a word's boxes that lie in `cut`.
 fn cut_bounds(groups: &[Group], bits: usize, cut: &Aabb) -> Aabb {
     let (cut_min, cut_max) = (splat(cut.min), splat(cut.max));
     let mut min = [f32x8::splat(f32::INFINITY); 3];
@@ -57,28 +58,4 @@ fn cut_bounds(groups: &[Group], bits: usize, cut: &Aabb) -> Aabb {
         }
     }
     reduce(min, max)
-}
-
-/// The box around the boxes of a word; empty if all are absent.
-pub(in crate::sets) fn word_bounds(groups: &[Group]) -> Aabb {
-    let mut min = [f32x8::splat(f32::INFINITY); 3];
-    let mut max = [f32x8::splat(f32::NEG_INFINITY); 3];
-    for group in groups {
-        for axis in 0..3 {
-            // Absent boxes are inside out, and leave both as they are unless nothing else is there.
-            min[axis] = min[axis].fast_min(group.center[axis] - group.half[axis]);
-            max[axis] = max[axis].fast_max(group.center[axis] + group.half[axis]);
-        }
-    }
-    reduce(min, max)
-}
-
-fn reduce(min: [f32x8; 3], max: [f32x8; 3]) -> Aabb {
-    let fold = |lanes: [f32x8; 3], f: fn(f32, f32) -> f32| {
-        Vec3::from_array(lanes.map(|v| v.to_array().into_iter().reduce(f).unwrap_or(f32::NAN)))
-    };
-    Aabb {
-        min: fold(min, f32::min),
-        max: fold(max, f32::max),
-    }
 }

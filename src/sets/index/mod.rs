@@ -1,4 +1,4 @@
-//! The dense index of objects: flags, boxes, clusters of boxes, in spatial order.
+//! The dense index of objects in spatial order: flags, boxes, and boxes around boxes.
 
 pub(crate) mod box_tests;
 pub mod boxes;
@@ -7,3 +7,4 @@ pub(crate) mod collect_objects;
 pub(crate) mod lit_bounds;
 pub(crate) mod objects;
 mod spatial_order;
+mod word_bounds;

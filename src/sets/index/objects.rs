@@ -1,4 +1,4 @@
-//! The dense object index: which entity has which index, where it is, and what it takes part in.
+//! The dense object index: which entity has which index, where it is, and which roles it has.
 
 use bevy_ecs::entity::EntityGeneration;
 use bevy_ecs::prelude::*;
@@ -11,12 +11,12 @@ use crate::geometry::Aabb;
 use crate::scene::tasks;
 
 /// Every entity with [`WorldBounds`](crate::scene::WorldBounds), by dense index. Written by
-/// [`collect_objects`](super::collect_objects()).
+/// [`collect_objects`](crate::sets::collect_objects()).
 ///
-/// Indices are in *spatial* order: each 64 that share a word of the bitsets are neighbours, and ascend by `Entity` (bevy's
-/// own order, which puts younger entities first). So up to 64 objects ascend throughout; more do not, and
-/// [`Objects::index_of`] finds an entity's index. The order lasts until objects come or go, or until motion has spoilt
-/// it ([`Objects::layout_generation`] tells).
+/// Indices are in *spatial* order. Each 64 that share a word of the bitsets are neighbours, and ascend by
+/// `Entity` (bevy's own order, which puts younger entities first). So up to 64 objects ascend throughout, but
+/// more than 64 do not; [`Objects::index_of`] finds an entity's index. The order lasts until objects come or
+/// go, or until motion has spoilt it ([`Objects::layout_generation`] then increases).
 ///
 /// An object with empty bounds keeps its index but is in no set.
 #[derive(Resource, Clone, Debug, Default)]
@@ -25,7 +25,7 @@ pub struct Objects {
     pub entities: Vec<Entity>,
     /// World bounds of each index, padded.
     pub boxes: Boxes,
-    /// Boxes around each word of them.
+    /// Boxes around each word of `boxes`, and around each block of words.
     pub clusters: Clusters,
     /// Selection layers of each index.
     pub layers: Vec<u32>,
@@ -41,28 +41,31 @@ pub struct Objects {
     pub moved: FixedBitSet,
     /// Words of `moved` that are not 0.
     pub moved_words: FixedBitSet,
-    /// Increases when indices change their meaning: an object was added or removed, or all were put into a new order.
-    /// Index by index caches end here.
+    /// Increases when indices change their meaning, because an object was added or removed or because all
+    /// were put into a new order. Caches by index are then invalid.
     pub layout_generation: u64,
-    /// Increases when layers, casters, receivers or drawn objects changed, and with `layout_generation`.
+    /// Increases when layers, casters, receivers or drawn objects changed, and whenever `layout_generation`
+    /// does.
     pub flags_generation: u64,
-    /// Objects with empty bounds.
+    /// Number of objects with empty bounds.
     pub left_out: usize,
-    /// Index of each entity, by the entity's own index. An array, since entity indices are dense.
+    /// Dense index of each entity, by the entity's own index. An array suffices, because entity indices are
+    /// dense.
     slots: Vec<Slot>,
-    /// Layers that all objects are on; all if there are no objects.
+    /// Layers that all objects are on; all layers if there are no objects.
     pub(in crate::sets) common_layers: u32,
-    /// World bounds as the entities have them.
+    /// World bounds of each index as the entities have them, without padding.
     pub(in crate::sets) bounds: Vec<Aabb>,
     /// Rows of the last rebuild, kept for their allocation.
     pub(in crate::sets) rows: Vec<Row>,
     pub(in crate::sets) decay: Decay,
-    /// Of the last frame.
+    /// Counts of the last frame.
     pub(in crate::sets) counts: Option<Counts>,
 }
 
-/// Which entity of an entity index is an object. The generation is kept here, so that a walk over entities in their own
-/// order does not jump about in `entities`: that cost half of what moving objects did.
+/// The object that an entity index belongs to. The generation is kept here, so that iterating over entities
+/// in their own order does not jump about in `entities`. Those jumps took half of the time for moving
+/// objects.
 #[derive(Clone, Copy, Debug)]
 struct Slot {
     generation: EntityGeneration,
@@ -76,7 +79,7 @@ impl Slot {
     };
 }
 
-/// All that a rebuild takes from one entity.
+/// The data that a rebuild takes from one entity.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::sets) struct Row {
     pub entity: Entity,
@@ -88,8 +91,9 @@ pub(in crate::sets) struct Row {
     pub moved: bool,
 }
 
-/// How many entities have what. Hooks count what comes and goes ([`ObjectChurn`](crate::scene::ObjectChurn)); worlds whose entities are cleared at
-/// once run none.
+/// How many entities have which component. Hooks count components that come and go
+/// ([`ObjectChurn`](crate::scene::ObjectChurn)), but a world whose entities are all cleared at once runs no
+/// hooks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::sets) struct Counts {
     pub churn: u64,
@@ -100,16 +104,16 @@ pub(in crate::sets) struct Counts {
     pub layered: usize,
 }
 
-/// How much the order has suffered from motion.
+/// How much the spatial order has suffered from motion.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::sets) struct Decay {
     /// [`Clusters::cost`] of the order when it was new.
     fresh: f64,
-    /// Its cost when a new order was asked for.
+    /// [`Clusters::cost`] of the order when a new order was requested.
     poor: Option<f64>,
-    /// Frames with motion since then.
+    /// Frames with motion since the order was new.
     frames: u32,
-    /// Frames to wait for at least.
+    /// Least number of frames with motion before a new order.
     wait: u32,
 }
 
@@ -124,17 +128,19 @@ impl Default for Decay {
     }
 }
 
-/// Cost, in units of that of the new order, from which objects are ordered anew. By then lights test about twice the
-/// objects that they need to.
+/// Cost, relative to that of the new order, from which objects are ordered again. By then lights test about
+/// twice as many objects as they need to.
 const POOR: f64 = 2.0;
 
 impl Decay {
-    /// A new order costs about as much as ten frames of motion: shared by this many it is hardly seen.
+    /// Least wait, in frames with motion. A new order costs about as much as ten frames of motion, which is
+    /// hardly noticeable when spread over this many.
     const SHORTEST: u32 = 120;
-    /// Orders that do not help (objects that grew, and so overlap however they are ordered) are tried this rarely.
+    /// Longest wait, in frames with motion, for orders that do not help. Objects that grew, for example,
+    /// overlap in any order.
     const LONGEST: u32 = 1 << 14;
 
-    /// Takes note of a frame with motion.
+    /// Records a frame with motion.
     fn after_motion(&mut self, clusters: &Clusters) {
         self.frames += 1;
         if self.frames >= self.wait && clusters.words.len() > 1 {
@@ -148,7 +154,7 @@ impl Decay {
         self.poor.is_some()
     }
 
-    /// Takes note of a new order.
+    /// Records that the order was renewed.
     fn renewed(&mut self, clusters: &Clusters) {
         self.fresh = clusters.cost();
         self.wait = match self.poor.take() {
@@ -159,7 +165,7 @@ impl Decay {
     }
 }
 
-/// Words of one task.
+/// Number of words that one task processes.
 const CHUNK: usize = 64;
 
 impl Objects {
@@ -173,24 +179,24 @@ impl Objects {
         self.entities.is_empty()
     }
 
-    /// The index of an entity; `None` if it is no object.
+    /// The dense index of an entity. `None` if the entity is no object.
     pub fn index_of(&self, entity: Entity) -> Option<usize> {
         let slot = self.slots.get(entity.index_u32() as usize)?;
         let held = slot.index != u32::MAX && slot.generation == entity.generation();
         held.then_some(slot.index as usize)
     }
 
-    /// Layers that all objects are on; all if there are no objects.
+    /// Layers that all objects are on; all layers if there are no objects.
     pub fn common_layers(&self) -> u32 {
         self.common_layers
     }
 
-    /// Whether anything moved in this frame.
+    /// Whether any object moved in this frame.
     pub fn any_moved(&self) -> bool {
         !self.moved_words.is_clear()
     }
 
-    /// Forgets which objects moved.
+    /// Clears the record of which objects moved.
     pub(in crate::sets) fn begin_motion(&mut self) {
         if self.any_moved() {
             self.moved.clear();
@@ -211,7 +217,8 @@ impl Objects {
         }
     }
 
-    /// Takes all rows in, in the order of before if `same_order` and they are the same entities, else in a new one.
+    /// Takes over all rows. The order stays the same if `same_order` and the rows are the same entities;
+    /// otherwise a new order is found.
     pub(in crate::sets) fn rebuild(&mut self, same_order: bool) {
         self.rows.sort_unstable_by_key(|row| row.entity);
         let len = self.rows.len();
@@ -277,7 +284,7 @@ impl Objects {
         }
     }
 
-    /// Brings `boxes`, `clusters` and `present` up to date with `bounds`, of all objects or of those that moved.
+    /// Updates `boxes`, `clusters` and `present` from `bounds`, for all objects or for those that moved.
     fn write_boxes(&mut self, all: bool) {
         let pieces = self
             .boxes
@@ -309,7 +316,7 @@ impl Objects {
     }
 }
 
-/// Writes the boxes of a word; gives the bits of those that are present.
+/// Writes the boxes of a word. Returns the bits of those that are present.
 fn write_word(groups: &mut [Group], bounds: &[Aabb], moved: usize) -> usize {
     let mut present = 0;
     for (at, group) in groups.iter_mut().enumerate() {

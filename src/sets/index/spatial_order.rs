@@ -6,21 +6,23 @@ use super::boxes::WORD;
 use crate::geometry::Aabb;
 use crate::scene::tasks;
 
-/// Items from which a half is worth a thread of its own.
+/// Number of items from which a half is worth a separate thread.
 const PARALLEL: usize = 8192;
 
-/// What is split: centre and size of an object, and its place in the list.
+/// An item to be ordered: centre and size of an object, and its index in the list.
 type Item = (Vec4, u32);
 
-/// Finds the order in which each run of 64 boxes is close together, and each run of 4096 made of such runs as well: the
-/// leaves of a balanced tree of median splits. Within a run the order of the list stays, and so it does throughout if
-/// there are no more than 64. Empty boxes come last.
+/// Finds an order in which each run of 64 boxes is close together, and so is each run of 4096. The runs are
+/// the leaves of a balanced tree of median splits. Within a run the order of the list is kept, so lists of up
+/// to 64 boxes keep their order throughout. Empty boxes come last.
 ///
-/// Items are split where they are widest: by centre along x, y or z, or by size. What is much larger than its
-/// neighbours (a floor under crates) goes with its like, and does not blow up the boxes of all: sizes are parted in the
-/// middle of their range, places at their median. O(n log n), and the outcome follows from the list alone.
+/// Items are split along the axis in which they are spread most: the centre along x, y or z, or the size. An
+/// object much larger than its neighbours (a floor under crates) is thus grouped with others like it and does
+/// not enlarge the boxes of all. Sizes are split at the middle of their range, places at their median. O(n
+/// log n). The result depends only on the list.
 ///
-/// Source: Bentley 1975, "Multidimensional binary search trees used for associative searching"; the fourth axis is ours.
+/// Source: Bentley 1975, "Multidimensional binary search trees used for associative searching"; the fourth
+/// axis is ours.
 pub(in crate::sets) fn spatial_order(boxes: impl Iterator<Item = Aabb>) -> Vec<u32> {
     let mut items: Vec<Item> = Vec::with_capacity(boxes.size_hint().0);
     let mut nowhere = Vec::new();
@@ -50,7 +52,7 @@ fn split(items: &mut [Item]) {
     }
 }
 
-/// Splits at a whole word, and at a whole block of words where they are split by place.
+/// Splits at a whole word, and at a whole block of words if the split is by place.
 fn halve(items: &mut [Item]) -> [&mut [Item]; 2] {
     let (mut min, mut max) = (Vec4::INFINITY, Vec4::NEG_INFINITY);
     for (place, _) in items.iter() {
@@ -77,10 +79,10 @@ fn halve(items: &mut [Item]) -> [&mut [Item]; 2] {
     [left, right]
 }
 
-/// Axis of an item's place that is its size.
+/// The axis of an item that is its size.
 const SIZE: usize = 3;
 
-/// Where the first half ends.
+/// Number of items in the first half.
 fn middle(len: usize) -> usize {
     let words = len.div_ceil(WORD);
     let half = words.div_ceil(2);
@@ -140,7 +142,8 @@ mod tests {
         };
         let mut sizes: Vec<f32> = order.chunks(WORD).map(size).collect();
         sizes.sort_unstable_by(f32::total_cmp);
-        // 62 words of small objects fill a cube of 100 m: a quarter of a side each, half of it if split evenly.
+        // 62 words of small objects fill a cube of 100 m: a quarter of a side each, half of it if split
+        // evenly.
         assert!(sizes[61] < 30.0 && sizes[62] > 60.0, "{sizes:?}");
     }
 

@@ -5,26 +5,26 @@ use glam::DVec3;
 use crate::geometry::{Aabb, Emitter};
 use crate::sets::view::frame_view::ViewData;
 use crate::sets::view::screen::{Projector, ScreenBounds};
-use crate::sets::view::view_depth::ViewDepth;
+use crate::sets::view::stored_depth::ViewDepth;
 
-/// A range of view depth. A pixel whose surface lies outside is neither lit nor shadowed.
+/// A range of view depth. A pixel whose surface lies outside it is neither lit nor shadowed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthBounds {
-    /// Smallest view depth, at least that of the near plane.
+    /// Smallest view depth, at least that of the near plane (less the slack for rounding).
     pub near: f32,
-    /// Largest view depth; may be infinite.
+    /// Largest view depth. It may be infinite.
     pub far: f32,
-    /// Reversed depth value of `far`: the smallest value inside; 0 for infinity.
+    /// Reversed depth value of `far`, which is the smallest value inside; 0 for infinity.
     pub depth_min: f32,
-    /// Reversed depth value of `near`: the largest value inside; at most 1.
+    /// Reversed depth value of `near`, which is the largest value inside; at most 1.
     pub depth_max: f32,
 }
 
-/// Share by which ranges grow on both ends: the GPU computes depth in `f32`, with some ten roundings of 2⁻²⁴.
+/// Share by which ranges grow at both ends. The GPU computes depth in `f32`, with some ten roundings of 2⁻²⁴.
 const SLACK: f64 = 4e-6;
 
 impl DepthBounds {
-    /// The range, cut at the near plane and grown by what rounding can lose; `None` if it is empty.
+    /// The range, cut at the near plane and grown by as much as rounding can lose. `None` if it is empty.
     pub fn around(near: f64, far: f64, depth: ViewDepth) -> Option<Self> {
         let near = near.max(depth.near());
         if near > far || far.is_nan() {
@@ -44,33 +44,33 @@ impl DepthBounds {
         }
     }
 
-    /// The same range in a depth that is stored in another way.
+    /// The same range of view depth, with stored values for another mapping of depth.
     pub(in crate::sets) fn stored_in(self, depth: ViewDepth) -> Self {
         Self::stored(f64::from(self.near), f64::from(self.far), depth)
     }
 
-    /// The range of screen bounds.
+    /// The depth range of screen bounds. `None` if it is empty.
     pub(in crate::sets) fn of_screen(bounds: &ScreenBounds, depth: ViewDepth) -> Option<Self> {
         Self::around(bounds.near, bounds.far, depth)
     }
 
-    /// Whether the ranges share a depth.
+    /// Whether the two ranges share a depth.
     pub fn intersects(&self, other: &Self) -> bool {
         self.near <= other.far && other.near <= self.far
     }
 
-    /// Whether a reversed depth value lies inside.
+    /// Whether a reversed depth value lies inside the range.
     pub fn contains_depth(&self, depth: f32) -> bool {
         depth >= self.depth_min && depth <= self.depth_max
     }
 }
 
-/// Range of view depth of a caster's shadow volume: its box, extruded away from all of the light to infinity. `None` if
-/// all of it lies before the near plane, or the box is empty. A caster whose range misses the light's
-/// [`DepthBounds`] shadows nothing that the light lights.
+/// Range of view depth of a caster's shadow volume: the caster's box, extruded away from the whole light to
+/// infinity. `None` if all of it lies in front of the near plane, or the box is empty. A caster whose range
+/// misses the light's [`DepthBounds`] shadows nothing that the light lights.
 ///
-/// A corner `v` of the box goes to infinity in direction `v · L.w − L.xyz`; view depth is linear, so the range ends at
-/// a corner, or at infinity if a direction leads deeper.
+/// A corner `v` of the box goes to infinity in direction `v · L.w − L.xyz`. View depth is linear, so the
+/// range ends at a corner, or at infinity if such a direction leads deeper.
 /// Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9, §9.5.3 and §9.6.3.
 pub fn shadow_depth_range(view: &ViewData, caster: &Aabb, light: &Emitter) -> Option<DepthBounds> {
     if caster.is_empty() {

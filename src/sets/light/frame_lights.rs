@@ -1,5 +1,7 @@
 //! The lights of the frame.
 
+use std::any::TypeId;
+
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
@@ -9,30 +11,31 @@ use smallvec::SmallVec;
 use super::depth_bounds::DepthBounds;
 use super::light_volume::LightVolume;
 use super::scissor::ScissorRect;
+use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
 use crate::scene::{Light, LightError, LightKind, LightSelection, light};
+use crate::sets::index::objects::Objects;
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct FrameLights {
-    /// All usable lights, ascending by entity.
+    /// All usable lights, in ascending order of their entities.
     pub lights: Vec<FrameLight>,
-    /// All lights that cannot shine now, ascending by entity.
+    /// All lights that cannot shine now, in ascending order of their entities.
     pub skipped: Vec<SkippedLight>,
-    /// Those of them that could the frame before, or were not there, or failed for another reason: to be reported.
-    pub newly_skipped: Vec<SkippedLight>,
-    /// Increases when the list of lights changed its members: indices into `lights` change their meaning.
+    /// Increases when lights were added to or removed from the list, which changes the meaning of indices
+    /// into `lights`.
     pub generation: u64,
     candidates: Vec<Candidate>,
     previous: Vec<FrameLight>,
 }
 
-/// A light that cannot shine, and why.
+/// A light that cannot shine, and the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkippedLight {
     /// Entity of the light.
     pub entity: Entity,
-    /// What is wrong with it.
+    /// Why the light cannot shine.
     pub error: LightError,
 }
 
@@ -41,63 +44,70 @@ pub struct SkippedLight {
 pub struct FrameLight {
     /// Entity of the light.
     pub entity: Entity,
-    /// Copy of the component.
+    /// Copy of the entity's [`Light`].
     pub light: Light,
-    /// Where the light is.
+    /// Copy of the entity's [`GlobalTransform`].
     pub world_from_light: GlobalTransform,
-    /// World space: the position with `w = 1`, or the unit direction towards a directional light with `w = 0`.
+    /// Place of the light in world space: its position with `w = 1`, or the unit direction towards a
+    /// directional light with `w = 0`.
     pub point_world: DVec4,
-    /// The point and how far the light extends around it.
+    /// Place and extent of the source in world space.
     pub emitter: Emitter,
-    /// Unit direction in which it shines, world space; −Z for a point or sphere whose transform has none.
+    /// Unit direction in which the light shines, world space. It is −Z for a point or sphere whose transform
+    /// has no direction.
     pub direction: Vec3,
-    /// Copy of the component.
+    /// Copy of the entity's [`LightSelection`].
     pub selection: LightSelection,
-    /// Whether place, shape, range or selection changed in this frame. Colour and intensity do not count.
+    /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
+    pub technique: Option<LightTechnique>,
+    /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
+    /// not count, except when the light goes dark or lights up.
     pub moved: bool,
-    /// The space that it reaches.
+    /// The region of space that the light reaches.
     pub volume: LightVolume,
     /// Objects within the volume, occluded from the light or not.
     pub reach: FixedBitSet,
     /// Set L: objects of `reach` that are not occluded from the light.
     pub l: FixedBitSet,
-    /// Set I: objects that the light pass draws. Empty: the light is skipped.
+    /// Set I: objects that the light pass draws. If it is empty, the light is skipped.
     pub i: FixedBitSet,
-    /// Objects of V within reach that were left out of I because the light sees nothing of what is seen of them.
+    /// Objects of V within reach that were left out of I because the light sees none of their visible points.
     pub dark: FixedBitSet,
     /// Set S: casters whose shadow can reach a receiver of I.
     pub s: FixedBitSet,
-    /// Convex hull of light and view frustum; of the last frame in which I was not empty.
+    /// Convex hull of the light and the view frustum, from the last frame in which I was not empty.
     pub hull: LightHull,
-    /// Convex hull of light and the receivers of I within its volume; likewise.
+    /// Convex hull of the light and the receivers of I within its volume, from the last frame in which I was
+    /// not empty.
     pub receiver_hull: LightHull,
-    /// Whether all of the light lies within the view frustum.
+    /// Whether the whole light lies within the view frustum.
     pub inside_frustum: bool,
-    /// Pixels that it can reach; `None` if it is skipped.
+    /// Pixels that the light can reach; `None` if the light is skipped.
     pub scissor: Option<ScissorRect>,
-    /// View depths that it can reach; `None` if it is skipped.
+    /// View depths that the light can reach; `None` if the light is skipped.
     pub depth_bounds: Option<DepthBounds>,
-    /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the volume.
+    /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the
+    /// volume.
     pub lit_receivers: Vec<Aabb>,
     /// Bounds of the receivers of I, each cut by the box of the volume.
     pub receiver_bounds: Aabb,
-    /// Words in which `reach` may not be 0, and so L, I and S neither.
+    /// Words in which `reach`, and therefore L, I or S, may be other than 0.
     pub(in crate::sets) touched: FixedBitSet,
-    /// Whether I and what follows from it are to be computed in this frame.
+    /// Whether I and everything derived from it must be computed in this frame.
     pub(in crate::sets) stale: bool,
-    /// Casters of S that some receiver needs; scratch.
+    /// Casters of S that some receiver needs. Working memory.
     pub(in crate::sets) kept: FixedBitSet,
-    /// Whether `reach`, or where its objects are, may have changed in this frame.
+    /// Whether `reach`, or the place of one of its objects, may have changed in this frame.
     pub(in crate::sets) reach_written: bool,
-    /// What was done for it in this frame.
+    /// Work that was done for the light in this frame.
     pub(in crate::sets) work: LightWork,
-    /// Kept for their allocations.
+    /// Words found by the last query. Working memory, kept for its allocation.
     pub(in crate::sets) found: FixedBitSet,
     pub(in crate::sets) cutting: PlaneSet,
     pub(in crate::sets) seen: Option<Seen>,
 }
 
-/// Work for one light, which may have been done on any thread.
+/// Work for one light. It may have been done on any thread.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::sets) struct LightWork {
     pub words: u64,
@@ -106,7 +116,7 @@ pub(in crate::sets) struct LightWork {
     pub shadows: u64,
 }
 
-/// Generations of all that set I of a light depends on.
+/// Generations of everything that set I of a light depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::sets) struct Seen {
     pub layout: u64,
@@ -115,7 +125,7 @@ pub(in crate::sets) struct Seen {
     pub visible: u64,
 }
 
-/// A light as its entity has it in this frame.
+/// The state of a light's entity in this frame.
 #[derive(Clone, Debug)]
 struct Candidate {
     entity: Entity,
@@ -125,7 +135,7 @@ struct Candidate {
     placed: Placed,
 }
 
-/// What follows from a light and its transform.
+/// The parts of a light that follow from its components and its transform.
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     emitter: Emitter,
@@ -133,10 +143,39 @@ struct Placed {
     volume: LightVolume,
 }
 
+impl FrameLights {
+    /// The light of an entity, if it shines in this frame.
+    pub fn of_entity(&self, entity: Entity) -> Option<&FrameLight> {
+        let at = self
+            .lights
+            .binary_search_by_key(&entity, |light| light.entity)
+            .ok()?;
+        Some(&self.lights[at])
+    }
+}
+
 impl FrameLight {
     /// Whether the light draws nothing in this frame.
     pub fn is_skipped(&self) -> bool {
         self.i.is_clear()
+    }
+
+    /// Whether the technique whose component is `T` shadows the light.
+    pub fn is_shadowed_by<T: 'static>(&self) -> bool {
+        self.technique
+            .is_some_and(|technique| technique.component == TypeId::of::<T>())
+    }
+
+    /// What the light's technique needs; nothing for an unshadowed light.
+    pub fn needs(&self) -> Needs {
+        self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
+    }
+
+    /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
+    /// seen in this frame.
+    pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
+        let casts = |&object: &usize| objects.layers[object] & self.selection.casts_for != 0;
+        self.l.intersection(&objects.casters).filter(casts)
     }
 
     fn new(candidate: &Candidate) -> Self {
@@ -148,6 +187,7 @@ impl FrameLight {
             emitter: candidate.placed.emitter,
             direction: candidate.placed.direction,
             selection: candidate.selection,
+            technique: None,
             moved: true,
             volume: candidate.placed.volume,
             reach: FixedBitSet::new(),
@@ -231,18 +271,17 @@ fn place(light: &Light, world_from_light: &GlobalTransform) -> Result<Placed, Li
     })
 }
 
-/// All that [`collect_frame_lights`] reads of one light.
+/// The components that [`collect_frame_lights`] reads of one light.
 type LightItem<'a> = (Entity, &'a Light, &'a GlobalTransform, Option<&'a LightSelection>);
 
 /// Lists the usable lights and compares each with the frame before.
 ///
-/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`]; O(lights log lights). Lights stay in
-/// the order of their entities, and keep their sets and allocations as long as they exist.
+/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`]. O(lights log lights). Lights
+/// are in the order of their entities, and keep their sets and allocations as long as they exist.
 pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightItem<'static>>) {
     let frame = &mut *frame;
     frame.candidates.clear();
-    frame.newly_skipped.clear();
-    let known = frame.skipped.len();
+    frame.skipped.clear();
     for (entity, light, world_from_light, selection) in &lights {
         match place(light, world_from_light) {
             Ok(placed) => frame.candidates.push(Candidate {
@@ -252,23 +291,10 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
                 selection: selection.copied().unwrap_or_default(),
                 placed,
             }),
-            // The old entries stay in front until all lights are compared with them.
-            Err(error) => {
-                let same = |old: &SkippedLight| {
-                    old.entity == entity
-                        && std::mem::discriminant(&old.error) == std::mem::discriminant(&error)
-                };
-                let skipped = SkippedLight { entity, error };
-                if !frame.skipped[..known].iter().any(same) {
-                    frame.newly_skipped.push(skipped);
-                }
-                frame.skipped.push(skipped);
-            }
+            Err(error) => frame.skipped.push(SkippedLight { entity, error }),
         }
     }
-    frame.skipped.drain(..known);
     frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
-    frame.newly_skipped.sort_unstable_by_key(|skipped| skipped.entity);
     frame
         .candidates
         .sort_unstable_by_key(|candidate| candidate.entity);

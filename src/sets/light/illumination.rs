@@ -19,7 +19,7 @@ use crate::sets::view::visible::VisibleSet;
 use crate::sets::view::visible_parts::VisibleParts;
 use crate::sets::work::SetWork;
 
-/// Bits of a word of objects whose layers share a bit with the mask.
+/// Bits of those objects of a word whose layers share a bit with the mask.
 pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mask: u32) -> usize {
     if objects.common_layers & mask != 0 {
         return bits;
@@ -33,13 +33,13 @@ pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mas
     result
 }
 
-/// Computes I = V ∩ L ∩ drawn ∩ affected of every light that needs it, less objects of which all that is seen is dark,
-/// then the scissor and depth bounds: those of I's
-/// objects, of the light's volume, and of the objects cut by the volume, intersected. If nothing is left the light
-/// is skipped: I is emptied.
+/// Computes I of every light that needs it: I = V ∩ L ∩ drawn ∩ affected, without objects whose visible part
+/// is dark. Then computes the scissor rectangle and the depth bounds, as the intersection of three bounds:
+/// those of the objects of I, those of the light's volume, and those of the objects cut by the volume. If
+/// nothing is left, the light is skipped and its I is emptied.
 ///
-/// Set: `CollectSets`, after `collect_light_occlusion`. Cost: the words that the light touches, eight objects at a time;
-/// only objects that stick out of the bounds so far are projected.
+/// Set: `CollectSets`, after `collect_light_occlusion`. Cost: the words that the light touches, eight objects
+/// at a time. Only objects that stick out of the bounds so far are projected.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.3.3 and §15.5.
 pub fn collect_illumination(
     mut frame: ResMut<FrameLights>,
@@ -108,7 +108,7 @@ fn bound(
     if lit.is_empty() {
         return None;
     }
-    // Mostly all are receivers, and one pass serves S too.
+    // Usually all objects are receivers, and then one pass also serves S.
     let all_receive = light.touched.ones().all(|word| i[word] & !receivers[word] == 0);
     light.receiver_bounds = if all_receive {
         lit

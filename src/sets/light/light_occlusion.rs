@@ -1,11 +1,11 @@
-//! Set L of each light: what it reaches and may see.
+//! Set L of each light: the objects that it reaches and may see.
 
 use bevy_ecs::prelude::*;
 use bevy_tasks::ComputeTaskPool;
 
 use super::frame_lights::{FrameLight, FrameLights};
 use crate::geometry::Aabb;
-use crate::scene::{ShadowedLight, tasks};
+use crate::scene::tasks;
 use crate::sets::index::objects::Objects;
 use crate::sets::occlusion::light_views::light_views;
 use crate::sets::occlusion::viewpoint::Blocks;
@@ -14,18 +14,18 @@ use crate::sets::occlusion::{
 };
 use crate::sets::work::SetWork;
 
-/// What stands before each light. Written by [`collect_light_occlusion`].
+/// The occluders of each light. Written by [`collect_light_occlusion`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct LightOcclusion {
-    /// One for each light of [`FrameLights`], in its order.
+    /// One entry for each light of [`FrameLights`], in the same order.
     lights: Vec<Entry>,
     previous: Vec<Entry>,
     frame_lights: u64,
-    /// One a piece of the lights.
+    /// One piece of working memory for each piece of the lights.
     pieces: Vec<Piece>,
 }
 
-/// What one thread needs for its lights, and has done.
+/// Working memory and counters of one thread.
 #[derive(Clone, Debug, Default)]
 struct Piece {
     rasterizer: Rasterizer,
@@ -41,7 +41,7 @@ struct Entry {
     seen: Option<Seen>,
 }
 
-/// What all lights are tested against.
+/// Everything that lights are tested against.
 struct Scene<'a> {
     objects: &'a Objects,
     occluders: &'a Occluders,
@@ -49,22 +49,22 @@ struct Scene<'a> {
     settings: &'a OcclusionSettings,
 }
 
-/// All that occlusion from a light depends on beside the light and what moved.
+/// Everything that occlusion from a light depends on, apart from the light itself and motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     occluders: u64,
     cells: u64,
     settings: OcclusionSettings,
-    is_shadowed: bool,
+    wants_occlusion: bool,
 }
 
 impl LightOcclusion {
-    /// What stands before the light at this index of [`FrameLights`].
+    /// The occlusion of the light with this index in [`FrameLights`].
     pub fn viewpoint(&self, light: usize) -> Option<&Viewpoint> {
         Some(&self.lights.get(light)?.viewpoint)
     }
 
-    /// What stands before a light of [`FrameLights`].
+    /// The occlusion of a light of [`FrameLights`].
     pub(in crate::sets) fn viewpoint_of(&self, light: Entity) -> Option<&Viewpoint> {
         let at = self
             .lights
@@ -73,7 +73,7 @@ impl LightOcclusion {
         Some(&self.lights[at].viewpoint)
     }
 
-    /// Keeps what is known of lights that are still there.
+    /// Keeps the entries of lights that still exist.
     fn follow(&mut self, frame: &FrameLights) {
         if self.frame_lights == frame.generation && self.lights.len() == frame.lights.len() {
             return;
@@ -94,15 +94,19 @@ impl LightOcclusion {
     }
 }
 
-/// L = reach less what no portal shows to the light, less what is hidden in its depth buffers.
+/// Computes L: the light's reach without objects that no portal shows to the light, and without objects that
+/// its depth buffers hide.
 ///
-/// Only what casts for the light hides anything from it, and only objects that are dark where it does not see them are
-/// left out: those of which every surface shows shadows, and casters that are not drawn. Nothing is occluded from lights
-/// without a shadow technique and from lights with an extent. A light's buffers are drawn when it, or an occluder within
-/// its reach, moved; then all that it reaches is tested, else only what moved. I and S are
-/// then computed anew. Lights are spread over the threads of the [`ComputeTaskPool`].
+/// Only casters of the light hide anything from it. Only objects that are dark wherever the light does not
+/// see them are left out: objects whose every surface shows shadows, and casters that are not drawn. Lights
+/// whose technique does not ask for it ([`Needs::light_occlusion`](super::technique::Needs)) see everything in
+/// their reach. Lights with an extent have no depth buffers;
+/// only portals limit what they see. A light's buffers are redrawn when the light, or an occluder within its
+/// reach, moved; then all objects that it reaches are tested, and I and S are recomputed. Otherwise only
+/// objects that moved are tested. Lights are spread over the threads of the [`ComputeTaskPool`].
 ///
-/// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does not see.
+/// Set: `CollectSets`, after `collect_light_sets`. Conservative: it may keep an object that the light does
+/// not see.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.2, with the cube of six pictures.
 pub fn collect_light_occlusion(
     mut frame: ResMut<FrameLights>,
@@ -112,7 +116,6 @@ pub fn collect_light_occlusion(
     occluders: Res<Occluders>,
     cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
-    shadowed: Query<(), With<ShadowedLight>>,
 ) {
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
@@ -121,13 +124,13 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
-        is_shadowed: shadowed.contains(light.entity),
+        wants_occlusion: light.needs().light_occlusion,
     };
     let pairs = || frame.lights.iter().zip(&*lights);
     let awake = pairs().filter(|(light, entry)| light.reach_written || is_new(light, entry, &now(light)));
     let parallel = awake.take(2).count() > 1;
     let threads = ComputeTaskPool::try_get().map_or(1, |pool| pool.thread_num());
-    // Smaller than a thread's share, since neighbouring lights may be the costly ones.
+    // A piece is smaller than a thread's share, because neighbouring lights may be the costly ones.
     let piece_count = if parallel { 4 * threads.max(1) } else { 1 };
     let size = frame.lights.len().div_ceil(piece_count).max(1);
     if pieces.len() < piece_count {
@@ -156,12 +159,12 @@ pub fn collect_light_occlusion(
     }
 }
 
-/// Whether all of the light's reach must be tested.
+/// Whether every object in the light's reach must be tested.
 fn is_new(light: &FrameLight, entry: &Entry, now: &Seen) -> bool {
     light.moved || entry.seen.as_ref() != Some(now)
 }
 
-/// Set L of one light.
+/// Computes set L of one light.
 fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut Piece, scene: &Scene) {
     let Scene {
         objects,
@@ -174,7 +177,7 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         return;
     }
     entry.seen = Some(now);
-    if !(settings.from_lights && now.is_shadowed) {
+    if !(settings.from_lights && now.wants_occlusion) {
         entry.viewpoint.clear();
         entry.sightings.forget();
         light.stale |= anew;
@@ -204,7 +207,7 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
                 light.l.remove(object);
             }
         }
-        // Even where L is as before, what is seen of its objects may have become lit or dark.
+        // Even if L is unchanged, the visible parts of its objects may have become lit or dark.
         light.stale = true;
         return;
     }
@@ -223,15 +226,16 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
     }
 }
 
-/// L = reach. Words that the light no longer touches were cleared with those of `reach`.
+/// Sets L to the light's reach. Words that the light no longer touches were cleared together with those of
+/// `reach`.
 fn see_all(light: &mut FrameLight) {
     let (l, reach) = (light.l.as_mut_slice(), light.reach.as_slice());
     light.touched.ones().for_each(|word| l[word] = reach[word]);
 }
 
-/// Looks through the portals from the light's cells, as far as it reaches. Not for directional lights, which stand
-/// nowhere, nor where the cells' walls do not cast for the light. An area light looks from all of itself: through all
-/// portals that are connected, without clipping.
+/// Looks through the portals from the light's cells, as far as the light reaches. Directional lights are
+/// skipped, because they stand in no cell, and so are lights for which the cells' walls do not cast. An area
+/// light looks from its whole extent: through all connected portals, without clipping.
 fn look_around(sightings: &mut Sightings, light: &FrameLight, cells: &Cells) {
     sightings.forget();
     if cells.is_empty() || light.point_world.w == 0.0 || !cells.cast_for(light.selection.casts_for) {
@@ -263,7 +267,7 @@ fn hides_from(light: &FrameLight, objects: &Objects, occluders: &Occluders, obje
     occluders.light.contains(object) && objects.layers[object] & light.selection.casts_for != 0
 }
 
-/// Whether an occluder that was drawn moved, or one that reaches the light's volume.
+/// Whether an occluder moved that was drawn for the light, or that is within its reach.
 fn occluder_moved(
     light: &FrameLight,
     viewpoint: &Viewpoint,

@@ -1,4 +1,4 @@
-//! The space that a light reaches.
+//! The region of space that a light reaches.
 
 use glam::Vec3;
 
@@ -8,27 +8,29 @@ use crate::sets::index::box_tests::Touch;
 use crate::sets::index::boxes::Boxes;
 use crate::sets::view::screen::{Projector, ScreenBounds};
 
-/// The space in which a light lights, and in which its casters must be: every segment from a lit point to the light
-/// stays inside, for it is convex and holds the light.
+/// The region of space in which a light lights, and in which its casters must be. The region is convex and
+/// holds the light, so every segment from a lit point to the light stays inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum LightVolume {
-    /// Everywhere: directional lights, and point and sphere lights without a range.
+    /// All of space: directional lights, and point and sphere lights without a range.
     #[default]
     Infinite,
-    /// Point and sphere lights: the range, grown by the sphere's radius.
+    /// A ball, for point and sphere lights: the range, grown by the sphere's radius.
     Ball(Sphere),
-    /// Spot lights.
+    /// A cone, for spot lights.
     Cone(Cone),
-    /// Rectangles: what lies before them, up to the range grown by the rectangle's half diagonal. A cone of half-angle
-    /// π/2.
+    /// Half a ball, for rectangles: the space in front of them, up to the range grown by the rectangle's half
+    /// diagonal. It is stored as a cone of half-angle π/2.
     HalfBall(Cone),
 }
 
-/// Ranges from here on count as infinite, metres: their squares still fit `f32`, and boxes end there too.
+/// Ranges from this value on count as infinite, metres. Their squares still fit `f32`, and boxes are clamped
+/// to the same value.
 const INFINITE_RANGE: f32 = 1e15;
 
 impl LightVolume {
-    /// The volume of a light of this kind and range at a place.
+    /// The volume of a light with the given kind, range and place. `extent` is the radius of the sphere
+    /// around the source.
     pub fn new(kind: LightKind, range: f32, center: Vec3, direction: Vec3, extent: f32) -> Self {
         let range = if range >= INFINITE_RANGE {
             f32::INFINITY
@@ -53,7 +55,7 @@ impl LightVolume {
         }
     }
 
-    /// The box around the volume, padded; infinite where the volume is.
+    /// The box around the volume, padded. It is infinite where the volume is.
     pub fn aabb(&self) -> Aabb {
         let aabb = match self {
             Self::Infinite => {
@@ -72,7 +74,7 @@ impl LightVolume {
         }
     }
 
-    /// Bits of the boxes of a word, among `candidates`, that may touch the volume.
+    /// Bits of those boxes of a word, among `candidates`, that may touch the volume.
     pub(in crate::sets) fn touching(&self, boxes: &Boxes, word: usize, candidates: usize) -> usize {
         match self {
             Self::Infinite => candidates,
@@ -81,7 +83,7 @@ impl LightVolume {
         }
     }
 
-    /// Which clusters may touch the volume, and which are known to lie inside.
+    /// The clusters that may touch the volume, and those that certainly lie inside it.
     pub(in crate::sets) fn clusters_touching(&self, boxes: &Boxes, word: usize, candidates: usize) -> Touch {
         match self {
             Self::Infinite => Touch {
@@ -93,7 +95,7 @@ impl LightVolume {
         }
     }
 
-    /// Bounds on the screen of the part behind the near plane.
+    /// Bounds on the screen of the part of the volume that lies behind the near plane.
     pub(in crate::sets) fn screen_bounds(&self, projector: &Projector) -> ScreenBounds {
         match self {
             Self::Infinite => ScreenBounds::ALL,

@@ -1,4 +1,4 @@
-//! Where the receivers of a light are that are seen, as a list of boxes: what casters are asked against.
+//! Lists where the visible receivers of a light are, as boxes against which casters are tested.
 
 use glam::Vec3;
 
@@ -7,20 +7,22 @@ use crate::geometry::{Aabb, LightHull};
 use crate::sets::index::objects::{Objects, resize};
 use crate::sets::view::visible_parts::VisibleParts;
 
-/// Receivers that are listed one by one whatever it costs.
+/// Up to this many receivers are listed one by one, regardless of the cost.
 const FEW: usize = 64;
 
-/// Receivers that are listed one by one at most.
+/// At most this many receivers are listed one by one.
 const MANY: usize = 256;
 
-/// Tests of a word of casters against a receiver that one light may cost; beyond, and beyond [`FEW`], receivers are joined.
+/// Limit on the tests of one light, each of a word of casters against a receiver. Where the limit and [`FEW`]
+/// are exceeded, receivers are joined.
 const MAX_TESTS: usize = 1024;
 
-/// They are joined by the cells of a grid over them, this many along each axis.
+/// Number of cells along each axis of the grid that joins receivers.
 const GRID: usize = 4;
 
-/// Lists boxes that hold every visible point of the light's receivers within the box of its volume: a box a receiver,
-/// or, of many, a box a cell of a grid. None of them is empty.
+/// Lists boxes that hold every visible point of the light's receivers within the box of the light's volume.
+/// There is one box for each receiver or, if there are many receivers, one for each cell of a grid. No box is
+/// empty.
 pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
     let mut boxes = std::mem::take(&mut light.lit_receivers);
     boxes.clear();
@@ -30,13 +32,13 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
     let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
     let count = receivers().count();
     if count <= FEW || (count <= MANY && count * words <= MAX_TESTS) {
-        // In two steps, so that frames soon allocate nothing.
+        // Capacity grows in two steps, so that frames soon allocate nothing.
         boxes.reserve(if count <= FEW { FEW } else { MANY });
         boxes.extend(lit.filter(|part| !part.is_empty()));
     } else if parts.in_use() {
         join(lit, &light.receiver_bounds, &mut boxes);
     } else {
-        // Neighbours share a word, and a box.
+        // Neighbours share a word, and thus a box.
         let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
         let words = light
             .touched
@@ -48,7 +50,7 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
     light.lit_receivers = boxes;
 }
 
-/// Joins boxes that have their centres in one cell of a grid over `bounds`.
+/// Joins boxes whose centres are in the same cell of a grid over `bounds`.
 fn join(boxes: impl Iterator<Item = Aabb>, bounds: &Aabb, joined: &mut Vec<Aabb>) {
     joined.resize(GRID.pow(3), Aabb::EMPTY);
     let size = (bounds.max - bounds.min).max(Vec3::splat(1e-6));
@@ -64,10 +66,10 @@ fn join(boxes: impl Iterator<Item = Aabb>, bounds: &Aabb, joined: &mut Vec<Aabb>
     joined.retain(|cell| !cell.is_empty());
 }
 
-/// Takes casters out of S that stand between the light and none of the listed boxes.
+/// Removes from S the casters that stand between the light and none of the listed boxes.
 ///
-/// Only where something occludes: in open scenes receivers see the light from all around, and the hulls cost more than
-/// they spare.
+/// This happens only if something occludes. In open scenes receivers see the light from all around, and the
+/// hulls cost more than they save.
 pub(in crate::sets) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
     let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
     if !parts.in_use() || light.lit_receivers.len() * words > 4 * MAX_TESTS {

@@ -1,4 +1,4 @@
-//! Lights: the sets L, I and S of each, scissors and depth bounds.
+//! Lights: the sets L, I and S of each light, its scissor rectangle and its depth bounds.
 
 pub(crate) mod depth_bounds;
 pub(crate) mod frame_lights;
@@ -9,3 +9,4 @@ pub(crate) mod lit_receivers;
 pub(crate) mod reach;
 pub(crate) mod scissor;
 pub(crate) mod shadow;
+pub(crate) mod technique;

@@ -1,4 +1,4 @@
-//! What each light reaches: the objects within its volume, occluded from it or not.
+//! Finds the objects within the volume of each light, occluded from it or not.
 
 use bevy_ecs::prelude::*;
 
@@ -9,16 +9,17 @@ use crate::sets::view::frame_view::View;
 use crate::sets::view::visible::VisibleSet;
 use crate::sets::work::SetWork;
 
-/// Words that a frame has for each light and each light that needs them, from which threads are worth waking.
+/// Number of (word, light) pairs to process from which it is worth waking threads.
 const PARALLEL: usize = 4096;
 
-/// Computes [`FrameLight::reach`] of every light: all of it if the light or the layout changed, else words in which
-/// something moved. Lights are independent, and are computed on all threads.
+/// Computes [`FrameLight::reach`] of every light: as a whole if the light or the layout changed, otherwise in
+/// words in which something moved. Lights are independent and are computed on all threads.
 ///
-/// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. Cost: per light the blocks
-/// of 4096 objects, then what the light touches; nothing at rest. Point lights ask with their ball, without projection.
-/// Source: McGuire 2004, GPU Gems ch. 9, §9.5.2: boxes against the range's ball or the cone; O'Rorke 2004, ch. 15,
-/// §15.4.2: no projection.
+/// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. Cost: for each
+/// light the blocks of 4096 objects, then what the light touches; nothing in a frame at rest. Point lights
+/// test against a ball and need no projection.
+/// Source: McGuire 2004, GPU Gems ch. 9, §9.5.2: boxes against the range's ball or the cone; O'Rorke 2004,
+/// ch. 15, §15.4.2: no projection.
 pub fn collect_light_sets(
     mut frame: ResMut<FrameLights>,
     mut work: ResMut<SetWork>,
@@ -43,8 +44,8 @@ pub fn collect_light_sets(
     });
 }
 
-/// Calls `collect` for every light, on all threads if there is enough to do, and sums up what was done.
-/// `pairs`: words of the lights that need something.
+/// Calls `collect` for every light, on all threads if there is enough to do, and sums up the work that was
+/// done. `pairs` is the number of words that need processing, summed over all lights.
 pub(in crate::sets) fn each_light(
     lights: &mut [FrameLight],
     work: &mut SetWork,
@@ -52,7 +53,7 @@ pub(in crate::sets) fn each_light(
     collect: impl Fn(&mut FrameLight) + Sync,
 ) {
     let parallel = pairs > PARALLEL && lights.len() > 1;
-    // Small, since neighbouring lights may be the costly ones.
+    // Chunks are small, because neighbouring lights may be the costly ones.
     let chunk = if parallel {
         lights.len().div_ceil(32)
     } else {
@@ -70,7 +71,7 @@ pub(in crate::sets) fn each_light(
     }
 }
 
-/// Brings `reach` up to date and says whether I must follow.
+/// Brings `reach` up to date, and marks the light as stale if I must be recomputed.
 fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved: bool) {
     let new_layout = light.seen.map(|seen| seen.layout) != Some(now.layout);
     let everything = light.moved || new_layout;
@@ -120,7 +121,7 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
                 *tested += 1;
                 volume.touching(&objects.boxes, at.word, present[at.word])
             };
-            // What moved within reach, out of it or into it changes I or S.
+            // An object that moved within the reach, out of it or into it changes I or S.
             changed |= (reach[at.word] | bits) & moved[at.word] != 0;
             reach[at.word] = bits;
             if bits != 0 {
@@ -128,7 +129,7 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
             }
         },
     );
-    // Words that were asked for and not found are left behind.
+    // Words that were queried and not found are no longer touched.
     let mut sets = [
         light.l.as_mut_slice(),
         light.i.as_mut_slice(),

@@ -22,17 +22,19 @@ use crate::sets::work::SetWork;
 
 /// Computes S of every light that needs it.
 ///
-/// Candidates are the casters of L that cast for this light. If all of the light is inside the frustum, those in F stay;
-/// else those that touch the convex hull of light and frustum. Of these, only those stay that touch the convex hull of
-/// light and the bounds of I's receivers within the light's volume, and, where something occludes, the hull of light and
-/// one of these. Without receivers S is empty. Casters whose world bounds touch a point light's ball, but whose local
-/// bounds, as they stand in the world, do not, are left out.
+/// Candidates are the casters of L that cast for this light. A candidate must pass every test: (1) If the
+/// whole light is inside the frustum, the candidate is in F; otherwise it touches the convex hull of light
+/// and frustum. (2) It touches the convex hull of the light and the bounds of I's receivers within the
+/// light's volume. (3) If something occludes, it touches the hull of the light and one of those receivers.
+/// (4) If the light's volume is a ball, the caster's local bounds, placed in the world, touch it, which is
+/// tighter than the test of its world bounds. Without receivers S is empty.
 ///
-/// [`OcclusionSettings::of_shadows`] off leaves S at all casters of L that cast for the light.
+/// If [`OcclusionSettings::of_shadows`] is off, S is all casters of L that cast for the light.
 ///
-/// Set: `CollectSets`, last. Conservative: it may keep a caster too many, it never drops one that matters
-/// (`tests/sets_never_drop.rs` holds it against brute force), not even for one point of an area light. Cost: the
-/// clusters that the light touches; the objects of those that a plane of the hulls cuts, against those planes alone.
+/// Set: `CollectSets`, last. Conservative: it may keep a caster too many, but never drops one that matters,
+/// not even for one point of an area light (`tests/core/sets_never_drop.rs` holds it against brute force). Cost:
+/// the clusters that the light touches, and the objects of those clusters that a plane of the hulls cuts,
+/// against those planes alone.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.4.4; the second and third hull are ours.
 pub fn collect_shadow_sets(
     mut frame: ResMut<FrameLights>,
@@ -67,7 +69,7 @@ pub fn collect_shadow_sets(
     });
 }
 
-/// S as it is without a shadow set: whatever of L casts for the light.
+/// Sets S to all casters of L that cast for the light.
 fn all_casters(light: &mut FrameLight, objects: &Objects) {
     let (l, casters) = (light.l.as_slice(), objects.casters.as_slice());
     let s = light.s.as_mut_slice();
@@ -82,7 +84,7 @@ fn clear(light: &mut FrameLight) {
     light.lit_receivers.clear();
 }
 
-/// Where the local bounds of a caster are.
+/// Local bounds of a caster, and its placement in world space.
 type Placed = (&'static LocalBounds, Placement);
 
 fn collect(
@@ -100,7 +102,7 @@ fn collect(
         return;
     }
     light.receiver_hull = LightHull::of_aabb(&light.receiver_bounds, &light.emitter);
-    // Inside the frustum F has asked the first hull's planes already.
+    // If the light is inside the frustum, F already stands for the planes of the first hull.
     let view_planes: &[Plane] = if light.inside_frustum {
         &[]
     } else {
@@ -131,7 +133,8 @@ fn collect(
     }
 }
 
-/// Bits of the casters of a word that the ball excludes as they stand; only those centred beyond its range are asked.
+/// Bits of those casters of a word whose placed local bounds the ball excludes. Only casters centred beyond
+/// its range are tested.
 fn beyond(ball: &Sphere, objects: &Objects, word: usize, s: usize, placed: &Query<Placed>) -> usize {
     let mut beyond = 0;
     for_bits(objects.boxes.centered_beyond(word, s, ball), |bit| {
@@ -146,7 +149,8 @@ fn beyond(ball: &Sphere, objects: &Objects, word: usize, s: usize, placed: &Quer
     beyond
 }
 
-/// Collects the planes that leave a part of the word's cluster outside; `false` if one leaves all of it outside.
+/// Collects the planes that leave a part of the word's cluster outside. Returns `false` if one plane leaves
+/// the whole cluster outside.
 fn cut<'a>(
     objects: &Objects,
     word: usize,

@@ -14,8 +14,8 @@ pub(super) struct Beams {
     parallel: bool,
 }
 
-/// All points seen through a rectangle of texels: `origin + s · direction` for an origin and a direction within these
-/// bounds, and `s` a depth.
+/// All points that are seen through a rectangle of texels: `origin + s · direction`, for any origin and
+/// direction within these bounds and a depth `s`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Beam {
     origin: (DVec3, DVec3),
@@ -23,7 +23,7 @@ pub(super) struct Beam {
 }
 
 impl Beams {
-    /// `None` if the projection flattens.
+    /// The beams of a projection. `None` if the projection is singular.
     pub(super) fn new(projection: &Projection) -> Option<Self> {
         let [x, y, w, key] = projection.rows().map(|row| row.truncate());
         let parallel = projection.is_parallel();
@@ -39,7 +39,7 @@ impl Beams {
         })
     }
 
-    /// What is seen through columns and rows, both in texels.
+    /// The beam through a range of columns and a range of rows, both in texels.
     pub(super) fn beam(&self, columns: (f64, f64), rows: (f64, f64)) -> Beam {
         let (width, height) = self.size;
         let (x0, x1) = (columns.0 / width * 2.0 - 1.0, columns.1 / width * 2.0 - 1.0);
@@ -62,7 +62,8 @@ impl Beams {
 }
 
 impl Beam {
-    /// Depths at which the beam may be inside of a box, within `from..=to`; `None` if at none.
+    /// The range of depths, within `from..=to`, at which the beam may be inside a box. `None` if there is
+    /// none.
     pub(super) fn depths(&self, min: DVec3, max: DVec3, from: f64, to: f64) -> Option<(f64, f64)> {
         let (mut s0, mut s1) = (from, to);
         for axis in 0..3 {
@@ -75,10 +76,11 @@ impl Beam {
         (s0 <= s1).then_some((s0, s1))
     }
 
-    /// Narrows `s0..=s1` to where `s · d` for some `d` of `d0..=d1` may be within `low..=high`.
+    /// Narrows `s0..=s1` to where `s · d`, for some `d` in `d0..=d1`, may be within `low..=high`. Returns
+    /// `false` if nothing remains.
     fn clip(&self, low: f64, high: f64, d0: f64, d1: f64, s0: &mut f64, s1: &mut f64) -> bool {
         if d0 > 0.0 {
-            // Growing with s whatever the direction.
+            // The product grows with s for every direction in the range.
             *s0 = s0.max(if low > 0.0 { low / d1 } else { low / d0 });
             *s1 = s1.min(if high > 0.0 { high / d0 } else { high / d1 });
         } else if d1 < 0.0 {
@@ -98,7 +100,7 @@ impl Beam {
                 *s0 = s0.max(high / d0);
             }
         } else {
-            // Parallel beams across this axis: `d` is 0.
+            // Parallel beams have `d` = 0 across this axis.
             return low <= 0.0 && high >= 0.0;
         }
         *s0 <= *s1

@@ -1,4 +1,4 @@
-//! Cells, portals, and which objects are in which cell.
+//! Collects cells, portals, and the cells of each object.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -14,67 +14,68 @@ use crate::sets::index::objects::{Objects, resize};
 /// Cells and portals of the world, in world space. Written by [`collect_cells`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Cells {
-    /// What cells and portals cannot mean as they are, ascending by entity.
+    /// Faults of cells and portals, in ascending order of their entities.
     pub issues: Vec<(Entity, CellIssue)>,
     /// Increases when a cell, a portal or a list of cells changed.
     pub generation: u64,
     pub(super) cells: Vec<CellBox>,
     pub(super) portals: Vec<Opening>,
-    /// Objects of each cell.
+    /// For each cell, the objects in it.
     pub(super) members: Vec<FixedBitSet>,
-    /// Objects in no cell.
+    /// Objects that are in no cell.
     pub(super) loose: FixedBitSet,
     layout: u64,
     counts: [usize; 3],
 }
 
-/// What is wrong with a cell or a portal.
+/// What is wrong with a cell or a portal, and how it is treated instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CellIssue {
-    /// Nothing is occluded by cells as long as one is not sound.
+    /// The box of a cell is empty, sheared or not finite. As long as one cell has this fault, no cell hides
+    /// anything.
     #[error("the cell's box is empty, sheared or not finite; no cell hides anything")]
     Volume,
-    /// The outline counts as its convex hull.
+    /// The outline of a portal is not flat. Its convex hull is used.
     #[error("the portal's outline is not flat; its convex hull counts")]
     NotFlat,
-    /// The outline counts as its convex hull.
+    /// The outline of a portal is not convex. Its convex hull is used.
     #[error("the portal's outline is not convex; its convex hull counts")]
     NotConvex,
-    /// The portal lets all through.
+    /// The outline of a portal has no area or is not finite. The portal hides nothing.
     #[error("the portal's outline has no area or is not finite; it lets all through")]
     Outline,
-    /// Who sees the portal sees everything.
+    /// A portal joins an entity that is no cell. A viewer who sees the portal sees everything.
     #[error("the portal joins something that is no cell; who sees it sees everything")]
     Dangling,
 }
 
-/// A cell's box.
+/// The box of a cell in world space.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CellBox {
     pub entity: Entity,
     center: DVec3,
-    /// Unit axes and half sizes.
+    /// Unit axes of the box, each with the half size along it.
     axes: [(DVec3, f64); 3],
     bounds: Aabb,
     pub layers: u32,
     usable: bool,
 }
 
-/// A portal.
+/// A portal in world space.
 #[derive(Clone, Debug)]
 pub(super) struct Opening {
     pub joins: [Option<u32>; 2],
     pub open: bool,
-    /// Empty: it lets all through.
+    /// Points of the outline. If it is empty, the portal hides nothing.
     pub points: SmallVec<[DVec3; 8]>,
-    /// Unit normal, if it is flat.
+    /// Unit normal of the outline, if it is flat.
     pub normal: Option<DVec3>,
 }
 
 impl Opening {
-    /// Whether it leads out of a cell. One that joins something which is no cell leads out of every cell that it touches:
-    /// whichever was meant is among them.
+    /// Whether the portal leads out of a cell. A portal that joins an entity which is no cell leads out of
+    /// every cell that it touches, because the intended cell is among those.
     pub(super) fn leads_out_of(&self, cells: &Cells, cell: u32) -> bool {
         let dangles = self.joins.contains(&None);
         let bounds = || Aabb::from_points(self.points.iter().map(|point| point.as_vec3())).padded();
@@ -83,7 +84,7 @@ impl Opening {
     }
 }
 
-/// Off a plane by this part of an outline's size still counts as flat.
+/// Share of an outline's size by which its points may be off a plane and still count as flat.
 const FLAT: f64 = 1e-4;
 
 impl CellBox {
@@ -104,7 +105,7 @@ impl CellBox {
             max: cell.half_size,
         };
         let sound = |&(axis, half): &(DVec3, f64)| axis.is_finite() && half.is_finite() && half > 0.0;
-        // Sheared boxes have axes that are no normals.
+        // The axes of a sheared box are not its normals.
         let upright = |a: usize, b: usize| axes[a].0.dot(axes[b].0).abs() < 1e-4;
         Self {
             entity,
@@ -120,7 +121,7 @@ impl CellBox {
         }
     }
 
-    /// Whether a box may touch the cell; it may say so of one that passes by an edge.
+    /// Whether a box may touch the cell. May be true for a box that passes by an edge.
     pub(super) fn touches(&self, aabb: &Aabb) -> bool {
         if !self.usable || aabb.is_empty() || !self.bounds.intersects(aabb) {
             return false;
@@ -164,7 +165,7 @@ impl Opening {
             .iter()
             .map(|point| point.distance(middle))
             .fold(0.0, f64::max);
-        // The widest of the triangles with the middle tells the plane.
+        // The widest of the triangles that two points form with the middle decides the plane.
         let pairs = |points: &[DVec3]| {
             let pair = |i: usize, j: usize| (points[i] - middle).cross(points[j] - middle);
             let all = (0..points.len()).flat_map(|j| (0..j).map(move |i| (i, j)));
@@ -189,7 +190,7 @@ impl Opening {
     }
 }
 
-/// Whether every point is a corner of the convex hull of all, or on its rim.
+/// Whether every point is a corner of the convex hull of all points, or on its border.
 fn is_convex(points: &[DVec3], middle: DVec3, normal: DVec3) -> bool {
     let (right, up) = normal.any_orthonormal_pair();
     let mut around: SmallVec<[(f64, DVec3); 8]> = points
@@ -207,7 +208,7 @@ fn is_convex(points: &[DVec3], middle: DVec3, normal: DVec3) -> bool {
     })
 }
 
-/// What [`collect_cells`] reads.
+/// The components that [`collect_cells`] reads.
 #[derive(SystemParam)]
 pub struct CellParts<'w, 's> {
     cells: Query<
@@ -236,10 +237,11 @@ pub struct CellParts<'w, 's> {
     >,
 }
 
-/// Brings [`Cells`] up to date: all when a cell, portal or list changed or objects came and went, else the objects that
-/// moved.
+/// Brings [`Cells`] up to date: everything if a cell, portal or list changed or objects came or went,
+/// otherwise the objects that moved.
 ///
-/// Set: `CollectSets`, after `collect_objects`. Cost: O(objects × cells) when something changed; at rest it counts.
+/// Set: `CollectSets`, after `collect_objects`. Cost: O(objects × cells) when something changed. At rest it
+/// only counts.
 pub fn collect_cells(mut cells: ResMut<Cells>, objects: Res<Objects>, parts: CellParts) {
     let counts = [
         parts.cells.iter().len(),
@@ -271,17 +273,17 @@ pub fn collect_cells(mut cells: ResMut<Cells>, objects: Res<Objects>, parts: Cel
 }
 
 impl Cells {
-    /// Whether there are no cells: nothing is occluded by them then.
+    /// Whether there are no cells. Cells then hide nothing.
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
 
-    /// Whether all cells have a box: who stands in one that has none would not know.
+    /// Whether all cells have a usable box. A viewer who stands in a cell without one could not be located.
     pub fn are_sound(&self) -> bool {
         self.cells.iter().all(|cell| cell.usable)
     }
 
-    /// Whether the walls of all cells cast for a light of this mask.
+    /// Whether the walls of all cells cast for a light with this mask.
     pub fn cast_for(&self, casts_for: u32) -> bool {
         self.cells.iter().all(|cell| cell.layers & casts_for != 0)
     }
@@ -313,7 +315,7 @@ impl Cells {
         self.issues.sort_by_key(|(entity, _)| *entity);
     }
 
-    /// Index of a cell that has a volume.
+    /// Index of a cell that has a usable box.
     fn index_of(&self, entity: Entity) -> Option<u32> {
         let at = self
             .cells

@@ -1,13 +1,14 @@
-//! Cutting triangles and segments to what a picture can hold.
+//! Clipping of triangles and segments to what a picture can hold.
 
 use smallvec::SmallVec;
 
 use super::projection::{ClipPoint, Projection};
 
-/// Coordinates beyond this many half pictures are cut off, so that `f32` serves for the rest.
+/// Half pictures from the centre at which coordinates are cut off, so that `f32` is precise enough for the
+/// rest.
 const GUARD: f64 = 3.0;
 
-/// Distances of a point inside of the planes: near, left, right, bottom, top.
+/// Signed distances of a point from the planes, positive inside: near, left, right, bottom, top.
 fn distances(point: &ClipPoint, near: f64) -> [f64; 5] {
     let ClipPoint { x, y, w, .. } = *point;
     [
@@ -19,7 +20,7 @@ fn distances(point: &ClipPoint, near: f64) -> [f64; 5] {
     ]
 }
 
-/// A bit for each plane that the point is outside of.
+/// A bit for each plane that the point lies outside of.
 pub(super) fn outside(point: &ClipPoint, near: f64) -> u8 {
     distances(point, near)
         .iter()
@@ -31,8 +32,8 @@ pub(super) fn outside(point: &ClipPoint, near: f64) -> u8 {
 /// A convex polygon in a picture.
 pub(super) type Polygon = SmallVec<[ClipPoint; 8]>;
 
-/// The part of a triangle behind the near plane and inside of the guard band. The second value lists the sides that the
-/// near plane made: boundary edges that the mesh does not have.
+/// The part of a triangle behind the near plane and inside the guard band. The second value is the side that
+/// the near plane created, which is a boundary edge that the mesh does not have.
 ///
 /// Source: Sutherland & Hodgman 1974, "Reentrant Polygon Clipping".
 pub(super) fn clip_triangle(
@@ -49,7 +50,8 @@ pub(super) fn clip_triangle(
             let from = &polygon[(i + polygon.len() - 1) % polygon.len()];
             let (a, b) = (distance(from), distance(to));
             if (a >= 0.0) != (b >= 0.0) {
-                // From the inside out, so that both triangles of an edge cut it at the same point.
+                // Interpolates from the inner to the outer point, so that both triangles at an edge cut it at
+                // the same point.
                 let (inside, outer, d_in, d_out) = if a >= 0.0 {
                     (from, to, a, b)
                 } else {
@@ -74,7 +76,7 @@ pub(super) fn clip_triangle(
     (polygon, cut)
 }
 
-/// The part of a segment behind the near plane and inside of the guard band.
+/// The part of a segment behind the near plane and inside the guard band.
 pub(super) fn clip_segment(
     projection: &Projection,
     [mut a, mut b]: [ClipPoint; 2],

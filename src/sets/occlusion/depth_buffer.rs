@@ -1,4 +1,4 @@
-//! A picture of how near something surely stands, and the test of boxes against it.
+//! A picture of how near something certainly stands, and the test of boxes against it.
 
 use glam::DVec3;
 use wide::f32x8;
@@ -10,11 +10,11 @@ use crate::geometry::Aabb;
 /// Texels along each side of a tile.
 const TILE: usize = 8;
 
-/// Keys must differ by this part of themselves for one surface to hide another.
+/// Share of themselves by which keys must differ for one surface to hide another.
 const KEY_MARGIN: f64 = 1e-4;
 
-/// By texel, the key such that at every point of the texel something stands at least that near; by tile of 8 × 8, the
-/// smallest and the greatest of its texels' keys.
+/// A conservative depth buffer. Each texel holds a key such that at every point of the texel a surface stands
+/// at least that near. Each tile of 8 × 8 texels holds the smallest and the greatest of its texels' keys.
 #[derive(Clone, Debug)]
 pub struct DepthBuffer {
     projection: Projection,
@@ -40,7 +40,7 @@ impl DepthBuffer {
         buffer
     }
 
-    /// Empties the buffer for another view; keeps its memory.
+    /// Empties the buffer for another view. It keeps its memory.
     pub fn reset(&mut self, projection: Projection) {
         let [width, height] = projection.size.to_array().map(|size| size as usize);
         self.projection = projection;
@@ -67,12 +67,12 @@ impl DepthBuffer {
         self.stride
     }
 
-    /// Key of a texel; minus infinity where nothing is known to stand.
+    /// Key of a texel. Minus infinity where nothing is known to stand.
     pub fn texel(&self, column: usize, row: usize) -> f32 {
         self.texels[row * self.stride + column]
     }
 
-    /// Share of texels that something covers.
+    /// Share of the texels that something covers.
     pub fn coverage(&self) -> f64 {
         let [width, height] = self.projection.size.to_array().map(|size| size as usize);
         let covered = (0..height)
@@ -87,7 +87,7 @@ impl DepthBuffer {
         *texel = texel.max(key);
     }
 
-    /// Computes the tiles, once all occluders are drawn.
+    /// Computes the tiles. Call this once all occluders are drawn.
     pub fn finish(&mut self) {
         let [width, height] = self.projection.size.to_array().map(|size| size as usize);
         // Texels beyond the picture's edge are in no box.
@@ -112,13 +112,13 @@ impl DepthBuffer {
         }
     }
 
-    /// Whether nothing of a box can be seen in the picture: it is behind what is there, or out of the picture of a
-    /// perspective view.
+    /// Whether nothing of a box can be visible in the picture: the box is behind drawn surfaces, or outside a
+    /// perspective picture.
     pub fn hides(&self, center: DVec3, half: DVec3) -> bool {
         self.look(center, half, &mut |_, _| false)
     }
 
-    /// The box around what may be seen of a box; empty if nothing may.
+    /// The box around the part of a box that may be visible. It is empty if no part may be visible.
     pub fn visible_part(&self, center: DVec3, half: DVec3) -> Aabb {
         let mut part = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let whole = (
@@ -143,21 +143,22 @@ impl DepthBuffer {
         .padded()
     }
 
-    /// Visits the boxes around what each texel, or each tile alike throughout, may show of a box, relative to the
-    /// projection's origin, until `visit` says that it is enough: then, and if all may be seen, the result is `false`.
+    /// Visits boxes around the parts of a box that each texel may show. A tile that nothing covers is visited
+    /// as a whole. The boxes are relative to the projection's origin. `visit` returns whether to continue.
+    /// The result is `false` if `visit` ended the search or if the whole box may be visible.
     fn look(&self, center: DVec3, half: DVec3, visit: &mut dyn FnMut(DVec3, DVec3) -> bool) -> bool {
         let parallel = self.projection.is_parallel();
         let Some(image) = self.projection.image_of_box(center, half) else {
             return !parallel;
         };
         let Some(beams) = &self.beams else { return false };
-        // What lies beside a parallel picture is not known.
+        // Nothing is known about the space beside a parallel picture.
         if parallel && !image.is_within(&self.projection) {
             return false;
         }
         let texels = |(low, high): (f64, f64), count: u32| {
             let last = f64::from(count) - 1.0;
-            let slack = f64::from(super::raster::SLACK);
+            let slack = f64::from(super::projection::SLACK);
             let first = (low - slack).floor().clamp(0.0, last);
             (first as usize, (high + slack).floor().clamp(0.0, last) as usize)
         };
@@ -194,25 +195,25 @@ impl DepthBuffer {
         true
     }
 
-    /// The key that an occluder must exceed to hide this one.
+    /// The key that an occluder must exceed to hide a surface with `key`.
     fn margin(&self, key: f64) -> f64 {
         let key = key + key.abs() * KEY_MARGIN + self.projection.key_quantum;
         if key.is_nan() { f64::INFINITY } else { key }
     }
 }
 
-/// A box that is looked for in a buffer.
+/// The search for a box in a buffer.
 struct Search<'a> {
     buffer: &'a DepthBuffer,
     beams: &'a Beams,
     min: DVec3,
     max: DVec3,
-    /// The key that hides all of it.
+    /// The key that hides the whole box.
     nearest: f64,
 }
 
 impl Search<'_> {
-    /// Looks through one tile, between inclusive columns and rows; `false` ends the search.
+    /// Searches one tile, within inclusive ranges of columns and rows. `false` ends the search.
     fn tile(
         &self,
         tile: usize,
@@ -252,7 +253,7 @@ impl Search<'_> {
                 if texel > self.buffer.margin(self.key(s0)) {
                     continue;
                 }
-                // Nothing farther than what covers the texel shows, up to what the margin leaves open.
+                // Nothing farther than the surface that covers the texel is visible, up to the margin.
                 let s1 = if texel > f64::NEG_INFINITY {
                     s1.min(self.depth_beyond(texel)).max(s0)
                 } else {
@@ -268,7 +269,7 @@ impl Search<'_> {
     }
 
     fn beam(&self, columns: (usize, usize), rows: (usize, usize)) -> Beam {
-        let slack = f64::from(super::raster::SLACK);
+        let slack = f64::from(super::projection::SLACK);
         let range = |(first, last): (usize, usize)| (first as f64 - slack, last as f64 + 1.0 + slack);
         self.beams.beam(range(columns), range(rows))
     }
@@ -291,7 +292,8 @@ impl Search<'_> {
         }
     }
 
-    /// A depth beyond which a key is exceeded by this one, margin and all.
+    /// A depth beyond which every surface is certainly hidden by a surface with this key, including the
+    /// margin.
     fn depth_beyond(&self, key: f64) -> f64 {
         let quantum = self.buffer.projection.key_quantum;
         if self.buffer.projection.is_parallel() {

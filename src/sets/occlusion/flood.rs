@@ -1,4 +1,5 @@
-//! What can be seen from a place in a cell: that cell, and through open portals one after the other.
+//! Finds what is visible from a place in a cell: that cell, and others through open portals one after
+//! another.
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -8,39 +9,41 @@ use super::sight::Sight;
 use crate::geometry::{Aabb, PlaneSet};
 use crate::sets::index::objects::Objects;
 
-/// Cells entered from one viewpoint, counted once for every way into them; beyond, everything counts as seen.
+/// Most cells entered from one viewpoint, counting a cell once for every way into it. Beyond this, everything
+/// counts as visible.
 const MAX_VISITS: usize = 2048;
 
-/// Portals on one way; likewise.
+/// Most portals on one way. Beyond this, everything counts as visible.
 const MAX_WAY: usize = 48;
 
-/// Where somebody looks from.
+/// The place from which a camera or a light looks.
 #[derive(Clone, Debug)]
 pub(in crate::sets) struct Standpoint {
-    /// The eye, or the middle of a light.
+    /// The eye of a camera, or the middle of a light.
     pub eye: DVec3,
-    /// All points that are looked from; each must be in a cell.
+    /// All points from which the viewer looks. Each must be in a cell.
     pub points: SmallVec<[DVec3; 8]>,
-    /// Portals nearer than this are stood in: they clip nothing, metres.
+    /// Distance, metres, within which the viewer stands in a portal. Such a portal clips nothing.
     pub reach: f64,
-    /// Directions that are looked into, as corners of a convex cone; empty: all.
+    /// Corners of the convex cone of directions that the viewer sees. If it is empty, the viewer sees all
+    /// directions.
     pub corners: SmallVec<[DVec3; 4]>,
-    /// Whether it is a single point, so that portals clip what is seen.
+    /// Whether the viewer is a single point, so that portals clip the view.
     pub clips: bool,
-    /// How far is looked, metres.
+    /// Distance up to which the viewer sees, metres.
     pub range: f64,
 }
 
-/// The cells that were seen, each with the planes of what was seen of it.
+/// The cells that were seen, each with the planes around the part of it that was seen.
 #[derive(Clone, Debug, Default)]
 pub(in crate::sets) struct Sightings {
-    /// False: everything is seen.
+    /// Whether anything may be unseen. If `false`, everything counts as seen.
     limited: bool,
     visits: Vec<(u32, PlaneSet)>,
 }
 
 impl Sightings {
-    /// Everything is seen.
+    /// Declares that everything is seen.
     pub(in crate::sets) fn forget(&mut self) {
         self.limited = false;
         self.visits.clear();
@@ -51,7 +54,7 @@ impl Sightings {
         self.limited
     }
 
-    /// Looks around.
+    /// Finds the cells that are seen from a standpoint.
     pub(in crate::sets) fn flood(&mut self, cells: &Cells, from: &Standpoint) {
         self.visits.clear();
         let bounds = Aabb::from_points(from.points.iter().map(|point| point.as_vec3())).padded();
@@ -74,7 +77,7 @@ impl Sightings {
         }
     }
 
-    /// Sees a cell and what is behind its portals; `false` to give up.
+    /// Enters a cell, and continues through its portals. Returns `false` to give up.
     fn enter(
         &mut self,
         cells: &Cells,
@@ -89,7 +92,7 @@ impl Sightings {
         self.visits.push((cell, sight.planes()));
         for (index, portal) in cells.portals.iter().enumerate() {
             let index = index as u32;
-            // A straight line crosses the plane of a portal once.
+            // A straight line crosses the plane of a portal only once.
             if !portal.open || !portal.leads_out_of(cells, cell) || way.contains(&index) {
                 continue;
             }
@@ -120,7 +123,7 @@ impl Sightings {
         self.seen_of_word(cells, objects, word, bit) != 0
     }
 
-    /// Bits of the objects of a word, among `candidates`, that may be seen.
+    /// Bits of those objects of a word, among `candidates`, that may be seen.
     pub(in crate::sets) fn seen_of_word(
         &self,
         cells: &Cells,
@@ -142,7 +145,7 @@ impl Sightings {
     }
 }
 
-/// What is seen through a portal; `None` if nothing.
+/// The directions that remain after looking through a portal. `None` if nothing is visible through it.
 fn look_through(portal: &Opening, from: &Standpoint, sight: &Sight) -> Option<Sight> {
     if portal.points.is_empty() {
         return Some(sight.clone());

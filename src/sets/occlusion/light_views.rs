@@ -1,4 +1,4 @@
-//! The pictures that together show all that a light sees.
+//! The pictures that together show everything that a light sees.
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -8,18 +8,20 @@ use crate::geometry::Aabb;
 use crate::scene::LightKind;
 use crate::sets::FrameLight;
 
-/// Half-angle up to which the cone of a spot light is one picture, radians.
+/// Largest half-angle of a spot light's cone that fits into a single picture, radians.
 const ONE_PICTURE: f32 = 1.0;
 
-/// Occluders nearer to a light than this hide nothing, metres; or this part of its range, if that is less.
+/// Distance from a light below which occluders hide nothing, metres. For ranges below 1 m it is this share of
+/// the range.
 const NEAR: f64 = 1e-3;
 
-/// How much wider a spot light's picture is than its cone: bounds on its rim are in the picture whatever rounding does.
+/// How much wider a spot light's picture is than its cone, so that bounds on the rim are in the picture
+/// despite rounding.
 const RIM: f64 = 1.01;
 
-/// Pictures of a light: six faces of a cube around a point, one along the axis of a spot, one parallel for a directional
-/// light, of all that is within `bounds`. None for a light with an extent: what one of its points does not see another
-/// may.
+/// The pictures of a light, of everything within `bounds`: six cube faces around a point, one picture along
+/// the axis of a spot light, or one parallel picture for a directional light. There is none for a light with
+/// an extent, because one of its points may see what another does not.
 pub fn light_views(light: &FrameLight, bounds: &Aabb, width: u32) -> SmallVec<[Projection; 6]> {
     if light.emitter.bounding_radius() > 0.0 || bounds.is_empty() {
         return SmallVec::new();

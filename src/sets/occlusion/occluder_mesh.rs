@@ -10,26 +10,27 @@ use crate::geometry::Aabb;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput, LaneSide};
 use crate::scene::MeshData;
 
-/// Welded triangles with their edges, in local space: the very triangles that cast.
+/// Welded triangles with their edges, in local space. They are exactly the triangles that cast.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OccluderMesh {
-    /// Each vertex once.
+    /// Positions of the vertices, each once, metres.
     pub positions: Vec<Vec3>,
-    /// Those of closed pieces first.
+    /// Vertices of each triangle. Triangles of closed pieces come first.
     pub triangles: Vec<[u32; 3]>,
-    /// How many of them belong to closed pieces.
+    /// Number of triangles that belong to closed pieces.
     pub closed_triangles: usize,
     /// Vertices of each edge.
     pub edges: Vec<[u32; 2]>,
-    /// Where the sides of each edge begin; one more than edges.
+    /// Start of each edge's range in `sides`, and the end of the last range.
     side_starts: Vec<u32>,
-    /// Triangle · 2 + whether it traverses the edge from its second vertex to its first.
+    /// Twice the number of a triangle at the edge, plus 1 if the triangle traverses the edge from its second
+    /// vertex to its first.
     sides: Vec<u32>,
 }
 
 impl OccluderMesh {
-    /// The mesh of some data; `None` if that has no triangles, is no mesh, or lies so far from its origin that `f32`
-    /// vertices on a GPU may be drawn elsewhere.
+    /// The occluder mesh of some data. `None` if the data has no triangles, is no valid mesh, or lies so far
+    /// from its origin that a GPU may draw its `f32` vertices elsewhere.
     pub fn build(mesh: &MeshData) -> Option<Self> {
         let edges = EdgeMesh::build(EdgeMeshInput {
             positions: &mesh.positions,
@@ -105,7 +106,7 @@ impl OccluderMesh {
         }
     }
 
-    /// The triangles at an edge, and whether each traverses it backwards.
+    /// The triangles at an edge, each with whether it traverses the edge backwards.
     pub fn sides(&self, edge: usize) -> impl Iterator<Item = (usize, bool)> + '_ {
         let range = self.side_starts[edge] as usize..self.side_starts[edge + 1] as usize;
         self.sides[range]
@@ -114,7 +115,7 @@ impl OccluderMesh {
     }
 }
 
-/// A mesh may be this many times its size away from its origin.
+/// Distance from its origin that a mesh may have, in multiples of its size.
 const MAX_DISTANCE: f32 = 256.0;
 
 fn is_precise(positions: &[Vec3]) -> bool {
@@ -123,14 +124,15 @@ fn is_precise(positions: &[Vec3]) -> bool {
     !bounds.is_empty() && farthest <= MAX_DISTANCE * bounds.half_size().max_element()
 }
 
-/// The occluder meshes in use, by the address of their data, which the weak handle tells from later data there.
+/// The occluder meshes in use, by the address of their data. The weak handle distinguishes that data from
+/// later data at the same address.
 #[derive(Clone, Debug, Default)]
 pub struct OccluderMeshes {
     by_address: HashMap<usize, (Weak<MeshData>, Option<Arc<OccluderMesh>>)>,
 }
 
 impl OccluderMeshes {
-    /// The mesh of some data, built the first time.
+    /// The occluder mesh of some data. It is built on the first call.
     pub fn get_or_build(&mut self, mesh: &Arc<MeshData>) -> Option<Arc<OccluderMesh>> {
         let address = Arc::as_ptr(mesh) as usize;
         if let Some((source, built)) = self.by_address.get(&address)

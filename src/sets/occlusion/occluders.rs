@@ -1,4 +1,4 @@
-//! Which objects may hide others, from the camera and from lights.
+//! Collects the objects that may hide others from the camera and from lights.
 
 use std::sync::Arc;
 
@@ -16,14 +16,15 @@ use crate::scene::changes::any_changed;
 use crate::scene::{AlphaMode, FaceCulling, Occluder, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::index::objects::{Objects, resize};
 
-/// Occluders by dense object index. Written by [`collect_occluders`].
+/// Occluders, by dense object index. Written by [`collect_occluders`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Occluders {
     /// Objects that may hide others from the camera.
     pub camera: FixedBitSet,
     /// Objects that may hide others from lights for which they cast.
     pub light: FixedBitSet,
-    /// Objects that need no light which does not see them: they are not drawn, or every surface of theirs shows shadows.
+    /// Objects that can be left out of lights which do not see them, because they are not drawn or because
+    /// all of their surfaces show shadows.
     pub shadeable: FixedBitSet,
     /// Increases when occluders came or went.
     pub generation: u64,
@@ -43,7 +44,7 @@ struct Entry {
     drawn_sides: Sides,
 }
 
-/// What [`collect_occluders`] reads of objects.
+/// The components that [`collect_occluders`] reads.
 #[derive(SystemParam)]
 pub struct OccluderParts<'w, 's> {
     objects: Query<
@@ -64,32 +65,32 @@ pub struct OccluderParts<'w, 's> {
 }
 
 impl OccluderParts<'_, '_> {
-    /// Whether a mesh, a material or an occluder is another than before.
+    /// Whether a mesh, a material or an occluder was replaced.
     fn exchanged(&self) -> bool {
         any_changed(&self.mesh_refs) || any_changed(&self.material_refs) || any_changed(&self.occluders)
     }
 }
 
 impl Occluders {
-    /// Triangles of an occluder; 0 if it is none.
+    /// Number of triangles of an occluder; 0 if the object is no occluder.
     pub fn triangle_count(&self, object: usize) -> usize {
         self.entries[object]
             .as_ref()
             .map_or(0, |entry| entry.mesh.triangles.len())
     }
 
-    /// Mesh, place, and the sides that are drawn, of an occluder.
+    /// Mesh, transform to world space, and drawn sides of an occluder.
     pub(super) fn get(&self, object: usize) -> Option<(&OccluderMesh, &DMat4, Sides)> {
         let entry = self.entries[object].as_ref()?;
         Some((&entry.mesh, &entry.world_from_local, entry.drawn_sides))
     }
 }
 
-/// Brings [`Occluders`] up to date: all of them when objects, meshes, materials or settings changed, else those that
-/// moved.
+/// Brings [`Occluders`] up to date: all of them if objects, meshes, materials or settings changed, otherwise
+/// those that moved.
 ///
-/// Set: `CollectSets`, after `collect_objects`. Cost: the triangles of new occluder meshes; O(objects) when something
-/// came or went; at rest it compares generations.
+/// Set: `CollectSets`, after `collect_objects`. Cost: the triangles of new occluder meshes, and O(objects)
+/// when something came or went. At rest it only compares generations.
 pub fn collect_occluders(
     mut occluders: ResMut<Occluders>,
     objects: Res<Objects>,
@@ -116,7 +117,8 @@ pub fn collect_occluders(
         ..
     } = occluders;
     moved.clear();
-    // Of many objects that move few are occluders, and entries are large.
+    // Few of many moving objects are occluders, and entries are large, so the loop runs over the
+    // intersection.
     for object in objects.moved.intersection(known) {
         if let Some(entry) = &mut entries[object] {
             entry.world_from_local = world_from_local(&parts.transforms, objects.entities[object]);

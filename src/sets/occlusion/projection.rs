@@ -1,26 +1,30 @@
-//! From world space to the texels of a depth buffer.
+//! Projections from world space to the texels of a depth buffer.
 
 use glam::{DMat4, DVec3, DVec4, UVec2, Vec3};
 
 use crate::geometry::Aabb;
 use crate::sets::ViewData;
 
-/// A homogeneous point of a depth buffer's picture: `x / w` and `y / w` in −1..=1 are inside, and `key / w` orders by
-/// depth: the greater, the nearer.
+/// How much farther than their true extent boundary edges reach, texels. This is more than our coordinates
+/// can differ from those of a GPU, which snaps to 1/256 of a pixel.
+pub const SLACK: f32 = 1.0 / 16.0;
+
+/// A homogeneous point of a depth buffer's picture. Points with `x / w` and `y / w` in −1..=1 are inside.
+/// `key / w` orders points by depth: the greater, the nearer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipPoint {
-    /// To the right.
+    /// Coordinate to the right.
     pub x: f64,
-    /// Upward.
+    /// Coordinate upward.
     pub y: f64,
-    /// Depth of a perspective view, 1 in a parallel one.
+    /// Depth in a perspective view; 1 in a parallel one.
     pub w: f64,
-    /// 1 in a perspective view.
+    /// Numerator of the key: 1 in a perspective view, minus the depth in a parallel one.
     pub key: f64,
 }
 
 impl ClipPoint {
-    /// The point between two, linear.
+    /// Linear interpolation between two points.
     pub fn mix(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| a + (b - a) * t;
         Self {
@@ -32,35 +36,39 @@ impl ClipPoint {
     }
 }
 
-/// One picture that a viewpoint sees of the world: a camera's, a cube face of a point light, a spot light's, or the
-/// parallel one of a directional light.
+/// One picture that a viewpoint has of the world: that of a camera, a cube face of a point light, that of a
+/// spot light, or the parallel one of a directional light.
 ///
-/// The key of a point is 1 / depth in perspective, and minus the depth in parallel: linear in the picture either way.
+/// The key of a point is 1 / depth in perspective and minus the depth in a parallel picture. Both are linear
+/// in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
-    /// Rows x, y, w and key on vectors relative to the origin; the last component is for points.
+    /// Rows x, y, w and key, applied to vectors relative to the origin. The last component is added for
+    /// points.
     rows: [DVec4; 4],
     origin: DVec3,
     /// Smallest `w` that is in the picture.
     near: f64,
-    /// Texels.
+    /// Width and height of the picture, texels.
     pub size: UVec2,
-    /// Keys of different surfaces closer than this may be drawn in either order.
+    /// Least difference between the keys of two surfaces whose order is certain. Closer surfaces may be drawn
+    /// in either order.
     pub key_quantum: f64,
     /// Whether a triangle that appears counter-clockwise in the world appears clockwise in the picture.
     mirrored: bool,
-    /// In perspective, the largest ratio of a visible point's distance and its depth.
+    /// In perspective, the largest ratio of a visible point's distance to its depth. `None` in a parallel
+    /// picture.
     slant: Option<f64>,
 }
 
-/// What of a box is in the picture: a rectangle of texels, not yet cut to the picture, and its greatest key.
+/// The image of a box: a rectangle of texels, not yet clipped to the picture, and its greatest key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxImage {
-    /// Left, right.
+    /// Left and right border, texels.
     pub x: (f64, f64),
-    /// Top, bottom.
+    /// Top and bottom border, texels.
     pub y: (f64, f64),
-    /// Key of its nearest point.
+    /// Key of the box's nearest point.
     pub key: f64,
 }
 
@@ -74,7 +82,7 @@ impl BoxImage {
 }
 
 impl BoxImage {
-    /// Whether all of the rectangle is in the picture.
+    /// Whether the whole rectangle is in the picture.
     pub fn is_within(&self, projection: &Projection) -> bool {
         let (width, height) = (f64::from(projection.size.x), f64::from(projection.size.y));
         self.x.0 >= 0.0 && self.x.1 <= width && self.y.0 >= 0.0 && self.y.1 <= height
@@ -88,7 +96,7 @@ pub struct LocalProjection {
 }
 
 impl LocalProjection {
-    /// Where a local point falls.
+    /// Projects a point of local space.
     pub fn point(&self, local: Vec3) -> ClipPoint {
         let p = local.as_dvec3().extend(1.0);
         let [x, y, w, key] = self.rows.map(|row| row.dot(p));
@@ -96,11 +104,11 @@ impl LocalProjection {
     }
 }
 
-/// Steps of a depth buffer of 24 bits that two surfaces may be apart and still be drawn in either order.
+/// Steps of a 24-bit depth buffer by which two surfaces may differ and still be drawn in either order.
 const DEPTH_STEPS: f64 = 4.0;
 
 impl Projection {
-    /// The camera's picture, in fewer texels.
+    /// The camera's picture, with `width` texels in a row.
     pub fn of_view(view: &ViewData, width: u32) -> Self {
         let row = |i: usize| view.clip_from_world.row(i).truncate();
         let (x, y, w) = (row(0), row(1), -view.view_from_world.row(2).truncate());
@@ -114,7 +122,8 @@ impl Projection {
                 origin: view.eye + middle,
                 near: 0.5,
                 size: UVec2::new(width, height),
-                // Linear depth in steps of all that is drawn, which may be deeper by some.
+                // Depth is linear, in steps of the whole drawn range, which may be somewhat deeper than the
+                // far plane.
                 key_quantum: 16.0 * DEPTH_STEPS / f64::from(1 << 24) * (far - view.near),
                 mirrored: x.cross(y).dot(w) > 0.0,
                 slant: None,
@@ -138,7 +147,8 @@ impl Projection {
         }
     }
 
-    /// A perspective picture with unit axes at right angles, `tan` wide and high at distance 1.
+    /// A square perspective picture. The axes are orthonormal, and the picture extends by `tan` to each side
+    /// at distance 1.
     pub fn perspective(
         eye: DVec3,
         [right, up, forward]: [DVec3; 3],
@@ -162,7 +172,7 @@ impl Projection {
         }
     }
 
-    /// A parallel picture along `forward` of all of a box.
+    /// A parallel picture of a whole box, along `forward`.
     pub fn parallel(bounds: &Aabb, [right, up, forward]: [DVec3; 3], width: u32) -> Self {
         let (center, half) = (bounds.center().as_dvec3(), bounds.half_size().as_dvec3());
         let extent = |axis: DVec3| (axis.abs().dot(half) * (1.0 + 1e-6)).max(1e-6);
@@ -182,8 +192,8 @@ impl Projection {
         }
     }
 
-    /// This projection after a transform from local space.
-    pub fn from_local(&self, world_from_local: &DMat4) -> LocalProjection {
+    /// This projection combined with a transform from local space.
+    pub fn for_local_space(&self, world_from_local: &DMat4) -> LocalProjection {
         let relative = DMat4::from_translation(-self.origin) * *world_from_local;
         let transposed = relative.transpose();
         LocalProjection {
@@ -195,23 +205,23 @@ impl Projection {
         self.rows
     }
 
-    /// Where directions and depths are measured from, world space.
+    /// The point from which directions and depths are measured, world space.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
-    /// Whether it is the picture of a directional light.
+    /// Whether the lines of sight are parallel: a directional light or an orthographic view.
     pub fn is_parallel(&self) -> bool {
         self.slant.is_none()
     }
 
-    /// Smallest `w` in the picture.
+    /// Smallest `w` that is in the picture.
     pub fn near(&self) -> f64 {
         self.near
     }
 
-    /// Sign by which the determinant of three clip points (x, y, w) is positive for a triangle that appears
-    /// counter-clockwise in the world, so that its front shows.
+    /// The sign that makes the determinant of three clip points (x, y, w) positive for a triangle that
+    /// appears counter-clockwise in the world, so that its front is visible.
     pub fn front_sign(&self) -> f64 {
         if self.mirrored { -1.0 } else { 1.0 }
     }
@@ -222,14 +232,14 @@ impl Projection {
         ClipPoint { x, y, w, key }
     }
 
-    /// Where a point with `w > 0` falls, texels; row 0 at the top.
+    /// Place of a point with `w > 0`, texels. Row 0 is at the top.
     pub fn texel(&self, point: &ClipPoint) -> (f64, f64) {
         let (width, height) = (f64::from(self.size.x), f64::from(self.size.y));
         let half = 0.5 / point.w;
         ((0.5 + point.x * half) * width, (0.5 - point.y * half) * height)
     }
 
-    /// What of a box is in the picture; `None` if it is all before the near plane or beside the picture.
+    /// The image of a box. `None` if the whole box lies in front of the near plane or beside the picture.
     pub fn image_of_box(&self, center: DVec3, half: DVec3) -> Option<BoxImage> {
         let corners: [ClipPoint; 8] = std::array::from_fn(|i| {
             let signs = DVec3::select(
@@ -278,7 +288,7 @@ impl Projection {
                 }
             }
         }
-        let slack = f64::from(super::raster::SLACK);
+        let slack = f64::from(SLACK);
         let inside = image.x.1 >= -slack
             && image.x.0 <= f64::from(self.size.x) + slack
             && image.y.1 >= -slack
@@ -287,7 +297,8 @@ impl Projection {
             return None;
         }
         if let Some(slant) = self.slant {
-            // What is in the picture is at most as near as the nearest point of the box seen along the most slanted ray.
+            // No visible point is nearer in depth than the nearest point of the box would be if it were seen
+            // along the most slanted ray.
             let nearest = ((self.origin - center).abs() - half).max(DVec3::ZERO).length();
             if nearest > 0.0 {
                 image.key = image.key.min(slant * (1.0 + 1e-9) / nearest);
@@ -336,7 +347,7 @@ mod tests {
                 Vec3::new(1.0, 0.0, -1.0),
                 Vec3::new(0.0, 1.0, -1.0),
             ];
-            let local = projection.from_local(&DMat4::IDENTITY);
+            let local = projection.for_local_space(&DMat4::IDENTITY);
             let [a, b, c] = corners.map(|corner| {
                 let point = local.point(corner);
                 DVec3::new(point.x, point.y, point.w)

@@ -1,5 +1,5 @@
-//! Occluders into a depth buffer: one object at a time, its triangles and boundary edges into layers, what these
-//! cover into the buffer.
+//! Rasterises occluders into a depth buffer, one object at a time. The object's triangles and boundary edges
+//! go into layers, and what the layers cover goes into the buffer.
 
 use glam::{DMat4, DVec3};
 use wide::f32x8;
@@ -7,24 +7,21 @@ use wide::f32x8;
 use super::clip::{clip_segment, clip_triangle, outside};
 use super::depth_buffer::DepthBuffer;
 use super::occluder_mesh::OccluderMesh;
-use super::projection::{ClipPoint, Projection};
+use super::projection::{ClipPoint, Projection, SLACK};
 use super::texel_layers::{Interval, Layers};
 
-/// Boundary edges reach this much farther than they are, texels: more than our coordinates and those of a GPU (snapped
-/// to 1/256 of a pixel) can differ.
-pub const SLACK: f32 = 1.0 / 16.0;
-
-/// A triangle covers a centre that is at most this far outside, texels; boundary edges, which reach [`SLACK`] farther,
-/// are what makes this harmless.
+/// How far outside a triangle a texel's centre may lie and still count as covered, texels. Boundary edges
+/// reach [`SLACK`] farther, which makes this harmless.
 const CENTER_SLACK: f32 = 1.0 / 256.0;
 
-/// Keys are widened by this part of themselves.
+/// Share of themselves by which keys are widened.
 const KEY_SLACK: f32 = 1e-5;
 
-/// Triangles of less area than this, square texels, are too thin to say which side of them a centre is on.
+/// Least area of a triangle for which it is decidable on which side of it a texel's centre lies, square
+/// texels.
 const MIN_AREA: f32 = 1e-4;
 
-/// Triangles of less height than this, texels, have no usable slope.
+/// Least height of a triangle that has a usable slope, texels.
 const MIN_HEIGHT: f32 = 0.25;
 
 const LANES: usize = 8;
@@ -32,9 +29,9 @@ const LANES: usize = 8;
 /// Which triangles of an occluder hide what lies behind them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sides {
-    /// Triangles whose front is seen: those of closed pieces, and others.
+    /// Whether triangles whose front is visible count: first those of closed pieces, then all others.
     pub front: [bool; 2],
-    /// Triangles whose back is seen, likewise.
+    /// Whether triangles whose back is visible count: first those of closed pieces, then all others.
     pub back: [bool; 2],
 }
 
@@ -49,15 +46,15 @@ impl Sides {
         front: [true; 2],
         back: [true; 2],
     };
-    /// A caster as it blocks a light: a closed piece from its unlit side on, as shadow volumes have it, any other triangle
-    /// from where it is.
+    /// A caster that blocks a light. A closed piece blocks from its unlit side on, as in shadow volumes. Any
+    /// other triangle blocks from where it is.
     pub const CAST: Self = Self {
         front: [false, true],
         back: [true; 2],
     };
 }
 
-/// A vertex in a picture.
+/// A vertex in a picture: its place in texels, and its key.
 #[derive(Clone, Copy, Debug, Default)]
 struct Vertex {
     x: f32,
@@ -65,23 +62,23 @@ struct Vertex {
     key: f32,
 }
 
-/// Rasterises occluders; keeps its memory.
+/// Rasterises occluders. It keeps its memory between calls.
 #[derive(Clone, Debug, Default)]
 pub struct Rasterizer {
     points: Vec<ClipPoint>,
     outside: Vec<u8>,
     vertices: Vec<Vertex>,
-    /// By triangle: whether it belongs to the chain that is being drawn.
+    /// For each triangle, whether it belongs to the chain that is being drawn.
     members: Vec<bool>,
     signs: Vec<i8>,
     layers: Vec<Layers>,
-    /// Columns that were touched, by row.
+    /// For each row, the first column that was touched and the end of the touched columns.
     spans: Vec<(u32, u32)>,
     rows: (u32, u32),
 }
 
 impl Rasterizer {
-    /// Draws what an occluder covers, by those of its sides that count.
+    /// Draws the region that an occluder covers, with the triangles that `sides` selects.
     pub fn draw(
         &mut self,
         buffer: &mut DepthBuffer,
@@ -122,9 +119,9 @@ impl Rasterizer {
         }
     }
 
-    /// Projects all vertices; whether any of them may be in the picture.
+    /// Projects all vertices. Returns whether any of them may be in the picture.
     fn project(&mut self, projection: &Projection, mesh: &OccluderMesh, world_from_local: &DMat4) -> bool {
-        let local = projection.from_local(world_from_local);
+        let local = projection.for_local_space(world_from_local);
         self.points.clear();
         self.outside.clear();
         self.vertices.clear();
@@ -202,7 +199,7 @@ impl Rasterizer {
         }
     }
 
-    /// Whole texels from `low` to `high` that are in the picture; the second is past the end.
+    /// First and end index of the whole texels from `low` to `high` that are in the picture.
     fn texels(low: f32, high: f32, count: u32) -> (u32, u32) {
         let first = (low - SLACK).floor().clamp(0.0, count as f32) as u32;
         let last = (high + SLACK).floor().clamp(-1.0, count as f32 - 1.0) + 1.0;
@@ -233,7 +230,7 @@ impl Rasterizer {
         let (near, far) = (near + slack, far - slack);
         let length = (columns.1 - columns.0 + rows.1 - rows.0) as f32;
         let centers = area >= MIN_AREA;
-        // Too thin for a slope: over each texel it has all of its keys.
+        // The triangle is too thin for a slope. Its whole range of keys is assumed over each texel.
         let is_thin = area < MIN_HEIGHT * length;
         let (slope_x, slope_y) = if is_thin {
             (0.0, 0.0)
@@ -252,7 +249,8 @@ impl Rasterizer {
         };
         let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| {
             let (ex, ey) = (to.x - from.x, to.y - from.y);
-            // Positive inside: to the left of the edge with y pointing down and positive area.
+            // The normal is positive inside, which is left of the edge with y pointing down and a positive
+            // area.
             let (nx, ny) = (-ey, ex);
             let reach = nx.abs() + ny.abs();
             (
@@ -315,7 +313,7 @@ impl Rasterizer {
         let size = buffer.projection().size;
         let rows = Self::texels(a.y.min(b.y), a.y.max(b.y), size.y);
         let part = |from: f32, to: f32, low: f32, high: f32| {
-            // Parameters at which the coordinate is within low..=high.
+            // The range of parameters in which the coordinate is within low..=high.
             let length = to - from;
             if length.abs() < 1e-6 {
                 return (0.0, 1.0);
@@ -352,7 +350,7 @@ impl Rasterizer {
         }
     }
 
-    /// Moves what is covered into the buffer and forgets the rest.
+    /// Moves what the layers cover into the buffer, and clears them.
     fn merge(&mut self, buffer: &mut DepthBuffer) {
         for row in self.rows.0..self.rows.1 {
             let span = std::mem::replace(&mut self.spans[row as usize], (u32::MAX, 0));

@@ -1,39 +1,52 @@
-//! What is left out because something stands before it.
+//! Settings of occlusion: which sets leave out hidden objects, and at what cost.
 
 use bevy_ecs::prelude::*;
 
-/// Which sets occlusion shrinks, and how much work that may be. Each switch changes what a frame costs and never what it
-/// shows.
+/// Settings of occlusion: which sets leave out hidden objects, and how much work that may take. They change
+/// the cost of a frame and never its picture.
 ///
-/// All are on: with a software driver frames of all scenes measured became faster (`examples/visibility_table` prints the
-/// time of the sets beside that of the frame), and a scene without occluders and cells pays nothing. A frame in which the
-/// camera moves pays for the triangles of [`triangle_budget`](Self::triangle_budget), some 0.2 µs each on one core; where
-/// draws are cheaper than that, lower it or leave `from_camera` off. Lights at rest pay nothing.
+/// By default everything is on. With a software driver, frames of all measured scenes became faster
+/// (`examples/visibility_table` prints the time of the sets beside that of the frame). A scene without
+/// occluders and cells pays nothing, nor do lights at rest. A frame in which the camera moves pays for the
+/// triangles of [`triangle_budget`](Self::triangle_budget), some 0.2 µs each on one core. Where drawing costs
+/// less than that, lower the budget or switch off `from_camera`.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct OcclusionSettings {
-    /// V leaves out what is occluded from the camera; else V = F.
+    /// Whether V leaves out objects that are occluded from the camera; default `true`. If off, V = F: the CPU
+    /// draws no depth buffer for the camera and follows no portals, and the GPU draws hidden objects.
     pub from_camera: bool,
-    /// L of lights with a shadow technique leaves out what is occluded from the light; else all that it reaches.
+    /// Whether L of lights with a shadow technique leaves out objects that are occluded from the light;
+    /// default `true`. If off, L is everything that the light reaches: the CPU draws no depth buffers for
+    /// lights and follows no portals, and lights draw objects that they cannot see.
     pub from_lights: bool,
-    /// S leaves out casters whose shadow cannot reach what is lit in view; else it is all casters of L.
+    /// Whether S leaves out casters whose shadow cannot reach anything lit in view; default `true`. If off, S
+    /// is all casters of L, and more shadows are drawn.
     pub of_shadows: bool,
-    /// Which objects without an [`Occluder`](crate::scene::Occluder) hide others; `None`: none of them.
+    /// Which objects without an [`Occluder`](crate::scene::Occluder) hide others; default
+    /// [`AutoOccluders::default`]. With `None` only objects with that component do.
     pub auto: Option<AutoOccluders>,
-    /// Width of the camera's depth buffer, texels, 16..=2048; its height follows from the picture's shape.
+    /// Width of the camera's depth buffer, texels; 16 to 2048, default 256. Its height follows from the
+    /// picture's shape. Higher values find more hidden objects behind small or narrow occluders; time and
+    /// memory grow with the square of the value.
     pub camera_texels: u32,
-    /// Width of each face of a light's depth buffer, texels, 16..=1024.
+    /// Width of each face of a light's depth buffer, texels; 16 to 1024, default 96. Higher values find more
+    /// objects hidden from lights; time and memory grow with the square of the value, for each face of each
+    /// light.
     pub light_texels: u32,
-    /// Triangles that are rasterised for one viewpoint at most; the objects that cover most for each of their triangles
-    /// come first.
+    /// Most triangles that are rasterised for one viewpoint; default 32768. Objects that cover most for each
+    /// of their triangles come first. Higher values hide more objects and cost some 0.2 µs for each triangle;
+    /// 0 rasterises nothing.
     pub triangle_budget: usize,
 }
 
-/// What an object must be to hide others without being told to.
+/// The conditions on which an object without an [`Occluder`](crate::scene::Occluder) hides others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AutoOccluders {
-    /// Area of the largest face of its world bounds, square metres.
+    /// Least area of the largest face of the object's world bounds, square metres; default 1. Lower values
+    /// make more, smaller objects occluders, which compete for the triangle budget.
     pub min_area: f32,
-    /// Triangles of its mesh.
+    /// Most triangles that the object's mesh may have; default 4096. Higher values let more detailed objects
+    /// hide others and cost more to rasterise.
     pub max_triangles: usize,
 }
 
@@ -61,7 +74,7 @@ impl Default for OcclusionSettings {
 }
 
 impl OcclusionSettings {
-    /// Frustum and light volumes alone, as the first row of table 15-1 has them.
+    /// No occlusion: only the frustum and light volumes cull, as in the first row of table 15-1.
     pub const NONE: Self = Self {
         from_camera: false,
         from_lights: false,

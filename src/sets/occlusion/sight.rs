@@ -1,31 +1,32 @@
-//! What can be seen from a point: a convex cone of directions.
+//! The region that is visible from a point: a convex cone of directions.
 
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
 use crate::geometry::{Plane, PlaneSet, convex_polygon};
 
-/// Directions count as inside a plane that they miss by less than this sine.
+/// Sine by which a direction may miss a plane and still count as inside.
 const ANGLE_SLACK: f64 = 1e-6;
 
-/// Planes are moved outward by this much, metres, and by this part of the eye's coordinates.
+/// Distance by which planes are moved outward: a length in metres, and a share of the eye's coordinates.
 const PLANE_SLACK: (f64, f64) = (1e-4, 1e-6);
 
-/// Directions farther than this cosine from the middle of an outline are too oblique to be laid into a plane.
+/// Cosine of the angle to the middle of an outline, below which a direction is too oblique to be projected
+/// onto a plane.
 const MIN_COSINE: f64 = 0.05;
 
-/// A convex cone of directions from an eye, beyond some planes.
+/// A convex cone of directions from an eye, limited to what lies beyond some planes.
 #[derive(Clone, Debug)]
 pub(super) struct Sight {
     eye: DVec3,
-    /// Corners of the cone, in order; `None`: all directions.
+    /// Corners of the cone, in order. `None` means all directions.
     corners: Option<SmallVec<[DVec3; 8]>>,
-    /// Half-spaces beyond which everything seen lies: unit normal, and a point on the plane.
+    /// Half-spaces that hold everything seen, each as a unit normal and a point on its plane.
     beyond: SmallVec<[(DVec3, DVec3); 8]>,
 }
 
 impl Sight {
-    /// All around.
+    /// All directions from an eye.
     pub(super) fn everywhere(eye: DVec3) -> Self {
         Self {
             eye,
@@ -34,7 +35,7 @@ impl Sight {
         }
     }
 
-    /// Within the cone around these directions.
+    /// The cone around the given directions.
     pub(super) fn towards(eye: DVec3, corners: &[DVec3]) -> Self {
         Self {
             corners: convex_cone(corners),
@@ -42,8 +43,8 @@ impl Sight {
         }
     }
 
-    /// What of this can be seen through the convex hull of points; `None` if nothing. With a plane, the points lie on it
-    /// and what is seen lies beyond it.
+    /// The part of this cone that passes through the convex hull of points; `None` if it is empty. With a
+    /// plane, the points lie on that plane and everything seen lies beyond it.
     pub(super) fn through(&self, points: &[DVec3], plane: Option<DVec3>) -> Option<Self> {
         let directions: SmallVec<[DVec3; 8]> = points.iter().map(|point| *point - self.eye).collect();
         let mut seen = self.clone();
@@ -65,7 +66,7 @@ impl Sight {
         Some(seen)
     }
 
-    /// The half-spaces that hold all that is seen.
+    /// The half-spaces that hold everything seen.
     pub(super) fn planes(&self) -> PlaneSet {
         let slack = PLANE_SLACK.0 + PLANE_SLACK.1 * self.eye.abs().max_element();
         let plane = |normal: DVec3, point: DVec3| {
@@ -85,7 +86,7 @@ impl Sight {
     }
 }
 
-/// Unit normals of the sides of a cone, inward. Sides of no angle are left out.
+/// Inward unit normals of the sides of a cone. Sides without an angle are left out.
 fn normals(corners: &[DVec3]) -> SmallVec<[DVec3; 8]> {
     let middle: DVec3 = corners.iter().map(|corner| corner.normalize_or_zero()).sum();
     (0..corners.len())
@@ -98,15 +99,16 @@ fn normals(corners: &[DVec3]) -> SmallVec<[DVec3; 8]> {
         .collect()
 }
 
-/// On directions.
+/// Clips a cone of directions by a plane through the eye.
 fn clip(corners: &[DVec3], normal: DVec3) -> SmallVec<[DVec3; 8]> {
     convex_polygon::clip(corners, |corner| {
         normal.dot(corner) + ANGLE_SLACK * corner.length()
     })
 }
 
-/// Corners of the convex cone around directions, in order; `None` if they do not lie within a cone of less than 87°.
-/// Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions", in a plane across the middle.
+/// Corners of the convex cone around directions, in order. `None` if they do not lie within 87° of their
+/// middle. Source: Andrew 1979, "Another Efficient Algorithm for Convex Hulls in Two Dimensions", in a plane
+/// across the middle.
 fn convex_cone(directions: &[DVec3]) -> Option<SmallVec<[DVec3; 8]>> {
     let middle: DVec3 = directions.iter().map(|d| d.normalize_or_zero()).sum();
     let axis = middle.try_normalize()?;

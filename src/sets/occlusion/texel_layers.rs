@@ -1,31 +1,33 @@
 //! The surfaces of one occluder over one texel, as intervals of keys.
 //!
-//! **What a texel may claim.** Take the triangles of one occluder that face the same way, as they appear in the picture:
-//! a chain of triangles of like orientation. Its boundary are the directed edges that do not cancel. How often the chain
-//! covers a point (its degree) can only change where that boundary is crossed. So a texel that no boundary edge touches is
-//! covered everywhere or nowhere, and its centre tells which.
+//! **What a texel may claim.** Take the triangles of one occluder that face the same way in the picture: a
+//! chain of triangles of equal orientation. Its boundary consists of the directed edges that do not cancel.
+//! The number of times that the chain covers a point (its degree) can change only where that boundary is
+//! crossed. So a texel that no boundary edge touches is covered either everywhere or nowhere, and its centre
+//! decides which.
 //!
-//! The same holds for any part of the chain that no edge inside the texel connects with the rest. The triangles over a
-//! texel are therefore sorted into clusters of overlapping key intervals: two triangles that share an edge over the texel
-//! share its keys, so a cluster is never parted from its neighbours. A cluster that covers the centre and that no
-//! boundary edge reaches covers the whole texel with surfaces no farther than its farthest key. That key is what the
-//! texel may claim: at every point of it, whichever pixel of whatever picture samples it, a surface stands at least that
-//! near.
+//! The same holds for any part of the chain that no edge inside the texel connects with the rest. The
+//! triangles over a texel are therefore sorted into clusters of overlapping key intervals. Two triangles that
+//! share an edge over the texel share its keys, so such neighbours are never in different clusters. A cluster
+//! that covers the centre and that no boundary edge reaches covers the whole texel, with surfaces no farther
+//! than its farthest key. That key is what the texel may claim: at every one of its points, wherever a pixel
+//! of any picture samples it, a surface stands at least that near.
 //!
-//! Rounding cannot break this: the degree does not change while no boundary edge moves across the texel, and boundary
-//! edges are widened by far more than coordinates err ([`SLACK`](super::raster::SLACK)).
+//! Rounding cannot break this. The degree does not change while no boundary edge moves across the texel, and
+//! boundary edges are widened by far more than the error of coordinates ([`SLACK`](super::raster::SLACK)).
 
-/// Clusters of one texel, nearest first. Two are told apart; what lies behind the second is one unknown rest.
+/// Clusters of one texel, nearest first. Two clusters are stored; everything behind the second is merged into
+/// one unknown rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layers {
     near: [f32; 2],
     far: [f32; 2],
-    /// Keys up to here are the unknown rest.
+    /// Greatest key of the unknown rest. Nothing is known at keys up to this one.
     rest: f32,
     count: u8,
-    /// Bit `i`: a boundary edge reaches cluster `i`.
+    /// Bit `i` is set if a boundary edge reaches cluster `i`.
     open: u8,
-    /// Bit `i`: cluster `i` covers the texel's centre.
+    /// Bit `i` is set if cluster `i` covers the texel's centre.
     centered: u8,
 }
 
@@ -36,9 +38,9 @@ pub(super) struct Interval {
     pub near: f32,
     /// Smallest key over the texel.
     pub far: f32,
-    /// It is a boundary edge.
+    /// Whether this is a boundary edge.
     pub open: bool,
-    /// It covers the centre.
+    /// Whether this covers the texel's centre.
     pub centered: bool,
 }
 
@@ -60,7 +62,7 @@ impl Layers {
             mut open,
             mut centered,
         } = interval;
-        // Merge with all that it overlaps.
+        // Merges the interval with all clusters that it overlaps.
         let mut kept = 0;
         for i in 0..usize::from(self.count) {
             if self.near[i] >= far && near >= self.far[i] {
@@ -78,7 +80,7 @@ impl Layers {
             self.count = kept as u8;
             return;
         }
-        // Into its place by depth.
+        // Finds the cluster's place by depth.
         let mut at = kept;
         while at > 0 && self.near[at - 1] < near {
             at -= 1;
@@ -114,7 +116,8 @@ impl Layers {
         }
     }
 
-    /// A surface at least this near covers every point of the texel; minus infinity if none is known to.
+    /// A key such that surfaces at least this near cover every point of the texel. Minus infinity if no cover
+    /// is known.
     pub(super) fn covered(&self) -> f32 {
         (0..usize::from(self.count))
             .filter(|i| self.open >> i & 1 == 0 && self.centered >> i & 1 != 0 && self.far[*i] > self.rest)
@@ -145,7 +148,7 @@ mod tests {
     fn the_nearest_whole_cluster_counts() {
         assert_eq!(layers(&[(3.0, 2.0, false, true)]).covered(), 2.0);
         assert_eq!(layers(&[(3.0, 2.0, false, false)]).covered(), f32::NEG_INFINITY);
-        // A relief before a wall spoils itself alone.
+        // A relief in front of a wall spoils only its own claim.
         let relief = [(5.0, 4.5, true, true), (3.0, 2.0, false, true)];
         assert_eq!(layers(&relief).covered(), 2.0);
         let mut turned = relief;
@@ -172,7 +175,7 @@ mod tests {
             (3.0, 2.0, true, true),
         ];
         assert_eq!(layers(&three).covered(), 5.0);
-        // A triangle that reaches from the second cluster into the forgotten third.
+        // A triangle that reaches from the second cluster into the third, which was forgotten.
         let mut bridged = three.to_vec();
         bridged.push((5.5, 2.5, false, false));
         assert_eq!(layers(&bridged).covered(), f32::NEG_INFINITY);
@@ -180,7 +183,7 @@ mod tests {
 
     #[test]
     fn order_does_not_matter_to_what_is_safe() {
-        // Against keeping every interval: whatever is claimed must be true.
+        // Compares with keeping every interval: whatever is claimed must be true.
         let mut state = 7u64;
         let mut random = |n: u64| {
             state = state

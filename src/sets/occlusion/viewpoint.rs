@@ -1,4 +1,4 @@
-//! What one viewpoint, the camera or a light, knows to stand before other things.
+//! What one viewpoint, the camera or a light, knows to be hidden.
 
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
@@ -11,23 +11,23 @@ use super::settings::OcclusionSettings;
 use crate::geometry::Aabb;
 use crate::sets::index::objects::Objects;
 
-/// The depth buffers of a viewpoint, and which occluders are in them.
+/// The depth buffers of a viewpoint, and the occluders in them.
 #[derive(Clone, Debug, Default)]
 pub struct Viewpoint {
     buffers: Vec<DepthBuffer>,
-    /// How many of the buffers are in use.
+    /// Number of buffers in use.
     count: usize,
     /// Occluders that were drawn.
     pub drawn: FixedBitSet,
     order: Vec<(u64, u32)>,
 }
 
-/// Whose sides of an occluder count.
+/// Which sides of an occluder count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::sets) enum Blocks {
-    /// Those that are drawn.
+    /// The sides that are drawn.
     Sight,
-    /// Those that cast.
+    /// The sides that cast shadows.
     Light,
 }
 
@@ -37,12 +37,13 @@ impl Viewpoint {
         &self.buffers[..self.count]
     }
 
-    /// Forgets all; nothing is hidden then.
+    /// Discards all buffers, so that nothing is hidden.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// Draws the candidates that cover most for their triangles, until the budget is used up.
+    /// Draws the candidates into the buffers until the budget is used up. Candidates that cover most for each
+    /// of their triangles come first.
     pub(in crate::sets) fn draw(
         &mut self,
         rasterizer: &mut Rasterizer,
@@ -72,7 +73,7 @@ impl Viewpoint {
                 .filter_map(|projection| Some(projection.image_of_box(center, half)?.area(projection)))
                 .sum();
             let worth = area / occluders.triangle_count(object).max(1) as f64;
-            // Bits of numbers that are not negative sort as the numbers do.
+            // The bits of numbers that are not negative sort like the numbers.
             self.order.push((!worth.max(0.0).to_bits(), object as u32));
         }
         self.order.sort_unstable();
@@ -100,7 +101,8 @@ impl Viewpoint {
         }
     }
 
-    /// The box around what the first picture may show of an object; empty if nothing.
+    /// The box around the part of an object that the first picture may show. It is empty if no part may be
+    /// visible.
     pub fn visible_part(&self, objects: &Objects, object: usize) -> Aabb {
         let (center, half) = objects.boxes.center_half(object);
         match self.buffers().first() {

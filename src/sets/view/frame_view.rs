@@ -4,27 +4,28 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, UVec2};
 
-use super::view_depth::ViewDepth;
+use super::stored_depth::ViewDepth;
 use crate::geometry::{Frustum, FrustumShape};
 use crate::scene::Camera;
 use crate::scene::camera::CameraTurns;
 use crate::sets::work::SetWork;
 
-/// Size of the picture, pixels. Written by whoever owns the target; 0 × 0 (the default) draws nothing.
+/// Size of the picture, pixels. The owner of the render target writes it. With 0 × 0 (the default) nothing is
+/// drawn.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ViewportSize(pub UVec2);
 
 /// The view of the frame. Written by [`collect_view`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct View {
-    /// `None` without a usable camera or with a picture of no size; all sets are then empty.
+    /// The view, or `None` without a usable camera or with a picture of size zero. All sets are then empty.
     pub data: Option<ViewData>,
     /// Increases when `data` changed.
     pub generation: u64,
     seen: Option<Input>,
 }
 
-/// What a view is made from.
+/// The inputs that determine a view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Input {
     entity: Entity,
@@ -33,22 +34,23 @@ struct Input {
     viewport: UVec2,
 }
 
-/// A usable view.
+/// A view that can be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ViewData {
     /// Entity of the camera.
     pub camera: Entity,
-    /// What the camera sees.
+    /// The region that the camera sees.
     pub frustum: Frustum,
-    /// World to view.
+    /// Transform from world to view space.
     pub view_from_world: DMat4,
-    /// Reversed projection. That of an orthographic view has its final depth from the set `PrepareGpu` on.
+    /// Reversed projection, view to clip space. In an orthographic view its depth is final only from the set
+    /// `PrepareGpu` on.
     pub clip_from_view: DMat4,
-    /// World to clip.
+    /// Transform from world to clip space.
     pub clip_from_world: DMat4,
-    /// Position of the camera, metres, world space.
+    /// Position of the camera in world space, metres.
     pub eye: DVec3,
-    /// Corners of the near rectangle, world space; bit 0 of the index is right, bit 1 is top.
+    /// Corners of the near rectangle in world space, metres. Bit 0 of the index is right, bit 1 is top.
     pub near_corners: [DVec3; 4],
     /// Distance of the near plane, in units of view space.
     pub near: f64,
@@ -56,12 +58,12 @@ pub struct ViewData {
     pub depth: ViewDepth,
     /// Whether the view mirrors, so that front faces appear clockwise.
     pub mirrored: bool,
-    /// Size of the picture, pixels; neither is 0.
+    /// Size of the picture, pixels. Neither component is 0.
     pub viewport: UVec2,
 }
 
 impl ViewData {
-    /// The view of a camera; `None` if its numbers or its transform make none.
+    /// The view of a camera. `None` if its numbers, its transform or the picture's size make no view.
     pub fn new(
         entity: Entity,
         camera: &Camera,
@@ -118,7 +120,7 @@ impl ViewData {
         self.frustum.far().is_some()
     }
 
-    /// Stores the depth of an orthographic view in another way.
+    /// Changes how the depth of an orthographic view is stored.
     pub(in crate::sets) fn set_depth(&mut self, depth: ViewDepth) {
         self.depth = depth;
         if let ViewDepth::Finite { near, far } = depth {
@@ -129,11 +131,12 @@ impl ViewData {
     }
 }
 
-/// Takes the view from the entity of lowest index with a usable [`Camera`].
+/// Takes the view from the entity with the lowest index among those with a usable [`Camera`].
 ///
-/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. An [`IgnoresScale`](crate::scene::IgnoresScale) takes the
-/// scale away. Lowest index: the camera spawned first
-/// unless indices were reused, whatever order the query has. With the same camera as before it computes nothing.
+/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. A camera with
+/// [`IgnoresScale`](crate::scene::IgnoresScale) is placed without the scale of its transform. The lowest index
+/// belongs to the camera that was spawned first, unless indices were reused; it does not depend on the order of
+/// the query. If nothing changed, this computes nothing.
 pub fn collect_view(
     mut view: ResMut<View>,
     mut work: ResMut<SetWork>,

@@ -7,21 +7,22 @@ use super::frame_view::View;
 use crate::sets::index::objects::{Objects, resize};
 use crate::sets::work::SetWork;
 
-/// Set F. Written by [`collect_frustum_set`].
+/// The set F: objects whose bounds touch the view frustum. Written by [`collect_frustum_set`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct FrustumSet {
     /// Objects whose bounds touch the frustum, occluded or not.
     pub set: FixedBitSet,
-    /// Increases when the set was computed anew, not only where objects moved.
+    /// Increases when the whole set was recomputed, as opposed to only the objects that moved.
     pub generation: u64,
     seen: (u64, u64),
 }
 
-/// Tests bounds against the frustum: all if the view or the layout changed, else words in which something moved.
+/// Tests bounds against the frustum: all bounds if the view or the layout changed, otherwise those in words
+/// in which something moved.
 ///
-/// Set: `CollectSets`, after `collect_objects` and `collect_view`. Conservative: it may keep an object whose box passes
-/// outside an edge of the frustum, it never drops one that is inside. Cost: the clusters; the objects of those that the
-/// frustum's planes cut.
+/// Set: `CollectSets`, after `collect_objects` and `collect_view`. Conservative: it may keep an object whose
+/// box passes outside an edge of the frustum, but never drops one that is inside. Cost: all clusters, and the
+/// objects of those clusters that the frustum's planes cut.
 pub fn collect_frustum_set(
     mut frustum_set: ResMut<FrustumSet>,
     mut work: ResMut<SetWork>,

@@ -5,6 +5,7 @@ pub(crate) mod frustum;
 pub(crate) mod screen;
 pub(crate) mod screen_union;
 pub(crate) mod seen_into;
+pub(crate) mod stored_depth;
 pub(crate) mod view_depth;
 pub(crate) mod visible;
 pub(crate) mod visible_parts;

@@ -4,22 +4,22 @@ use glam::{DVec2, DVec3, DVec4};
 
 use super::frame_view::ViewData;
 
-/// A rectangle in pixels (row 0 at the top, not yet rounded or clipped to the picture) and a range of view depth.
-/// Empty when a minimum exceeds its maximum.
+/// A rectangle in pixels and a range of view depth. Row 0 is at the top, and the rectangle is neither rounded
+/// nor clipped to the picture. Empty when a minimum exceeds its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenBounds {
-    /// Left and top, pixels.
+    /// Left and top border, pixels.
     pub min: DVec2,
-    /// Right and bottom, pixels.
+    /// Right and bottom border, pixels.
     pub max: DVec2,
     /// Smallest view depth, at least that of the near plane.
     pub near: f64,
-    /// Largest view depth; may be infinite.
+    /// Largest view depth. It may be infinite.
     pub far: f64,
 }
 
 impl ScreenBounds {
-    /// Holds nothing.
+    /// Bounds that hold nothing.
     pub const EMPTY: Self = Self {
         min: DVec2::INFINITY,
         max: DVec2::NEG_INFINITY,
@@ -27,7 +27,7 @@ impl ScreenBounds {
         far: f64::NEG_INFINITY,
     };
 
-    /// Holds everything.
+    /// Bounds that hold everything.
     pub const ALL: Self = Self {
         min: DVec2::NEG_INFINITY,
         max: DVec2::INFINITY,
@@ -36,7 +36,7 @@ impl ScreenBounds {
         far: f64::INFINITY,
     };
 
-    /// Whether nothing lies inside.
+    /// Whether nothing lies inside the bounds.
     pub fn is_empty(&self) -> bool {
         !(self.min.cmple(self.max).all() && self.near <= self.far)
     }
@@ -51,7 +51,7 @@ impl ScreenBounds {
         }
     }
 
-    /// What lies in both.
+    /// The bounds of what lies in both.
     pub fn intersection(self, other: Self) -> Self {
         Self {
             min: self.min.max(other.min),
@@ -62,7 +62,7 @@ impl ScreenBounds {
     }
 
     fn include(&mut self, point: Clip, size: DVec2) {
-        // No `mul_add`: without the target feature it is a call.
+        // `mul_add` is avoided, because without the target feature it is a function call.
         let half = 0.5 / point.w;
         let pixel = DVec2::new(0.5 + point.x * half, 0.5 - point.y * half) * size;
         let depth = if point.weight > 0.0 {
@@ -77,8 +77,8 @@ impl ScreenBounds {
     }
 }
 
-/// A point in clip space, with its view depth times `weight`, which is 1 for positions, 0 for directions; `w` is the one
-/// in perspective, the other in an orthographic view.
+/// A point in clip space. `weight` is 1 for positions and 0 for directions. `depth` is the view depth times
+/// `weight`. `w` is the depth in perspective and the weight in an orthographic view.
 #[derive(Clone, Copy, Debug)]
 struct Clip {
     x: f64,
@@ -88,12 +88,12 @@ struct Clip {
     weight: f64,
 }
 
-/// Projects from world space to pixels, in `f64` relative to the eye.
+/// Projects from world space to pixels. It computes in `f64`, relative to the eye.
 #[derive(Clone, Copy, Debug)]
 pub struct Projector {
-    /// Rows x and y of clip from world, and that of the view depth, on vectors.
+    /// Rows of three maps applied to vectors: x and y of clip from world, and the view depth.
     rows: [DVec3; 3],
-    /// What rows x and y have for positions.
+    /// Offsets that rows x and y add for positions.
     shift: DVec2,
     orthographic: bool,
     eye: DVec3,
@@ -133,7 +133,8 @@ impl Projector {
         }
     }
 
-    /// Gradient of the view depth in world space: the view direction, not of unit length in a scaled view.
+    /// Gradient of the view depth in world space. It has the view direction; in a scaled view it does not
+    /// have unit length.
     pub fn depth_gradient(&self) -> DVec3 {
         self.rows[2]
     }
@@ -143,7 +144,8 @@ impl Projector {
         self.rows[2].dot(point - self.eye)
     }
 
-    /// Rows x, y and w of clip from world, on vectors from the eye and their fourth coordinate.
+    /// Rows x, y and w of clip from world. They apply to vectors from the eye, extended by their fourth
+    /// coordinate.
     pub(in crate::sets) fn rows(&self) -> [DVec4; 3] {
         let [x, y, depth] = self.rows;
         let w = if self.orthographic {
@@ -213,18 +215,20 @@ impl Projector {
         self.bounds(&corners, BOX_EDGES)
     }
 
-    /// Bounds of the part of the convex hull of homogeneous points that lies behind the near plane. All pairs serve as
-    /// edges: their crossings with the near plane lie in the hull, so the bounds stay exact.
+    /// Bounds of the part of the convex hull of homogeneous points that lies behind the near plane. All pairs
+    /// of points serve as edges. Their intersections with the near plane lie in the hull, so the bounds stay
+    /// exact.
     pub fn bounds_of_hull<const N: usize>(&self, points: [DVec4; N]) -> ScreenBounds {
         let clip = points.map(|point| self.clip(point));
         self.bounds(&clip, (0..N).flat_map(|b| (0..b).map(move |a| (a, b))))
     }
 
-    /// Bounds of a ball: those of its tangent planes through the eye, where it lies wholly before the camera, or along an
-    /// orthographic view; those of its box otherwise. The depth is exact in all.
+    /// Bounds of a ball. They are exact if the ball lies wholly in front of the camera (from the tangent
+    /// planes through the eye) or the view is orthographic; otherwise they are those of the ball's box. The
+    /// depth range is exact in all cases.
     ///
-    /// Source: Lengyel 2002, "The Mechanics of Robust Stencil Shadows": scissor rectangle of a sphere from the two
-    /// tangents in each of the planes x–z and y–z.
+    /// Source: Lengyel 2002, "The Mechanics of Robust Stencil Shadows": scissor rectangle of a sphere from
+    /// the two tangents in each of the planes x–z and y–z.
     pub fn bounds_of_ball(&self, center: DVec3, radius: f64) -> ScreenBounds {
         let mut bounds = self.bounds_of_box(center, DVec3::splat(radius));
         let [x, y, w] = self.rows;
@@ -248,10 +252,10 @@ impl Projector {
             return bounds;
         }
         let tangents = |row: DVec3| {
-            // Less its part along the depth, which moves all of the picture alike.
+            // Removes the row's component along the depth, which shifts the whole picture equally.
             let shift = row.dot(w) / (scale * scale);
             let row = row - w * shift;
-            // In the plane of the row and the depth, both brought to the scale of the depth.
+            // Computes in the plane of the row and the depth, both scaled to the depth.
             let stretch = row.length() / scale;
             let across = row.dot(center - self.eye) / stretch;
             let root = reach * (across * across + depth * depth - reach * reach).max(0.0).sqrt();
@@ -308,7 +312,8 @@ impl Projector {
                 weight: mix(a.weight, b.weight),
             };
             if !(crossing.w > 0.0 && crossing.weight > 0.0) {
-                // Two directions on either side of the horizon: their hull passes through the picture's infinity.
+                // The two directions lie on either side of the horizon, so their hull passes through the
+                // picture's infinity.
                 return self.everything();
             }
             bounds.include(crossing, self.size);

@@ -1,4 +1,4 @@
-//! Bounds on the screen of many boxes, of which few are projected.
+//! Bounds on the screen of many boxes, found by projecting only a few of them.
 
 use fixedbitset::FixedBitSet;
 use glam::DVec3;
@@ -9,12 +9,13 @@ use crate::sets::index::box_tests::splat;
 use crate::sets::index::boxes::{GROUPS, Group, LANES, WORD};
 use crate::sets::index::objects::Objects;
 
-/// The union of the screen bounds of a set's boxes, of which only what lies within `target` is exact, and how many boxes
-/// were projected; `words` has every word of the set that is not 0.
+/// The union of the screen bounds of a set's boxes, and the number of boxes that were projected. The union is
+/// exact only within `target`. `words` must have a bit for every word of the set that is not 0.
 ///
-/// A box adds nothing if it lies inside the planes through the eye and the sides of the union so far, and between its
-/// depths: eight boxes, or clusters of boxes, are asked at once, without projecting them. Sides that have left the target
-/// are no longer asked for. So few boxes are projected: those that set a record on some side.
+/// A box adds nothing if it lies inside the planes through the eye and the sides of the union so far, and
+/// within its depth range. Eight boxes, or clusters of boxes, are tested at once against these planes without
+/// being projected. Sides of the union that have left the target are no longer tested. Therefore only the
+/// boxes that extend the union so far are projected.
 pub(in crate::sets) fn screen_union(
     projector: &Projector,
     objects: &Objects,
@@ -52,14 +53,14 @@ struct Union<'a> {
     projector: &'a Projector,
     target: ScreenBounds,
     bounds: ScreenBounds,
-    /// What a box must lie inside of to add nothing: those of `asked` first.
+    /// The planes of the union; a box inside all of them adds nothing. The first `asked` of them are tested.
     sides: [Side; 6],
     asked: usize,
     eye: [f32x8; 3],
     projected: u64,
 }
 
-/// A half-space relative to the eye; inside is `normal · p + offset ≥ 0`.
+/// A half-space relative to the eye. Inside is `normal · p + offset ≥ 0`.
 #[derive(Clone, Copy)]
 struct Side {
     normal: [f32x8; 3],
@@ -67,7 +68,7 @@ struct Side {
 }
 
 impl Side {
-    /// Everything sticks out.
+    /// A half-space without inside, which every box sticks out of.
     const NOWHERE: Self = Self {
         normal: [f32x8::ZERO; 3],
         offset: f32x8::new([-1.0; LANES]),
@@ -98,7 +99,8 @@ impl<'a> Union<'a> {
         }
     }
 
-    /// Calls `visit` for the boxes among `lanes` that stick out of the union when their turn comes.
+    /// Calls `visit` for each box among `lanes` that sticks out of the union at the moment when it is
+    /// reached.
     fn each_sticking_out(&mut self, group: &Group, lanes: usize, mut visit: impl FnMut(&mut Self, usize)) {
         let mut lanes = lanes;
         while lanes != 0 {
@@ -111,7 +113,7 @@ impl<'a> Union<'a> {
         }
     }
 
-    /// Bits of the boxes that may add something; rounding may let one in that does not.
+    /// Bits of the boxes that may add something. Rounding may include a box that adds nothing.
     fn sticking_out(&self, group: &Group) -> usize {
         let slack = f32x8::splat(16.0 * f32::EPSILON);
         let offset = [0, 1, 2].map(|i| group.center[i] - self.eye[i]);
@@ -128,9 +130,9 @@ impl<'a> Union<'a> {
         outside as usize & 0xff
     }
 
-    /// Sets the planes through the sides of the bounds that are still within the target.
+    /// Sets the planes through those sides of the bounds that are still within the target.
     ///
-    /// A pixel coordinate x is s·(½ + ½·X/W), and W > 0 in view: x ≥ a where X − (2a/s − 1)·W ≥ 0.
+    /// A pixel coordinate x is s·(½ + ½·X/W), and W > 0 in view. Therefore x ≥ a where X − (2a/s − 1)·W ≥ 0.
     fn ask(&mut self) {
         let [x, y, w] = self.projector.rows();
         let depth = self.projector.depth_gradient();

@@ -1,4 +1,4 @@
-//! Objects that the camera may look into.
+//! Finds objects whose inside the camera may see.
 
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
@@ -8,25 +8,25 @@ use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::index::objects::resize;
 use crate::sets::{Objects, Touch, View};
 
-/// Objects, by dense index, inside of which a visible point may lie: the near rectangle touches their bounds, or they
-/// are not opaque throughout, or not drawn at all. Written by [`collect_seen_into`].
+/// Objects, by dense index, that may have a visible point inside their bounds: the near rectangle touches the
+/// bounds, or the object is not fully opaque, or it is not drawn at all. Written by [`collect_seen_into`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct SeenInto(pub FixedBitSet);
 
-/// What depends on materials alone: see-through objects, and two-sided ones.
+/// Properties of objects that depend only on materials. Written by [`collect_seen_into`].
 #[derive(Resource, Clone, Debug, Default, PartialEq, Eq)]
 pub struct SeeThrough {
-    /// By dense index.
+    /// Objects that are not opaque on every surface or are not drawn, by dense index.
     pub objects: FixedBitSet,
-    /// Objects of which every surface is drawn from both sides, whatever
-    /// [`FaceCulling`](crate::scene::FaceCulling) says; by dense index.
+    /// Objects whose every surface is drawn from both sides, regardless of
+    /// [`FaceCulling`](crate::scene::FaceCulling), by dense index.
     pub two_sided: FixedBitSet,
     generation: Option<(u64, u64)>,
 }
 
 /// Collects [`SeeThrough`] and [`SeenInto`].
 ///
-/// Set: `CollectSets`, after the objects and the view. Cost: the clusters, nothing at rest.
+/// Set: `CollectSets`, after the objects and the view. Cost: all clusters; nothing in a frame at rest.
 pub fn collect_seen_into(
     mut seen_into: ResMut<SeenInto>,
     mut see_through: ResMut<SeeThrough>,
@@ -39,7 +39,7 @@ pub fn collect_seen_into(
     let generation = Some((objects.layout_generation, objects.flags_generation));
     let rebuilt = see_through.generation != generation || !exchanged.is_empty();
     if !rebuilt && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
-        return; // nothing that it depends on changed
+        return; // no input changed
     }
     *last_view = Some(view.generation);
     if rebuilt {
@@ -61,7 +61,7 @@ pub fn collect_seen_into(
     let Some(view) = &view.data else {
         return;
     };
-    // Padded like the boxes, so that rounding of its corners loses nothing.
+    // The box is padded like those of objects, so that the rounding of its corners loses nothing.
     let near = Aabb::from_points(view.near_corners.map(|corner| corner.as_vec3())).padded();
     let words = seen_into.0.as_mut_slice();
     objects.clusters.find(

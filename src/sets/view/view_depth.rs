@@ -1,99 +1,75 @@
-//! How the depth of a view is stored, and how far it reaches.
+//! How far the depth of a view reaches.
+
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use bevy_ecs::prelude::*;
 
 use super::frame_view::View;
 use super::screen::Projector;
+use super::stored_depth::ViewDepth;
 use super::visible::VisibleSet;
 use crate::sets::index::objects::Objects;
 use crate::sets::light::frame_lights::FrameLights;
 
-/// Reversed depth: 1 on the near plane, 0 at the far end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ViewDepth {
-    /// `near / depth`: of a perspective view.
-    Infinite {
-        /// View depth of the near plane, > 0.
-        near: f64,
-    },
-    /// Linear between the two: of an orthographic view.
-    Finite {
-        /// View depth that is stored as 1.
-        near: f64,
-        /// View depth that is stored as 0; greater.
-        far: f64,
-    },
-}
-
-impl ViewDepth {
-    /// View depth of the near plane.
-    pub fn near(self) -> f64 {
-        match self {
-            Self::Infinite { near } | Self::Finite { near, .. } => near,
-        }
-    }
-
-    /// What is stored for a view depth.
-    pub fn stored(self, depth: f64) -> f64 {
-        match self {
-            Self::Infinite { near } => near / depth,
-            Self::Finite { near, far } => (far - depth) / (far - near),
-        }
-    }
-
-    /// By how much stored depth may err, of a surface at a view depth, if `f32` errs by this share.
-    pub fn stored_slack(self, depth: f64, share: f64) -> f64 {
-        match self {
-            Self::Infinite { near } => near / depth * share,
-            Self::Finite { .. } => share, // of 1, from which the depths are subtracted
-        }
-    }
-
-    /// The same of a view depth.
-    pub fn slack(self, depth: f64, share: f64) -> f64 {
-        match self {
-            Self::Infinite { .. } => depth.abs() * share,
-            Self::Finite { near, far } if depth.is_finite() => (near.abs() + far.abs()) * share,
-            Self::Finite { .. } => 0.0,
-        }
-    }
-}
-
-/// How far techniques draw into the depth of an orthographic view. Shadow volumes end there at a finite depth, and none
-/// may be cut off: it counts at surfaces before it. Perspective views reach infinity, and have no use for this.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
+/// How deep techniques draw into an orthographic view. Its shadow volumes end at a finite depth, and none may
+/// be cut off there, because its end counts at surfaces in front of it. Perspective views reach infinity and
+/// do not need this.
+///
+/// Techniques share it while they run, in any order: the greatest depth does not depend on who comes first.
+#[derive(Resource, Debug, Default)]
 pub struct DepthReach {
-    farthest: f64,
+    /// [`ordered`] bits of the farthest depth; 0 if nothing is drawn. Depth 0 does not stand for that, because all of an
+    /// orthographic view may lie at negative depth.
+    farthest: AtomicU64,
 }
 
-impl Default for DepthReach {
-    /// Nothing is drawn. Not 0: all of an orthographic view may lie at negative depth.
-    fn default() -> Self {
-        Self {
-            farthest: f64::NEG_INFINITY,
-        }
-    }
+/// The sign bit of an `f64`.
+const SIGN: u64 = 1 << 63;
+
+/// Bits that order as the depths do, negative ones too. They are greater than 0 for all depths.
+fn ordered(depth: f64) -> u64 {
+    let bits = depth.to_bits();
+    if bits & SIGN == 0 { bits | SIGN } else { !bits }
+}
+
+/// The depth of [`ordered`] bits.
+fn depth_of(bits: u64) -> f64 {
+    f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })
 }
 
 impl DepthReach {
-    /// Something of this frame is drawn so deep.
-    pub fn include(&mut self, depth: f64) {
-        self.farthest = self.farthest.max(depth);
+    /// Records that something is drawn as deep as `depth` in this frame.
+    pub fn include(&self, depth: f64) {
+        if !depth.is_nan() {
+            self.farthest.fetch_max(ordered(depth), Ordering::Relaxed);
+        }
+    }
+
+    /// The farthest depth that something is drawn at; −∞ if there is none.
+    pub fn farthest(&self) -> f64 {
+        match self.farthest.load(Ordering::Relaxed) {
+            0 => f64::NEG_INFINITY,
+            bits => depth_of(bits),
+        }
+    }
+
+    fn reset(&self) {
+        self.farthest.store(0, Ordering::Relaxed);
     }
 }
 
-/// Nothing has been drawn yet.
+/// Resets [`DepthReach`], as nothing is drawn yet.
 ///
 /// Set: `CollectSets`, first.
-pub fn begin_depth_reach(mut reach: ResMut<DepthReach>) {
-    reach.set_if_neq(DepthReach::default());
+pub fn begin_depth_reach(reach: Res<DepthReach>) {
+    reach.reset();
 }
 
-/// Gives an orthographic view the depth that all reaches which is drawn in this frame: visible objects up to the far
-/// plane, and what techniques have told of.
+/// Sizes an orthographic view's depth range so that it holds everything drawn this frame: visible objects up
+/// to the far plane, and what techniques have added to [`DepthReach`].
 ///
-/// Set: `PrepareGpu`, first. Writes the depth, the matrices and the stored depth bounds of lights. The depth grows in
-/// steps of two, so that it mostly stays as it is. Cost: the visible objects.
+/// Set: `PrepareGpu`, first. Writes the depth range, the matrices and the stored depth bounds of lights. The
+/// length of the range is a power of two, so that it rarely changes. Cost: the visible objects.
 pub fn fit_view_depth(
     mut view: ResMut<View>,
     mut lights: ResMut<FrameLights>,
@@ -123,8 +99,9 @@ pub fn fit_view_depth(
             projector.depth(center) + gradient.dot(half)
         })
         .fold(near, f64::max);
-    let needed = deepest.min(plane).max(reach.farthest);
-    // A little more, so that the end itself is told from what is behind it.
+    let needed = deepest.min(plane).max(reach.farthest());
+    // The range is a little longer than needed, so that its end can be distinguished from the background
+    // behind it.
     let length = ((needed - near) * 1.001)
         .max(1e-3 * (plane - near))
         .log2()
@@ -142,5 +119,25 @@ pub fn fit_view_depth(
     }
     for light in &mut lights.bypass_change_detection().lights {
         light.depth_bounds = light.depth_bounds.map(|bounds| bounds.stored_in(depth));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_greatest_reach_counts_in_any_order() {
+        let reach = DepthReach::default();
+        for depth in [3.0, f64::NAN, 70.0, -80.0, 5.0] {
+            reach.include(depth);
+        }
+        assert_eq!(reach.farthest(), 70.0);
+        reach.reset();
+        assert_eq!(reach.farthest(), f64::NEG_INFINITY);
+        for depth in [-80.0, -3.0, -5.0] {
+            reach.include(depth);
+        }
+        assert_eq!(reach.farthest(), -3.0);
     }
 }

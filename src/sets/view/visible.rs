@@ -15,18 +15,18 @@ use crate::sets::occlusion::{
 };
 use crate::sets::work::SetWork;
 
-/// Set V. Written by [`collect_visible_set`].
+/// The set V: objects of F that the camera may see. Written by [`collect_visible_set`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct VisibleSet {
     /// Objects of F that are not occluded from the camera.
     pub set: FixedBitSet,
-    /// Increases when objects may have entered or left the set other than by having moved themselves.
+    /// Increases when objects may have entered or left the set for another reason than their own motion.
     pub generation: u64,
     seen: Option<Seen>,
     previous: FixedBitSet,
 }
 
-/// All that V depends on beside what moved.
+/// Everything that V depends on, apart from motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
     frustum_set: u64,
@@ -35,20 +35,22 @@ struct Seen {
     settings: OcclusionSettings,
 }
 
-/// What stands before the camera. Written by [`collect_visible_set`].
+/// The occluders that the camera sees. Written by [`collect_visible_set`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct CameraOcclusion {
-    /// The depth buffer, as of the last frame in which view or occluders changed.
+    /// The camera's depth buffer, from the last frame in which the view or the occluders changed.
     pub viewpoint: Viewpoint,
     sightings: Sightings,
     rasterizer: Rasterizer,
 }
 
-/// V = F less what no portal shows, less what is hidden in the camera's depth buffer.
+/// Computes V: F without objects that no portal shows, and without objects that the camera's depth buffer
+/// hides.
 ///
-/// Set: `CollectSets`, after `collect_frustum_set` and `collect_occluders`. The buffer is drawn when the view or the
-/// occluders changed or one of them moved in view, and then all of F is tested; else only what moved. Conservative: it
-/// may keep an object that is hidden, it never drops one of which a pixel shows.
+/// Set: `CollectSets`, after `collect_frustum_set` and `collect_occluders`. The buffer is redrawn when the
+/// view or the occluders changed or an occluder moved in view, and then all of F is tested. Otherwise only
+/// objects that moved are tested. Conservative: it may keep a hidden object, but never drops one that shows
+/// in a pixel.
 pub fn collect_visible_set(
     mut visible: ResMut<VisibleSet>,
     mut occlusion: ResMut<CameraOcclusion>,
@@ -136,10 +138,10 @@ pub fn collect_visible_set(
     }
 }
 
-/// Looks through the portals from the camera's cells; not in an orthographic view, which stands nowhere.
+/// Looks through the portals from the camera's cells. An orthographic view stands in no cell, so it is
+/// skipped.
 ///
-/// The near rectangle must be in cells too: what stands before it is
-/// not drawn, and does not hide.
+/// The near rectangle must be in cells too, because a wall in front of it is not drawn and hides nothing.
 fn look_around(sightings: &mut Sightings, cells: &Cells, settings: &OcclusionSettings, view: &View) {
     sightings.forget();
     let looks = |view: &&ViewData| settings.from_camera && !cells.is_empty() && !view.is_orthographic();
@@ -159,7 +161,7 @@ fn look_around(sightings: &mut Sightings, cells: &Cells, settings: &OcclusionSet
     sightings.flood(cells, &standpoint);
 }
 
-/// Draws the depth buffer; none if nothing can occlude.
+/// Draws the depth buffer. Draws none if nothing can occlude.
 fn draw(
     occlusion: &mut CameraOcclusion,
     frustum_set: &FixedBitSet,
@@ -175,7 +177,8 @@ fn draw(
         return;
     }
     let projection = Projection::of_view(view, settings.camera_texels.clamp(16, 2048));
-    // What stands before the near plane hides nothing; pictures of parallel lines of sight are not cut there.
+    // Occluders in front of the near plane hide nothing. An orthographic picture is not clipped there, so
+    // occluders that reach in front of the plane are left out of it.
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient().abs();
     let is_behind_near = |&object: &usize| {
@@ -193,7 +196,7 @@ fn draw(
     );
 }
 
-/// Whether an occluder that was drawn moved, or one that might be moved within the frustum.
+/// Whether an occluder moved that is in the depth buffer, or that is now within the frustum.
 fn occluder_moved(occlusion: &CameraOcclusion, occluders: &Occluders, frustum_set: &FixedBitSet) -> bool {
     let mut moved = occluders.moved.intersection(&occluders.camera);
     moved.any(|object| frustum_set.contains(object) || occlusion.viewpoint.drawn.contains(object))

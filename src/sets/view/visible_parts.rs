@@ -1,7 +1,7 @@
-//! What may be seen of each object, and what that spares the lights.
+//! Finds the visible part of each object, which spares work for lights.
 //!
-//! A floor is seen in one room of ten. Where the camera's depth buffer knows that, a light in another room need not draw
-//! the floor, and no caster that shadows the floor there matters.
+//! A floor may be visible in only one room of ten. Where the camera's depth buffer shows this, a light in
+//! another room need not draw the floor, and casters that shadow the floor there do not matter.
 
 use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
@@ -14,17 +14,18 @@ use crate::sets::index::objects::Objects;
 use crate::sets::light::frame_lights::FrameLight;
 use crate::sets::occlusion::{Occluders, Viewpoint};
 
-/// Bounds of the part of each object of V that may be seen. Written by
+/// Bounds of the part of each object of V that may be visible. Written by
 /// [`collect_visible_set`](crate::sets::collect_visible_set).
 #[derive(Resource, Clone, Debug, Default)]
 pub struct VisibleParts {
-    /// By dense index, those of objects of V; not used while nothing occludes.
+    /// Bounds of the visible part of each object of V, by dense index. Unused while nothing occludes.
     parts: Vec<Aabb>,
     in_use: bool,
 }
 
 impl VisibleParts {
-    /// Bounds of what may be seen of an object of V, world space: of all of it while nothing occludes.
+    /// Bounds of the visible part of an object of V, world space. While nothing occludes, this is the whole
+    /// object.
     pub fn get(&self, objects: &Objects, object: usize) -> Aabb {
         if self.in_use {
             self.parts[object]
@@ -33,17 +34,17 @@ impl VisibleParts {
         }
     }
 
-    /// Whether something occludes, so that parts are less than the whole.
+    /// Whether something occludes, so that parts may be smaller than their objects.
     pub(in crate::sets) fn in_use(&self) -> bool {
         self.in_use
     }
 
-    /// All is seen whole.
+    /// Declares that every object is visible as a whole.
     pub(in crate::sets) fn forget(&mut self) {
         self.in_use = false;
     }
 
-    /// Parts are about to be set, of objects of this layout.
+    /// Prepares for setting the parts of `len` objects.
     pub(in crate::sets) fn begin(&mut self, len: usize) {
         if self.parts.len() != len {
             self.parts.clear();
@@ -52,13 +53,13 @@ impl VisibleParts {
         self.in_use = true;
     }
 
-    /// Sets a part; whether it is another than before.
+    /// Sets the part of an object. Returns whether it differs from the part before.
     pub(in crate::sets) fn set(&mut self, object: usize, part: Aabb) -> bool {
         std::mem::replace(&mut self.parts[object], part) != part
     }
 
-    /// The box around the visible parts of a set's objects that lie in `cut`; `words` has every word of the set that is
-    /// not 0.
+    /// The box around the visible parts, cut by `cut`, of a set's objects. `words` must have a bit for every
+    /// word of the set that is not 0.
     pub(in crate::sets) fn lit_bounds(
         &self,
         objects: &Objects,
@@ -81,8 +82,8 @@ impl VisibleParts {
         lit
     }
 
-    /// Takes objects out of I of which no visible point is in the light's volume, or which show nothing that the light
-    /// sees.
+    /// Removes objects from I that have no visible point in the light's volume, or whose visible points the
+    /// light cannot see.
     pub(in crate::sets) fn cut_illumination(
         &self,
         light: &mut FrameLight,

@@ -1,114 +1,95 @@
-//! The frame's maps: what each face shows, and which are drawn anew.
+//! The frame's maps: what each face shows, and which faces are drawn again.
 //!
-//! A kept map has two layers. In the *still* layer stand all casters that the light reaches and that do not move,
-//! whether or not their shadow can be seen: so it holds for any view. Casters that move stand in the *moving* layer,
-//! which is drawn over a copy of the still one. A face is drawn anew only when something that it shows changed: each
-//! has a revision, and the recorder draws those whose revision it has not drawn yet. A map that is not kept shows the
-//! shadow set S, and is drawn every frame.
+//! A kept map has two layers. The *still* layer holds all casters that the light reaches and that do not
+//! move, whether or not their shadow is visible, so it is valid for any view. The *moving* layer is a copy of
+//! the still one, with the moving casters drawn over it. A face is drawn again only when something that it
+//! shows has changed. Each face has a revision, and the recorder draws the faces whose revision it has not
+//! drawn yet. A map that is not kept holds the shadow set S and is drawn every frame.
 
 use bevy_ecs::prelude::*;
 
 use super::face_state::{FaceState, Stale};
+use super::frame_scene::Scene;
 use super::light_map::LightMap;
-use super::members::{Scene, expected_faces, farthest, fill_casters, lit_faces, split_members};
+use super::members::{expected_faces, farthest, fill_casters, lit_faces, split_members};
 use super::movers::{Movers, Remap};
 use super::plan::{Grant, Want, share_out, total_bytes};
-use super::request::{MapRequest, MapShape};
+use super::request::{MapRequests, MapShape};
 use super::settings::{MapError, MapResolution, MapSettings};
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View};
 use crate::silhouettes::LightClearance;
-use crate::techniques::{OmniMap, ShadowMap};
 
-/// What is wrong with a light's map.
+/// A problem with a light's map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapReport {
     /// The light.
     pub entity: Entity,
-    /// What is wrong.
+    /// The problem.
     pub error: MapError,
 }
 
 /// The maps of this frame. Written by [`build_maps`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Maps {
-    /// All lights with a usable map, ascending by light; those out of view too, for their maps are kept.
+    /// All lights with a usable map, ascending by light. They include lights out of view, because their maps
+    /// are kept.
     pub lights: Vec<LightMap>,
-    /// Lights whose map is refused, or less than was asked for; ascending by light.
+    /// Lights whose map is less than was asked for; ascending by light.
     pub reports: Vec<MapReport>,
-    /// Those that the frame before did not have.
-    pub newly_reported: Vec<MapReport>,
-    /// Bytes of the maps that are kept.
+    /// Memory of the maps that are kept, bytes.
     pub bytes: u64,
-    /// Faces of kept maps to be drawn anew in this frame.
+    /// Number of faces of kept maps that are drawn again in this frame.
     pub updated_faces: usize,
-    /// Faces that changed and wait, for [`MapSettings::face_updates`] were used up.
+    /// Number of faces that changed but wait, because [`MapSettings::face_updates`] is used up.
     pub waiting_faces: usize,
     movers: Movers,
     frame: u64,
     revision: u64,
     previous: Vec<LightMap>,
-    previous_reports: Vec<MapReport>,
     wants: Vec<Want>,
     grants: Vec<Grant>,
     order: Vec<usize>,
     candidates: Vec<Candidate>,
 }
 
-/// A face that may be drawn anew.
+/// A face, or all faces of a light, that may be drawn again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Candidate {
-    /// It shows something, if not the latest.
+    /// Whether the face shows something, though not the latest.
     may_wait: bool,
-    /// Inverted: the most visible comes first, and who waited gains with each frame, so that all are served.
+    /// Sort key, lowest first: the inverse of how visible the light is. A light gains with each frame that it
+    /// waits, so all are served.
     hidden: u64,
     light: usize,
-    /// All faces, if `None`: they must show the light at one place.
+    /// The face; `None` stands for all faces, which must show the light at one position.
     face: Option<usize>,
 }
 
 impl Maps {
-    /// The map of a light of [`FrameLights`], if it has one that is looked up.
+    /// Returns the map of a light of [`FrameLights`], if it is looked up in this frame.
     pub fn of_light(&self, light: usize) -> Option<&LightMap> {
         let at = self.lights.binary_search_by_key(&light, |map| map.light).ok()?;
         Some(&self.lights[at]).filter(|map| map.active)
     }
 
-    /// Lists the lights, each with its state of the frame before.
-    fn collect_lights(
-        &mut self,
-        lights: &FrameLights,
-        shadow_maps: &Query<&ShadowMap>,
-        omni_maps: &Query<&OmniMap>,
-    ) {
+    /// Lists the lights, each with its state of the last frame.
+    fn collect_lights(&mut self, lights: &FrameLights, requests: &mut MapRequests) {
         std::mem::swap(&mut self.lights, &mut self.previous);
         self.lights.clear();
-        std::mem::swap(&mut self.reports, &mut self.previous_reports);
         self.reports.clear();
         let mut old = self.previous.drain(..).peekable();
-        for (index, light) in lights.lights.iter().enumerate() {
-            let request = match (shadow_maps.get(light.entity), omni_maps.get(light.entity)) {
-                (Ok(map), _) => MapRequest::of_shadow_map(map, &light.light),
-                (_, Ok(map)) => MapRequest::of_omni_map(map, &light.light),
-                _ => continue,
-            };
+        for (index, request) in requests.drain() {
+            let light = &lights.lights[index];
             while old.next_if(|map| map.entity < light.entity).is_some() {}
             let known = old.next_if(|map| map.entity == light.entity);
-            match request {
-                Ok(request) => {
-                    let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
-                    map.begin(index, light, request);
-                    self.lights.push(map);
-                }
-                Err(error) => self.reports.push(MapReport {
-                    entity: light.entity,
-                    error,
-                }),
-            }
+            let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
+            map.begin(index, light, request);
+            self.lights.push(map);
         }
     }
 
-    /// Gives every map its resolution and says whether it is kept.
+    /// Determines the resolution of every map and whether it is kept.
     fn share_memory(&mut self, settings: &MapSettings) {
         self.wants.clear();
         for map in &mut self.lights {
@@ -133,7 +114,7 @@ impl Maps {
                 resolution: wanted,
                 least: least.min(wanted),
                 cached: map.request.cached,
-                // In steps, so that small moves of the view exchange no maps.
+                // Visibility goes in steps, so that small moves of the view do not replace maps.
                 visibility: u64::from(map.visibility.checked_ilog2().map_or(0, |log| log + 1)),
             });
         }
@@ -164,24 +145,15 @@ impl Maps {
             });
         }
         self.reports.sort_by_key(|report| report.entity);
-        self.newly_reported.clear();
-        for report in &self.reports {
-            let kind = std::mem::discriminant(&report.error);
-            let same =
-                |old: &MapReport| old.entity == report.entity && std::mem::discriminant(&old.error) == kind;
-            if !self.previous_reports.iter().any(same) {
-                self.newly_reported.push(*report);
-            }
-        }
     }
 
-    /// Lists the faces that show something else than they should.
+    /// Lists the faces whose picture is out of date.
     fn collect_candidates(&mut self, scene: &Scene, lights: &FrameLights) {
         self.candidates.clear();
         let now = self.frame;
         for (index, map) in self.lights.iter_mut().enumerate() {
             if !map.active {
-                map.settled_at = None; // what moves meanwhile is not taken in
+                map.settled_at = None; // its casters may move unnoticed meanwhile
                 continue;
             }
             let light = &lights.lights[map.light];
@@ -240,7 +212,7 @@ impl Maps {
         }
     }
 
-    /// Takes in what the budget allows, most visible lights first.
+    /// Updates as many faces as the budget allows, most visible lights first.
     fn take_in(&mut self, budget: u32) {
         (self.updated_faces, self.waiting_faces) = (0, 0);
         let mut candidates = std::mem::take(&mut self.candidates);
@@ -269,7 +241,7 @@ impl Maps {
         self.candidates = candidates;
     }
 
-    /// Follows a new dense index.
+    /// Applies a change of the dense indices.
     fn remap(&mut self, remap: &Remap) {
         for map in &mut self.lights {
             map.settled_at = None;
@@ -279,19 +251,19 @@ impl Maps {
     }
 }
 
-/// Shares the memory for maps among the lights, finds what each face shows, and takes in what changed.
+/// Shares the memory for maps among the lights, finds what each face shows, and selects the faces to draw
+/// again.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], the components of the lights; writes [`Maps`].
-/// With nothing changed it compares keys, O(lights); a light whose casters changed costs O(casters × faces).
+/// Set: `BuildTechniques`. Reads [`MapRequests`], [`FrameLights`], [`Objects`] and [`View`]; writes [`Maps`].
+/// Cost: O(lights) comparisons if nothing changed; O(casters × faces) for a light whose casters changed.
 pub fn build_maps(
     mut maps: ResMut<Maps>,
+    mut requests: ResMut<MapRequests>,
     settings: Res<MapSettings>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
     clearance: Res<LightClearance>,
-    shadow_maps: Query<&ShadowMap>,
-    omni_maps: Query<&OmniMap>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
 ) {
     let maps = &mut *maps;
@@ -303,7 +275,7 @@ pub fn build_maps(
     if let Some(remap) = remap {
         maps.remap(&remap);
     }
-    maps.collect_lights(&lights, &shadow_maps, &omni_maps);
+    maps.collect_lights(&lights, &mut requests);
     let Some(data) = &view.data else {
         for map in &mut maps.lights {
             map.active = false;

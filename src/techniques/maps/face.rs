@@ -1,7 +1,8 @@
-//! One picture of the casters from a light: where it stands, how it projects, what it can see.
+//! One picture of the casters from a light: its position, its projection, and what it can see.
 //!
-//! A face's own space has its origin at the light (directional: on the box's side towards the light), x to the right, y
-//! up, z away from the light; depth is reversed as everywhere ([`conventions`](crate::conventions)).
+//! The space of a face has its origin at the light, x to the right, y up and z away from the light. For a
+//! directional light the origin is on the side of the box towards the light. Depth is reversed as everywhere
+//! ([`conventions`](crate::conventions)).
 
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
@@ -10,35 +11,35 @@ use crate::geometry::Aabb;
 /// How a face projects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaceProjection {
-    /// From a point: depth is `near / z`.
+    /// Projects from a point; depth is `near / z`.
     Perspective {
-        /// Half the picture's side at distance 1.
+        /// Half the side of the picture at distance 1.
         tangent: f64,
-        /// Metres.
+        /// Distance of the near plane, metres.
         near: f64,
     },
-    /// Along parallels: depth is `1 − z / length`.
+    /// Projects along parallel rays; depth is `1 − z / length`.
     Parallel {
-        /// Half the picture's side, metres.
+        /// Half the side of the picture, metres.
         half: f64,
-        /// Of the box along z, metres.
+        /// Length of the box along z, metres.
         length: f64,
     },
 }
 
-/// A face.
+/// One picture of the casters from a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapFace {
-    /// World space, metres.
+    /// Origin of the face's space, world space, metres.
     pub origin: DVec3,
-    /// Right, up, away from the light: unit vectors at right angles, world space.
+    /// Unit vectors at right angles, world space: right, up, away from the light.
     pub axes: [DVec3; 3],
-    /// How it projects.
+    /// How the face projects.
     pub projection: FaceProjection,
 }
 
 impl MapFace {
-    /// World to clip space of the face.
+    /// Returns the matrix from world space to the clip space of the face.
     pub fn clip_from_world(&self) -> DMat4 {
         let [x, y, z] = self.axes.map(|axis| axis.extend(-axis.dot(self.origin)));
         let rows = match self.projection {
@@ -50,13 +51,14 @@ impl MapFace {
         DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
     }
 
-    /// Rows of the map to the face's space from world axes with the origin at the eye.
+    /// Returns the rows of the transform to the face's space from world axes with the origin at the eye.
     pub fn rows_from_relative(&self, eye: DVec3) -> [Vec4; 3] {
         self.axes
             .map(|axis| axis.extend(axis.dot(eye - self.origin)).as_vec4())
     }
 
-    /// Side of a texel at distance 1 (perspective) or anywhere (parallel), metres.
+    /// Returns the side of a texel, metres: at distance 1 for a perspective face, anywhere for a parallel
+    /// one.
     pub fn texel_metres(&self, resolution: u32) -> f64 {
         let half = match self.projection {
             FaceProjection::Perspective { tangent, .. } => tangent,
@@ -65,7 +67,7 @@ impl MapFace {
         2.0 * half / f64::from(resolution)
     }
 
-    /// Whether a box may show in the face: conservative.
+    /// Whether a box may be visible in the face. Conservative.
     pub fn may_see(&self, aabb: &Aabb) -> bool {
         if aabb.is_empty() {
             return false;

@@ -1,4 +1,4 @@
-//! What one face shows, and how much of that is not what it should.
+//! What one face shows, what it should show, and the difference.
 
 use fixedbitset::FixedBitSet;
 
@@ -8,17 +8,17 @@ use super::movers::{Movers, Remap};
 /// What one face shows.
 #[derive(Clone, Debug)]
 pub struct FaceState {
-    /// Where it stands and how it projects; as drawn.
+    /// Position and projection of the face, as drawn.
     pub face: MapFace,
     /// Casters of the still layer, by dense object index.
     pub still: FixedBitSet,
-    /// Casters drawn over it.
+    /// Casters drawn over the still layer, by dense object index.
     pub moving: FixedBitSet,
-    /// Changes when the still layer is to be drawn anew; 0: there is none.
+    /// Changes when the still layer must be drawn again; 0: there is none.
     pub still_revision: u64,
-    /// Changes when anything of the face is to be drawn anew; 0: it shows nothing yet.
+    /// Changes when any part of the face must be drawn again; 0: it shows nothing yet.
     pub revision: u64,
-    /// Frames whose transforms the layers show; 0: they show what is gone.
+    /// Frames whose transforms the two layers show; 0: they show a caster that is gone.
     still_at: u64,
     drawn_at: u64,
     pub(super) next: Next,
@@ -33,13 +33,13 @@ pub(super) struct Next {
     pub stale: Stale,
 }
 
-/// How much of a face is not what it should be.
+/// Which part of a face is out of date.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Stale {
     Nothing,
-    /// What moves.
+    /// The moving layer.
     Moving,
-    /// All of it.
+    /// Both layers.
     Still,
 }
 
@@ -62,7 +62,7 @@ impl FaceState {
         }
     }
 
-    /// Finds how stale the face is.
+    /// Determines which part of the face is out of date.
     pub(super) fn compare(&mut self, movers: &Movers, cached: bool) {
         let moved_since = |set: &FixedBitSet, at: u64| set.ones().any(|index| movers.moved_at[index] > at);
         let next = &self.next;
@@ -82,7 +82,7 @@ impl FaceState {
         };
     }
 
-    /// Makes the face show what it should.
+    /// Takes over what the face should show, to be drawn.
     pub(super) fn take_in(&mut self, cached: bool, now: u64, revision: &mut u64, all: bool) {
         *revision += 1;
         self.face = self.next.face;
@@ -99,11 +99,11 @@ impl FaceState {
         self.next.stale = Stale::Nothing;
     }
 
-    /// Follows a new dense index.
+    /// Applies a change of the dense indices.
     pub(super) fn remap(&mut self, remap: &Remap) {
         let (still, still_lost) = remap.apply(&self.still);
         let (moving, moving_lost) = remap.apply(&self.moving);
-        // What is gone stands in the layer still: no set tells any more.
+        // The layer still shows what is gone, and no set records that any more.
         if still_lost {
             self.still_at = 0;
         }

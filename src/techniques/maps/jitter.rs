@@ -1,24 +1,25 @@
 //! Jittered samples of a disc, for each pixel of a tile.
 //!
-//! An 8×8 grid over radius and angle, each sample at random within its cell, mapped to the disc so that equal cells have
-//! equal areas. The outermost ring comes first: its eight samples tell whether the disc is all lit or all dark. Each
-//! pixel's set is turned by a random angle, so that gaps between samples lie elsewhere in each.
+//! The samples are an 8×8 grid over radius and angle, each at random within its cell, mapped to the disc so
+//! that equal cells have equal areas. The outermost ring comes first: its eight samples indicate whether the
+//! disc is all lit or all dark. The set of each pixel is turned by a random angle, so that the gaps between
+//! samples differ from pixel to pixel.
 //! Source: Uralsky & Ahmad 2004, "Soft Shadows" (NVIDIA SDK white paper TB-01409).
 
-/// Pixels along a side of the tile.
+/// Number of pixels along a side of the tile.
 pub const TILE: u32 = 16;
 
-/// Samples of a pixel.
+/// Number of samples of a pixel.
 pub const SAMPLES: u32 = 64;
 
-/// Samples of the outermost ring.
+/// Number of samples of the outermost ring.
 pub const RIM: u32 = 8;
 
-/// Texels behind one another: two samples each.
+/// Depth of the 3D texture. Each texel holds two samples.
 pub const DEPTH: u32 = SAMPLES / 2;
 
-/// Pseudo-random number of 0..1 for a counter. Source: Steele et al. 2014, "Fast Splittable Pseudorandom Number
-/// Generators" (the mixing function).
+/// Returns a pseudo-random number in 0..1 for a counter. Source: Steele et al. 2014, "Fast Splittable
+/// Pseudorandom Number Generators" (the mixing function).
 fn random(counter: u64) -> f64 {
     let mut z = counter
         .wrapping_mul(0x9e37_79b9_7f4a_7c15)
@@ -28,7 +29,7 @@ fn random(counter: u64) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// The samples of one pixel of the tile, in the unit disc, outermost ring first.
+/// Returns the samples of one pixel of the tile, in the unit disc, outermost ring first.
 pub fn disc(x: u32, y: u32) -> [[f32; 2]; SAMPLES as usize] {
     let set = u64::from(y * TILE + x) * (2 * u64::from(SAMPLES) + 1);
     let turn = random(set);
@@ -42,8 +43,8 @@ pub fn disc(x: u32, y: u32) -> [[f32; 2]; SAMPLES as usize] {
     })
 }
 
-/// Texels of the 3D texture as signed bytes: the tile, [`DEPTH`] deep, an offset in red and green and the next in blue
-/// and alpha.
+/// Returns the texels of the 3D texture as signed bytes: the tile, [`DEPTH`] texels deep. Red and green hold
+/// one offset, blue and alpha the next.
 pub fn texels() -> Vec<u8> {
     let mut bytes = vec![0; (TILE * TILE * DEPTH * 4) as usize];
     for y in 0..TILE {

@@ -1,11 +1,11 @@
-//! The map of one light: what it asked for, what it got, and its faces.
+//! The map of one light: what the light asked for, what it got, and the map's faces.
 
 use bevy_ecs::prelude::Entity;
 use fixedbitset::FixedBitSet;
 use glam::{DVec3, DVec4};
 
 use super::face_state::FaceState;
-use super::members::Scene;
+use super::frame_scene::Scene;
 use super::request::{MapRequest, MapShape};
 use super::settings::MapResolution;
 use crate::sets::FrameLight;
@@ -15,48 +15,48 @@ use crate::sets::FrameLight;
 pub struct LightMap {
     /// Index into [`FrameLights`](crate::sets::FrameLights).
     pub light: usize,
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// What it asked for.
+    /// What the light asked for.
     pub request: MapRequest,
     /// Texels along a side.
     pub resolution: u32,
-    /// The map is kept.
+    /// Whether the map is kept.
     pub cached: bool,
-    /// A shadow can be seen: the map is looked up in this frame.
+    /// Whether the map is looked up in this frame, because a shadow is visible.
     pub active: bool,
     /// Distance to which squared distances are scaled, metres. Source: GPU Gems ch. 12, §12.2.5.
     pub reach: f64,
-    /// Its faces; no more than the request's.
+    /// Faces of the map, at most as many as the request has.
     pub faces: Vec<FaceState>,
-    /// Casters of all faces.
+    /// Casters of all faces, by dense object index.
     pub(super) casters: FixedBitSet,
-    /// Scissor's area, pixels.
+    /// Area of the light's scissor, pixels.
     pub(super) visibility: u64,
-    /// Of [`MapResolution::Auto`], before the limits.
+    /// Resolution of [`MapResolution::Auto`] before the limits, texels.
     wanted: u32,
-    /// Frames for which a change has waited.
+    /// Number of frames for which a change has waited.
     pub(super) waited: u64,
-    /// Frame up to which all changes are taken in; `None`: not all are.
+    /// Frame up to which all changes are taken over; `None` if some are not.
     pub(super) settled_at: Option<u64>,
-    /// What the faces were made for.
+    /// The key for which the faces were made.
     pub(super) key: Option<FaceKey>,
 }
 
-/// What faces depend on, beside the casters.
+/// Everything on which faces depend, besides the casters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FaceKey {
-    /// The light.
+    /// The light as a homogeneous point.
     pub point_world: DVec4,
-    /// Where it shines to.
+    /// Direction in which the light shines.
     pub direction: DVec3,
-    /// Metres.
+    /// Reach of the map, metres.
     pub reach: f64,
     /// Generation of the view, for cascades.
     pub view: u64,
-    /// What was asked for.
+    /// What the light asked for.
     pub request: MapRequest,
-    /// Texels.
+    /// Texels along a side.
     pub resolution: u32,
 }
 
@@ -94,10 +94,10 @@ impl LightMap {
             let longest = f64::from(scissor.width.max(scissor.height));
             let ideal = match request.shape {
                 MapShape::Spot => longest,
-                MapShape::Cube => 0.5 * longest, // a face shows a quarter of the way round
+                MapShape::Cube => 0.5 * longest, // a face shows a quarter of a full turn
                 MapShape::Cascades => f64::from(most),
             };
-            // Wide enough apart that a light at rest in a moving view keeps its map.
+            // The limits are far enough apart that a light at rest in a moving view keeps its map.
             let current = f64::from(self.resolution);
             if !(0.4 * current..=1.1 * current).contains(&ideal) || self.wanted == 0 {
                 self.wanted = (ideal.ceil() as u32).next_power_of_two();
@@ -113,12 +113,13 @@ impl LightMap {
         }
     }
 
-    /// Textures of the map: still casters, those with moving ones over them, and what is made of these.
+    /// Returns the number of textures of the map: still casters, still and moving casters, and the result of
+    /// a conversion.
     pub fn texture_count(&self) -> u64 {
         1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
     }
 
-    /// Casters of all faces, by dense object index.
+    /// Returns the casters of all faces, by dense object index.
     pub fn casters(&self) -> &FixedBitSet {
         &self.casters
     }
@@ -128,7 +129,7 @@ impl LightMap {
         self.cached && self.faces.iter().any(|face| !face.moving.is_clear())
     }
 
-    /// Its faces show nothing any more.
+    /// Forgets the faces, so that they show nothing any more.
     pub(super) fn forget(&mut self) {
         self.faces.clear();
         self.settled_at = None;

@@ -4,29 +4,18 @@ use fixedbitset::FixedBitSet;
 use glam::DVec3;
 use smallvec::SmallVec;
 
+use super::cascades::{even_splits, fit, split_depths};
+use super::cube::{GUARD_TEXELS, cube_faces, faces_of_cone};
 use super::face::{FaceProjection, MapFace};
+use super::frame_scene::Scene;
 use super::light_map::LightMap;
 use super::movers::Movers;
 use super::request::MapShape;
 use crate::scene::LightKind;
-use crate::sets::{FrameLight, LightVolume, Objects, ViewData};
-use crate::techniques::omni_map::cube::{GUARD_TEXELS, cube_faces, faces_of_cone};
-use crate::techniques::shadow_map::cascades::{even_splits, fit, split_depths};
+use crate::sets::{FrameLight, LightVolume, Objects};
 
-/// What faces are made from, beside the light.
-#[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
-    /// All objects.
-    pub objects: &'a Objects,
-    /// The view.
-    pub view: &'a ViewData,
-    /// Its generation.
-    pub view_generation: u64,
-    /// Default near plane as a share of the reach. Depth is a float and reversed: however near it is, no precision is lost.
-    pub near_share: f64,
-}
-
-/// Fills the casters of a light's map: of a kept map all that the light reaches, else set S. Whether they changed.
+/// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
+/// whether they changed.
 pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameLight, kept: bool) -> bool {
     let mut changed = casters.len() != objects.len();
     if changed {
@@ -54,8 +43,8 @@ pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameL
     changed
 }
 
-/// Distance from the light within which all casters stand, metres: the range if there is one, else rounded up to a power
-/// of two, so that it does not follow every move.
+/// Returns the distance from the light, metres, within which all casters are: the range or, without one, a
+/// distance rounded up to a power of two so that it does not follow every move.
 pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) -> f64 {
     let range = f64::from(light.light.range);
     if light.volume != LightVolume::Infinite && range < 1e15 {
@@ -73,7 +62,7 @@ pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) ->
     farthest.log2().ceil().exp2()
 }
 
-/// The faces that the map should have.
+/// Returns the faces that the map should have.
 pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
     let origin = light.point_world.truncate();
     let near = map.request.near.map_or(scene.near_share * map.reach, f64::from);
@@ -107,7 +96,7 @@ fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<
     let seen_far = light
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
-    // Beyond, no surface is told from the sky.
+    // Beyond this depth no surface is distinguished from the sky.
     let near = scene.view.near;
     let far = seen_far.min(f64::from(cascades.distance));
     let splits = if scene.view.is_orthographic() {
@@ -138,8 +127,8 @@ fn map_casters(map: &LightMap) -> impl Iterator<Item = usize> + '_ {
     map.casters().ones()
 }
 
-/// Which of a light's casters a face shows: those that stand still, and those that move; without `movers` all move. None
-/// if the light does not shine into the face.
+/// Divides a light's casters that a face shows into those that stand still and those that move. Without
+/// `movers` all count as moving. Both sets are empty if the light does not shine into the face.
 pub fn split_members(
     casters: &FixedBitSet,
     face: &MapFace,
@@ -166,7 +155,7 @@ pub fn split_members(
     }
 }
 
-/// Faces of a cube that a light can shine into; all for a light that shines everywhere.
+/// Returns the faces of a cube into which a light can shine; all faces for a light that shines everywhere.
 pub fn lit_faces(light: &FrameLight) -> [bool; 6] {
     match &light.volume {
         LightVolume::Cone(cone) | LightVolume::HalfBall(cone) => faces_of_cone(cone),

@@ -1,24 +1,24 @@
-//! Which casters move, and when each last did.
+//! Which casters move, and when each moved last.
 
 use bevy_ecs::prelude::Entity;
 use fixedbitset::FixedBitSet;
 
 use crate::sets::Objects;
 
-/// State of every object, by dense index.
+/// When every object moved last, by dense index.
 #[derive(Clone, Debug, Default)]
 pub struct Movers {
-    /// Objects that moved within the last frames: drawn over the others.
+    /// Objects that moved recently; they are drawn over the others.
     pub moving: FixedBitSet,
     /// Frame in which each object moved last.
     pub moved_at: Vec<u64>,
-    /// Frame in which any object moved last, or began or ceased to count as moving.
+    /// Last frame in which an object moved, or began or ceased to count as moving.
     pub changed_at: u64,
     entities: Vec<Entity>,
     layout_generation: Option<u64>,
 }
 
-/// Where objects went when the dense index was made anew.
+/// Where objects went when the dense index was rebuilt.
 #[derive(Clone, Debug, Default)]
 pub struct Remap {
     /// New index by old index; `None`: the object is gone.
@@ -28,7 +28,7 @@ pub struct Remap {
 }
 
 impl Remap {
-    /// A set in the new indices; and whether a member is gone.
+    /// Translates a set to the new indices. Also returns whether a member is gone.
     pub fn apply(&self, set: &FixedBitSet) -> (FixedBitSet, bool) {
         let mut mapped = FixedBitSet::with_capacity(self.len);
         let mut lost = false;
@@ -43,10 +43,11 @@ impl Remap {
 }
 
 impl Movers {
-    /// Brings the state up to date at frame `now`; `exchanged` are objects whose mesh or material changed. Gives the
-    /// remap if the dense index was made anew.
+    /// Brings the state up to date at frame `now`; `exchanged` are objects whose mesh or material changed.
+    /// Returns the remap if the dense index was rebuilt.
     ///
-    /// What appears in a later frame than the first counts as moving: a projectile costs no redraw of what stands still.
+    /// An object that appears after the first frame counts as moving, so a projectile causes no redraw of
+    /// what stands still.
     pub fn update(
         &mut self,
         objects: &Objects,

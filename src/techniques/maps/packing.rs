@@ -1,29 +1,29 @@
-//! Squared distances, as shares of the range's square, in the bytes of an RGBA texel. Twins of the functions of the same
-//! names in `shaders/common/map.wgsl`.
+//! Packings of squared distances, as shares of the squared range, into the bytes of an RGBA texel. They are
+//! twins of the functions of the same names in `shaders/common/map.wgsl`.
 //!
-//! A byte `b` is read as `b / 255`, and bytes as the chapter unpacks them: `r + g / 256 (+ b / 65536 + a / 16777216)`;
-//! its `r · 256 + g` is the same with distances that reach 256. The packings are chosen so that this gives the nearest
-//! value below.
+//! A byte `b` is read as `b / 255`, and bytes are unpacked as in the chapter:
+//! `r + g / 256 (+ b / 65536 + a / 16777216)`. Its `r · 256 + g` is the same for distances that reach 256.
+//! The packings are chosen so that unpacking returns the nearest value below.
 //! Source: Gerasimov 2004, GPU Gems ch. 12, §12.3.3 and §12.3.6.
 
-/// Largest step between two shares that [`pack_two_bytes`] tells apart.
+/// Largest step between two shares that [`pack_two_bytes`] distinguishes.
 pub const TWO_BYTES_STEP: f32 = 1.0 / 255.0 / 256.0;
 
-/// Largest step between two shares that [`pack_four_bytes`] tells apart: that of a float below 1.
+/// Largest step between two shares that [`pack_four_bytes`] distinguishes: that of a float below 1.
 pub const FOUR_BYTES_STEP: f32 = 1.0 / 8_388_608.0;
 
-/// The cheaper method: whole part and fraction, in red and green. `share` is 0..=1.
+/// Packs by the cheaper method: whole part in red, fraction in green. `share` is 0..=1.
 pub fn pack_two_bytes(share: f32) -> [u8; 2] {
     let [r, g, ..] = pack_four_bytes(share);
     [r, g]
 }
 
-/// Inverse of [`pack_two_bytes`], up to [`TWO_BYTES_STEP`].
+/// Unpacks what [`pack_two_bytes`] packed, up to [`TWO_BYTES_STEP`].
 pub fn unpack_two_bytes(bytes: [u8; 2]) -> f32 {
     unpack_four_bytes([bytes[0], bytes[1], 0, 0])
 }
 
-/// The more exact method: four digits to the base 256. `share` is 0..=1.
+/// Packs by the more exact method: four digits to the base 256. `share` is 0..=1.
 pub fn pack_four_bytes(share: f32) -> [u8; 4] {
     let mut rest = share.clamp(0.0, 1.0) * 255.0;
     let mut bytes = [0; 4];
@@ -35,7 +35,7 @@ pub fn pack_four_bytes(share: f32) -> [u8; 4] {
     bytes
 }
 
-/// Inverse of [`pack_four_bytes`].
+/// Unpacks what [`pack_four_bytes`] packed.
 pub fn unpack_four_bytes(bytes: [u8; 4]) -> f32 {
     let [r, g, b, a] = bytes.map(|byte| f32::from(byte) / 255.0);
     r + g / 256.0 + b / 65536.0 + a / 16_777_216.0

@@ -1,30 +1,30 @@
-//! Who gets how much of the memory for maps.
+//! How the memory for maps is shared.
 //!
-//! All get what they want while it fits. Else the least visible light loses resolution, by halves down to its least, then
-//! the next; when all have their least, the least visible lights lose their own map: they share one, and draw it anew
-//! every frame.
+//! All lights get what they want while it fits. Otherwise the least visible light loses resolution, halved
+//! down to its smallest, then the next. When all have their smallest, the least visible lights lose their
+//! kept map: they share one map, which is drawn again every frame.
 
-/// What a light wants.
+/// The map that a light wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Want {
-    /// Bytes for each texel of a face's side squared: faces × textures × 4.
+    /// Bytes per squared resolution: faces × textures × 4.
     pub bytes_per_square: u64,
     /// Texels along a side; > 0.
     pub resolution: u32,
-    /// No less than this; > 0.
+    /// Smallest resolution, texels along a side; > 0.
     pub least: u32,
-    /// The map may be kept.
+    /// Whether the map may be kept.
     pub cached: bool,
-    /// How visible the light is; the least loses first. Equal ones: the later.
+    /// How visible the light is. The least visible loses first and, among equals, the later one.
     pub visibility: u64,
 }
 
-/// What it gets.
+/// The map that a light gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grant {
     /// Texels along a side.
     pub resolution: u32,
-    /// The map is kept.
+    /// Whether the map is kept.
     pub cached: bool,
 }
 
@@ -37,13 +37,13 @@ fn bytes(want: &Want, grant: &Grant) -> u64 {
         .saturating_mul(want.bytes_per_square)
 }
 
-/// Bytes of all maps that are kept.
+/// Returns the memory of all maps that are kept, bytes.
 pub fn total_bytes(wants: &[Want], grants: &[Grant]) -> u64 {
     let each = wants.iter().zip(grants).map(|(want, grant)| bytes(want, grant));
     each.fold(0, u64::saturating_add)
 }
 
-/// Shares out `limit` bytes. Deterministic; `order` is scratch.
+/// Shares out `limit` bytes. Deterministic; `order` is scratch memory.
 pub fn share_out(wants: &[Want], limit: u64, grants: &mut Vec<Grant>, order: &mut Vec<usize>) {
     grants.clear();
     grants.extend(wants.iter().map(|want| Grant {

@@ -1,140 +1,114 @@
-//! What a light asks for: the components of both kinds of map in one form, with everything refused that cannot be drawn.
+//! What a light asks for, whatever its technique, with everything refused that cannot be drawn.
 
-use crate::scene::{Light, LightKind};
-use crate::techniques::omni_map::OmniMap;
-use crate::techniques::shadow_map::cascades::MOST_CASCADES;
-use crate::techniques::shadow_map::{Cascades, ShadowMap};
+use bevy_ecs::prelude::*;
 
-use super::settings::{MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSurface};
+use super::cascades::MOST_CASCADES;
+use super::settings::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::scene::Light;
+use crate::sets::FrameLights;
+use crate::techniques::registry::Refusal;
 
-/// How the faces of a light's map stand.
+/// The stages of maps within [`BuildTechniques`](crate::schedule::AntumbraSystems::BuildTechniques), chained.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MapSystems {
+    /// After this set the [`MapRequests`] hold what the lights of every technique with maps ask for.
+    Request,
+    /// After this set the [`Maps`](super::Maps) are those of this frame.
+    Build,
+}
+
+/// What the lights of this frame ask for. Written by a system of each technique with maps, in [`MapSystems::Request`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct MapRequests {
+    /// Index into [`FrameLights`], and what the light asks for.
+    requests: Vec<(usize, MapRequest)>,
+}
+
+impl MapRequests {
+    /// Lists the lights that are shadowed by the technique whose component is `T`.
+    pub fn list<T: Component>(
+        &mut self,
+        lights: &FrameLights,
+        components: &Query<&T>,
+        request: impl Fn(&T, &Light) -> Result<MapRequest, Refusal>,
+    ) {
+        for (index, light) in lights.lights.iter().enumerate() {
+            if !light.is_shadowed_by::<T>() {
+                continue;
+            }
+            // Whoever is refused has no technique in this frame.
+            let asked = components.get(light.entity).map(|map| request(map, &light.light));
+            if let Ok(Ok(request)) = asked {
+                self.requests.push((index, request));
+            }
+        }
+    }
+
+    /// Gives the requests, ascending by light, and forgets them.
+    pub fn drain(&mut self) -> impl Iterator<Item = (usize, MapRequest)> + '_ {
+        self.requests.sort_unstable_by_key(|(light, _)| *light);
+        self.requests.drain(..)
+    }
+}
+
+/// Of numbers that may be any finite one from 0 on.
+const FINITE: &str = "it must be finite and at least 0";
+
+fn resolution(texels: u32) -> Refusal {
+    let allowed = "it must be greater than 0, and the least at most the most";
+    Refusal::setting("resolution", texels as f32, allowed)
+}
+
+/// Arrangement of the faces of a light's map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MapShape {
     /// One face along the axis of a spot light.
     Spot,
     /// Six faces of a cube.
     Cube,
-    /// Boxes behind one another.
+    /// Boxes for consecutive parts of the view depth.
     Cascades,
 }
 
-/// Which component a light has.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MapComponent {
-    /// [`ShadowMap`].
-    Shadow,
-    /// [`OmniMap`].
-    Omni,
-}
-
-/// What a light asks for; all numbers usable.
+/// What a light asks for, with valid numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRequest {
-    /// Its component.
-    pub component: MapComponent,
-    /// How the faces stand.
+    /// Arrangement of the faces.
     pub shape: MapShape,
     /// Texels along a side.
     pub resolution: MapResolution,
-    /// How comparisons are put together.
+    /// How comparisons are combined.
     pub filter: MapFilter,
-    /// What a texel holds.
+    /// Format of a texel.
     pub format: MapFormat,
-    /// Which surface.
+    /// Which surface of the casters the map holds.
     pub surface: MapSurface,
-    /// What keeps a surface from shadowing itself.
+    /// How a surface is kept from shadowing itself.
     pub bias: MapBias,
-    /// Metres; `None`: a share of the range.
+    /// Distance within which nothing casts, metres; `None`: a share of the range.
     pub near: Option<f32>,
-    /// The map is kept.
+    /// Whether the map is kept from frame to frame.
     pub cached: bool,
-    /// Of a directional light.
+    /// Cascades of a directional light.
     pub cascades: Cascades,
 }
 
-/// Half-angle beyond which a spot light's map has the faces of a cube, radians: there a face spends most of its texels
-/// near its rim.
-const WIDEST_SPOT: f32 = 1.05;
-
-fn light_name(kind: LightKind) -> &'static str {
-    match kind {
-        LightKind::Point => "point",
-        LightKind::Spot { .. } => "spot",
-        LightKind::Directional => "directional",
-        LightKind::Rect { .. } => "rectangle",
-        LightKind::Sphere { .. } => "sphere",
-    }
-}
-
 impl MapRequest {
-    /// What a [`ShadowMap`] asks for.
+    /// The request, if everything in it can be drawn for a light.
     ///
     /// # Errors
     /// The first setting that cannot be drawn with.
-    pub fn of_shadow_map(map: &ShadowMap, light: &Light) -> Result<Self, MapError> {
-        let shape = match light.kind {
-            LightKind::Directional => MapShape::Cascades,
-            LightKind::Spot { outer_angle, .. } if outer_angle > WIDEST_SPOT => MapShape::Cube,
-            LightKind::Spot { .. } => MapShape::Spot,
-            kind => {
-                return Err(MapError::Kind {
-                    component: "ShadowMap",
-                    light: light_name(kind),
-                });
-            }
-        };
-        let request = Self {
-            component: MapComponent::Shadow,
-            shape,
-            resolution: map.resolution,
-            filter: map.filter,
-            format: MapFormat::Depth,
-            surface: map.surface,
-            bias: map.bias,
-            near: map.near,
-            cached: map.cached,
-            cascades: map.cascades,
-        };
-        request.validated(light)
-    }
-
-    /// What an [`OmniMap`] asks for.
-    ///
-    /// # Errors
-    /// The first setting that cannot be drawn with.
-    pub fn of_omni_map(map: &OmniMap, light: &Light) -> Result<Self, MapError> {
-        if light.kind == LightKind::Directional {
-            return Err(MapError::Kind {
-                component: "OmniMap",
-                light: "directional",
-            });
-        }
-        let request = Self {
-            component: MapComponent::Omni,
-            shape: MapShape::Cube,
-            resolution: map.resolution,
-            filter: map.filter,
-            format: map.format,
-            surface: map.surface,
-            bias: map.bias,
-            near: map.near,
-            cached: map.cached,
-            cascades: Cascades::default(),
-        };
-        request.validated(light)
-    }
-
-    fn validated(self, light: &Light) -> Result<Self, MapError> {
+    pub fn validated(self, light: &Light) -> Result<Self, Refusal> {
         let usable = |x: f32| x.is_finite() && x >= 0.0;
         match self.resolution {
-            MapResolution::Fixed(0) => return Err(MapError::Resolution(0)),
+            MapResolution::Fixed(0) => return Err(resolution(0)),
             MapResolution::Auto { least, most } if least == 0 || least > most => {
-                return Err(MapError::Resolution(least));
+                return Err(resolution(least));
             }
             _ => {}
         }
         if let Some(softness) = self.filter.softness().filter(|softness| !usable(*softness)) {
-            return Err(MapError::Softness(softness));
+            return Err(Refusal::setting("softness", softness, FINITE));
         }
         if let MapBias::Manual {
             normal_texels,
@@ -144,11 +118,15 @@ impl MapRequest {
         {
             for bias in [normal_texels, depth_metres, distance_share] {
                 if !usable(bias) {
-                    return Err(MapError::Bias(bias));
+                    return Err(Refusal::setting("bias", bias, FINITE));
                 }
             }
             if distance_share >= 1.0 {
-                return Err(MapError::Bias(distance_share));
+                return Err(Refusal::setting(
+                    "bias",
+                    distance_share,
+                    "its share of the distance must be less than 1",
+                ));
             }
         }
         if self.shape == MapShape::Cascades {
@@ -158,12 +136,17 @@ impl MapRequest {
         if let Some(near) = self.near
             && !(near > 0.0 && near < range)
         {
-            return Err(MapError::Near { near, range });
+            return Err(Refusal::Setting {
+                setting: "near",
+                value: near,
+                unit: " m",
+                allowed: "it must be greater than 0 and less than the light's range; `None` chooses it",
+            });
         }
         Ok(self)
     }
 
-    fn validated_cascades(self) -> Result<Self, MapError> {
+    fn validated_cascades(self) -> Result<Self, Refusal> {
         let Cascades {
             count,
             distance,
@@ -171,22 +154,38 @@ impl MapRequest {
             blend,
         } = self.cascades;
         if !(1..=MOST_CASCADES).contains(&count) {
-            return Err(MapError::CascadeCount(count));
+            return Err(Refusal::setting(
+                "number of cascades",
+                count as f32,
+                "1 to 4 are possible",
+            ));
         }
-        let refuse = |what, value| Err(MapError::Cascades { what, value });
         if !(distance > 0.0) {
-            return refuse("distance", distance);
+            return Err(Refusal::Setting {
+                setting: "distance of the cascades",
+                value: distance,
+                unit: " m",
+                allowed: "it must be greater than 0",
+            });
         }
         if !(0.0..=1.0).contains(&log_share) {
-            return refuse("log share", log_share);
+            return Err(Refusal::setting(
+                "log share of the cascades",
+                log_share,
+                "0 to 1 are possible",
+            ));
         }
         if !(0.0..=0.5).contains(&blend) {
-            return refuse("blend", blend);
+            return Err(Refusal::setting(
+                "blend of the cascades",
+                blend,
+                "0 to 0.5 are possible",
+            ));
         }
         Ok(self)
     }
 
-    /// Faces of the map.
+    /// Returns the number of faces of the map.
     pub fn face_count(&self) -> u32 {
         match self.shape {
             MapShape::Spot => 1,
@@ -195,7 +194,7 @@ impl MapRequest {
         }
     }
 
-    /// Whether the resolved texture is not the depth that casters are drawn into.
+    /// Whether the texture that is looked up differs from the depth into which casters are drawn.
     pub fn has_final(&self) -> bool {
         self.format != MapFormat::Depth || self.surface != MapSurface::Nearest
     }

@@ -1,41 +1,58 @@
-//! What a user sets on a light with a map, and for all maps together.
+//! Settings of a light's map, settings of all maps together, and errors.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-/// How the comparisons of a pixel with the map are put together.
+/// How the comparisons of a pixel with the map are combined into visibility. Each tap compares with up to
+/// four texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapFilter {
-    /// The four nearest texels, weighted by the position between them: one tap, in hardware where the format allows.
+    /// One tap: the four nearest texels, weighted by the position between them, in hardware where the format
+    /// allows. It is the fastest; edges are about a texel wide.
     #[default]
     Bilinear,
-    /// The mean of 16 such taps over 4×4 texels. Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.3.
+    /// The mean of 16 bilinear taps over 4×4 texels, for smoother edges. Source: Bunnell & Pellacini 2004,
+    /// GPU Gems ch. 11, §11.3.
+    #[cfg_attr(feature = "serde", serde(rename = "brute_4x4"))]
     Brute4x4,
-    /// Four of the 16, which ones by the pixel. Source: the same, §11.4.
+    /// Four of the 16 taps of [`MapFilter::Brute4x4`], which depend on the pixel. It costs a quarter and
+    /// leaves a fine pattern at edges. Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.4.
+    #[cfg_attr(feature = "serde", serde(rename = "dithered_4"))]
     Dithered4,
-    /// 64 taps jittered over a disc. Source: Uralsky & Ahmad 2004, "Soft Shadows" (NVIDIA SDK white paper).
+    /// 64 taps jittered over a disc, for wide soft edges. Source: Uralsky & Ahmad 2004, "Soft Shadows"
+    /// (NVIDIA SDK white paper).
     Jittered {
-        /// Radius of the disc: for point and spot lights a share of the distance from the light, for directional lights
-        /// metres; ≥ 0.
+        /// Radius of the disc, at least 0: for point and spot lights a share of the distance from the light,
+        /// for directional lights metres. Higher values blur edges more and show more noise.
         softness: f32,
-        /// Looks at the eight taps of the rim first, and at the others only where those disagree.
+        /// Looks up the eight taps of the rim first, and the others only where those disagree. Measured, it
+        /// takes 7 times fewer taps. A caster that is inside the disc without touching its rim may be missed.
         adaptive: bool,
     },
-    /// Four taps around the point. Source: Gerasimov 2004, GPU Gems ch. 12, listing 12-3.
+    /// Four taps on a circle around the point, for a light blur. Source: Gerasimov 2004, GPU Gems ch. 12,
+    /// listing 12-3.
+    #[cfg_attr(feature = "serde", serde(rename = "soft_4"))]
     Soft4 {
-        /// How far off they are, as for [`MapFilter::Jittered`].
+        /// Radius of the circle, at least 0: for point and spot lights a share of the distance from the
+        /// light, for directional lights metres. Higher values blur edges more, until four separate edges
+        /// show.
         softness: f32,
     },
 }
 
 impl MapFilter {
-    /// Taps of a pixel at most.
+    /// Returns the largest number of taps at a pixel.
     pub fn most_taps(self) -> u32 {
         match self {
             Self::Bilinear => 1,
@@ -45,7 +62,7 @@ impl MapFilter {
         }
     }
 
-    /// The softness, if the filter has one.
+    /// Returns the softness, if the filter has one.
     pub fn softness(self) -> Option<f32> {
         match self {
             Self::Jittered { softness, .. } | Self::Soft4 { softness } => Some(softness),
@@ -54,81 +71,129 @@ impl MapFilter {
     }
 }
 
-/// What a texel of an omnidirectional map holds.
+/// What a texel of an omnidirectional map holds. Formats other than depth take a conversion pass, a texture
+/// more, and comparisons in the shader.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq, Hash)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapFormat {
-    /// Depth, compared in hardware.
+    /// Depth, compared in hardware. It is the fastest.
     #[default]
     Depth,
-    /// Squared distance, as a float. Source: Gerasimov 2004, GPU Gems ch. 12, §12.2.3.
+    /// Squared distance as a 32-bit float. Source: Gerasimov 2004, GPU Gems ch. 12, §12.2.3.
     R32Float,
-    /// Squared distance in two bytes of four, the cheaper method of §12.3: in steps of 1/65280 of the range's square
-    /// ([`packing::TWO_BYTES_STEP`](super::packing::TWO_BYTES_STEP)).
+    /// Squared distance in two of four bytes, the cheaper method of §12.3. Its steps are 1/65280 of the
+    /// squared range, so it is coarse near the light.
     Rgba8TwoBytes,
-    /// Squared distance in four bytes, the other method of §12.3: as exact as a float.
+    /// Squared distance in four bytes, the other method of §12.3. It is as exact as a float.
     Rgba8FourBytes,
 }
 
-/// Which surface of the casters the map holds.
+/// Which surface of the casters the map holds. A surface other than the nearest draws the casters of a face
+/// twice and takes a conversion pass and a texture more.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq, Hash)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
 pub enum MapSurface {
-    /// The one nearest to the light.
+    /// The surface nearest to the light. It is the fastest, and right for any caster.
     #[default]
     Nearest,
-    /// The second, or the nearest where there is one alone. Source: Wang & Molnar 1994, "Second-Depth Shadow Mapping".
+    /// The second surface, or the nearest where there is only one. Source: Wang & Molnar 1994, "Second-Depth
+    /// Shadow Mapping".
     Second,
-    /// Halfway between the two. Source: Woo 1992, "The Shadow Depth Map Revisited".
+    /// The middle between the nearest and the second surface. Source: Woo 1992, "The Shadow Depth Map
+    /// Revisited".
     Midpoint,
 }
 
-/// What keeps a surface from shadowing itself.
+/// How a surface is kept from shadowing itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(from = "ManualBias"))]
 pub enum MapBias {
-    /// What the map's texel and the surface ask for.
+    /// Derived from the map's texel and the surface; there is nothing to set.
     #[default]
     Auto,
-    /// In place of the share of a texel that `Auto` adds to the comparison with the receiver's plane.
+    /// Values that replace the share of a texel by which `Auto` raises the receiver's plane. Higher values
+    /// remove false shadows on lit surfaces, but separate shadows from their casters.
     Manual {
-        /// Along the surface's normal, texels; ≥ 0.
+        /// Offset along the surface's normal, texels; at least 0.
         normal_texels: f32,
-        /// Towards the light, metres; ≥ 0.
+        /// Offset towards the light, metres; at least 0.
         depth_metres: f32,
-        /// Towards the light, as a share of the distance from it; 0..1. Not for directional lights, which are nowhere.
-        /// Source: Gerasimov 2004, GPU Gems ch. 12, whose bias multiplies.
+        /// Offset towards the light, as a share of the distance from it; at least 0, less than 1. Directional
+        /// lights ignore it, because they are at no distance. Source: Gerasimov 2004, GPU Gems ch. 12, whose
+        /// bias multiplies.
         distance_share: f32,
     },
 }
 
-/// Texels along a side of a map.
+/// A bias as a file has it: [`MapBias::Auto`] is no bias in the file.
+#[cfg(feature = "serde")]
+#[derive(Default, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct ManualBias {
+    normal_texels: f32,
+    depth_metres: f32,
+    distance_share: f32,
+}
+
+#[cfg(feature = "serde")]
+impl From<ManualBias> for MapBias {
+    fn from(bias: ManualBias) -> Self {
+        Self::Manual {
+            normal_texels: bias.normal_texels,
+            depth_metres: bias.depth_metres,
+            distance_share: bias.distance_share,
+        }
+    }
+}
+
+/// Number of texels along a side of a map. Higher values sharpen edges; each doubling takes four times the
+/// memory and fill rate. Default: automatic, 128 to 1024.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(
+        untagged,
+        expecting = "texels along a side, or {\"least\": 128, \"most\": 1024}"
+    )
+)]
 pub enum MapResolution {
-    /// So many; > 0.
+    /// A fixed number of texels, greater than 0. [`MapSettings::largest`] limits it, and so does a shortage
+    /// of memory, down to 64.
     Fixed(u32),
-    /// A power of two that follows the light's size on the screen.
+    /// A power of two that follows the light's size on the screen; cascades take `most`.
     Auto {
-        /// At least; > 0.
+        /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.
         least: u32,
-        /// At most; ≥ `least`.
+        /// Largest number of texels, at least `least`.
         most: u32,
     },
 }
@@ -142,19 +207,63 @@ impl Default for MapResolution {
     }
 }
 
+/// How a directional light's maps share the view depth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct Cascades {
+    /// Number of maps, 1 to 4. More give finer texels near the camera; each takes the memory and the draws of
+    /// one map. Default: 4.
+    pub count: u32,
+    /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
+    /// nearby. Default: infinite, which reaches as far as surfaces are seen.
+    pub distance: f32,
+    /// How depth is divided, 0 to 1. 0 makes equal parts of the view depth; 1 makes equal ratios, which gives
+    /// near surfaces finer texels and far ones coarser. Default: 0.75. Source: Zhang et al. 2006,
+    /// "Parallel-Split Shadow Maps".
+    pub log_share: f32,
+    /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
+    /// change of resolution better, but more pixels look up two maps. Default: 0.1.
+    pub blend: f32,
+}
+
+impl Default for Cascades {
+    fn default() -> Self {
+        Self {
+            count: 4,
+            distance: f32::INFINITY,
+            log_share: 0.75, // by eye, between the extremes of the source
+            blend: 0.1,
+        }
+    }
+}
+
 /// Limits of all maps together.
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct MapSettings {
-    /// Bytes of the maps that are kept. Beyond, the least visible lights lose resolution, then their cache.
+    /// Limit on the memory of maps that are kept, bytes. Beyond it, the least visible lights lose resolution
+    /// first, then their kept map. Higher values keep shadows sharp with many lights. Default: 256 MiB.
     pub memory_limit: u64,
-    /// Faces of kept maps that are drawn anew in a frame; those of the most visible lights first. The others keep what
-    /// they show for a frame more. A face that shows nothing yet is drawn in any case.
+    /// Number of faces of kept maps that are drawn again in a frame, those of the most visible lights first.
+    /// The others show their last picture for another frame. Lower values bound the time of a frame; shadows
+    /// of moving casters then lag. A face without a picture is drawn in any case. Default: 32.
     pub face_updates: u32,
-    /// Frames without a move after which a caster counts as still.
+    /// Number of frames without a move after which a caster counts as still. The still layer is drawn again
+    /// whenever a caster starts or ceases to count as moving: higher values avoid that for casters that
+    /// pause, lower values stop drawing resting casters every frame sooner. 0 counts as 1. Default: 8.
     pub still_after: u32,
-    /// Longest side of a map, texels; that of the device if it is less.
+    /// Longest side of a map, texels; the device's limit if that is less. Default: 8192.
     pub largest: u32,
-    /// Leaves the taps of each pixel, in parts of 64, in the mask's colours: a debug view.
+    /// Debug view: writes the number of taps of each pixel, divided by 64, into the mask's colours. Default:
+    /// off.
     pub show_taps: bool,
 }
 
@@ -170,76 +279,31 @@ impl Default for MapSettings {
     }
 }
 
-/// Why a light with a map has no shadow, or not the one that was asked for.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+/// Why a light's map is less than what was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
-    /// The component does not fit the kind of light.
-    #[error("{component} does not fit a {light} light")]
-    Kind {
-        /// Component.
-        component: &'static str,
-        /// Kind of light.
-        light: &'static str,
-    },
-    /// No texels.
-    #[error("resolution is {0}, it must be greater than 0, and the least at most the most")]
-    Resolution(u32),
-    /// Not usable, or beyond what the light reaches.
-    #[error("near is {near} m, it must be greater than 0 and less than the range, {range} m")]
-    Near {
-        /// Metres.
-        near: f32,
-        /// Metres.
-        range: f32,
-    },
-    /// NaN, infinite or negative.
-    #[error("softness is {0}, it must be finite and at least 0")]
-    Softness(f32),
-    /// NaN, infinite or negative.
-    #[error("bias is {0}, it must be finite and at least 0")]
-    Bias(f32),
-    /// Out of range.
-    #[error("{0} cascades, 1 to 4 are possible")]
-    CascadeCount(u32),
-    /// NaN or not positive, or a share beyond 1.
-    #[error("{what} of the cascades is {value}")]
-    Cascades {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f32,
-    },
-    /// The map is larger than [`MapSettings::largest`] or the device allows; it was made as large as that.
-    #[error("resolution {wanted} is beyond the limit {limit}; it is {limit} now")]
+    /// The map is larger than [`MapSettings::largest`] or than the device allows. It has the largest size
+    /// that is allowed.
+    #[error("resolution {wanted} is beyond the limit of {limit} texels; it is {limit} now")]
     Largest {
-        /// Texels.
+        /// Resolution that was asked for, texels.
         wanted: u32,
-        /// Texels.
+        /// Largest resolution, texels.
         limit: u32,
     },
-    /// Memory is short; the shadow is coarser.
+    /// Memory is short, so the shadow is coarser.
     #[error("memory for maps is short: resolution {wanted} became {given}")]
     Coarser {
-        /// Texels.
+        /// Resolution that was asked for, texels.
         wanted: u32,
-        /// Texels.
+        /// Resolution that the map has, texels.
         given: u32,
     },
-    /// Memory is short; the map is drawn every frame.
+    /// Memory is short, so the map is not kept and is drawn every frame.
     #[error("memory for maps is short: the map is not kept, and drawn every frame at resolution {given}")]
     Uncached {
-        /// Texels.
+        /// Resolution that the map has, texels.
         given: u32,
     },
-}
-
-impl MapError {
-    /// Whether the light has no shadow at all.
-    pub fn is_fatal(&self) -> bool {
-        !matches!(
-            self,
-            Self::Largest { .. } | Self::Coarser { .. } | Self::Uncached { .. }
-        )
-    }
 }

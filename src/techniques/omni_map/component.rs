@@ -1,4 +1,4 @@
-//! What a user sets on a light.
+//! The component that gives a light an omnidirectional map.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
@@ -6,31 +6,48 @@ use bevy_ecs::reflect::ReflectComponent;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-use crate::techniques::maps::{MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::scene::{Light, LightKind};
+use crate::techniques::maps::request::{MapRequest, MapShape};
+use crate::techniques::maps::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::techniques::registry::Refusal;
 
-/// Gives a light at a place shadows by a map of all directions. Area lights cast from their centre. Alpha-tested casters
-/// cast the holes of their texture; casters block from both sides.
+/// Gives a light at a position shadows by a map of all directions; a directional light is refused.
+///
+/// Area lights cast from their centre. Alpha-tested casters cast the holes of their texture. Casters block
+/// from both sides.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct OmniMap {
-    /// Texels along a side of each of the six faces.
+    /// Texels along a side of each of the six faces. Higher values sharpen edges; each doubling takes four
+    /// times the memory and fill rate. Default: 128 to 1024, by the light's size on the screen.
     pub resolution: MapResolution,
-    /// How comparisons are put together.
+    /// How comparisons with the map are combined: more taps soften or smooth edges and cost texture reads.
+    /// Default: bilinear.
     pub filter: MapFilter,
-    /// What a texel holds.
+    /// What a texel of the map holds. Default: depth, which is the fastest.
     pub format: MapFormat,
-    /// Which surface of the casters the map holds.
+    /// Which surface of the casters the map holds. Default: the nearest.
     pub surface: MapSurface,
-    /// What keeps a surface from shadowing itself.
+    /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
-    /// Distance from the light before which nothing casts, metres; `None`: a hundred-thousandth of its range.
+    /// Distance from the light, metres, within which nothing casts; greater than 0 and less than the range.
+    /// Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): a
+    /// hundred-thousandth of the range. Depth is reversed floating point, so a small value costs no
+    /// precision.
     pub near: Option<f32>,
-    /// Keeps the map and draws only what changed. Without it, all such lights share one map, which is drawn anew for each
-    /// (§12.2.4).
+    /// Keeps the map from frame to frame and draws only the faces that changed. This takes 24 bytes times the
+    /// square of the resolution, twice that while some casters move. Without it, lights share one map, which
+    /// is drawn again for each of them every frame (§12.2.4); that suits lights whose casters all move.
+    /// Default: true.
     pub cached: bool,
 }
 
@@ -45,5 +62,30 @@ impl Default for OmniMap {
             near: None,
             cached: true,
         }
+    }
+}
+
+impl OmniMap {
+    /// What the component asks for.
+    ///
+    /// # Errors
+    /// The first setting that cannot be drawn with.
+    pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
+        if light.kind == LightKind::Directional {
+            let instead = "it needs a light with a position; use ShadowMap for a directional light";
+            return Err(Refusal::kind(light, instead));
+        }
+        let request = MapRequest {
+            shape: MapShape::Cube,
+            resolution: self.resolution,
+            filter: self.filter,
+            format: self.format,
+            surface: self.surface,
+            bias: self.bias,
+            near: self.near,
+            cached: self.cached,
+            cascades: Cascades::default(),
+        };
+        request.validated(light)
     }
 }

@@ -2,13 +2,13 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | [`component`] | what a user sets on a light |
-//! | [`cube`] | the six faces, and which of them a light shines into |
+//! | `component` | [`OmniMap`], which a user sets on a light |
+//! | `technique` | how the component joins the frame |
 //!
-//! All else is shared with the maps of other lights, in [`maps`](super::maps).
+//! Everything else is shared with the maps of other lights, in [`maps`](super::maps).
 //! Source: Gerasimov 2004, "Omnidirectional Shadow Mapping", GPU Gems ch. 12.
 
 pub(crate) mod component;
-pub(crate) mod cube;
+pub(crate) mod technique;
 
 pub use component::OmniMap;

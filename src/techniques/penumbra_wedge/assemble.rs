@@ -1,4 +1,4 @@
-//! The frame's flat arrays, made of the chunks of its casters.
+//! Assembles the frame's flat arrays from the chunks of its casters.
 
 use smallvec::SmallVec;
 
@@ -9,7 +9,7 @@ use super::geometry::records::{Wedge, WedgeCaster};
 use super::wedges::{CasterDraw, Group, PenumbraWedges, Scratch};
 
 impl PenumbraWedges {
-    /// Copies the chunks into the flat arrays if something `changed`; else they are as they were.
+    /// Copies the chunks into the flat arrays if something `changed`. Otherwise the arrays stay as they are.
     pub(super) fn assemble(&mut self, changed: bool) {
         let Self {
             lights,

@@ -1,4 +1,4 @@
-//! The wedges of one caster in one part of a light: kept until one of them moves.
+//! The wedges of one caster in one part of a light, kept until light or caster moves.
 
 use std::ops::Range;
 
@@ -10,38 +10,27 @@ use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, push_edge, side_plane};
 use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
 use super::light_parts::{LightPart, PartShape};
-use crate::scene::placement::Placement;
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{
-    CasterEdges, FacingBits, GrazingLight, LightExtent, PosedPlanes, Silhouette, classify, find_grazed,
-    find_turning,
+    CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed, find_turning,
 };
 
-/// What wedges need of a caster.
-pub(super) type CasterItem<'a> = (
-    &'a CasterEdges,
-    &'a SceneMesh,
-    Placement,
-    Option<(&'a PosedMesh, &'a PosedPlanes)>,
-);
-
-/// What a chunk was made for.
+/// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ChunkKey {
     pub(super) revision: u64,
     pub(super) light_from_local: Mat4,
     pub(super) shape: PartShape,
     pub(super) bounds: WedgeBounds,
-    /// Patches are told apart.
+    /// Whether the chunk is divided into patches.
     pub(super) by_patch: bool,
     pub(super) silhouette: WedgeSilhouette,
-    /// Metres from the part's centre within which surfaces do not block it; 0 where the caster is farther than that.
+    /// Metres from the part's centre within which surfaces do not block it; 0 if the caster is farther away than that.
     pub(super) clearance: f64,
 }
 
-/// Buffers that are used again for every chunk.
+/// Buffers that are reused for every chunk.
 #[derive(Debug, Default)]
 pub(super) struct ChunkScratch {
     bits: FacingBits,
@@ -50,11 +39,11 @@ pub(super) struct ChunkScratch {
     contour: LayeredContour,
 }
 
-/// What of a chunk is combined with other shadows: all, or one patch.
+/// The unit of a chunk that is combined with other shadows: one patch or, without patches, the whole chunk.
 #[derive(Clone, Debug)]
 pub(super) struct ChunkPatch {
     pub(super) wedges: Range<usize>,
-    /// By layers less 1, those to be turned after those that are not.
+    /// Ranges of the caps, by layers less 1. Those that must be turned come after those that need not.
     pub(super) caps: [Range<usize>; 6],
     pub(super) cone: ShadowCone,
 }
@@ -69,7 +58,7 @@ pub(super) struct Chunk {
     pub(super) wedges: Vec<Wedge>,
     pub(super) caps: Vec<u32>,
     pub(super) patches: Vec<ChunkPatch>,
-    /// The two [layers](super::geometry::silhouette_layers) are not one.
+    /// Whether the two [layers](super::geometry::silhouette_layers) differ.
     pub(super) is_layered: bool,
     pub(super) last_used: u64,
 }
@@ -82,7 +71,7 @@ pub(super) struct LightChunks {
     pub(super) last_used: u64,
 }
 
-/// The chunks of a light, kept for another while.
+/// Returns the chunks of a light and marks them as used in this frame.
 pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) -> &mut Vec<Chunk> {
     let at = kept
         .binary_search_by_key(&light, |entry| entry.light)
@@ -101,13 +90,13 @@ pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) 
     &mut kept[at].chunks
 }
 
-/// From a caster's space to light space; `None` without an inverse of either.
+/// Returns the transform from a caster's space to light space; `None` if one of the two has no inverse.
 pub(super) fn light_from_local(part: &LightPart, world_from_local: &DMat4) -> Option<DMat4> {
     let light_from_local = part.world_from_light.inverse() * *world_from_local;
     light_from_local.is_finite().then_some(light_from_local)
 }
 
-/// How far a part reaches around its centre, the caster's space; `None` for a point.
+/// Returns the extent of a part around its centre, in the caster's space; `None` for a point.
 fn extent_local(shape: PartShape, local_from_light: &DMat4) -> Option<LightExtent> {
     let axis = |axis: DVec3| local_from_light.transform_vector3(axis).as_vec3();
     match shape {
@@ -137,19 +126,14 @@ impl Chunk {
         }
     }
 
-    /// Makes edges and caps anew.
+    /// Rebuilds edges and caps.
     pub(super) fn build(
         &mut self,
         light: &FrameLight,
         part: &LightPart,
         light_from_local: &DMat4,
         silhouette: &Silhouette,
-        (edges, mesh, world_from_local, posed): (
-            &CasterEdges,
-            &SceneMesh,
-            &DMat4,
-            Option<(&PosedMesh, &PosedPlanes)>,
-        ),
+        (caster, world_from_local): (&CasterShapeItem, &DMat4),
         scratch: &mut ChunkScratch,
     ) {
         let ChunkScratch {
@@ -164,12 +148,7 @@ impl Chunk {
         let Some(light_local) = light_in_local(world_from_local, part.point_world) else {
             return;
         };
-        let (positions, planes) = match posed {
-            Some((posed, planes)) if posed.positions.len() >= edges.0.edges.vertex_count() => {
-                (&posed.positions, &planes.0)
-            }
-            _ => (&mesh.0.positions, &edges.0.planes),
-        };
+        let (edges, positions, planes) = (caster.edges, caster.positions(), caster.planes());
         classify(&edges.0.edges, planes, light_local, bits);
         let by_patch = self.key.by_patch;
         let local_from_light = light_from_local.inverse();
@@ -189,7 +168,7 @@ impl Chunk {
                 clearance: self.key.clearance,
             };
             find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
-            // What blocks nothing turns nowhere.
+            // A triangle that blocks nothing has no edge that turns.
             for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
                 *turning &= !grazed;
             }
@@ -216,7 +195,7 @@ impl Chunk {
         };
         self.is_layered = !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
         if by_patch {
-            // Stable: within a patch the order stays that of the mesh.
+            // The sort is stable, so within a patch the order stays that of the mesh.
             contour.edges.sort_by_key(|edge| edge.patch);
             contour
                 .caps
@@ -226,7 +205,7 @@ impl Chunk {
         let plane_light = |slot: u32| {
             let plane = local_from_light.transpose() * planes.plane(slot as usize).as_dvec4();
             let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
-            // The centre, at the origin, is on the side that the hard shadow is made for.
+            // The centre, which is the origin, stays on the side for which the hard shadow is made.
             let offset = if facets.facing.is_facing(slot as usize) {
                 offset.max(f32::MIN_POSITIVE)
             } else {
@@ -257,7 +236,7 @@ impl Chunk {
             let cap_ranges = std::array::from_fn(|at| {
                 let (layers, is_turned) = (at % 3, at >= 3);
                 let first = self.caps.len();
-                // In a caster that mirrors, what is wound towards the light appears the other way round.
+                // In a caster that mirrors, triangles that are wound towards the light appear the other way round.
                 let these = caps_of(layers)
                     .iter()
                     .filter(|cap| (cap.is_facing == mirrored) == is_turned);

@@ -1,4 +1,5 @@
-//! The parts of a light: what is one light to the wedges. Rectangles and spheres may be split, all others are one part.
+//! The parts of a light. Wedges treat each part as a light of its own. Rectangles and spheres may be split;
+//! every other light is one part.
 
 use glam::{DMat3, DMat4, DVec2, DVec3, DVec4};
 
@@ -6,25 +7,25 @@ use super::component::PenumbraWedge;
 use crate::scene::LightKind;
 use crate::sets::FrameLight;
 
-/// What a part of a light is.
+/// The shape of a part of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PartShape {
-    /// Without extent: its shadow is hard.
+    /// A point without extent, whose shadow is hard.
     Point,
     /// A rectangle in the XY plane of light space, which shines to −Z.
     Rect {
-        /// Half of the width and height, metres; > 0.
+        /// Half of the width and of the height, metres; > 0.
         half: DVec2,
     },
-    /// A sphere; the disc through its centre that faces the receiver stands for it.
+    /// A sphere. The disc through its centre that faces the receiver stands for it.
     Sphere {
-        /// Metres; > 0.
+        /// Radius, metres; > 0.
         radius: f64,
     },
 }
 
 impl PartShape {
-    /// Of the sphere around it, metres.
+    /// Radius of the sphere around the part, metres.
     pub fn radius(&self) -> f64 {
         match *self {
             Self::Point => 0.0,
@@ -37,25 +38,25 @@ impl PartShape {
 /// One part of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPart {
-    /// Homogeneous point, world space; as [`FrameLight::point_world`].
+    /// The part's centre as a homogeneous point in world space, like [`FrameLight::point_world`].
     pub point_world: DVec4,
-    /// From light space (the part's centre, the light's axes, world scale) to world space. Without rotation for points
-    /// and spheres, and without translation for directional lights.
+    /// Transform from light space (the part's centre, the light's axes, world scale) to world space. It has
+    /// no rotation for points and spheres, and no translation for directional lights.
     pub world_from_light: DMat4,
     /// Shape in light space.
     pub shape: PartShape,
-    /// Where the part lies in the light, −1 to 1 along its width and height: centre, then half size.
+    /// Centre and half size of the part within the light, which spans −1 to 1 along its width and height.
     pub place: [f32; 4],
-    /// The light's centre, light space.
+    /// Centre of the whole light, in light space.
     pub whole_center: DVec3,
-    /// A sphere's radius before it is split, metres; else 0.
+    /// Radius of the whole sphere before it is split, metres; 0 for other lights.
     pub whole_radius: f64,
 }
 
-/// Below this length an extent counts as none, metres.
-const LEAST_EXTENT: f64 = 1e-6;
+/// An extent below this length counts as none, metres.
+pub const LEAST_EXTENT: f64 = 1e-6;
 
-/// A rectangle without width or height is a line: it is given this share of its other side.
+/// A rectangle without width or height is a line. Its missing side becomes this share of the other.
 const LINE_SHARE: f64 = 1e-3;
 
 /// Appends the parts of a light, row by row.
@@ -120,15 +121,18 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
     }
 }
 
-/// Centres of the spheres that a unit sphere is split into, each of the area of its visible disc by their count.
+/// Returns the centres of the spheres into which a unit sphere is split. The visible disc of each has the
+/// area of the whole disc divided by their count.
 ///
-/// From whatever side the light is seen, the discs should fill its own: so the centres lie evenly on a sphere, which is
-/// so large that the light keeps its extent, as the mean square of its places. Discs do not tile a disc: what an edge
-/// covers errs by 0.036 of the light for four parts, by 0.020 for nine, by 0.012 for many (the mean over sides and
-/// edges, computed). Distances by quantiles of `1/√(1 − R²)`, whose projection is even, err more.
+/// The discs should fill the whole disc from whichever side the light is seen. So the centres lie evenly on a
+/// sphere whose radius preserves the light's extent, measured as the mean square of its places. Discs do not
+/// tile a disc: the coverage of an edge errs by 0.036 of the light for four parts, 0.020 for nine and 0.012
+/// for many (mean over sides and edges, computed). Distances by quantiles of `1/√(1 − R²)`, whose projection
+/// is uniform, err more.
 fn sphere_centers(count: u32) -> impl Iterator<Item = DVec3> {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    // Of a unit disc ½; of its own disc each part has 1 / (2 count), and of its distance's square two thirds show.
+    // The mean squared distance from the centre is ½ on a unit disc and 1 / (2 count) on a part's own disc.
+    // Two thirds of a centre's squared distance remain in projection.
     let distance = (0.75 * (1.0 - f64::from(count).recip())).sqrt();
     (0..count).map(move |i| {
         let height = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(count);
@@ -138,10 +142,11 @@ fn sphere_centers(count: u32) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// The light's own axes: right, up, and against the direction of shining.
+/// The light's own axes: right, up, and the reverse of the direction of shining.
 fn axes(light: &FrameLight, right: DVec3, up: DVec3) -> DMat3 {
     let back = -light.direction.as_dvec3().normalize();
-    // A side without length has no direction, and sides need not be quite at right angles to the direction.
+    // A side without length has no direction. Sides need not be exactly at right angles to the direction of
+    // shining.
     let right = (right - back * right.dot(back))
         .try_normalize()
         .or_else(|| up.cross(back).try_normalize())

@@ -2,37 +2,44 @@
 //!
 //! ```text
 //! silhouette edges ──► wedges (parts, shell, records, topology) ──► visibility buffer ──► mask
-//!   a part of a light     a record an edge, flat arrays              node, pipelines       resolve
+//!   a part of a light     one record per edge, flat arrays            recorder, passes      resolve
 //! ```
 //!
-//! Visibility of a part of a light from a surface point `p` is one less what is covered. With the hard shadow's count
-//! `w` at the part's centre and for every silhouette edge the share `c` of the light that lies behind the edge as seen
-//! from the centre (the sector that the projected edge cuts off),
+//! Take a surface point `p` and one part of a light. Let `w` be the count of the hard shadow from the part's
+//! centre at `p`. For every silhouette edge, let `c` be the share of the light that lies behind the edge as
+//! seen from the centre: the sector that the projected edge cuts off. The visibility of the part from `p` is
 //!
-//! `visibility = 1 − w + Σ inner half c − Σ outer half c`,
+//! `visibility = 1 − w + Σ inner half c − Σ outer half c`.
 //!
-//! exact for the silhouette that `p` sees, whatever the order of its edges. A triangle is on the same side of it from all
-//! of the light unless its plane cuts the light; of edges beside such triangles the shader asks whether they are of the
-//! silhouette from `p` ([`WedgeSilhouette::Receiver`]), and their wedges are slivers. `c` is 0 outside
-//! of the edge's wedge, so wedges need to enclose, not to fit. What is drawn is blended: `w` by the faces of the hard
-//! shadow behind the surface, `c` by the back faces of shells behind it, and where a ray from the surface crosses the
-//! separator, both at once: `2 c − 1`, which is 0 at the separator itself. So no pixel depends on which side of the
-//! separator rounding puts it. Of casters that surely shadow no part of the viewport, faces before the surface are
-//! counted instead, fronts of shells for backs, and caps are not needed.
+//! This is exact for the silhouette that `p` sees, whatever the order of its edges. A triangle faces all
+//! points of the light alike unless its plane cuts the light. For an edge of a triangle whose plane does, the
+//! shader decides whether it is a silhouette edge from `p` ([`WedgeSilhouette::Receiver`]), and its wedge is
+//! a sliver.
 //!
-//! Only what of the light is above the receiver's horizon is looked at, as the light pass does; or else, under the
-//! silhouette from the centre, a convex caster would darken itself.
+//! Outside of the edge's wedge `c` is 0, so wedges only need to enclose the penumbra, not to fit it. The
+//! terms are blended: `w` by the faces of the hard shadow behind the surface, `c` by the back faces of shells
+//! behind it. Where a ray from the surface crosses the separator, both are blended at once as `2 c − 1`,
+//! which is 0 at the separator itself. So no pixel depends on the side of the separator on which rounding
+//! puts it. A caster that certainly shadows no part of the viewport is counted by the faces in front of the
+//! surface instead, with front faces of shells for back faces and without caps.
 //!
-//! The sum counts what overlaps as often as it does. The same faces, with the same signs, also count nine places on the
-//! light, 1 where an edge hides a place, 0 where not, and by steps between where it passes near: so many times each place
-//! is hidden. The resolve tells from both what is hidden at all ([`Overlap::Sampled`]).
+//! Only the part of the light above the receiver's horizon counts, as in the light pass. Otherwise a convex
+//! caster would darken itself under the silhouette from the centre.
 //!
-//! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm with
-//! Real-Time Performance". The formula with `w` and sectors is theirs in substance; that faces alone, without marking,
-//! give the same sum is ours, and so are the horizon and the places; theirs is equation 1 ([`Overlap::Paper`]).
-//! Edges that are of the silhouette from some point of the light, those of them that are from `p`, and counting the hidden
-//! samples of a light from signed edges: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005, "Soft Shadow Volumes for
-//! Ray Tracing", there for each ray and with points; slivers, and that places are soft, are ours.
+//! The sum counts every overlap again. Therefore the same faces, with the same
+//! signs, also count how often each of nine places on the light is hidden. An edge adds 1 where it hides a
+//! place, 0 where it does not, and an intermediate step where it passes close. From both, the resolve
+//! estimates how much is hidden at all ([`Overlap::Sampled`]).
+//!
+//! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm
+//! with Real-Time Performance". In substance, the formula with `w` and sectors and equation 1
+//! ([`Overlap::Paper`]) are theirs. It is ours that faces alone, without marking, give the same sum; so are
+//! the horizon and the places.
+//!
+//! Source: Laine, Aila, Assarsson, Lehtinen & Akenine-Möller 2005, "Soft Shadow Volumes for Ray Tracing", for
+//! the edges that are silhouette edges from some point of the light, for the choice of those that are from
+//! `p`, and for counting the hidden samples of a light from signed edges. They do this for each ray and with
+//! points; slivers and soft places are ours.
 
 mod assemble;
 mod chunks;
@@ -43,6 +50,7 @@ pub(crate) mod gpu;
 pub(crate) mod light_parts;
 mod overflow;
 pub(crate) mod tables;
+pub(crate) mod technique;
 pub(crate) mod wedges;
 
 pub use component::{

@@ -1,25 +1,27 @@
-//! What became of carries that found no room.
+//! The report of sums in eight bits that ran out of room.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use bevy_ecs::prelude::*;
 
-/// Faces that [`VisibilityBuffer::Split8`](super::VisibilityBuffer::Split8) can add at a pixel whatever their values:
-/// the leading byte holds 255, a hard shadow's face adds 8 to it. Coverage alone adds 4 there and 7 elsewhere: 36.
+/// Number of faces that [`VisibilityBuffer::Split8`](super::VisibilityBuffer::Split8) can add at a pixel
+/// whatever their values. The leading byte holds 255, and a face of the hard shadow adds 8 to it. Coverage
+/// adds at most 4 to that byte and 7 to the others, so 36 faces of coverage alone fit.
 pub const SPLIT_CAPACITY: u32 = 255 / 8;
 
-/// Pixels of a recent frame where more faces met than [`SPLIT_CAPACITY`] allows, so that the sum in eight bits may be
-/// too small; 0 while all sums are right. Comes some frames late, for nobody waits for the GPU.
+/// Number of pixels of a recent frame in which more faces met than [`SPLIT_CAPACITY`] allows, so their sum in
+/// eight bits may be too small. It is 0 while all sums are right. It arrives some frames late, because
+/// nothing waits for the GPU.
 #[derive(Resource, Debug, Default)]
 pub struct WedgeOverflow(AtomicU32);
 
 impl WedgeOverflow {
-    /// The count.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> u32 {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Reports a count.
+    /// Sets the number of pixels.
     pub fn set(&self, pixels: u32) {
         self.0.store(pixels, Ordering::Relaxed);
     }

@@ -1,10 +1,11 @@
-//! The frame's wedges: flat arrays over all lights, made anew only where something moved.
+//! The frame's wedges: flat arrays over all lights, rebuilt only where something moved.
 
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
+use glam::DVec3;
 
-use super::chunks::{CasterItem, Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
+use super::chunks::{Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
 use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, WedgeCaster};
@@ -13,33 +14,34 @@ use super::tables::texture::EmitterTexture;
 use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
-use crate::sets::{DepthReach, FrameLights, Objects, View};
+use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
 use crate::silhouettes::cache::light_is_within;
-use crate::silhouettes::{LightClearance, Silhouettes};
+use crate::silhouettes::{CasterShape, CasterShapeItem, LightClearance, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
-/// [`build_penumbra_wedges`].
+/// `build_penumbra_wedges`.
 #[derive(Resource, Debug, Default)]
 pub struct PenumbraWedges {
-    /// Ascending by light.
+    /// Lights with wedges, ascending by light.
     pub lights: Vec<LightWedges>,
-    /// Parts of all lights.
+    /// Parts of all lights, in the order of the lights.
     pub parts: Vec<PartWedges>,
-    /// What is summed by itself; one a part, or with [`Overlap::Paper`] as many as [patches](super::geometry::patches) meet.
+    /// Groups of all parts. The shadows of a group are summed by themselves. A part has one group or, with
+    /// [`Overlap::Paper`], as many as it has patches that meet.
     pub groups: Vec<Group>,
-    /// Casters of all parts.
+    /// Casters of all groups.
     pub casters: Vec<CasterDraw>,
-    /// The same for the GPU.
+    /// The GPU's records of `casters`, in the same order.
     pub caster_records: Vec<WedgeCaster>,
-    /// Edges of all casters.
+    /// Wedges of all casters, one per edge or piece of an edge.
     pub wedges: Vec<Wedge>,
     /// Cap triangles of all casters: vertices of their meshes, wound towards the light.
     pub caps: Vec<u32>,
-    /// Increases when `wedges` or `caps` changed, and how many casters there are.
+    /// Increases when `wedges`, `caps` or the number of casters changed.
     pub generation: u64,
     /// Increases when `caster_records` changed.
     pub casters_generation: u64,
@@ -49,62 +51,64 @@ pub struct PenumbraWedges {
     frame: u64,
 }
 
-/// One light.
+/// One light with wedges.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightWedges {
     /// Index into [`FrameLights`].
     pub light: usize,
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// Copy of the component.
+    /// Copy of the light's component.
     pub settings: PenumbraWedge,
-    /// Copy of the component, for rectangles.
+    /// Copy of the light's texture component; `None` unless the light is a rectangle.
     pub texture: Option<EmitterTexture>,
     /// Range of [`PenumbraWedges::parts`].
     pub parts: Range<usize>,
-    /// Some caster is not the same in both [layers](super::geometry::silhouette_layers).
+    /// Whether some caster differs between the two [layers](super::geometry::silhouette_layers).
     pub is_layered: bool,
-    /// Casters that lie one behind the other, about.
+    /// Number of casters that lie one behind the other, estimated from bounding boxes.
     pub stacked: u32,
 }
 
 /// One part of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PartWedges {
-    /// Where and what it is.
+    /// Position and shape of the part.
     pub part: LightPart,
-    /// Metres at which rays of shells end; 0: at infinity.
+    /// Metres at which the rays of shells end; 0: at infinity.
     pub reach: f32,
     /// Range of [`PenumbraWedges::groups`].
     pub groups: Range<usize>,
 }
 
-/// Casters whose shadows are summed.
+/// Casters whose shadows are summed together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// Range of [`PenumbraWedges::casters`].
     pub casters: Range<usize>,
-    /// Range of [`PenumbraWedges::wedges`]: those that count where they are before the surface.
+    /// Range of [`PenumbraWedges::wedges`] whose faces count where they are in front of the surface.
     pub towards: Range<u32>,
-    /// Those that count where they are behind it.
+    /// Range of [`PenumbraWedges::wedges`] whose faces count where they are behind the surface.
     pub away: Range<u32>,
 }
 
 impl Group {
-    /// All of them.
+    /// Range of all wedges of the group.
     pub fn wedges(&self) -> Range<u32> {
         self.towards.start..self.away.end
     }
 }
 
-/// One caster of one part.
+/// One caster of one part of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CasterDraw {
-    /// Dense index.
+    /// Dense index of the caster.
     pub object: u32,
-    /// Ranges of [`PenumbraWedges::caps`]: facing, averted, both [layers](super::geometry::silhouette_layers).
+    /// Ranges of [`PenumbraWedges::caps`] by layer: facing, averted, both; first those in the mesh's winding, then
+    /// those that must be turned. See [layers](super::geometry::silhouette_layers).
     pub caps: [Range<u32>; 6],
-    /// Counted towards the viewer: it shadows no part of the viewport, and its own surface hides the caps.
+    /// True if the caster is counted towards the viewer: it shadows no part of the viewport, and its own
+    /// surface hides its caps.
     pub towards: bool,
 }
 
@@ -112,18 +116,19 @@ pub struct CasterDraw {
 pub(super) struct Scratch {
     chunk: ChunkScratch,
     parts: Vec<LightPart>,
-    /// What the flat arrays hold, and held in the last frame.
+    /// What the flat arrays contain; `last_layout` has it for the last frame.
     pub(super) layout: Vec<Placed>,
     last_layout: Vec<Placed>,
-    /// Of the parts of the frame that the flat arrays were made for.
+    /// Groups of each part, for which the flat arrays were made.
     pub(super) part_groups: Vec<Range<usize>>,
-    /// Patches of one part: index into `layout`, and number within the chunk; where their shadows go; their sums.
+    /// Patches of one part: index into `layout` and number within the chunk. `cones` are the directions of
+    /// their shadows, `sums` their sums.
     pub(super) entries: Vec<(usize, usize)>,
     pub(super) cones: Vec<ShadowCone>,
     pub(super) sums: Vec<u32>,
 }
 
-/// A chunk in the flat arrays.
+/// A chunk's place in the flat arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Placed {
     pub(super) light: Entity,
@@ -138,15 +143,15 @@ pub(super) struct Placed {
     pub(super) extrusion: u32,
 }
 
-/// Rays of shells end so many times farther from the edge than receivers are from the light: the triangles between rays
-/// that are less than 172° apart pass beyond all receivers.
+/// Factor on the largest distance of a receiver from the light, which gives the length of a shell's rays. The
+/// triangles between rays that are less than 172° apart then pass beyond all receivers.
 const RAY_SHARE: f64 = 16.0;
 
-/// Frames that a chunk outlives its last use; as of silhouettes.
+/// Frames that a chunk is kept after its last use, as for silhouettes.
 const KEPT_FRAMES: u64 = 120;
 
 impl PenumbraWedges {
-    /// The wedges of a light of [`FrameLights`].
+    /// Returns the wedges of a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightWedges> {
         let at = self
             .lights
@@ -156,15 +161,15 @@ impl PenumbraWedges {
     }
 }
 
-/// Makes the wedges of every edge of every caster of every light with a [`PenumbraWedge`], those that are not known yet
-/// or stale, and lists what the frame draws.
+/// Makes the wedges of every caster of every light with a [`PenumbraWedge`] where none are known or the known
+/// ones are stale, and lists what the frame draws.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], [`NearCaps`]; writes
-/// [`PenumbraWedges`]. In an orthographic view it tells [`DepthReach`] how deep they reach.
-/// Cost: an inverse a caster of S; the edges of what moved.
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`] and what hides near
+/// caps; writes [`PenumbraWedges`] and, in an orthographic view, extends [`DepthReach`] to the wedges. Cost:
+/// a matrix inverse for each caster of S, and the edges of what moved.
 pub fn build_penumbra_wedges(
     mut wedges: ResMut<PenumbraWedges>,
-    mut depth_reach: ResMut<DepthReach>,
+    depth_reach: Res<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -172,7 +177,7 @@ pub fn build_penumbra_wedges(
     near_caps: NearCaps,
     clearance: Res<LightClearance>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
-    casters: Query<CasterItem<'static>>,
+    casters: Query<CasterShape>,
     places: Query<Placement>,
 ) {
     let out = &mut *wedges;
@@ -187,19 +192,100 @@ pub fn build_penumbra_wedges(
         return;
     };
     let near = &view.near_corners;
-    let around = [near[0], near[1], near[3], near[2]];
+    let context = Context {
+        view,
+        around: [near[0], near[1], near[3], near[2]],
+        objects: &objects,
+        depth_reach: &depth_reach,
+        near_caps: &near_caps,
+        clearance: &clearance,
+    };
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<PenumbraWedge>() {
+            continue;
+        }
         let Ok((settings, texture)) = components.get(light.entity) else {
             continue;
         };
         if light.scissor.is_none() {
-            continue; // nothing that is visible receives it
+            continue; // no visible surface receives the light
         }
-        let first = out.parts.len();
-        out.scratch.parts.clear();
-        push_parts(light, settings, &mut out.scratch.parts);
-        out.parts.extend(out.scratch.parts.iter().map(|part| {
+        let first = out.begin_light(index, light, settings, texture, view);
+        let Some(known) = silhouettes.of_light(light.entity) else {
+            continue;
+        };
+        if let Some(this) = out.lights.last_mut() {
+            this.stacked = known.stacked;
+        }
+        for number in 0..out.scratch.parts.len() {
+            let part = out.scratch.parts[number];
+            let part = PartContext {
+                light,
+                settings,
+                part: &part,
+                number: number as u32,
+                first: first as u32,
+                reach: out.parts[first + number].reach,
+                pyramid: OcclusionPyramid::new(&context.around, part.point_world),
+                finite: FiniteReach::new(view, light, part.point_world),
+            };
+            for object in light.s.ones() {
+                if let Some((_, silhouette)) = known.of_object(object)
+                    && let Ok(caster) = casters.get(objects.entities[object])
+                {
+                    rebuilt |= out.place(&context, &part, object, silhouette, &caster);
+                }
+            }
+        }
+        chunks_of(&mut out.kept, light.entity, frame).retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
+    }
+    out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
+    let same_layout = out.scratch.layout == out.scratch.last_layout;
+    out.assemble(rebuilt || !same_layout);
+    out.end(&lights, &objects, &places);
+}
+
+/// What all lights of the frame have in common.
+struct Context<'a, 'w> {
+    view: &'a ViewData,
+    /// The corners of the near plane, in their order around it.
+    around: [DVec3; 4],
+    objects: &'a Objects,
+    depth_reach: &'a DepthReach,
+    near_caps: &'a NearCaps<'w>,
+    clearance: &'a LightClearance,
+}
+
+/// One part of one light.
+struct PartContext<'a> {
+    light: &'a FrameLight,
+    settings: &'a PenumbraWedge,
+    part: &'a LightPart,
+    /// Among the parts of the light.
+    number: u32,
+    /// The light's first among the parts of the frame.
+    first: u32,
+    reach: f32,
+    pyramid: OcclusionPyramid,
+    finite: Option<FiniteReach>,
+}
+
+impl PenumbraWedges {
+    /// Lists a light and its parts; the index of the first of these.
+    fn begin_light(
+        &mut self,
+        index: usize,
+        light: &FrameLight,
+        settings: &PenumbraWedge,
+        texture: Option<&EmitterTexture>,
+        view: &ViewData,
+    ) -> usize {
+        let first = self.parts.len();
+        let parts = &mut self.scratch.parts;
+        parts.clear();
+        push_parts(light, settings, parts);
+        self.parts.extend(parts.iter().map(|part| {
             PartWedges {
                 part: *part,
                 reach: FiniteReach::new(view, light, part.point_world)
@@ -208,138 +294,128 @@ pub fn build_penumbra_wedges(
                 groups: 0..0,
             }
         }));
-        out.lights.push(LightWedges {
+        let is_rect = matches!(parts[0].shape, PartShape::Rect { .. });
+        self.lights.push(LightWedges {
             light: index,
             entity: light.entity,
             settings: *settings,
-            texture: texture
-                .filter(|_| matches!(out.scratch.parts[0].shape, PartShape::Rect { .. }))
-                .cloned(),
-            parts: first..out.parts.len(),
+            texture: texture.filter(|_| is_rect).cloned(),
+            parts: first..self.parts.len(),
             is_layered: false,
-            stacked: silhouettes
-                .of_light(light.entity)
-                .map_or(0, |known| known.stacked),
+            stacked: 0,
         });
-        let this = out.lights.len() - 1;
-        let Some(known) = silhouettes.of_light(light.entity) else {
-            continue;
-        };
-        let chunks = chunks_of(&mut out.kept, light.entity, frame);
-        for number in 0..out.scratch.parts.len() {
-            let part = out.scratch.parts[number];
-            let pyramid = OcclusionPyramid::new(&around, part.point_world);
-            let finite = FiniteReach::new(view, light, part.point_world);
-            let reach = out.parts[first + number].reach;
-            for object in light.s.ones() {
-                let Some((_, silhouette)) = known.of_object(object) else {
-                    continue;
-                };
-                let entity = objects.entities[object];
-                let Ok(item) = casters.get(entity) else {
-                    continue;
-                };
-                // A shadow before the nearest or beyond the farthest surface that the light reaches.
-                let reaches = light.depth_bounds.is_some_and(|reached| {
-                    shadow_depth_range(view, &objects.boxes.get(object), &light.emitter)
-                        .is_some_and(|spanned| spanned.intersects(&reached))
-                });
-                if !reaches {
-                    continue;
-                }
-                let Some(world_from_local) = item.2.world_from_local() else {
-                    continue;
-                };
-                let Some(light_from_local) = light_from_local(&part, &world_from_local) else {
-                    continue;
-                };
-                let bounds = objects.boxes.get(object);
-                let extrusion = finite.map(|finite| {
-                    finite.extrusion(&bounds, || {
-                        let key = (light.entity, number as u32, entity);
-                        let placed = (item.0, item.1, world_from_local, item.3.map(|(posed, _)| posed));
-                        out.surfaces
-                            .get(key, silhouette.revision, part.point_world, placed)
-                    })
-                });
-                let extrusion = match extrusion {
-                    None => TO_INFINITY,
-                    Some(Some(extrusion)) => {
-                        let corners = volume_corners(part.point_world, extrusion, &bounds);
-                        include_points(&mut depth_reach, view, corners);
-                        include_rays(&mut depth_reach, view, &bounds, reach);
-                        extrusion
-                    }
-                    Some(None) => continue, // beyond all that receives the light
-                };
-                let metres = clearance.metres(part.point_world, light.light.range, &bounds);
-                let key = ChunkKey {
-                    revision: silhouette.revision,
-                    light_from_local: light_from_local.as_mat4(),
-                    shape: part.shape,
-                    bounds: settings.bounds,
-                    by_patch: settings.overlap == Overlap::Paper,
-                    silhouette: settings.used_silhouette(),
-                    clearance: if light_is_within(&bounds, part.point_world, metres) {
-                        metres
-                    } else {
-                        0.0
-                    },
-                };
-                let number = number as u32;
-                let at = match chunks
-                    .binary_search_by_key(&(entity, number), |chunk| (chunk.entity, chunk.part))
-                {
-                    Ok(at) => at,
-                    Err(at) => {
-                        chunks.insert(at, Chunk::empty(entity, number, key));
-                        at
-                    }
-                };
-                let chunk = &mut chunks[at];
-                let fresh = chunk.last_used == 0;
-                chunk.last_used = frame;
-                if fresh || chunk.key != key {
-                    chunk.key = key;
-                    chunk.build(
-                        light,
-                        &part,
-                        &light_from_local,
-                        silhouette,
-                        (item.0, item.1, &world_from_local, item.3),
-                        &mut out.scratch.chunk,
-                    );
-                    rebuilt = true;
-                }
-                out.lights[this].is_layered |= chunk.is_layered;
-                if !(chunk.wedges.is_empty() && chunk.caps.is_empty()) {
-                    // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from
-                    // the centre.
-                    let hides_cap = near_caps.are_hidden(&objects, object, || item.0.0.shows_fronts_alone);
-                    let radius = part.shape.radius() as f32;
-                    let towards = settings.culling == WedgeCulling::Depth
-                        && hides_cap
-                        && pyramid.excludes(&Aabb {
-                            min: bounds.min - radius,
-                            max: bounds.max + radius,
-                        });
-                    let layout = &mut out.scratch.layout;
-                    layout.push(Placed {
-                        light: light.entity,
-                        part: number,
-                        index: first as u32 + number,
-                        caster: entity,
-                        object: object as u32,
-                        towards,
-                        extrusion: extrusion.to_bits(),
-                    });
-                }
-            }
-        }
-        chunks.retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
+        first
     }
-    out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
-    let same_layout = out.scratch.layout == out.scratch.last_layout;
-    out.assemble(rebuilt || !same_layout);
-    out.end(&lights, &objects, &places);
+
+    /// Adds a caster to a part of the light that was listed last, if its shadow reaches what the light lights in view;
+    /// whether wedges were made anew.
+    fn place(
+        &mut self,
+        context: &Context,
+        part: &PartContext,
+        object: usize,
+        silhouette: &Silhouette,
+        caster: &CasterShapeItem,
+    ) -> bool {
+        let (light, settings, view) = (part.light, part.settings, context.view);
+        let entity = context.objects.entities[object];
+        let bounds = context.objects.boxes.get(object);
+        // A shadow before the nearest or beyond the farthest surface that the light reaches.
+        let reaches = light.depth_bounds.is_some_and(|reached| {
+            shadow_depth_range(view, &bounds, &light.emitter)
+                .is_some_and(|spanned| spanned.intersects(&reached))
+        });
+        if !reaches {
+            return false;
+        }
+        let Some(world_from_local) = caster.world_from_local() else {
+            return false;
+        };
+        let Some(light_from_local) = light_from_local(part.part, &world_from_local) else {
+            return false;
+        };
+        let Some(extrusion) = self.extrusion(context, part, (entity, &bounds), silhouette, caster) else {
+            return false; // beyond all that receives the light
+        };
+        let point = part.part.point_world;
+        let metres = context.clearance.metres(point, light.light.range, &bounds);
+        let key = ChunkKey {
+            revision: silhouette.revision,
+            light_from_local: light_from_local.as_mat4(),
+            shape: part.part.shape,
+            bounds: settings.bounds,
+            by_patch: settings.overlap == Overlap::Paper,
+            silhouette: settings.used_silhouette(),
+            clearance: if light_is_within(&bounds, point, metres) {
+                metres
+            } else {
+                0.0
+            },
+        };
+        let chunks = chunks_of(&mut self.kept, light.entity, self.frame);
+        let at = chunks
+            .binary_search_by_key(&(entity, part.number), |chunk| (chunk.entity, chunk.part))
+            .unwrap_or_else(|at| {
+                chunks.insert(at, Chunk::empty(entity, part.number, key));
+                at
+            });
+        let chunk = &mut chunks[at];
+        let stale = chunk.last_used == 0 || chunk.key != key;
+        chunk.last_used = self.frame;
+        if stale {
+            chunk.key = key;
+            let scratch = &mut self.scratch.chunk;
+            let placed = (caster, &world_from_local);
+            chunk.build(light, part.part, &light_from_local, silhouette, placed, scratch);
+        }
+        if let Some(this) = self.lights.last_mut() {
+            this.is_layered |= chunk.is_layered;
+        }
+        if chunk.wedges.is_empty() && chunk.caps.is_empty() {
+            return stale;
+        }
+        let shows_fronts_alone = || caster.edges.0.shows_fronts_alone;
+        let hides_cap = context
+            .near_caps
+            .are_hidden(context.objects, object, shows_fronts_alone);
+        // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from the centre.
+        let radius = part.part.shape.radius() as f32;
+        let around = Aabb {
+            min: bounds.min - radius,
+            max: bounds.max + radius,
+        };
+        self.scratch.layout.push(Placed {
+            light: light.entity,
+            part: part.number,
+            index: part.first + part.number,
+            caster: entity,
+            object: object as u32,
+            towards: settings.culling == WedgeCulling::Depth && hides_cap && part.pyramid.excludes(&around),
+            extrusion: extrusion.to_bits(),
+        });
+        stale
+    }
+
+    /// How far a caster's shadow is pushed; `None` if it is beyond all that receives the light.
+    fn extrusion(
+        &mut self,
+        context: &Context,
+        part: &PartContext,
+        (entity, bounds): (Entity, &Aabb),
+        silhouette: &Silhouette,
+        caster: &CasterShapeItem,
+    ) -> Option<f32> {
+        let Some(finite) = part.finite else {
+            return Some(TO_INFINITY);
+        };
+        let point = part.part.point_world;
+        let extrusion = finite.extrusion(bounds, || {
+            let key = (part.light.entity, part.number, entity);
+            self.surfaces.get(key, silhouette.revision, point, caster)
+        })?;
+        let corners = volume_corners(point, extrusion, bounds);
+        include_points(context.depth_reach, context.view, corners);
+        include_rays(context.depth_reach, context.view, bounds, part.reach);
+        Some(extrusion)
+    }
 }

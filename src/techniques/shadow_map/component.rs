@@ -1,4 +1,4 @@
-//! What a user sets on a light.
+//! The component that gives a light a shadow map, and the settings of cascades.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]
@@ -6,30 +6,47 @@ use bevy_ecs::reflect::ReflectComponent;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 
-use crate::techniques::maps::{MapBias, MapFilter, MapResolution, MapSurface};
+use crate::scene::{Light, LightKind};
+use crate::techniques::maps::request::{MapRequest, MapShape};
+use crate::techniques::maps::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
+use crate::techniques::registry::Refusal;
 
-/// Gives a spot light or a directional light shadows by a map. Alpha-tested casters cast the holes of their texture;
-/// casters block from both sides.
+/// Gives a spot light or a directional light shadows by a shadow map.
+///
+/// Alpha-tested casters cast the holes of their texture. Casters block from both sides.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
     reflect(Component, Default, Debug, Clone, PartialEq)
 )]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct ShadowMap {
-    /// Texels along a side, of each cascade.
+    /// Texels along a side of the map, or of each cascade. Higher values sharpen edges; each doubling takes
+    /// four times the memory and fill rate. Default: 128 to 1024, by the light's size on the screen; cascades
+    /// take the upper limit.
     pub resolution: MapResolution,
-    /// How comparisons are put together.
+    /// How comparisons with the map are combined: more taps soften or smooth edges and cost texture reads.
+    /// Default: bilinear.
     pub filter: MapFilter,
-    /// Which surface of the casters the map holds.
+    /// Which surface of the casters the map holds. Default: the nearest.
     pub surface: MapSurface,
-    /// What keeps a surface from shadowing itself.
+    /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
-    /// Distance from a spot light before which nothing casts, metres; `None`: a hundred-thousandth of its range.
+    /// Distance from a spot light, metres, within which nothing casts; greater than 0 and less than the
+    /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): a
+    /// hundred-thousandth of the range. Depth is reversed floating point, so a small value costs no
+    /// precision.
     pub near: Option<f32>,
-    /// Keeps the map and draws only what changed.
+    /// Keeps the map from frame to frame and draws only the faces that changed. This takes 4 bytes a texel
+    /// and face, twice that while some casters move. Without it, lights share a map that is drawn every
+    /// frame; that suits lights whose casters all move. Default: true.
     pub cached: bool,
-    /// Of a directional light.
+    /// How a directional light's maps share the view depth. Other lights ignore it.
     pub cascades: Cascades,
 }
 
@@ -47,31 +64,36 @@ impl Default for ShadowMap {
     }
 }
 
-/// How a directional light's maps share the view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "bevy",
-    derive(bevy_reflect::Reflect),
-    reflect(Default, Debug, Clone, PartialEq)
-)]
-pub struct Cascades {
-    /// 1 to 4.
-    pub count: u32,
-    /// View depth beyond which nothing is shadowed, metres; infinite: as far as surfaces are seen.
-    pub distance: f32,
-    /// 0: equal parts of the view depth; 1: equal ratios. Source: Zhang et al. 2006, "Parallel-Split Shadow Maps".
-    pub log_share: f32,
-    /// Share of a cascade, at its border, in which it passes into the next; 0 to 0.5.
-    pub blend: f32,
-}
+/// Half-angle, radians, beyond which a spot light's map has the faces of a cube. A single face would spend
+/// most of its texels near its rim.
+const WIDEST_SPOT: f32 = 1.05;
 
-impl Default for Cascades {
-    fn default() -> Self {
-        Self {
-            count: 4,
-            distance: f32::INFINITY,
-            log_share: 0.75, // by eye, between the extremes of the source
-            blend: 0.1,
-        }
+impl ShadowMap {
+    /// What the component asks for.
+    ///
+    /// # Errors
+    /// The first setting that cannot be drawn with.
+    pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
+        let shape = match light.kind {
+            LightKind::Directional => MapShape::Cascades,
+            LightKind::Spot { outer_angle, .. } if outer_angle > WIDEST_SPOT => MapShape::Cube,
+            LightKind::Spot { .. } => MapShape::Spot,
+            LightKind::Point | LightKind::Rect { .. } | LightKind::Sphere { .. } => {
+                let instead = "it needs a spot or directional light; use OmniMap for a light with a position";
+                return Err(Refusal::kind(light, instead));
+            }
+        };
+        let request = MapRequest {
+            shape,
+            resolution: self.resolution,
+            filter: self.filter,
+            format: MapFormat::Depth,
+            surface: self.surface,
+            bias: self.bias,
+            near: self.near,
+            cached: self.cached,
+            cascades: self.cascades,
+        };
+        request.validated(light)
     }
 }

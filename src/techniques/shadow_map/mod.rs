@@ -2,12 +2,13 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | [`component`] | what a user sets on a light |
-//! | [`cascades`] | the boxes that a directional light's maps show |
+//! | `component` | [`ShadowMap`], which a user sets on a light |
+//! | `technique` | how the component joins the frame |
 //!
-//! All else is shared with the maps of point lights, in [`maps`](super::maps).
+//! Everything else is shared with the maps of point lights, in [`maps`](super::maps).
 
-pub(crate) mod cascades;
 pub(crate) mod component;
+pub(crate) mod technique;
 
-pub use component::{Cascades, ShadowMap};
+pub use super::maps::Cascades;
+pub use component::ShadowMap;

@@ -1,5 +1,5 @@
-//! Far corners of shadow volumes and the bounds of their parts. [`far_position`] is the twin of the function of the
-//! same name in `shaders/techniques/stencil_volume/volume.wgsl`.
+//! Far corners of shadow volumes and the bounds of their parts. [`far_position`] is the twin of the function
+//! of the same name in `shaders/techniques/stencil_volume/volume.wgsl`.
 
 use glam::{DVec3, DVec4, Vec3, Vec4};
 
@@ -8,8 +8,10 @@ use crate::geometry::{Aabb, BoxShadow};
 /// Extrusion of a volume that reaches infinity.
 pub const TO_INFINITY: f32 = 0.0;
 
-/// A vertex pushed away from the light, homogeneous: to infinity (`w = 0`) if `extrusion` is [`TO_INFINITY`], else to
-/// `extrusion` times its distance from the light, or by `extrusion` metres if that is at infinity.
+/// Pushes a vertex away from the light and returns it as a homogeneous point.
+///
+/// With [`TO_INFINITY`] the result is at infinity (`w = 0`). Otherwise `extrusion` is a factor on the
+/// vertex's distance from the light or, for a light at infinity, a distance in metres.
 pub fn far_position(light_local: Vec4, extrusion: f32, position_local: Vec3) -> Vec4 {
     let from_light = position_local * light_local.w - light_local.truncate();
     if extrusion > TO_INFINITY {
@@ -20,24 +22,26 @@ pub fn far_position(light_local: Vec4, extrusion: f32, position_local: Vec3) -> 
     }
 }
 
-/// The factor that takes every point of a caster beyond all that it may shadow: beyond the light's range, `range` over the
-/// light's distance from the caster's bounds, or beyond the receivers, whichever is less. `None`: it shadows none of them.
+/// Returns the factor on the distance from the light that moves every point of a caster beyond everything it
+/// may shadow. That is the nearer of the light's range and the farthest receiver; `None` if the caster
+/// shadows no receiver.
 ///
-/// Scaling about the light keeps each side in its plane, so a finite volume is a part of the infinite one; and as the whole
-/// far cap is the caster scaled, no part of it dips back into what is lit, however wide it is.
+/// Scaling about the light keeps each side in its plane, so a finite volume is a part of the infinite one.
+/// The whole far cap is the scaled caster, so no part of it reaches back into what is lit, however wide the
+/// caster is.
 ///
-/// [`TO_INFINITY`] for directional lights, and where the light is inside or so near the bounds that a factor would be no
-/// gain. `receivers`: boxes that are not empty.
-/// Source: Lloyd et al. 2004, "CC Shadow Volumes", for clamping volumes to receivers; how is ours.
+/// Returns [`TO_INFINITY`] for directional lights, and where the light is inside the bounds or so near them
+/// that a finite volume saves nothing. `receivers` are boxes that are not empty.
+/// Source: Lloyd et al. 2004, "CC Shadow Volumes", for clamping volumes to receivers; the method is ours.
 pub fn finite_extrusion(
     light_world: DVec4,
     range: f32,
     bounds_world: &Aabb,
     receivers: &[Aabb],
 ) -> Option<f32> {
-    /// Beyond, far corners lie so far out that nothing is saved; by eye.
+    /// Above this factor the far corners are so far out that nothing is saved. Chosen by eye.
     const LARGEST: f64 = 1000.0;
-    /// Keeps rounding on the far side of what is lit.
+    /// Keeps the far cap beyond what is lit in spite of rounding.
     const SLACK: f64 = 1.001;
     if light_world.w == 0.0 || bounds_world.is_empty() {
         return Some(TO_INFINITY);
@@ -54,8 +58,8 @@ pub fn finite_extrusion(
     })
 }
 
-/// The corners of a box and the same pushed away from the light: near ones, then far ones. Their convex hull holds the
-/// whole shadow volume of anything in the box, its second half the far cap.
+/// Returns the corners of a box, then the same corners pushed away from the light. Their convex hull contains
+/// the whole shadow volume of anything in the box; the hull of the second half contains the far cap.
 pub fn volume_corners(light_world: DVec4, extrusion: f32, bounds_world: &Aabb) -> [Vec4; 16] {
     let near = bounds_world.corners();
     std::array::from_fn(|i| {

@@ -1,36 +1,38 @@
-//! How far shadow volumes reach where depth ends: in orthographic views.
+//! How far shadow volumes reach in orthographic views, where depth ends.
 //!
-//! A perspective view draws to infinity, in whose depth a vertex with `w = 0` has a place. The depth of an orthographic view
-//! is linear and ends; what is cut off there is not counted at the surfaces before it. So volumes end too, beyond all
-//! that receives the light in view, and the view is given a depth that holds them ([`DepthReach`]).
+//! A perspective view draws to infinity, and its depth has a value for a vertex with `w = 0`. The depth of an
+//! orthographic view is linear and ends. Faces that it clips are not counted at the surfaces in front of
+//! them. So volumes end too, beyond all receivers of the light in view, and the view's depth range is
+//! extended to contain them ([`DepthReach`]).
 
 use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::{DepthReach, FrameLight, Projector, ViewData};
-use crate::silhouettes::CasterEdges;
+use crate::silhouettes::CasterShapeItem;
 
-/// What the volumes of a light must reach beyond.
+/// The receivers that the volumes of a light must reach beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FiniteReach {
     light: DVec4,
     receivers: Aabb,
 }
 
-/// Volumes end by this share beyond what they must reach, so that rounding does not matter.
+/// Factor by which volumes end beyond what they must reach, so that rounding does not matter.
 const SLACK: f64 = 1.002;
 
-/// From this factor on it is worth to know a caster better than by its bounds; by eye.
+/// From this factor on, the caster's nearest surface is worth computing instead of its bounds. Chosen by eye.
 const COSTLY: f64 = 16.0;
 
-/// Largest factor on the distance from the light. A surface so near to a light that it would take more shadows less far.
+/// Largest factor on the distance from the light. A surface so near a light that it needs more casts a
+/// shorter shadow.
 const LARGEST: f64 = 1e4;
 
 impl FiniteReach {
-    /// That of a light, or of a part of one around `point_world`; `None` in a perspective view, which needs none.
+    /// Makes the reach of a light, or of the part of one around `point_world`. `None` in a perspective view,
+    /// which needs none.
     pub fn new(view: &ViewData, light: &FrameLight, point_world: DVec4) -> Option<Self> {
         view.frustum.far()?;
         let seen = Aabb::from_points(view.frustum.corners.map(|corner| corner.truncate())).padded();
@@ -40,8 +42,8 @@ impl FiniteReach {
         })
     }
 
-    /// Metres from the light, for a directional one along its light from the world's origin, within which all receivers
-    /// are.
+    /// Returns the distance within which all receivers are, metres: from the light or, for a directional
+    /// light, along its light from the world's origin.
     pub fn distance(&self) -> f64 {
         let corners = self.receivers.corners().map(|corner| corner.as_dvec3());
         let light = self.light.truncate();
@@ -55,9 +57,11 @@ impl FiniteReach {
             .fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The [extrusion](super::extrude::far_position) of a caster, in steps of ∜2 so that it mostly stays
-    /// as it is; `None` for one that is beyond all receivers. `nearest_surface`: metres from the light to the nearest of
-    /// the caster's triangles, asked for where the light is within its bounds or near them.
+    /// Returns the [extrusion](super::extrude::far_position) of a caster, or `None` if it is beyond all
+    /// receivers. The result moves in steps of ∜2, so that it mostly stays the same.
+    ///
+    /// `nearest_surface` returns the metres from the light to the nearest of the caster's triangles. It is
+    /// called only where the light is within the caster's bounds or near them.
     pub fn extrusion(&self, caster: &Aabb, nearest_surface: impl FnOnce() -> Option<f64>) -> Option<f32> {
         if self.receivers.is_empty() || caster.is_empty() {
             return None;
@@ -85,26 +89,24 @@ impl FiniteReach {
     }
 }
 
-/// Tells the view how deep the hull of these points reaches.
-pub fn include_points(reach: &mut DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
+/// Extends the view's depth reach to the hull of these points.
+pub fn include_points(reach: &DepthReach, view: &ViewData, points: impl IntoIterator<Item = Vec4>) {
     let projector = Projector::new(view);
     for point in points {
         reach.include(projector.depth(point.truncate().as_dvec3()));
     }
 }
 
-/// Tells the view how deep rays of this length from anywhere in a box may reach.
-pub fn include_rays(reach: &mut DepthReach, view: &ViewData, from: &Aabb, length: f32) {
+/// Extends the view's depth reach to rays of this length from anywhere in a box.
+pub fn include_rays(reach: &DepthReach, view: &ViewData, from: &Aabb, length: f32) {
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient();
     let deepest = projector.depth(from.center().as_dvec3()) + gradient.abs().dot(from.half_size().as_dvec3());
     reach.include(deepest + gradient.length() * f64::from(length));
 }
 
-/// A caster and where it stands in the world.
-pub type PlacedCaster<'a> = (&'a CasterEdges, &'a SceneMesh, DMat4, Option<&'a PosedMesh>);
-
-/// Distances of lights from the surfaces of casters whose bounds they are in: kept while neither changes.
+/// Distances of lights from the surfaces of casters whose bounds they are in. Each is kept until light or
+/// caster changes.
 #[derive(Clone, Debug, Default)]
 pub struct NearestSurfaces {
     /// Ascending by light and caster.
@@ -116,7 +118,7 @@ pub struct NearestSurfaces {
 struct Known {
     /// Light, number of its part, caster.
     key: (Entity, u32, Entity),
-    /// Of the light's silhouette of the caster.
+    /// Revision of the light's silhouette of the caster.
     revision: u64,
     point: DVec4,
     world_from_local: DMat4,
@@ -124,27 +126,29 @@ struct Known {
     last_used: u64,
 }
 
-/// Frames that a distance outlives its last use; as of silhouettes.
+/// Frames that a distance is kept after its last use, as for silhouettes.
 const KEPT_FRAMES: u64 = 120;
 
 impl NearestSurfaces {
-    /// Another frame begins.
+    /// Begins another frame.
     pub fn begin_frame(&mut self) {
         self.frame += 1;
         let frame = self.frame;
         self.known.retain(|known| known.last_used + KEPT_FRAMES >= frame);
     }
 
-    /// Metres from a position of a light to the nearest triangle of a caster. Cost: the triangles, unless known; kept
-    /// until the `revision` of the light's silhouette of the caster is another one, or one of the two moved.
+    /// Returns the metres from a position of a light to the nearest triangle of a caster.
+    ///
+    /// Cost: linear in the triangles, unless the distance is known. It is kept until light or caster moves or
+    /// the `revision` of the light's silhouette of the caster changes.
     pub fn get(
         &mut self,
         key: (Entity, u32, Entity),
         revision: u64,
         point: DVec4,
-        caster: PlacedCaster,
+        caster: &CasterShapeItem,
     ) -> Option<f64> {
-        let (edges, mesh, world_from_local, posed) = caster;
+        let (edges, world_from_local) = (caster.edges, caster.world_from_local()?);
         let at = self.known.binary_search_by_key(&key, |known| known.key);
         if let Ok(at) = at {
             let known = &mut self.known[at];
@@ -154,8 +158,12 @@ impl NearestSurfaces {
                 return Some(known.distance);
             }
         }
-        let positions = posed.map_or(&mesh.0.positions, |posed| &posed.positions);
-        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, positions, &world_from_local)?;
+        let distance = distance_to_mesh(
+            point.truncate(),
+            &edges.0.edges,
+            caster.positions(),
+            &world_from_local,
+        )?;
         let entry = Known {
             key,
             revision,
@@ -219,7 +227,7 @@ mod tests {
             f64::from(factor) * 3.0 > lamp.distance() && factor < 12.0,
             "{factor}"
         );
-        // Within the bounds of what is a metre away.
+        // The light is within the bounds of a caster whose surface is a metre away.
         let around = lamp.extrusion(&cube(Vec3::ZERO, 10.0), || Some(1.0)).unwrap();
         assert!(f64::from(around) > lamp.distance(), "{around}");
     }

@@ -1,7 +1,7 @@
 //! Whether the viewport may lie in a caster's shadow.
 //!
-//! The occlusion pyramid spans the near rectangle of the view and the light. A caster outside of it shadows no point of
-//! the viewport, so intersections may be counted towards the viewer.
+//! The occlusion pyramid spans the near rectangle of the view and the light. A caster outside of it shadows
+//! no point of the viewport, so its volume may be counted towards the viewer.
 //! Source: McGuire 2004, GPU Gems ch. 9, section 9.5.4 and figure 9-9.
 
 use glam::{DVec3, DVec4};
@@ -12,17 +12,18 @@ use crate::geometry::Aabb;
 /// The convex hull of the view's near rectangle and a light.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OcclusionPyramid {
-    /// Inward planes, as (unit normal, offset). Empty: everything must be taken to be inside.
+    /// Inward planes, as (unit normal, offset). If empty, everything counts as inside.
     planes: SmallVec<[DVec4; 6]>,
 }
 
 impl OcclusionPyramid {
-    /// From the corners of the near rectangle, in order around it, and the light as a homogeneous point.
+    /// Makes the pyramid from the corners of the near rectangle, in order around it, and the light as a
+    /// homogeneous point.
     ///
-    /// A light in or near the plane of the rectangle gives a flat pyramid, which excludes nothing.
+    /// A light in or near the plane of the rectangle makes a flat pyramid, which excludes nothing.
     pub fn new(near_corners_world: &[DVec3; 4], light_world: DVec4) -> Self {
-        /// A light nearer to the rectangle's plane than this share of the rectangle's size counts as in it: the planes
-        /// through it would be ruled by rounding.
+        /// A light nearer to the rectangle's plane than this share of the rectangle's size counts as in it:
+        /// rounding would determine the planes through it.
         const FLAT: f64 = 1e-6;
         let corners = near_corners_world;
         let center = corners.iter().sum::<DVec3>() * 0.25;
@@ -64,11 +65,12 @@ impl OcclusionPyramid {
         Self { planes }
     }
 
-    /// Whether nothing in the box can shadow the viewport. Conservative: `false` where it is not sure.
+    /// Whether nothing in the box can shadow the viewport. Conservative: `false` in case of doubt.
     pub fn excludes(&self, bounds_world: &Aabb) -> bool {
         let center = bounds_world.center().as_dvec3();
         let half = bounds_world.half_size().as_dvec3();
-        // Bounds are f32: their rounding, and that of the vertices that the GPU transforms, must not decide.
+        // Bounds are `f32`. Neither their rounding nor that of the vertices that the GPU transforms may
+        // decide.
         let slack = 1e-5 * (center.abs().max_element() + half.max_element());
         self.planes.iter().any(|plane| {
             let normal = plane.truncate();

@@ -1,4 +1,5 @@
-//! Geometry that several techniques share: extrusion, near caps, the reach of finite volumes, silhouettes on the GPU.
+//! Geometry that several techniques share: extrusion, near caps, the reach of finite volumes, contours on the
+//! GPU.
 
 pub(crate) mod extrude;
 pub(crate) mod finite_reach;

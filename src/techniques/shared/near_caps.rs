@@ -1,4 +1,4 @@
-//! Whether a caster's own, drawn surface hides its near cap, so that counting towards the viewer need not draw it.
+//! Whether a caster's own drawn surface hides its near cap. If so, depth-pass need not draw the cap.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -6,7 +6,7 @@ use bevy_ecs::system::SystemParam;
 use crate::scene::FaceCulling;
 use crate::sets::{Objects, SeeThrough, SeenInto};
 
-/// What is asked of a caster's surface.
+/// What decides whether near caps are hidden.
 #[derive(SystemParam)]
 pub struct NearCaps<'w> {
     seen_into: Res<'w, SeenInto>,
@@ -15,10 +15,12 @@ pub struct NearCaps<'w> {
 }
 
 impl NearCaps<'_> {
-    /// Whether the cap is nowhere seen: all of the surface is drawn where it is, and nothing looks into the caster.
+    /// Whether an object's near cap is nowhere seen, because its whole surface is drawn there and nothing
+    /// looks into the object.
     ///
-    /// `shows_fronts_alone`: whether from outside nothing but fronts are seen of its mesh. Where backs are not drawn, a cap
-    /// is else to be seen through them: a mesh that is inside out in part, or that a joint mirrors in part, hides nothing.
+    /// `shows_fronts_alone` returns whether only fronts of its mesh are seen from outside. Where backs are not drawn,
+    /// a cap would be seen through them, so a mesh that is partly inside out, or partly mirrored by a joint, does not
+    /// hide its cap.
     pub fn are_hidden(
         &self,
         objects: &Objects,

@@ -1,68 +1,46 @@
 //! The frame's shadow volumes: which parts of which caster are drawn, and how they are counted.
 //!
-//! What a caster of a light's set S has of them is decided here and in [`parts`](super::volume_parts).
+//! This file and `volume_parts` decide which parts of its volume a caster of a light's set S needs.
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
-use glam::Vec4;
 
+use super::caster_volume::CasterVolume;
 use super::component::{Counting, Extent, StencilVolume};
 use super::volume_parts::PartCulling;
-use crate::scene::placement::Placement;
-use crate::scene::{PosedMesh, SceneMesh};
 use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::{CasterEdges, Silhouettes};
+use crate::silhouettes::{CasterShape, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
 use crate::techniques::shared::near_caps::NearCaps;
 
-/// The volume of one caster in one light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CasterVolume {
-    /// Dense index of the caster.
-    pub object: u32,
-    /// Slot of its silhouette in the light's [`LightSilhouettes`](crate::silhouettes::LightSilhouettes).
-    pub slot: u32,
-    /// The light in the caster's space.
-    pub light_local: Vec4,
-    /// See [`far_position`](crate::techniques::shared::extrude::far_position).
-    pub extrusion: f32,
-    /// Counted towards the viewer (depth-pass); else away from it (depth-fail).
-    pub depth_pass: bool,
-    /// The sides are drawn.
-    pub sides: bool,
-    /// The near cap is drawn.
-    pub near_cap: bool,
-    /// The far cap is drawn.
-    pub far_cap: bool,
-}
-
-/// The volumes in one light.
+/// The shadow volumes in one light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightVolumes {
     /// Index into [`FrameLights`].
     pub light: usize,
-    /// The light.
+    /// Entity of the light.
     pub entity: Entity,
-    /// Ascending by object.
+    /// Volumes of the casters, ascending by object.
     pub casters: Vec<CasterVolume>,
-    /// Casters of S whose volume was left out as a whole: it misses the view, or the depths that the light reaches.
+    /// Number of casters of S without a volume, because it misses the view or the depths that the light
+    /// reaches.
     pub culled: usize,
 }
 
 /// The volumes of this frame, for each light with a [`StencilVolume`] that lights something. Written by
-/// [`build_stencil_volumes`].
+/// `build_stencil_volumes`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct StencilVolumes {
-    /// Ascending by light.
+    /// Volumes by light, ascending.
     pub lights: Vec<LightVolumes>,
     spare: Vec<Vec<CasterVolume>>,
     surfaces: NearestSurfaces,
 }
 
 impl StencilVolumes {
-    /// The volumes in a light of [`FrameLights`].
+    /// Returns the volumes in a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightVolumes> {
         let at = self
             .lights
@@ -74,12 +52,12 @@ impl StencilVolumes {
 
 /// Decides for every caster of every light with a [`StencilVolume`] which parts are drawn and how they count.
 ///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`], what stands before the camera; writes
-/// [`StencilVolumes`].
-/// In an orthographic view it tells [`DepthReach`] how deep they reach. Cost: one pyramid and one hull test a caster of S.
+/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`],
+/// [`CameraOcclusion`]; writes [`StencilVolumes`] and, in an orthographic view, extends [`DepthReach`] to the
+/// volumes. Cost: one pyramid test and one hull test for each caster of S.
 pub fn build_stencil_volumes(
     mut volumes: ResMut<StencilVolumes>,
-    mut depth_reach: ResMut<DepthReach>,
+    depth_reach: Res<DepthReach>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
@@ -87,7 +65,7 @@ pub fn build_stencil_volumes(
     near_caps: NearCaps,
     occlusion: Res<CameraOcclusion>,
     components: Query<&StencilVolume>,
-    casters: Query<(&CasterEdges, &SceneMesh, Placement, Option<&PosedMesh>)>,
+    casters: Query<CasterShape>,
 ) {
     let StencilVolumes {
         lights: out,
@@ -100,11 +78,14 @@ pub fn build_stencil_volumes(
         return;
     };
     for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<StencilVolume>() {
+            continue;
+        }
         let Ok(settings) = components.get(light.entity) else {
             continue;
         };
         if light.scissor.is_none() {
-            continue; // nothing that is visible receives it
+            continue; // no visible surface receives the light
         }
         let mut entry = LightVolumes {
             light: index,
@@ -127,7 +108,11 @@ pub fn build_stencil_volumes(
                     continue;
                 }
                 let caster = casters.get(objects.entities[object]);
-                let shows_fronts_alone = || caster.is_ok_and(|caster| caster.0.0.shows_fronts_alone);
+                let shows_fronts_alone = || {
+                    caster
+                        .as_ref()
+                        .is_ok_and(|caster| caster.edges.0.shows_fronts_alone)
+                };
                 let hides_cap = near_caps.are_hidden(&objects, object, shows_fronts_alone);
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
@@ -137,9 +122,12 @@ pub fn build_stencil_volumes(
                 let extrusion = match &finite {
                     Some(finite) => finite.extrusion(&bounds, || {
                         let key = (light.entity, 0, entity);
-                        let (edges, mesh, place, posed) = casters.get(entity).ok()?;
-                        let placed = (edges, mesh, place.world_from_local()?, posed);
-                        surfaces.get(key, silhouette.revision, light.point_world, placed)
+                        surfaces.get(
+                            key,
+                            silhouette.revision,
+                            light.point_world,
+                            &casters.get(entity).ok()?,
+                        )
                     }),
                     None if settings.extent == Extent::Finite => finite_extrusion(
                         light.point_world,
@@ -167,7 +155,7 @@ pub fn build_stencil_volumes(
                 match parts.cull(volume, &corners, &bounds) {
                     Some(volume) => {
                         if finite.is_some() {
-                            include_points(&mut depth_reach, view, corners);
+                            include_points(&depth_reach, view, corners);
                         }
                         entry.casters.push(volume);
                     }

@@ -1,23 +1,23 @@
-//! A light's map as the shader has it, and with it how far a comparison is lenient.
+//! The shader's constants of a light's map, which include how lenient its comparison is.
 
 use glam::DVec3;
 
-use crate::render::pools::gpu_types;
+use super::gpu_types::{MapFace, MapLight};
 use crate::techniques::maps::face::FaceProjection;
 use crate::techniques::maps::light_map::LightMap;
 use crate::techniques::maps::packing::{FOUR_BYTES_STEP, TWO_BYTES_STEP};
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapBias, MapFilter, MapFormat};
 
-/// Share of a texel by which a plane is raised, and half of it for each texel of the filter's radius: enough for surfaces
-/// that bend by some 8° between neighbouring texels, too little to part a shadow from its caster. Found by
-/// `tests/maps/contacts.rs`.
+/// Share of a texel by which a plane is raised; half of it is added for each texel of the filter's radius. It
+/// is enough for surfaces that bend by some 8° between neighbouring texels, and too little to separate a
+/// shadow from its caster. Found by `tests/gpu/maps/contacts.rs`.
 const RAISED_TEXELS: f32 = 0.15;
 
-/// The shader's view of one light's map.
-pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gpu_types::MapLight {
+/// Makes the shader's constants of one light's map.
+pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> MapLight {
     let request = &map.request;
-    let mut constants = gpu_types::MapLight::default();
+    let mut constants = MapLight::default();
     let mut radius_texels: f32 = 0.0;
     let softness = request.filter.softness().unwrap_or(0.0);
     for (out, state) in constants.faces.iter_mut().zip(&map.faces) {
@@ -27,7 +27,7 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gp
             FaceProjection::Perspective { tangent, near } => (tangent, near),
             FaceProjection::Parallel { half, length } => (half, length),
         };
-        *out = gpu_types::MapFace {
+        *out = MapFace {
             row_x: x.to_array(),
             row_y: y.to_array(),
             row_z: z.to_array(),
@@ -47,11 +47,11 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> gp
         } => (normal_texels, depth_metres, distance_share),
     };
     let squared = |share: f32| 1.0 - (1.0 - share) * (1.0 - share);
-    // A few roundings of f32 on both sides of the comparison; squares have twice the share.
+    // Both sides of the comparison round a few times in `f32`. Squares double the relative error.
     let parallel = request.shape == MapShape::Cascades;
     let (relative, absolute) = match request.format {
         MapFormat::Depth if parallel => (0.0, 2e-6),
-        // Depth goes with 1 / distance.
+        // Depth is proportional to 1 / distance.
         MapFormat::Depth => (4e-6 + share / (1.0 - share), 0.0),
         MapFormat::R32Float => (8e-6 + squared(share), 0.0),
         MapFormat::Rgba8TwoBytes => (8e-6 + squared(share), TWO_BYTES_STEP),

@@ -1,4 +1,4 @@
-//! Draws of casters into faces: equal meshes become one instanced draw, whatever their opaque materials.
+//! Draws of casters into faces. Equal meshes become one instanced draw, whatever their opaque materials.
 
 use std::ops::Range;
 
@@ -7,8 +7,9 @@ use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, Mat4};
 
-use super::pipelines::{Key, MapPipelines};
-use crate::render::pools::gpu_types;
+use super::gpu_types::MapCaster;
+use super::pipelines::Key;
+use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
@@ -18,20 +19,20 @@ use crate::scene::{AlphaMode, SceneMaterials, Skin};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
-/// One draw call, or one for each submesh.
+/// One draw call, or one for each run of submeshes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MapDraw {
-    /// The material whose alpha cuts holes; `None`: solid.
+    /// Material whose alpha cuts holes; `None`: solid.
     pub material: Option<u32>,
     /// Index into the mesh pool.
     pub mesh: u32,
-    /// Index into the mesh's submeshes; `None`: all.
+    /// Index into the mesh's submeshes; `None`: all of them.
     pub submesh: Option<u32>,
     /// Range of [`MapDraws::casters`].
     pub casters: Range<u32>,
 }
 
-/// A caster in a face, or a part of one.
+/// A caster in a face, or one submesh of a caster.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Part {
     material: Option<u32>,
@@ -40,24 +41,24 @@ struct Part {
     object: u32,
 }
 
-/// The draws of a frame; their memory is kept.
+/// The draws of a frame. The memory is reused.
 #[derive(Debug, Default)]
 pub struct MapDraws {
     /// All draws.
     pub draws: Vec<MapDraw>,
-    /// Their matrices.
-    pub casters: Vec<gpu_types::MapCaster>,
+    /// Matrices of the casters of all draws.
+    pub casters: Vec<MapCaster>,
     parts: Vec<Part>,
 }
 
 impl MapDraws {
-    /// Forgets the last frame's.
+    /// Forgets the draws of the last frame.
     pub fn clear(&mut self) {
         self.draws.clear();
         self.casters.clear();
     }
 
-    /// Adds the draws of a set of objects into a face; their range.
+    /// Adds the draws of a set of objects into a face, and returns their range.
     pub fn push(
         &mut self,
         world: &World,
@@ -81,7 +82,7 @@ impl MapDraws {
                 .and_then(|transform| placed(transform, is_skinned))
                 .map_or(DMat4::ZERO, |affine| Mat4::from(affine).as_dmat4());
             let at = self.casters.len() as u32;
-            self.casters.push(gpu_types::MapCaster {
+            self.casters.push(MapCaster {
                 clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
             });
             if let Some(last) = self.draws[first..].last_mut()
@@ -133,27 +134,26 @@ impl MapDraws {
         }
     }
 
-    /// Makes the pipelines of a range of draws.
-    pub fn require(
-        &self,
-        range: Range<usize>,
-        peel: bool,
-        input: &PrepareInput,
-        pipelines: &mut MapPipelines,
-    ) {
-        for draw in &self.draws[range] {
-            let masked = draw.material.is_some();
-            pipelines.require(input.context, Key::Caster { masked, peel });
-        }
+    /// Which of the two kinds of pipelines a range of draws needs: `true` for casters with holes.
+    pub fn masked(&self, range: Range<usize>) -> impl Iterator<Item = bool> + use<> {
+        let has = |masked| {
+            self.draws[range.clone()]
+                .iter()
+                .any(|draw| draw.material.is_some() == masked)
+        };
+        let [solid, masked] = [false, true].map(has);
+        [solid.then_some(false), masked.then_some(true)]
+            .into_iter()
+            .flatten()
     }
 
-    /// Records a range of draws; groups 0 and 1 are set.
+    /// Records a range of draws. Groups 0 and 1 must be set.
     pub fn record(
         &self,
         range: Range<usize>,
         peel: bool,
         pass: &mut wgpu::RenderPass,
-        pipelines: &MapPipelines,
+        pipelines: &Variants<Key>,
         meshes: &MeshPool,
         materials: &MaterialPool,
     ) {
@@ -183,7 +183,7 @@ impl MapDraws {
                 Some(submesh) => &mesh.submeshes[submesh as usize..=submesh as usize],
                 None => &mesh.submeshes[..],
             };
-            // Submeshes that follow one another are one draw.
+            // Consecutive submeshes are one draw.
             let mut indices = 0..0;
             for submesh in submeshes {
                 let next = submesh.first_index..submesh.first_index + submesh.index_count;

@@ -1,8 +1,8 @@
-//! The bind group layouts of maps, and the groups that last.
+//! The bind group layouts of maps, and the groups that persist.
 
+use super::gpu_types::{MapCaster, MapLight};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::{STORAGE, bind_in_order, buffer_entry};
-use crate::render::pools::gpu_types;
 use crate::techniques::maps::jitter;
 
 /// The bind group layouts of maps.
@@ -14,14 +14,14 @@ pub struct MapLayouts {
     pub first: wgpu::BindGroupLayout,
     /// Group 1 of the conversion: first and second surface.
     pub surfaces: wgpu::BindGroupLayout,
-    /// Group 2: the light's map at a dynamic offset, the comparison, the jitter.
+    /// Group 2: the light's map at a dynamic offset, the comparison sampler, the jitter texture.
     pub map: wgpu::BindGroupLayout,
     /// Group 3 of the lookup: depths and squared distances.
     pub textures: wgpu::BindGroupLayout,
 }
 
 impl MapLayouts {
-    /// Builds them.
+    /// Creates the layouts.
     pub fn new(device: &wgpu::Device) -> Self {
         use wgpu::{BufferBindingType::Uniform, ShaderStages, TextureViewDimension};
         let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
@@ -42,7 +42,7 @@ impl MapLayouts {
         };
         let depth = |binding| texture(binding, wgpu::TextureSampleType::Depth, TextureViewDimension::D2);
         let float = |filterable| wgpu::TextureSampleType::Float { filterable };
-        let size = size_of::<gpu_types::MapCaster>();
+        let size = size_of::<MapCaster>();
         Self {
             casters: layout(
                 "map casters",
@@ -53,13 +53,7 @@ impl MapLayouts {
             map: layout(
                 "map",
                 &[
-                    buffer_entry(
-                        0,
-                        ShaderStages::FRAGMENT,
-                        Uniform,
-                        true,
-                        size_of::<gpu_types::MapLight>(),
-                    ),
+                    buffer_entry(0, ShaderStages::FRAGMENT, Uniform, true, size_of::<MapLight>()),
                     wgpu::BindGroupLayoutEntry {
                         binding: 1,
                         visibility: ShaderStages::FRAGMENT,
@@ -79,7 +73,7 @@ impl MapLayouts {
         }
     }
 
-    /// Group 0 of casters.
+    /// Makes group 0 of casters.
     pub fn bind_casters(&self, context: &RenderContext, buffer: &wgpu::Buffer) -> wgpu::BindGroup {
         bind_in_order(
             &context.device,
@@ -89,11 +83,11 @@ impl MapLayouts {
         )
     }
 
-    /// Group 2.
+    /// Makes group 2 of the conversion and the lookup.
     pub fn bind_map(
         &self,
         context: &RenderContext,
-        buffer: &wgpu::Buffer,
+        maps: wgpu::BindingResource,
         compare: &wgpu::Sampler,
         jitter: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
@@ -102,11 +96,7 @@ impl MapLayouts {
             "map",
             &self.map,
             [
-                wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer,
-                    offset: 0,
-                    size: std::num::NonZeroU64::new(size_of::<gpu_types::MapLight>() as u64),
-                }),
+                maps,
                 wgpu::BindingResource::Sampler(compare),
                 wgpu::BindingResource::TextureView(jitter),
             ],
@@ -114,7 +104,7 @@ impl MapLayouts {
     }
 }
 
-/// The texture of [`jitter::texels`].
+/// Makes the 3D texture of [`jitter::texels`].
 pub fn jitter_texture(context: &RenderContext) -> wgpu::TextureView {
     use wgpu::util::DeviceExt;
     let texture = context.device.create_texture_with_data(

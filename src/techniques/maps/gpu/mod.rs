@@ -6,13 +6,30 @@
 //! | `passes` | the passes of one light's map |
 //! | `draws` | casters of a face as draw calls |
 //! | `pipelines`, `layouts` | pipelines and bind groups |
+//! | `recorded` | which faces are drawn, and what a dropped encoder takes back |
 //! | `pool` | textures of kept and shared maps |
-//! | `constants` | what the lookup reads of a light |
+//! | `constants` | the shader's constants of a light's map |
 
 pub(crate) mod constants;
 mod draws;
+pub(crate) mod gpu_types;
 mod layouts;
+pub(crate) mod limit;
 mod passes;
-mod pipelines;
+pub(crate) mod pipelines;
 mod pool;
+mod recorded;
 pub(crate) mod recorder;
+
+pub(crate) use limit::limit_to_device;
+
+use crate::render::shaders::{ShaderFile, shader_files};
+
+/// The WGSL files of maps.
+pub(crate) const SHADERS: &[ShaderFile] = shader_files![
+    "common/map.wgsl",
+    "techniques/maps/caster.wgsl",
+    "techniques/maps/convert.wgsl",
+    "techniques/maps/frustum.wgsl",
+    "techniques/maps/resolve.wgsl",
+];

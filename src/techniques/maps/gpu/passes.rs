@@ -1,39 +1,68 @@
-//! The passes of one light's map: casters into faces, the copy under what moves, the conversion, the lookup.
+//! The passes of one light's map: casters into faces, the copy under moving casters, the conversion, the
+//! lookup.
 //!
 //! Shaders `shaders/techniques/maps/{caster,convert,resolve}.wgsl`
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
 
+use super::gpu_types::MapLight;
 use super::pipelines::Key;
 use super::pool::MapTextures;
-use super::recorder::{FacePlan, LightPlan, MapNode, STRIDE};
+use super::recorded::Recorded;
+use super::recorder::{FacePlan, LightPlan, MapNode};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
-use crate::render::recorder::ResolveInput;
+use crate::render::gpu::strided::Strided;
+use crate::render::recorder::{PictureInput, ResolveInput};
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::maps::settings::{MapFormat, MapSurface};
 
 impl MapNode {
-    /// Records what one face needs.
-    pub(in crate::techniques::maps) fn draw_face(
+    /// Records what the faces of one light need.
+    pub(in crate::techniques::maps) fn draw_faces(
+        &self,
+        slot: usize,
+        plan: &LightPlan,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &PictureInput,
+        recorded: &mut Recorded,
+    ) {
+        let Some(textures) = self.pool.get(&plan.key) else {
+            return;
+        };
+        for face in &self.faces[plan.faces.clone()] {
+            self.draw_face(slot, plan, face, textures, encoder, input);
+            recorded.push(&textures.records[face.face], face.still_revision, face.revision);
+        }
+    }
+
+    fn draw_face(
         &self,
         slot: usize,
         plan: &LightPlan,
         face: &FacePlan,
         textures: &MapTextures,
         encoder: &mut wgpu::CommandEncoder,
-        input: &ResolveInput,
+        input: &PictureInput,
     ) {
         let layer = face.face;
         if let Some(range) = &face.still {
             let view = &textures.still.layers[layer];
-            self.draw_casters(encoder, input, view, true, std::slice::from_ref(range), None);
+            self.draw_casters(
+                plan.light,
+                encoder,
+                input,
+                view,
+                true,
+                std::slice::from_ref(range),
+                None,
+            );
         }
         if let (Some(range), Some(moving)) = (&face.moving, &textures.moving) {
             copy_layer(encoder, &textures.still.texture, &moving.texture, layer);
             if !range.is_empty() {
                 self.draw_casters(
+                    plan.light,
                     encoder,
                     input,
                     &moving.layers[layer],
@@ -49,22 +78,28 @@ impl MapNode {
             if plan.request.surface != MapSurface::Nearest
                 && let Some(scratch) = self.pool.second(plan.key.side)
             {
-                let group = bind_depths(input.context, &self.pipelines.layouts.first, &[first]);
-                self.draw_casters(encoder, input, scratch, true, &face.peeled, Some(&group));
+                let group = bind_depths(input.context, &self.long_lived.layouts.first, &[first]);
+                self.draw_casters(
+                    plan.light,
+                    encoder,
+                    input,
+                    scratch,
+                    true,
+                    &face.peeled,
+                    Some(&group),
+                );
                 second = scratch;
             }
-            let group = bind_depths(input.context, &self.pipelines.layouts.surfaces, &[first, second]);
+            let group = bind_depths(input.context, &self.long_lived.layouts.surfaces, &[first, second]);
             self.convert(slot, plan, layer, &shown.layers[layer], &group, encoder, input);
         }
-        let record = &textures.records[layer];
-        record.still.store(face.still_revision, Ordering::Relaxed);
-        record.shown.store(face.revision, Ordering::Relaxed);
     }
 
     fn draw_casters(
         &self,
+        light: usize,
         encoder: &mut wgpu::CommandEncoder,
-        input: &ResolveInput,
+        input: &PictureInput,
         target: &wgpu::TextureView,
         clear: bool,
         ranges: &[Range<usize>],
@@ -74,7 +109,7 @@ impl MapNode {
             label: Some("map"),
             color_attachments: &[],
             depth_stencil_attachment: Some(depth_attachment(target, clear)),
-            timestamp_writes: pass_timer(input, "map"),
+            timestamp_writes: input.timings.pass_of(input.label(light), "map"),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.caster_group, &[]);
@@ -87,8 +122,8 @@ impl MapNode {
                 peel.is_some(),
                 &mut pass,
                 &self.pipelines,
-                input.record.meshes,
-                input.record.materials,
+                input.meshes,
+                input.materials,
             );
         }
     }
@@ -101,7 +136,7 @@ impl MapNode {
         target: &wgpu::TextureView,
         surfaces: &wgpu::BindGroup,
         encoder: &mut wgpu::CommandEncoder,
-        input: &ResolveInput,
+        input: &PictureInput,
     ) {
         let (format, surface) = (plan.request.format, plan.request.surface);
         let parallel = plan.request.shape == MapShape::Cascades;
@@ -127,16 +162,16 @@ impl MapNode {
             label: Some("map conversion"),
             color_attachments: if is_depth { &[] } else { &color },
             depth_stencil_attachment: is_depth.then(|| depth_attachment(target, true)),
-            timestamp_writes: pass_timer(input, "map conversion"),
+            timestamp_writes: input.timings.pass_of(input.label(plan.light), "map conversion"),
             ..Default::default()
         });
         pass.set_pipeline(pipeline);
         pass.set_bind_group(1, surfaces, &[]);
-        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
+        pass.set_bind_group(2, &self.map_group, &[Strided::<MapLight>::offset(slot)]);
         pass.draw(0..3, face as u32..face as u32 + 1);
     }
 
-    /// Looks every pixel of the scissor up.
+    /// Records the lookup, for every pixel of the scissor.
     pub(in crate::techniques::maps) fn look_up(
         &self,
         slot: usize,
@@ -156,7 +191,7 @@ impl MapNode {
                     store: wgpu::StoreOp::Store,
                 },
             })],
-            timestamp_writes: pass_timer(input, "map lookup"),
+            timestamp_writes: input.timings.pass_of(input.label, "map lookup"),
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;
@@ -164,16 +199,10 @@ impl MapNode {
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-        pass.set_bind_group(2, &self.map_group, &[(slot * STRIDE) as u32]);
+        pass.set_bind_group(2, &self.map_group, &[Strided::<MapLight>::offset(slot)]);
         pass.set_bind_group(3, &textures.group, &[]);
         pass.draw(0..3, 0..1);
     }
-}
-
-/// A name is made only where somebody looks at it.
-fn pass_timer<'a>(input: &'a ResolveInput, pass: &str) -> Option<wgpu::RenderPassTimestampWrites<'a>> {
-    let is_active = input.timings.is_active();
-    is_active.then(|| input.timings.pass(&format!("{}/{pass}", input.label)))?
 }
 
 fn depth_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassDepthStencilAttachment<'_> {

@@ -1,27 +1,27 @@
-//! The textures of maps: those that are kept, one set a light; those that lights share; and what both are made through.
-
-use std::sync::atomic::{AtomicU64, Ordering};
+//! The textures of maps: one set for each light whose map is kept, sets that lights share, and scratch
+//! textures.
 
 use bevy_ecs::prelude::Entity;
 
 use super::layouts::MapLayouts;
 use super::pipelines::{MAP_DEPTH, texture_format};
+use super::recorded::FaceRecord;
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::techniques::maps::request::MapRequest;
 use crate::techniques::maps::settings::{MapFormat, MapSurface};
 
-/// An array of faces and the views of each.
+/// An array of faces and a view of each.
 #[derive(Debug)]
 pub struct FaceArray {
     /// The texture.
     pub texture: wgpu::Texture,
-    /// Each layer.
+    /// View of each layer.
     pub layers: Vec<wgpu::TextureView>,
 }
 
 impl FaceArray {
-    /// Faces of a square side.
+    /// Makes an array of square faces.
     pub fn new(
         context: &RenderContext,
         label: &str,
@@ -67,34 +67,25 @@ impl FaceArray {
     }
 }
 
-/// Which revisions of a face the textures hold; 0: nothing.
-#[derive(Debug, Default)]
-pub struct FaceRecord {
-    /// Of the still layer.
-    pub still: AtomicU64,
-    /// Of what is looked up.
-    pub shown: AtomicU64,
-}
-
-/// What tells two sets of textures apart.
+/// Everything that distinguishes two sets of textures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MapTexturesKey {
-    /// The light whose map this is; `None`: shared.
+    /// Light to which the map belongs; `None`: the map is shared.
     pub entity: Option<Entity>,
-    /// Texels.
+    /// Texels along a side.
     pub side: u32,
-    /// Faces.
+    /// Number of faces.
     pub layers: u32,
-    /// What is looked up.
+    /// Format of the texture that is looked up.
     pub format: MapFormat,
-    /// Which surface.
+    /// Which surface of the casters it holds.
     pub surface: MapSurface,
-    /// There is a layer for casters that move.
+    /// Whether there is a layer for casters that move.
     pub moving: bool,
 }
 
 impl MapTexturesKey {
-    /// The key of a request; `entity` is `None` for a shared map.
+    /// Makes the key of a request; `entity` is `None` for a shared map.
     pub fn new(entity: Option<Entity>, request: &MapRequest, side: u32, moving: bool) -> Self {
         Self {
             entity,
@@ -114,42 +105,29 @@ impl MapTexturesKey {
 /// The textures of one map.
 #[derive(Debug)]
 pub struct MapTextures {
-    /// What they are for.
+    /// Key of the set.
     pub key: MapTexturesKey,
-    /// Depth of still casters; of all, if there is no other.
+    /// Depth of still casters, or of all casters if there is no moving layer.
     pub still: FaceArray,
     /// Depth of all casters, if some move.
     pub moving: Option<FaceArray>,
-    /// What is looked up, if it is not one of these.
+    /// The converted texture that is looked up, if it is not one of the depths.
     pub shown: Option<FaceArray>,
     /// Group 3 of the lookup.
     pub group: wgpu::BindGroup,
-    /// What the faces hold.
+    /// Revisions that each face holds.
     pub records: Vec<FaceRecord>,
     in_use: bool,
 }
 
-/// Bytes that a texture holds.
-fn bytes(texture: &wgpu::Texture) -> u64 {
-    let size = texture.size();
-    u64::from(size.width) * u64::from(size.height) * u64::from(size.depth_or_array_layers) * 4
-}
-
 impl MapTextures {
-    /// All of its textures.
-    pub fn bytes(&self) -> u64 {
-        let more = [&self.moving, &self.shown];
-        let more = more.into_iter().flatten().map(|array| bytes(&array.texture));
-        bytes(&self.still.texture) + more.sum::<u64>()
-    }
-
-    /// Depths with all casters.
+    /// Returns the depths of all casters.
     pub fn all_casters(&self) -> &FaceArray {
         self.moving.as_ref().unwrap_or(&self.still)
     }
 }
 
-/// One face that maps are made through: depths of a first and a second surface.
+/// A texture through which maps are made: depth of the second surface of one face.
 #[derive(Debug)]
 struct Scratch {
     side: u32,
@@ -157,7 +135,7 @@ struct Scratch {
     in_use: bool,
 }
 
-/// All textures.
+/// The textures of all maps.
 #[derive(Debug)]
 pub struct MapPool {
     maps: Vec<MapTextures>,
@@ -178,7 +156,7 @@ impl MapPool {
         }
     }
 
-    /// Begins a count of what is in use.
+    /// Begins to record which textures are in use.
     pub fn begin(&mut self) {
         for map in &mut self.maps {
             map.in_use = false;
@@ -188,40 +166,31 @@ impl MapPool {
         }
     }
 
-    /// Frees what was not asked for since [`MapPool::begin`].
+    /// Frees textures that were not requested since [`MapPool::begin`].
     pub fn end(&mut self) {
         self.maps.retain(|map| map.in_use);
         self.scratches.retain(|scratch| scratch.in_use);
     }
 
-    /// Bytes of all textures.
-    pub fn bytes(&self) -> u64 {
-        let scratches = self
-            .scratches
-            .iter()
-            .map(|scratch| bytes(&scratch.second.texture));
-        self.maps.iter().map(MapTextures::bytes).sum::<u64>() + scratches.sum::<u64>()
-    }
-
-    /// The textures of a key, if they were asked for.
+    /// Returns the textures of a key, if they were requested.
     pub fn get(&self, key: &MapTexturesKey) -> Option<&MapTextures> {
         self.maps.iter().find(|map| map.key == *key)
     }
 
-    /// Second surface of a side, if it was asked for.
+    /// Returns the second surface for a side length, if it was requested.
     pub fn second(&self, side: u32) -> Option<&wgpu::TextureView> {
         let scratch = self.scratches.iter().find(|scratch| scratch.side == side)?;
         Some(&scratch.second.layers[0])
     }
 
-    /// Keeps the textures of a key if there are some.
+    /// Keeps the textures of a key, if there are any.
     pub fn keep(&mut self, key: &MapTexturesKey) {
         for map in self.maps.iter_mut().filter(|map| map.key == *key) {
             map.in_use = true;
         }
     }
 
-    /// Makes the textures of a key if there are none.
+    /// Makes the textures of a key, if there are none.
     pub fn require(&mut self, context: &RenderContext, layouts: &MapLayouts, key: MapTexturesKey) {
         if key.has_final() {
             match self.scratches.iter_mut().find(|scratch| scratch.side == key.side) {
@@ -238,8 +207,8 @@ impl MapPool {
             return;
         }
         let array = |label: &str, format| FaceArray::new(context, label, key.side, key.layers, format);
-        let mut records: Vec<FaceRecord> = (0..key.layers).map(|_| FaceRecord::default()).collect();
-        // What stands still is the same with and without a layer for what moves.
+        let mut records: Vec<FaceRecord> = (0..key.layers).map(|_| Default::default()).collect();
+        // The still layer is the same with and without a layer for moving casters.
         let twin = MapTexturesKey {
             moving: !key.moving,
             ..key
@@ -251,7 +220,7 @@ impl MapPool {
         let still = match twin.map(|at| self.maps.swap_remove(at)) {
             Some(twin) => {
                 for (record, old) in records.iter_mut().zip(&twin.records) {
-                    *record.still.get_mut() = old.still.load(Ordering::Relaxed);
+                    record.still = old.still.clone();
                 }
                 twin.still
             }

@@ -6,11 +6,15 @@
 //! Reads   receiver depth and plane.  Writes  the mask, inside the light's scissor
 //! Order   after `depth copy` and `receiver plane`, before `light_accumulate` of the same light
 //!
-//! Each face: still casters into their layer; a copy of it, and over it what moves; from that, where depth of the nearest
-//! surface is not what is looked up, the second surface and a conversion. Each step is left out while its revision is
-//! that of the last time.
+//! Faces are drawn by `draw_pictures`, once a frame, before any pass of the screen. Only a texture that several lights use
+//! in turn is drawn just before each lookup: lights whose maps are not kept share textures of equal size and format.
+//!
+//! The steps of a face are: draw still casters into their layer; copy it and draw moving casters over the
+//! copy; where the lookup needs more than the depth of the nearest surface, draw the second surface and
+//! convert. A step is skipped while its revision is unchanged.
 
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
@@ -18,39 +22,40 @@ use glam::{DMat4, DVec3};
 
 use super::constants::map_constants;
 use super::draws::MapDraws;
-use super::layouts::jitter_texture;
-use super::pipelines::{Key, MapPipelines, filter_constant};
+use super::gpu_types::{MapCaster, MapLight};
+use super::layouts::{MapLayouts, jitter_texture};
+use super::pipelines::{FILES, Key, describe, filter_constant};
 use super::pool::{MapPool, MapTexturesKey};
-use crate::render::gpu::bind_groups::BindGroupLayouts;
+use super::recorded::Recorded;
 use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::pools::gpu_types;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::gpu::pipeline_cache::Variants;
+use crate::render::gpu::strided::StridedUniforms;
+use crate::render::recorder::{
+    Leaves, PictureInput, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput,
+};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::maps::build_maps::Maps;
 use crate::techniques::maps::face::FaceProjection;
 use crate::techniques::maps::face_state::FaceState;
 use crate::techniques::maps::light_map::LightMap;
-use crate::techniques::maps::request::{MapComponent, MapRequest, MapShape};
+use crate::techniques::maps::request::{MapRequest, MapShape};
 use crate::techniques::maps::settings::{MapSettings, MapSurface};
 
-/// Bytes between the constants of lights.
-pub(in crate::techniques::maps) const STRIDE: usize = 512;
-
-/// What is to be drawn of one face.
+/// What must be drawn of one face.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct FacePlan {
     pub face: usize,
     pub still: Option<Range<usize>>,
-    /// Over a copy of the still layer.
+    /// Draws over a copy of the still layer.
     pub moving: Option<Range<usize>>,
-    /// All casters, for the second surface; empty for the nearest.
+    /// Draws of all casters for the second surface; empty for the nearest.
     pub peeled: [Range<usize>; 2],
     pub still_revision: u64,
     pub revision: u64,
 }
 
-/// What is to be done for one light.
+/// What must be recorded for one light.
 #[derive(Debug)]
 pub(in crate::techniques::maps) struct LightPlan {
     pub light: usize,
@@ -58,37 +63,57 @@ pub(in crate::techniques::maps) struct LightPlan {
     pub key: MapTexturesKey,
     pub lookup: Key,
     pub faces: Range<usize>,
+    /// Several lights use one texture in turn, as none of them keeps its map: it is drawn just before each lookup.
+    pub takes_turns: bool,
     pub draw_count: usize,
-    /// Matrices of the debug view.
+    /// Range of the matrices of the debug view.
     pub frusta: Range<u32>,
 }
 
-/// The recorder of one of the two components.
+/// The parts of the recorder that all views of a device share.
+#[derive(Debug)]
+pub(in crate::techniques::maps) struct LongLived {
+    pub layouts: MapLayouts,
+    compare: wgpu::Sampler,
+    jitter: wgpu::TextureView,
+}
+
+impl LongLived {
+    fn new(gpu: &Gpu) -> Self {
+        let device = &gpu.context.device;
+        Self {
+            layouts: MapLayouts::new(device),
+            compare: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("map comparison"),
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                // Depth is reversed: lit where the receiver's is not less than the map's.
+                compare: Some(wgpu::CompareFunction::GreaterEqual),
+                ..Default::default()
+            }),
+            jitter: jitter_texture(&gpu.context),
+        }
+    }
+
+    fn bind_map(&self, context: &RenderContext, maps: &StridedUniforms<MapLight>) -> wgpu::BindGroup {
+        self.layouts
+            .bind_map(context, maps.binding(), &self.compare, &self.jitter)
+    }
+}
+
+/// The recorder of all maps.
 #[derive(Debug)]
 pub struct MapNode {
-    component: MapComponent,
-    pub(in crate::techniques::maps) pipelines: MapPipelines,
+    pub(in crate::techniques::maps) pipelines: Variants<Key>,
+    pub(in crate::techniques::maps) long_lived: Arc<LongLived>,
     pub(in crate::techniques::maps) pool: MapPool,
     pub(in crate::techniques::maps) draws: MapDraws,
     casters: GrowingBuffer,
     pub(in crate::techniques::maps) caster_group: wgpu::BindGroup,
-    constants: GrowingBuffer,
-    constant_bytes: Vec<u8>,
-    compare: wgpu::Sampler,
-    jitter: wgpu::TextureView,
+    constants: StridedUniforms<MapLight>,
     pub(in crate::techniques::maps) map_group: wgpu::BindGroup,
     lights: Vec<LightPlan>,
-    faces: Vec<FacePlan>,
-}
-
-impl MapComponent {
-    /// Name of the technique.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Shadow => "shadow_map",
-            Self::Omni => "omni_map",
-        }
-    }
+    pub(in crate::techniques::maps) faces: Vec<FacePlan>,
 }
 
 impl MapNode {
@@ -96,46 +121,24 @@ impl MapNode {
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        component: MapComponent,
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let pipelines = MapPipelines::new(context, shaders, layouts)?;
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&FILES)?;
+        let context = &gpu.context;
+        let long_lived = gpu.part(LongLived::new);
         let casters = GrowingBuffer::new(context, "map casters", wgpu::BufferUsages::STORAGE);
-        let constants = GrowingBuffer::new(context, "maps", wgpu::BufferUsages::UNIFORM);
-        let compare = context.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("map comparison"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            // Depth is reversed: lit where the receiver's is not less than the map's.
-            compare: Some(wgpu::CompareFunction::GreaterEqual),
-            ..Default::default()
-        });
-        let jitter = jitter_texture(context);
+        let constants = StridedUniforms::new(context, "maps");
         Ok(Self {
-            component,
-            caster_group: pipelines.layouts.bind_casters(context, &casters.buffer),
-            map_group: pipelines
-                .layouts
-                .bind_map(context, &constants.buffer, &compare, &jitter),
+            pipelines: Variants::default(),
+            caster_group: long_lived.layouts.bind_casters(context, &casters.buffer),
+            map_group: long_lived.bind_map(context, &constants),
             pool: MapPool::new(context),
             draws: MapDraws::default(),
-            constant_bytes: Vec::new(),
             lights: Vec::new(),
             faces: Vec::new(),
-            pipelines,
+            long_lived,
             casters,
             constants,
-            compare,
-            jitter,
         })
-    }
-
-    /// Bytes of all its textures.
-    pub fn texture_bytes(&self) -> u64 {
-        self.pool.bytes()
     }
 
     fn plan_of(&self, light: usize) -> Option<(usize, &LightPlan)> {
@@ -143,7 +146,13 @@ impl MapNode {
         Some((at, &self.lights[at]))
     }
 
-    /// Plans the draws of one face; `None` if it is as it should be.
+    /// Requests a pipeline from the shared cache.
+    fn require(&mut self, gpu: &Gpu, key: Key) -> Result<(), RenderError> {
+        let layouts = &self.long_lived.layouts;
+        gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, layouts, key))
+    }
+
+    /// Plans the draws of one face; `None` if the face is up to date.
     fn plan_face(
         &mut self,
         world: &World,
@@ -151,18 +160,21 @@ impl MapNode {
         map: &LightMap,
         face: usize,
         key: &MapTexturesKey,
-    ) -> Option<FacePlan> {
+    ) -> Result<Option<FacePlan>, RenderError> {
         let objects = world.resource::<Objects>();
         let state: &FaceState = &map.faces[face];
-        let record = &self.pool.get(key)?.records[face];
+        let Some(textures) = self.pool.get(key) else {
+            return Ok(None);
+        };
+        let record = &textures.records[face];
         let has = |at: &std::sync::atomic::AtomicU64| at.load(Ordering::Relaxed);
         let draw_still = !map.cached || has(&record.still) != state.still_revision;
         let refresh = draw_still || has(&record.shown) != state.revision;
         if !refresh {
-            return None;
+            return Ok(None);
         }
         let mut push = |set| self.draws.push(world, input, objects, &state.face, set);
-        // A map that is not kept has one layer, with all its casters.
+        // A map that is not kept has one layer, which holds all its casters.
         let own = if map.cached { &state.still } else { &state.moving };
         let still = draw_still.then(|| push(own));
         let moving = key.moving.then(|| push(&state.moving));
@@ -172,33 +184,42 @@ impl MapNode {
             let over = moving.clone().unwrap_or(0..0);
             [still.clone().unwrap_or_else(|| push(own)), over]
         };
-        for (range, peel) in [(&still, false), (&moving, false)] {
-            self.draws
-                .require(range.clone().unwrap_or(0..0), peel, input, &mut self.pipelines);
+        let [first, second] = &peeled;
+        let ranges = [
+            (still.as_ref(), false),
+            (moving.as_ref(), false),
+            (Some(first), true),
+            (Some(second), true),
+        ];
+        for (range, peel) in ranges {
+            for masked in self.draws.masked(range.cloned().unwrap_or(0..0)) {
+                self.require(input.gpu, Key::Caster { masked, peel })?;
+            }
         }
-        for range in &peeled {
-            self.draws
-                .require(range.clone(), true, input, &mut self.pipelines);
-        }
-        Some(FacePlan {
+        Ok(Some(FacePlan {
             face,
             still,
             moving,
             peeled,
             still_revision: state.still_revision,
             revision: state.revision,
-        })
+        }))
     }
 
     /// Matrices from each face's clip space to the view's, for the debug view.
-    fn plan_frusta(&mut self, map: &LightMap, input: &PrepareInput, view: &ViewData) -> Range<u32> {
+    fn plan_frusta(
+        &mut self,
+        map: &LightMap,
+        input: &PrepareInput,
+        view: &ViewData,
+    ) -> Result<Range<u32>, RenderError> {
         let first = self.draws.casters.len() as u32;
         if !input.debug_view {
-            return first..first;
+            return Ok(first..first);
         }
-        self.pipelines.require(input.context, Key::Frustum);
+        self.require(input.gpu, Key::Frustum)?;
         for state in &map.faces {
-            // Reversed depth reaches infinity, where no edge would end.
+            // Reversed depth reaches infinity, where no edge would end, so faces are cut at the reach.
             let (far, length) = match state.face.projection {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
                 FaceProjection::Parallel { .. } => (0.0, 1.0),
@@ -206,11 +227,20 @@ impl MapNode {
             let cut =
                 DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));
             let clip = view.clip_from_world * state.face.clip_from_world().inverse() * cut;
-            self.draws.casters.push(gpu_types::MapCaster {
+            self.draws.casters.push(MapCaster {
                 clip_from_local: clip.as_mat4().to_cols_array_2d(),
             });
         }
-        first..self.draws.casters.len() as u32
+        Ok(first..self.draws.casters.len() as u32)
+    }
+
+    /// Finds the lights that share a texture, which no light keeps.
+    fn find_turns(&mut self) {
+        for at in 0..self.lights.len() {
+            let key = self.lights[at].key;
+            let shares = |(other, plan): (usize, &LightPlan)| other != at && plan.key == key;
+            self.lights[at].takes_turns = key.entity.is_none() && self.lights.iter().enumerate().any(shares);
+        }
     }
 
     fn plan_light(
@@ -220,7 +250,7 @@ impl MapNode {
         map: &LightMap,
         view: &ViewData,
         show_taps: bool,
-    ) {
+    ) -> Result<(), RenderError> {
         let moving = map.has_moving();
         let key = MapTexturesKey::new(
             map.cached.then_some(map.entity),
@@ -228,11 +258,11 @@ impl MapNode {
             map.resolution,
             moving,
         );
-        self.pool.require(input.context, &self.pipelines.layouts, key);
+        self.pool.require(input.context, &self.long_lived.layouts, key);
         let first_face = self.faces.len();
         let first_draw = self.draws.draws.len();
         for face in 0..map.faces.len() {
-            let plan = self.plan_face(world, input, map, face, &key);
+            let plan = self.plan_face(world, input, map, face, &key)?;
             self.faces.extend(plan);
         }
         let request = map.request;
@@ -244,7 +274,7 @@ impl MapNode {
                 surface,
                 parallel,
             };
-            self.pipelines.require(input.context, convert);
+            self.require(input.gpu, convert)?;
         }
         let lookup = Key::Resolve {
             filter: filter_constant(request.filter),
@@ -253,39 +283,51 @@ impl MapNode {
             format: request.format,
             show_taps,
         };
-        self.pipelines.require(input.context, lookup);
+        self.require(input.gpu, lookup)?;
         let lights = world.resource::<FrameLights>();
         let bounds = lights.lights[map.light].depth_bounds;
         let bounds = bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min));
-        let at = self.constant_bytes.len();
-        self.constant_bytes.resize(at + STRIDE, 0);
-        let constants = map_constants(map, view.eye, bounds);
-        self.constant_bytes[at..at + size_of::<gpu_types::MapLight>()]
-            .copy_from_slice(bytemuck::bytes_of(&constants));
+        self.constants
+            .constants
+            .push(&map_constants(map, view.eye, bounds));
         let draw_count = self.draws.draws.len() - first_draw;
-        let frusta = self.plan_frusta(map, input, view);
+        let frusta = self.plan_frusta(map, input, view)?;
         self.lights.push(LightPlan {
             light: map.light,
             request,
             key,
             lookup,
             faces: first_face..self.faces.len(),
+            takes_turns: false,
             draw_count,
             frusta,
         });
+        Ok(())
+    }
+}
+
+impl Resolve for MapNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        let Some((slot, plan)) = self.plan_of(light) else {
+            return;
+        };
+        if plan.takes_turns {
+            // Another light may have used the texture since, so it is drawn before each lookup.
+            self.draw_faces(slot, plan, encoder, &input.pictures(), &mut Recorded::default());
+        }
+        if let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
+        {
+            self.look_up(slot, textures, pipeline, encoder, input);
+        }
     }
 }
 
 impl Recorder for MapNode {
-    fn name(&self) -> &'static str {
-        self.component.name()
-    }
-
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.lights.clear();
         self.faces.clear();
         self.draws.clear();
-        self.constant_bytes.clear();
+        self.constants.constants.clear();
         let (Some(maps), Some(settings)) =
             (world.get_resource::<Maps>(), world.get_resource::<MapSettings>())
         else {
@@ -296,11 +338,8 @@ impl Recorder for MapNode {
         };
         self.pool.begin();
         for map in &maps.lights {
-            if map.request.component != self.component {
-                continue;
-            }
             if map.active {
-                self.plan_light(world, input, map, view, settings.show_taps);
+                self.plan_light(world, input, map, view, settings.show_taps)?;
             } else if map.cached {
                 let moving = map.has_moving();
                 let key = MapTexturesKey::new(Some(map.entity), &map.request, map.resolution, moving);
@@ -308,46 +347,39 @@ impl Recorder for MapNode {
             }
         }
         self.pool.end();
+        self.find_turns();
         let context = input.context;
         if self
             .casters
             .write(context, bytemuck::cast_slice(&self.draws.casters))
         {
-            self.caster_group = self.pipelines.layouts.bind_casters(context, &self.casters.buffer);
+            let layouts = &self.long_lived.layouts;
+            self.caster_group = layouts.bind_casters(context, &self.casters.buffer);
         }
-        if self.constants.write(context, &self.constant_bytes) {
-            let buffer = &self.constants.buffer;
-            self.map_group = self
-                .pipelines
-                .layouts
-                .bind_map(context, buffer, &self.compare, &self.jitter);
+        if self.constants.write(context) {
+            self.map_group = self.long_lived.bind_map(context, &self.constants);
         }
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.plan_of(light).map(|_| Leaves::Mask)
-    }
-
-    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        let Some((slot, plan)) = self.plan_of(light) else {
-            return;
-        };
-        let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
-        else {
-            return;
-        };
-        for face in &self.faces[plan.faces.clone()] {
-            self.draw_face(slot, plan, face, textures, encoder, input);
+    fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {
+        let mut recorded = Recorded::default();
+        for (slot, plan) in self
+            .lights
+            .iter()
+            .enumerate()
+            .filter(|(_, plan)| !plan.takes_turns)
+        {
+            self.draw_faces(slot, plan, encoder, input, &mut recorded);
         }
-        self.look_up(slot, textures, pipeline, encoder, input);
+        recorded.confirm_on_submission(encoder);
     }
 
-    fn reads_planes(&self) -> bool {
-        true
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
-    /// Draws the edges of what the faces show.
+    /// Draws the edges of the volumes that the faces show.
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, _input: &RecordInput) {
         let pipeline = self.pipelines.get(Key::Frustum);
         if let (Some((_, plan)), Some(pipeline)) = (self.plan_of(light), pipeline) {
@@ -357,7 +389,7 @@ impl Recorder for MapNode {
         }
     }
 
-    /// Draws of casters; the lookup is one more, of one triangle.
+    /// Returns the number of draws of casters. The lookup is one more, of one triangle.
     fn batch_count(&self, light: usize) -> usize {
         self.plan_of(light).map_or(0, |(_, plan)| plan.draw_count)
     }

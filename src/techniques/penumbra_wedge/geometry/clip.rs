@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-/// The part of an edge that lies more than `margin` before the light's plane (`z < 0`).
+/// Returns the part of an edge that is more than `margin` in front of the light's plane (`z < 0`).
 pub fn clip_before_plane([a, b]: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> {
     let (da, db) = (-a.z - margin, -b.z - margin);
     let crossing = || a + (b - a) * (da / (da - db));
@@ -14,7 +14,7 @@ pub fn clip_before_plane([a, b]: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> 
     }
 }
 
-/// The parts of an edge outside of a sphere around the origin, up to two.
+/// Returns the parts of an edge outside of a sphere around the origin, at most two.
 pub fn clip_outside_sphere([a, b]: [DVec3; 2], radius: f64) -> [Option<[DVec3; 2]>; 2] {
     let d = b - a;
     let (dd, ad, c) = (d.length_squared(), a.dot(d), a.length_squared() - radius * radius);

@@ -1,8 +1,9 @@
-//! Where the wedges of a caster end: at a plane beyond all receivers, if one stops every ray of its shadow.
+//! Where the wedges of a caster end: at a plane beyond all receivers, if one plane stops every ray of its
+//! shadow.
 //!
-//! What of a wedge lies beyond the receivers changes no sum, but it is drawn: below a ground, most of it. The planes are
-//! those of the sides of the box around the receivers, and each caster has its own, so that sides, shells and far caps
-//! still meet.
+//! The part of a wedge beyond the receivers changes no sum, but it is drawn; below a ground it is most of the
+//! wedge. The candidates are the planes of the sides of the box around the receivers. Each caster has its own
+//! plane, so that sides, shells and far caps still meet.
 
 use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3, DVec4, Vec3};
@@ -12,17 +13,18 @@ use crate::scene::placement::Placement;
 use crate::sets::{FrameLight, FrameLights, Objects};
 use crate::techniques::penumbra_wedge::wedges::PenumbraWedges;
 
-/// The plane that stands for none: rays go on to infinity.
+/// The plane that stands for none, with which rays reach infinity.
 pub const ENDLESS: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// Share of the receivers' extent by which a plane lies beyond them, against rounding.
 const MARGIN: f64 = 0.01;
 
-/// How many times as far from the caster as from the light to the caster the plane may lie: farther, the end is no gain.
+/// Limit on the ratio of the plane's distance from the caster to the caster's distance from the light. Beyond
+/// it, the end saves nothing.
 const FARTHEST: f64 = 100.0;
 
-/// `dot(xyz, p) = w`: the nearest plane beyond `receivers` and `caster` that every ray from `emitter` through `caster`
-/// meets, world space; `None` if there is none.
+/// Finds the nearest plane beyond `receivers` and `caster` that every ray from `emitter` through `caster`
+/// meets, world space: `dot(xyz, p) = w`. `None` if there is none.
 pub fn end_plane(receivers: &Aabb, caster: &Aabb, emitter: &Aabb) -> Option<DVec4> {
     let (receivers, caster, emitter) = (corners(receivers), corners(caster), corners(emitter));
     let around = receivers[0].min(caster[0])..receivers[1].max(caster[1]);
@@ -49,9 +51,9 @@ fn corners(aabb: &Aabb) -> [DVec3; 2] {
     [aabb.min.as_dvec3(), aabb.max.as_dvec3()]
 }
 
-/// The same plane in a space from which `world_from_b` leads to the world.
+/// Transforms a plane to a space from which `world_from_b` leads to the world.
 fn in_space(plane: DVec4, world_from_b: &DMat4) -> [f32; 4] {
-    // As covectors: dot(n, M p + t) = d.
+    // Planes transform as covectors: dot(n, M p + t) = d.
     let b = world_from_b.transpose() * plane.truncate().extend(-plane.w);
     let length = b.truncate().length();
     let scaled = DVec4::new(b.x, b.y, b.z, -b.w) / length;
@@ -62,7 +64,7 @@ fn in_space(plane: DVec4, world_from_b: &DMat4) -> [f32; 4] {
     }
 }
 
-/// The box around all that is seen of the light's receivers in this frame.
+/// Returns the box around the visible receivers of the light in this frame.
 fn receivers(light: &FrameLight) -> Aabb {
     let boxes = light.lit_receivers.iter().copied();
     boxes.reduce(Aabb::union).unwrap_or(Aabb {
@@ -72,8 +74,9 @@ fn receivers(light: &FrameLight) -> Aabb {
 }
 
 impl PenumbraWedges {
-    /// Tells every caster where its wedges end in this frame. Those of directional lights, whose far caps are a point at
-    /// infinity, do not, and in orthographic views [`finite_reach`](crate::techniques::shared::finite_reach) says where.
+    /// Sets the plane where the wedges of each caster end in this frame. Wedges of directional lights have no
+    /// such plane, because their far caps are a point at infinity. In orthographic views
+    /// [`finite_reach`](crate::techniques::shared::finite_reach) determines where wedges end.
     pub(in crate::techniques::penumbra_wedge) fn end(
         &mut self,
         lights: &FrameLights,
@@ -134,7 +137,7 @@ mod tests {
         let plane = end_plane(&ground, &cube(Vec3::Y, 0.5), &cube(Vec3::Y * 5.0, 0.3)).expect("below");
         assert_eq!(plane.truncate(), DVec3::NEG_Y);
         assert!(plane.w > 0.0 && plane.w < 0.5);
-        // Beside the light, some rays go up.
+        // From a caster beside the light, some rays go up.
         assert!(end_plane(&ground, &cube(Vec3::Y * 4.5, 0.5), &cube(Vec3::Y * 5.0, 0.3)).is_none());
     }
 

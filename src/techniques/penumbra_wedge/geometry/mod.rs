@@ -1,4 +1,4 @@
-//! From the silhouette of one caster to wedges: pure functions on flat arrays.
+//! From the silhouette of one caster to wedges. These are pure functions on flat arrays.
 
 pub(crate) mod clip;
 pub(crate) mod ends;
@@ -7,4 +7,5 @@ pub mod records;
 pub(crate) mod shell;
 pub(crate) mod sight;
 pub mod silhouette_layers;
+#[cfg(feature = "render")]
 pub(crate) mod topology;

@@ -1,8 +1,9 @@
-//! Patches of a caster: connected triangles of one [layer](super::silhouette_layers) that look the same way.
+//! Patches of a caster: connected triangles of one [layer](super::silhouette_layers) that face the same way.
 //!
-//! Section 5.1 combines the coverage of silhouette loops. A loop alone has no shadow that could be counted away from the
-//! viewer: it takes a surface that the loop bounds. The patches are those surfaces. Most have one loop; where one has
-//! more, the others are its holes, whose coverage is negative: a hole is nothing to combine with its rim, their sum is.
+//! Section 5.1 combines the coverage of silhouette loops. A loop alone has no shadow that could be counted
+//! away from the viewer; that takes a surface bounded by the loop. The patches are these surfaces. Most have
+//! one loop; the further loops of a patch are its holes, whose coverage is negative. A hole must be added to
+//! its rim before anything is combined; it means nothing alone.
 
 use glam::Vec3;
 
@@ -13,24 +14,26 @@ use crate::silhouettes::FacingBits;
 /// The patch of every triangle. Buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub struct Patches {
-    /// By slot: first a forest, then the number of the patch.
+    /// By slot: while [`Patches::find`] runs, a forest; afterwards, the number of the patch.
     of_slot: Vec<u32>,
     count: u32,
 }
 
 impl Patches {
-    /// How many there are.
+    /// Returns the number of patches.
     pub fn count(&self) -> u32 {
         self.count
     }
 
-    /// The patch that a triangle belongs to.
+    /// Returns the patch of the triangle in a slot.
     pub fn of_slot(&self, slot: usize) -> u32 {
         self.of_slot[slot]
     }
 
-    /// Finds the patches; `layers_of` gives the layers of a slot, 0 for triangles that are not part of the shadow.
-    /// Cost: all edges. Numbers ascend with the lowest slot.
+    /// Finds the patches. `layers_of` returns the layers of a slot, 0 for triangles that are not part of the
+    /// shadow.
+    ///
+    /// Numbers ascend with the lowest slot. Cost: all edges.
     pub fn find(&mut self, mesh: &EdgeMesh, facing: &FacingBits, layers_of: impl Fn(usize) -> u32) {
         let slots = mesh.clusters().len() * CLUSTER_TRIANGLES;
         self.of_slot.clear();
@@ -61,7 +64,7 @@ impl Patches {
                 }
             }
         }
-        // Roots are the lowest of their patch, so their numbers are known before they are asked for.
+        // A root is the lowest slot of its patch, so its number is known before it is needed.
         self.count = 0;
         for slot in 0..slots {
             let parent = self.of_slot[slot] as usize;
@@ -88,7 +91,7 @@ fn root(parents: &mut [u32], mut slot: u32) -> u32 {
     slot
 }
 
-/// Directions from a light's centre that a shadow with its penumbra lies in.
+/// The directions from a light's centre in which a shadow with its penumbra lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowCone {
     /// Unit vector, light space.
@@ -98,14 +101,15 @@ pub struct ShadowCone {
 }
 
 impl ShadowCone {
-    /// Everywhere.
+    /// The cone of all directions.
     pub const ALL: Self = Self {
         axis: Vec3::Y,
         angle: std::f32::consts::PI,
     };
 
-    /// Around the edges between `points` for a light within `radius` of the origin: a point that sees the light past a
-    /// point at distance `d` lies within `asin(radius / d)` of it.
+    /// Returns a cone around the edges between `points` for a light within `radius` of the origin. A point
+    /// that sees the light past a point at distance `d` lies within `asin(radius / d)` of that point's
+    /// direction.
     pub fn around(points: impl Iterator<Item = Vec3> + Clone, radius: f32) -> Self {
         let axis: Vec3 = points.clone().map(Vec3::normalize_or_zero).sum();
         let Some(axis) = axis.try_normalize() else {
@@ -128,12 +132,12 @@ impl ShadowCone {
     }
 }
 
-/// Patches of one light that are summed before they are combined: as many sums as patches that meet, up to this number.
-/// Beyond, a patch joins the sum where it meets the fewest.
+/// Largest number of sums of one part of a light. Patches that meet have different sums up to this number;
+/// beyond it, a patch joins the sum in which it meets the fewest others.
 pub const MAX_SUMS: usize = 16;
 
-/// Gives every shadow a sum such that shadows of one sum do not meet, as far as [`MAX_SUMS`] allows; returns how many
-/// there are. Greedy, in order. O(n²).
+/// Gives every shadow a sum such that shadows of one sum do not meet, as far as [`MAX_SUMS`] allows. Returns
+/// the number of sums. Greedy, in order; O(n²).
 pub fn share_sums(cones: &[ShadowCone], sums: &mut Vec<u32>) -> u32 {
     sums.clear();
     for (index, cone) in cones.iter().enumerate() {

@@ -1,5 +1,6 @@
-//! What the GPU reads of wedges, and how the record of an edge is made. Mirrors of the structs of the same names in
-//! `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl` (`tests/layout_contract.rs`).
+//! The GPU's records of wedges, and how the record of an edge is made. They mirror the structs of the same
+//! names in `shaders/techniques/penumbra_wedge/wedge.wgsl` and `shaders/common/wedge_light.wgsl`
+//! (`tests/gpu/layout_contract.rs`).
 
 use glam::{DMat4, DVec3, Vec3, Vec4};
 
@@ -15,35 +16,35 @@ use crate::techniques::penumbra_wedge::light_parts::PartShape;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "render", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct Wedge {
-    /// Start of the edge, the caster's space.
+    /// Start of the edge, in the caster's space.
     pub start_local: [f32; 3],
     /// Index of the [`WedgeCaster`].
     pub caster: u32,
-    /// End of the edge, the caster's space.
+    /// End of the edge, in the caster's space.
     pub end_local: [f32; 3],
-    /// [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, of the penumbra from
-    /// [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`], [`ONLY_INNER`] and [`CLOSED`].
+    /// Bits: [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, layers of the
+    /// penumbra from [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`], [`ONLY_INNER`] and [`CLOSED`].
     pub flags: u32,
-    /// Start of the edge or piece, light space.
+    /// Start of the edge or piece, in light space.
     pub start_light: [f32; 3],
     /// Unused.
     pub padding_a: u32,
-    /// End of the edge or piece, light space.
+    /// End of the edge or piece, in light space.
     pub end_light: [f32; 3],
     /// Unused.
     pub padding_b: u32,
-    /// Rims of the outer and inner half: direction in light space; w: 0 where the ray leaves from the start, 1 from the
-    /// end. Zero without a shell.
+    /// Rims of the outer and inner half: xyz is a direction in light space; w is 0 where the ray leaves from
+    /// the start of the edge, 1 from its end. All zero without a shell.
     pub rims: [[f32; 4]; 2 * RIM],
-    /// Planes of the triangles beside the edge, light space: `dot(xyz, p) + w`, less than 0 where `p` sees the light
-    /// through the triangle's front. See [`side_plane`].
+    /// Planes of the triangles beside the edge, in light space: `dot(xyz, p) + w` is negative where `p` sees
+    /// the light through the triangle's front. See [`side_plane`].
     pub sides: [[f32; 4]; 2],
 }
 
-/// Farther than any receiver lies from a plane, metres.
+/// Metres from a plane, farther than any receiver.
 const FAR: f32 = 1e30;
 
-/// The plane of what lies beside an edge; `plane` gives that of a turning triangle.
+/// Returns the plane that represents what is beside an edge; `plane` returns that of a turning triangle.
 pub fn side_plane(side: Side, plane: impl Fn(u32) -> [f32; 4]) -> [f32; 4] {
     match side {
         Side::Turning(slot) => plane(slot),
@@ -53,28 +54,29 @@ pub fn side_plane(side: Side, plane: impl Fn(u32) -> [f32; 4]) -> [f32; 4] {
     }
 }
 
-/// The edge bounds the hard shadow.
+/// Flag: the edge bounds the hard shadow.
 pub const HARD: u32 = 1;
 
-/// A piece: its vertices come from light space, for they are no vertices of the caster.
+/// Flag: the record is a piece. Its vertices come from light space, because they are not vertices of the
+/// caster.
 pub const PIECE: u32 = 2;
 
-/// The edge has a shell.
+/// Flag: the edge has a shell.
 pub const SOFT: u32 = 4;
 
-/// Where the [layers](super::silhouette_layers) whose hard shadow the edge bounds stand in the flags.
+/// First bit of the [layers](super::silhouette_layers) whose hard shadow the edge bounds.
 pub const LAYERS_SHIFT: u32 = 3;
 
-/// Where the layers whose penumbra it bounds stand.
+/// First bit of the [layers](super::silhouette_layers) whose penumbra the edge bounds.
 pub const SOFT_LAYERS_SHIFT: u32 = 5;
 
-/// All of the shell is in the outer half: the rim of the inner one is flat, and there is no separator.
+/// Flag: the whole shell is in the outer half. The rim of the inner half is flat, and there is no separator.
 pub const ONLY_OUTER: u32 = 128;
 
-/// The same in the inner half.
+/// Flag: the whole shell is in the inner half. The rim of the outer half is flat, and there is no separator.
 pub const ONLY_INNER: u32 = 256;
 
-/// Both layers are what is averted of a closed piece.
+/// Flag: both layers are the averted triangles of a closed piece.
 pub const CLOSED: u32 = 512;
 
 /// One caster of one part of a light.
@@ -82,15 +84,16 @@ pub const CLOSED: u32 = 512;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "render", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct WedgeCaster {
-    /// The part's centre, the caster's space; w = 1: a position; w = 0: xyz points towards the light.
+    /// The part's centre in the caster's space; w = 1: a position; w = 0: xyz points towards the light.
     pub light_local: [f32; 4],
-    /// The [plane](super::ends) where its wedges end, the caster's space: `dot(xyz, p) = w`.
+    /// The plane where the caster's wedges end, in the caster's space: `dot(xyz, p) = w`.
     pub end_local: [f32; 4],
-    /// The same, light space.
+    /// The plane where the caster's wedges end, in light space: `dot(xyz, p) = w`.
     pub end_light: [f32; 4],
     /// Index into the objects of the frame.
     pub object: u32,
-    /// Factor on the distance from the light, of a directional one metres, by which far ends are pushed; 0: to infinity.
+    /// Factor on the distance from the light by which far ends are pushed, in metres for a directional light;
+    /// 0: to infinity.
     pub extrusion: f32,
     /// Unused.
     pub padding: [u32; 2],
@@ -101,38 +104,38 @@ pub struct WedgeCaster {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "render", derive(bytemuck::Pod, bytemuck::Zeroable))]
 pub struct WedgeLight {
-    /// Columns; from light space to clip space. Computed in f64.
+    /// Matrix from light space to clip space, by columns. Computed in `f64`.
     pub clip_from_light: [[f32; 4]; 4],
-    /// First row of the map from eye-relative to light space.
+    /// First row of the transform from eye-relative to light space.
     pub light_from_relative_x: [f32; 4],
-    /// Second row.
+    /// Second row of the transform from eye-relative to light space.
     pub light_from_relative_y: [f32; 4],
-    /// Third row.
+    /// Third row of the transform from eye-relative to light space.
     pub light_from_relative_z: [f32; 4],
-    /// Half width and height of a rectangle, or the radius of a sphere twice.
+    /// Half width and half height of a rectangle; twice the same radius for a sphere.
     pub half_size: [f32; 2],
     /// First entry of the texture's tables; 0 without a texture.
     pub table: u32,
-    /// Metres at which rays of shells end; 0: at infinity.
+    /// Metres at which the rays of shells end; 0: at infinity.
     pub reach: f32,
-    /// Centre and half size within the whole light, −1 to 1.
+    /// Centre and half size of the part within the whole light, which spans −1 to 1.
     pub place: [f32; 4],
-    /// Centre of the whole light, light space; w: of a sphere, its radius.
+    /// xyz: centre of the whole light, in light space; w: radius of a whole sphere.
     pub whole: [f32; 4],
 }
 
-/// Share of a rectangle's larger side by which casters must stand before its plane to cover it.
+/// Share of a rectangle's larger side by which casters must be in front of its plane to cover it.
 const PLANE_MARGIN: f64 = 1e-4;
 
-/// Factor on a sphere's radius within which casters do not cover it.
+/// Factor on a sphere's radius; casters nearer to its centre do not cover it.
 const SPHERE_MARGIN: f64 = 1.005;
 
-/// Appends the records of one edge: one, or if it meets the light, one that bounds the hard shadow and others that
-/// cover the light.
+/// Appends the records of one edge. There is one record unless the edge meets the light; then one record
+/// bounds the hard shadow and others cover the light.
 ///
-/// `ends_local` are those of `edge`, turned round for casters that mirror; `sides` are its [planes](side_plane). Edges
-/// that cover nothing keep their record without a shell if they bound the hard shadow. Section 4.1: "that edge should be
-/// clipped against the light".
+/// `ends_local` are those of `edge`, swapped for casters that mirror; `sides` are its [planes](side_plane).
+/// An edge that covers nothing keeps a record without a shell if it bounds the hard shadow. Section 4.1:
+/// "that edge should be clipped against the light".
 pub fn push_edge(
     edge: &LayeredEdge,
     ends_local: [Vec3; 2],
@@ -192,10 +195,10 @@ pub fn push_edge(
     }
 }
 
-/// Of an edge with these planes beside it.
+/// Returns the sight of an edge with these planes beside it.
 fn sight_of(edge: &LayeredEdge, planes: [[f32; 4]; 2]) -> Sight {
     if edge.sides.contains(&Side::Open) {
-        return Sight::default(); // in one layer or the other, it is of the silhouette from everywhere
+        return Sight::default(); // in one layer or the other, it is a silhouette edge from everywhere
     }
     let turns = edge.sides.map(|side| matches!(side, Side::Turning(_)));
     let plane = |i: usize| turns[i].then(|| Vec4::from(planes[i]).as_dvec4());
@@ -237,7 +240,7 @@ fn add_shell(
     match shell {
         Some(shell) if is_finite(&shell) => {
             for (record, point) in wedge.rims.iter_mut().zip(shell.rims.iter().flatten()) {
-                // Only the direction counts; its length might not fit.
+                // Only the direction matters; its length might not fit into an `f32`.
                 let direction = point.direction.normalize().as_vec3();
                 *record = direction.extend(point.apex as f32).to_array();
             }

@@ -1,18 +1,19 @@
-//! The shell of a penumbra wedge: what encloses all points that see an edge before the light.
+//! The shell of a penumbra wedge: it encloses all points that see an edge in front of the light.
 //!
-//! In light space: origin at the light's centre, world scale, the light's own axes. A point `y + s (y − x)` with `y` on
-//! the edge, `x` on the light and `s ≥ 0` has part of its view of the light behind the edge. For a convex light these
-//! points are convex: the hull of the edge and of the rays from its ends away from each corner of the light. The plane
-//! through edge and centre, the separator, cuts the hull in an outer half, which the hard shadow leaves out, and an
-//! inner half, which it darkens.
+//! Light space has its origin at the light's centre, world scale and the light's own axes. For a point `y` on
+//! the edge, `x` on the light and `s ≥ 0`, the point `y + s (y − x)` sees a part of the light behind the
+//! edge. For a convex light, these points form a convex set: the hull of the edge and of the rays from its
+//! ends away from each corner of the light. The separator is the plane through edge and centre. It cuts the
+//! hull into an outer half, which the hard shadow leaves out, and an inner half, which it darkens.
 //!
-//! An edge between two triangles whose planes cut the light is one of the silhouette from a part of the light alone, the
-//! part between the planes: its shell is that of this part, a sliver ([`Sight`]). Where the centre is not in it, the
-//! shell is all in one half, and its rim of the other is flat.
+//! An edge between two triangles whose planes cut the light is a silhouette edge only from a part of the
+//! light, between the planes. Its shell is that of this part, a sliver ([`Sight`]). If the centre is not in
+//! the part, the whole shell is in one half, and its rim of the other half is flat.
 //!
-//! Source: Assarsson et al. 2003, section 4.1 and figures 1 and 2. The paper's tight wedge takes two triangles of each
-//! end pyramid; here those that the hull has, one to three. Its wedge of a sphere relocates an end to make front and
-//! back planar; tangent planes through the line of the edge are planar as it is, and tighter.
+//! Source: Assarsson et al. 2003, section 4.1 and figures 1 and 2. The paper's tight wedge takes two
+//! triangles of each end pyramid; ours takes those of the hull, one to three. Its wedge of a sphere moves an
+//! end to make front and back planar; our tangent planes through the line of the edge are planar as they are,
+//! and tighter.
 
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
@@ -20,29 +21,34 @@ use smallvec::SmallVec;
 use super::sight::{SLIVER_MARGIN, Sight, distance_of_line, passes_clear, side, towards_center, turned};
 use crate::geometry::convex_polygon::{chord, clip};
 
-/// Points of a half's rim: where its shell ends at infinity, from one side of the separator to the other.
+/// Number of points of a half's rim, which is where its shell ends at infinity, from one side of the
+/// separator to the other.
 pub const RIM: usize = 6;
 
-/// A point at infinity and the end of the edge that its ray starts from.
+/// A point at infinity and the end of the edge from which its ray starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RimPoint {
-    /// Direction, light space.
+    /// Direction of the ray, light space.
     pub direction: DVec3,
-    /// Index of the end: 0 or 1.
+    /// Index of the end of the edge: 0 or 1.
     pub apex: usize,
 }
 
-/// Rims of the outer and the inner half. Both start on the same ray and end on the same ray, which lie in the
-/// separator, to the side of the edge's start and of its end; rays of the same end span triangles, a change of the end spans a quad.
+/// Rims of the outer and the inner half.
+///
+/// Both rims start on one ray and end on another. These two rays lie in the separator, one on the side of the
+/// edge's start and one on the side of its end. Neighbouring rays from the same end span a triangle, rays
+/// from different ends a quad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shell {
-    /// Outer, inner.
+    /// Rim of the outer half, then of the inner half.
     pub rims: [[RimPoint; RIM]; 2],
-    /// All of the shell is in this half, and the rays that both rims share are not in the separator.
+    /// The half that contains the whole shell, if one does. The rays that both rims share are then not in the
+    /// separator.
     pub only: Option<Half>,
 }
 
-/// A half of a wedge: index into [`Shell::rims`].
+/// A half of a wedge, as index into [`Shell::rims`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Half {
     /// Outside of the hard shadow.
@@ -51,15 +57,15 @@ pub enum Half {
     Inner,
 }
 
-/// Least sine of the angle between the ends of an edge, seen from the light's centre: below, the edge points at the
-/// centre and covers no sector of the light.
+/// Smallest sine of the angle between the ends of an edge, seen from the light's centre. Below it, the edge
+/// points at the centre and covers no sector of the light.
 const POINTING: f64 = 1e-9;
 
-/// The shell of the edge between `ends` for a light that is a parallelogram around the origin; `corners` in order
-/// around it. The ends must lie on one side of its plane.
+/// Returns the shell of the edge between `ends` for a light that is a parallelogram around the origin.
+/// `corners` are in order around it. Both ends must be on the same side of its plane.
 ///
-/// `None` for an edge that points at the centre: it covers nothing, and has no separator; and for one that is of no
-/// silhouette.
+/// `None` for an edge that points at the centre, which covers nothing and has no separator, and for an edge
+/// that is a silhouette edge from no point of the light.
 pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Option<Shell> {
     let normal = separator_normal(ends)?.extend(0.0);
     let whole = |polygon: &[DVec3]| {
@@ -84,7 +90,7 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Optio
         }
         return whole(&kept).or_else(|| whole(&corners));
     }
-    // Between the plane that is nearer to the centre and the other.
+    // The part lies between the plane nearer to the centre and the other plane.
     let mut cuts: SmallVec<[DVec4; 2]> = cuts().collect();
     if let [first, second] = cuts[..]
         && let Some([a, b]) = chord(&corners, side(second))
@@ -120,13 +126,13 @@ pub fn quad_shell(ends: [DVec3; 2], corners: [DVec3; 4], sight: &Sight) -> Optio
     beside().or_else(|| whole(&corners))
 }
 
-/// A plane through the edge, the chord in which it cuts the light, and the rays that bound what sees the edge before
-/// the chord.
+/// A plane through the edge, the chord in which it cuts the light, and the rays that bound the points which
+/// see the edge in front of the chord.
 struct Base {
     ends: [DVec3; 2],
-    /// To the side of the edge's start, and of its end.
+    /// Ends of the chord: on the side of the edge's start, and of its end.
     chord: [DVec3; 2],
-    /// Ends of the edge that the rays away from the chord's ends start from.
+    /// The end of the edge from which the ray away from each end of the chord starts.
     apexes: [usize; 2],
 }
 
@@ -161,15 +167,15 @@ impl Base {
         }
     }
 
-    /// The rim of the half whose rays come from a polygon beside the chord; flat without one. `None` if the polygon has
-    /// more corners than a rim has room for.
+    /// Returns the rim of the half whose rays come from a polygon beside the chord; without a polygon the rim
+    /// is flat. `None` if the polygon has more corners than a rim has room for.
     fn rim(&self, polygon: &[DVec3]) -> Option<[RimPoint; RIM]> {
         let [from, to] = self.chord;
         let [left, right] = self.apexes;
         let (start, end) = (self.ray(left, from), self.ray(right, to));
         let mut rim = [end; RIM];
         rim[..RIM / 2].fill(start);
-        // Around the polygon from one end of the chord to the other: by the angle about its middle.
+        // Orders the polygon's corners from one end of the chord to the other, by the angle about its middle.
         let middle = (from + to) * 0.5;
         let along = (from - to).normalize_or_zero();
         let across = |point: DVec3| (point - middle) - along * along.dot(point - middle);
@@ -187,7 +193,7 @@ impl Base {
         if chain.len() > RIM - 3 {
             return None;
         }
-        // The corner that the front or back plane goes through.
+        // Finds the corner through which the front or back plane goes.
         let [a, b] = self.ends;
         let mut turn = chain.len() - 1;
         if left != right {
@@ -216,7 +222,7 @@ impl Base {
                 *rim = ray;
             }
         } else {
-            // The line of the edge meets the light: all is within the cone of the nearer end.
+            // The line of the edge meets the light, so the cone of the nearer end contains everything.
             rim[last..RIM - 1].fill(turned);
         }
         rim[RIM - 1] = end;
@@ -224,15 +230,17 @@ impl Base {
     }
 }
 
-/// The shell of the edge between `ends` for a sphere around the origin. The ends must lie outside of it.
+/// Returns the shell of the edge between `ends` for a sphere around the origin. Both ends must be outside of
+/// the sphere.
 ///
-/// Front and back are the planes through the edge that touch the sphere, or those that bound its sight; left and right
-/// go through an end, along the separator's normal, and touch it too. If the line of the edge meets the sphere, the cone
-/// of the nearer end holds all of the penumbra, and four planes hold the cone.
+/// Front and back are the planes through the edge that touch the sphere or bound its sight. Left and right go
+/// through an end along the separator's normal and touch the sphere too. If the line of the edge meets the
+/// sphere, the cone of the nearer end contains the whole penumbra, and four planes contain the cone.
 ///
-/// `None` for an edge that points at the centre, and for one that is of no silhouette.
+/// `None` for an edge that points at the centre, and for an edge that is a silhouette edge from no point of
+/// the light.
 pub fn sphere_shell(ends: [DVec3; 2], radius: f64, sight: &Sight) -> Option<Shell> {
-    /// Nearer, the tangent planes would open too wide to be of use; by eye.
+    /// For a nearer line, the tangent planes would open too wide to be useful. Chosen by eye.
     const TOUCHING: f64 = 1.001;
     let [a, b] = ends;
     let normal = separator_normal(ends)?;
@@ -247,7 +255,8 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64, sight: &Sight) -> Option<Shel
             b
         };
         let distance_sq = near.length_squared();
-        // A little more than the cone of the nearer end, for the line may pass just outside of the sphere.
+        // A little more than the cone of the nearer end, because the line may pass just outside of the
+        // sphere.
         let half = 1.01
             * radius
             * (distance_sq / (distance_sq - radius * radius).max(1e-6 * radius * radius)).sqrt();
@@ -267,7 +276,7 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64, sight: &Sight) -> Option<Shel
         direction: ends[apex] - light,
         apex,
     };
-    // Where a plane through the edge crosses the separator's normal.
+    // Places where a plane through the edge crosses the separator's normal.
     let crossings = sight.planes.iter().flatten().map(|plane| {
         let at = -plane.w / plane.truncate().dot(normal);
         at.clamp(-half, half)
@@ -318,7 +327,7 @@ pub fn sphere_shell(ends: [DVec3; 2], radius: f64, sight: &Sight) -> Option<Shel
     })
 }
 
-/// Unit normal of the plane through the ends and the origin, to the outside of the hard shadow.
+/// Returns the unit normal of the plane through the ends and the origin. It points out of the hard shadow.
 fn separator_normal([a, b]: [DVec3; 2]) -> Option<DVec3> {
     let normal = a.cross(b);
     let length = normal.length();

@@ -1,10 +1,12 @@
 //! The silhouette in two layers: that of the triangles that face the light, and that of those that do not.
 //!
-//! A volume of all triangles of an open mesh counts the light twice where it passes a front and a back. A hard shadow
-//! does not mind, but coverage would be twice what is covered: so each layer is summed by itself, and the larger sum
-//! counts. Where one layer hides what the other hides, as in a mesh that is all but closed, that is exact. Of closed
-//! pieces the back-facing triangles are both layers; so are those of all open pieces of a mesh if they agree on facing, as
-//! those of a ground.
+//! Light that passes a front and a back of an open mesh is counted twice by a volume of all triangles. A hard
+//! shadow does not change by that, but coverage would be twice what is covered. So each layer is summed by
+//! itself, and the larger sum counts. This is exact where one layer hides what the other hides, as in an
+//! almost closed mesh.
+//!
+//! The back-facing triangles of closed pieces belong to both layers. So do the triangles of all open pieces
+//! of a mesh if they all face the same way, as those of a ground.
 
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -18,52 +20,53 @@ use crate::silhouettes::{CapMode, FacingBits};
 /// The layer of triangles that face the light.
 pub const FACING: u32 = 1;
 
-/// The layer of triangles that do not.
+/// The layer of triangles that do not face the light.
 pub const AVERTED: u32 = 2;
 
-/// What one caster's shadow is made of. Buffers are reused.
+/// Edges and caps of one caster's shadow by layer. Buffers are reused.
 #[derive(Clone, Debug, Default)]
 pub struct LayeredContour {
     /// Edges in the order of the mesh.
     pub edges: Vec<LayeredEdge>,
-    /// Triangles, by layers less 1: facing, averted, both.
+    /// Cap triangles, by layers less 1: facing, averted, both.
     pub caps: [Vec<LayeredCap>; 3],
-    /// What edges and caps name; without, all are of patch 0.
+    /// Patches to which the patch numbers of edges and caps refer. Without patches, all numbers are 0.
     pub patches: Patches,
 }
 
-/// What lies on one side of an edge.
+/// What is on one side of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// A triangle that all of the light is before.
+    /// A triangle that faces all points of the light.
     Facing,
-    /// A triangle that all of the light is behind.
+    /// A triangle that faces no point of the light.
     Averted,
-    /// Nothing.
+    /// No triangle.
     Open,
-    /// The triangle of a slot whose plane cuts the light: whether it faces it depends on where it is seen from.
+    /// The triangle of a slot whose plane cuts the light, so it faces a part of the light only.
     Turning(u32),
 }
 
-/// An edge that bounds a layer, as seen from the light's centre or from elsewhere on it.
+/// An edge that bounds a layer, as seen from the light's centre or from elsewhere on the light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayeredEdge {
-    /// As the triangles traverse it once they are turned to face the light's centre.
+    /// Ends of the edge, in the direction of the triangles once they are turned to face the light's centre.
     pub ends: [Vec3; 2],
-    /// Layers that it bounds as seen from the centre: [`FACING`], [`AVERTED`], both or none.
+    /// Layers that the edge bounds as seen from the centre: [`FACING`], [`AVERTED`], both or none.
     pub layers: u32,
-    /// Layers that it bounds as seen from some point of the light.
+    /// Layers that the edge bounds as seen from some point of the light.
     pub soft_layers: u32,
-    /// Both layers are what is averted of a closed piece.
+    /// True if both layers are the averted triangles of a closed piece.
     pub is_closed: bool,
-    /// Beside the edge: what traverses it along `ends`, and what traverses it the other way.
+    /// What is beside the edge: on the side that traverses it along `ends`, and on the side that traverses it
+    /// the other way.
     pub sides: [Side; 2],
-    /// The patch that it bounds.
+    /// The patch that the edge bounds.
     pub patch: u32,
 }
 
 impl LayeredEdge {
-    /// An edge that looks the same from all of the light.
+    /// Makes an edge that is the same from all points of the light.
     fn fixed(ends: [Vec3; 2], layers: u32, patch: u32) -> Self {
         Self {
             ends,
@@ -76,14 +79,15 @@ impl LayeredEdge {
     }
 }
 
-/// Which triangles face the light: its centre, and all of it.
+/// Which triangles face the light's centre, and which face a part of the light only.
 #[derive(Clone, Copy)]
 pub struct Facets<'a> {
-    /// As seen from the centre.
+    /// Triangles that face the centre.
     pub facing: &'a FacingBits,
-    /// Triangles whose planes cut the light: a word a cluster, or no words for a silhouette from the centre alone.
+    /// Triangles whose planes cut the light, one word per cluster. Empty for a silhouette from the centre
+    /// alone.
     pub turning: &'a [u64],
-    /// Triangles that block nothing, none of which turns: a word a cluster, or no words for none.
+    /// Triangles that block nothing; none of them turns. One word per cluster, or no words if there are none.
     pub grazed: &'a [u64],
 }
 
@@ -110,23 +114,25 @@ impl Facets<'_> {
     }
 }
 
-/// A triangle of a layer.
+/// A cap triangle of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayeredCap {
-    /// Vertices of the mesh, in its order, so that the cap rasterises to the very depths of the drawn surface.
+    /// Vertex indices of the mesh, in its order, so that the cap is rasterised to exactly the depths of the drawn
+    /// surface.
     pub corners: [u32; 3],
-    /// It is wound towards the light; else it is to be turned.
+    /// True if the triangle is wound towards the light; otherwise it must be turned.
     pub is_facing: bool,
-    /// The patch that it belongs to.
+    /// The patch to which the triangle belongs.
     pub patch: u32,
 }
 
-/// Extracts edges and caps of the pose that `facets` were classified for; the order is that of the mesh. `by_patch` tells
-/// [patches](super::patches) apart; an edge between a facing and an averted one of an open piece is then there twice, and
-/// no triangle may turn.
+/// Extracts edges and caps of the pose for which `facets` were classified, in the order of the mesh.
 ///
-/// Cost: the edges of clusters that are neither all facing nor all averted, all other edges, and the caps; by patches all
-/// edges.
+/// With `by_patch`, edges and caps are divided into `patches`. An edge between a facing and an averted patch
+/// of an open piece then occurs twice, and no triangle may turn.
+///
+/// Cost: the edges of clusters that are neither all facing nor all averted, all edges not inside a cluster,
+/// and the caps; by patches all edges.
 pub fn extract_layers(
     mesh: &EdgeMesh,
     positions: &[Vec3],
@@ -161,7 +167,7 @@ pub fn extract_layers(
             let slot = first + side.lane();
             let is_facing = word >> side.lane() & 1 != 0;
             if facets.is_grazed(slot) || facets.is_grazed(other_slot) {
-                // What is left of the edge is the border of the other triangle.
+                // The edge is now the border of the other triangle.
                 let other_facing = other & 1 != 0;
                 for (slot, is_facing, forward) in [
                     (slot, is_facing, is_facing),
@@ -281,8 +287,8 @@ pub fn extract_layers(
     }
 }
 
-/// An edge of a turning triangle by itself, with what stands for the other side. `ends` are as the triangle traverses
-/// them once it is turned to face the light's centre.
+/// Makes an edge that bounds a turning triangle alone; `other` stands for the other side. `ends` are in the
+/// direction of the triangle once it is turned to face the light's centre.
 fn turning_border(ends: [Vec3; 2], slot: usize, is_facing: bool, layers: u32, other: Side) -> LayeredEdge {
     let sides = [Side::Turning(slot as u32), other];
     LayeredEdge {
@@ -295,11 +301,11 @@ fn turning_border(ends: [Vec3; 2], slot: usize, is_facing: bool, layers: u32, ot
     }
 }
 
-/// Which triangles are which layer.
+/// Assigns triangles to layers.
 #[derive(Clone, Copy)]
 struct Split {
     mode: CapMode,
-    /// Open pieces have triangles of either kind.
+    /// Whether open pieces have both facing and averted triangles.
     is_mixed: bool,
 }
 
@@ -320,8 +326,9 @@ impl Split {
         }
     }
 
-    /// What stands beside a triangle that is looked at by itself. Of closed pieces only what is averted counts, which is
-    /// all but what faces: a triangle less one that faces.
+    /// What stands beside a triangle that is considered alone. Closed pieces count only their averted
+    /// triangles. Those are all triangles less the facing ones, so the triangle is paired with one that
+    /// faces.
     fn beside(self, mesh: &EdgeMesh, slot: usize) -> Side {
         if self.is_back_only(mesh, slot) {
             Side::Facing
@@ -334,7 +341,7 @@ impl Split {
         self.mode == CapMode::ClosedBackFacing && slot < mesh.closed_cluster_count() * CLUSTER_TRIANGLES
     }
 
-    /// The same of a slot; 0 where a short cluster has no triangle.
+    /// Returns the layers of the triangle in a slot; 0 where a short cluster has no triangle.
     fn layers_of_slot(self, mesh: &EdgeMesh, facing: &FacingBits, slot: usize) -> u32 {
         let cluster = &mesh.clusters()[slot / CLUSTER_TRIANGLES];
         if slot % CLUSTER_TRIANGLES >= cluster.triangle_count as usize {
@@ -344,7 +351,7 @@ impl Split {
         self.layers_of(facing.is_facing(slot), is_closed)
     }
 
-    /// The layers that a triangle belongs to.
+    /// Returns the layers to which a triangle belongs.
     fn layers_of(self, is_facing: bool, is_closed: bool) -> u32 {
         match (is_closed && self.mode == CapMode::ClosedBackFacing, is_facing) {
             (true, true) => 0,
@@ -356,7 +363,8 @@ impl Split {
     }
 }
 
-/// Sums the triangles of each edge that has other than two, patch by patch and layer by layer, but for those that turn.
+/// Sums the triangles of each edge that does not have exactly two, by patch and by layer. Turning triangles
+/// are left out.
 fn push_irregular(
     mesh: &EdgeMesh,
     facets: Facets,

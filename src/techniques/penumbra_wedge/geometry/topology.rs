@@ -1,7 +1,7 @@
-//! Which triangles a wedge is made of: one index list for all wedges.
+//! Which triangles a wedge consists of: one index list for all wedges.
 //!
-//! A wedge has [`VERTEX_COUNT`] named vertices; the list draws them in four parts that follow one another, all wound
-//! with their front outward of the half that they close:
+//! A wedge has named vertices. The list has four consecutive parts, all wound with their front out of the half that they
+//! close:
 //!
 //! ```text
 //! [ separator, front to the inner half | outer shell | inner shell | separator, front to the outer half ]
@@ -9,28 +9,26 @@
 //!                                        └─── shells ───┘
 //! ```
 //!
-//! The separator is the side of the hard shadow's volume and on either side of it what closes the halves (figure 2 of
-//! the paper). All parts share the vertices at their seams, so that a ray which crosses one half into the other crosses
-//! exactly one triangle of the separator.
+//! The separator consists of the side of the hard shadow's volume and, on either side of it, the triangles
+//! that close the halves (figure 2 of the paper). All parts share the vertices at their seams, so a ray that
+//! crosses from one half into the other crosses exactly one triangle of the separator.
 
 use std::ops::Range;
 
 use super::shell::RIM;
 
-/// The end of the edge that it is directed away from.
+/// The start of the edge.
 pub const START: u16 = 0;
-/// The other end.
+/// The end of the edge.
 pub const END: u16 = 1;
-/// The start pushed to infinity, away from the light's centre.
+/// The start of the edge pushed to infinity, away from the light's centre.
 pub const FAR_START: u16 = 2;
-/// The end, likewise.
+/// The end of the edge pushed to infinity, away from the light's centre.
 pub const FAR_END: u16 = 3;
-/// First of [`RIM`] rim points of the outer half, then those of the inner.
+/// First of [`RIM`] rim points of the outer half, which those of the inner half follow.
 pub const FIRST_RIM: u16 = 4;
-/// First of as many ends, those that the rays of the rim points start from.
+/// First of the apexes: for each rim point, the end of the edge from which its ray starts.
 pub const FIRST_APEX: u16 = FIRST_RIM + 2 * RIM as u16;
-/// Vertices of a wedge.
-pub const VERTEX_COUNT: u16 = FIRST_APEX + 2 * RIM as u16;
 
 const SEPARATOR: usize = 6 * 3;
 const SHELL: usize = (2 * (RIM - 1) + RIM) * 3;
@@ -41,12 +39,12 @@ pub const OUTER_HALF: Range<u32> = 0..(SEPARATOR + SHELL) as u32;
 pub const INNER_HALF: Range<u32> = OUTER_HALF.end..2 * OUTER_HALF.end;
 /// Indices of both shells.
 pub const SHELLS: Range<u32> = SEPARATOR as u32..(SEPARATOR + 2 * SHELL) as u32;
-/// Indices of the separator, its front to the outside of the hard shadow.
+/// Indices of the separator, with its front out of the hard shadow.
 pub const SEPARATORS: Range<u32> = (SEPARATOR + 2 * SHELL) as u32..2 * (SEPARATOR + SHELL) as u32;
-/// Those of them that bound the hard shadow.
+/// Indices of the separator's triangles that bound the hard shadow.
 pub const HARD_SIDE: Range<u32> = SEPARATORS.start..SEPARATORS.start + 6;
 
-/// All indices.
+/// Returns all indices.
 pub fn indices() -> Vec<u16> {
     let mut all = separator();
     flip(&mut all);
@@ -58,10 +56,11 @@ pub fn indices() -> Vec<u16> {
     all
 }
 
-/// The side of the hard shadow, then the two triangles and their degenerate companions that extend it to the rims.
+/// The side of the hard shadow, then the two triangles and their companions that extend it to the rims.
 ///
-/// The first vertex of a triangle tells the fragment stage whether it bounds the hard shadow: rim points do not. The
-/// companions matter when both rims start from one end: then the extension of the other end is a quad.
+/// The first vertex of a triangle tells the fragment stage whether the triangle bounds the hard shadow: rim
+/// points do not. The companions are degenerate unless both rims start from one end of the edge; then the
+/// extension of the other end is a quad.
 fn separator() -> Vec<u16> {
     let (first, last) = (FIRST_RIM, FIRST_RIM + RIM as u16 - 1);
     let apex = |rim: u16| rim - FIRST_RIM + FIRST_APEX;
@@ -76,8 +75,8 @@ fn separator() -> Vec<u16> {
     .concat()
 }
 
-/// The shell of one half: between its rays, and at infinity. The first vertex of each triangle belongs to this half
-/// alone, which tells the fragment stage the half.
+/// The shell of one half: triangles between its rays, and triangles at infinity. The first vertex of each
+/// triangle belongs to this half alone, which tells the fragment stage the half.
 fn shell(half: u16) -> Vec<u16> {
     let rim = |i: u16| FIRST_RIM + half * RIM as u16 + i;
     let apex = |i: u16| FIRST_APEX + half * RIM as u16 + i;
@@ -119,7 +118,7 @@ mod tests {
         ]
     }
 
-    /// The vertices of a wedge, infinity brought near.
+    /// The vertices of a wedge, with those at infinity brought near.
     fn vertices(ends: [DVec3; 2], shell: &Shell) -> Vec<DVec3> {
         let far = |apex: usize, direction: DVec3| ends[apex] + direction * 50.0;
         let shared = |i: usize| far(shell.rims[0][i].apex, shell.rims[0][i].direction);
@@ -183,7 +182,7 @@ mod tests {
         }
     }
 
-    /// Even in 0..1.
+    /// Pseudo-random numbers, uniform in 0..1.
     fn random() -> impl FnMut() -> f64 {
         let mut random = 1u32;
         move || {
@@ -192,9 +191,10 @@ mod tests {
         }
     }
 
-    /// Of 400 random edges, and for each of points that see a random light past it from where it is of the silhouette: how
-    /// far outside of its shell the worst lies; how many shells are in one half, and how many points there are. Without
-    /// `cut`, edges are of the silhouette from everywhere.
+    /// Measures shells of 400 random edges. It takes points that see a random place of the light past the
+    /// edge, where the edge is a silhouette edge from that place. Returns how far the worst point lies
+    /// outside of its shell, the number of shells that are in one half, and the number of points. Without
+    /// `cut`, edges are silhouette edges from everywhere.
     fn worst_outside(cut: bool) -> (f64, usize, usize) {
         let mut unit = random();
         let indices = indices();
@@ -218,13 +218,15 @@ mod tests {
                     planes: [Some(planes[0]), None],
                     is_beside: case % 5 < 2,
                 },
-                // Triangles traverse the edge in opposite directions: of one side are those of unlike sign.
+                // Triangles traverse the edge in opposite directions, so those of unlike sign are on one
+                // side.
                 (true, _) => Sight {
                     planes: planes.map(Some),
                     is_beside: at_center[0] == at_center[1],
                 },
             };
-            // Whether a place is on the centre's side of all planes, or between them.
+            // Whether a place is on the centre's side of all planes or, for a sight beside the centre,
+            // between the planes.
             let sees = |place: DVec3| {
                 let sides = sight.planes.iter().flatten();
                 let unlike =
@@ -257,7 +259,7 @@ mod tests {
                     .expect("a shell where something sees the light past the edge");
                 let at = ends[0].lerp(ends[1], unit());
                 let seen = at + (at - light) * (0.1 + unit() * 3.0);
-                // Inside of the hull of shells: before every triangle that is not at infinity.
+                // A point inside the hull of both shells is behind every triangle that is not at infinity.
                 for triangle in indices[range.clone()].chunks_exact(3) {
                     if triangle.contains(&FAR_START) {
                         continue;

@@ -1,4 +1,4 @@
-//! Textures that visibility is summed in, by form, of the frame's size; and the report of overflow.
+//! The textures in which visibility is summed, and the report of overflow.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
@@ -8,17 +8,48 @@ use glam::UVec2;
 use super::form::Form;
 use super::pipelines::COMBINED_FORMAT;
 use crate::render::frame::targets::create_target;
-use crate::render::{RenderContext, RenderError};
+use crate::render::gpu::bind_groups::buffer_entry;
+use crate::render::{Gpu, RenderContext, RenderError};
 
 /// The textures of one form.
 #[derive(Debug)]
 pub struct Sums {
-    /// What they are for.
+    /// Number and format of the textures.
     pub form: Form,
-    /// One or two a layer: facing, averted; or one for both.
+    /// One or two textures per layer, facing then averted; or one for both layers.
     pub views: Vec<wgpu::TextureView>,
-    /// Group 3 of the resolve: reading either combined texture.
+    /// Group 3 of the resolve: one bind group for each of the two combined textures that it may read.
     pub groups: [wgpu::BindGroup; 2],
+}
+
+/// The layout of [`Sums::groups`], which all views share.
+#[derive(Debug)]
+struct SumLayout(wgpu::BindGroupLayout);
+
+fn sum_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let fragment = wgpu::ShaderStages::FRAGMENT;
+    let texture = |binding| wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: fragment,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: false },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    };
+    let storage = wgpu::BufferBindingType::Storage { read_only: false };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("visibility sums"),
+        entries: &[
+            texture(0),
+            texture(1),
+            texture(2),
+            texture(4),
+            texture(5),
+            buffer_entry(3, fragment, storage, false, 4),
+        ],
+    })
 }
 
 /// All textures of one frame size.
@@ -27,55 +58,25 @@ pub struct SumTextures {
     size: UVec2,
     all: Vec<Sums>,
     combined: Option<[wgpu::TextureView; 2]>,
-    layout: wgpu::BindGroupLayout,
+    layout: Arc<SumLayout>,
     overflow: OverflowReport,
 }
 
 impl SumTextures {
     /// None yet.
-    pub fn new(context: &RenderContext) -> Self {
-        let texture = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
-            visibility: wgpu::ShaderStages::FRAGMENT,
-            ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
-                view_dimension: wgpu::TextureViewDimension::D2,
-                multisampled: false,
-            },
-            count: None,
-        };
-        let storage = wgpu::BufferBindingType::Storage { read_only: false };
-        let layout = context
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("visibility sums"),
-                entries: &[
-                    texture(0),
-                    texture(1),
-                    texture(2),
-                    texture(4),
-                    texture(5),
-                    crate::render::gpu::bind_groups::buffer_entry(
-                        3,
-                        wgpu::ShaderStages::FRAGMENT,
-                        storage,
-                        false,
-                        4,
-                    ),
-                ],
-            });
+    pub fn new(gpu: &Gpu) -> Self {
         Self {
             size: UVec2::ZERO,
             all: Vec::new(),
             combined: None,
-            layout,
-            overflow: OverflowReport::new(context),
+            layout: gpu.part(|gpu| SumLayout(sum_layout(&gpu.context.device))),
+            overflow: OverflowReport::new(&gpu.context),
         }
     }
 
     /// Layout of [`Sums::groups`].
     pub fn layout(&self) -> &wgpu::BindGroupLayout {
-        &self.layout
+        &self.layout.0
     }
 
     /// The report of overflow.
@@ -93,7 +94,7 @@ impl SumTextures {
         self.combined.as_ref()
     }
 
-    /// Makes what is missing at this size; frees what was of another.
+    /// Makes the textures that are missing at this size, and drops those of another size.
     ///
     /// # Errors
     /// [`RenderError::Limit`] beyond the device's largest texture.
@@ -124,7 +125,8 @@ impl SumTextures {
         let Some(combined) = &self.combined else {
             return Ok(());
         };
-        // A form with one layer is read as both; one of one texture a layer has no second.
+        // A form with one layer is read as both layers. A form with one texture per layer has no second
+        // texture.
         let (averted, second) = (views.len() / 2, usize::from(views.len() > 2));
         let groups = [0, 1].map(|source: usize| {
             let texture = |binding, view| wgpu::BindGroupEntry {
@@ -133,7 +135,7 @@ impl SumTextures {
             };
             context.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("visibility sums"),
-                layout: &self.layout,
+                layout: &self.layout.0,
                 entries: &[
                     texture(0, &views[0]),
                     texture(1, &views[second]),
@@ -152,7 +154,8 @@ impl SumTextures {
     }
 }
 
-/// Counts pixels whose bytes ran full, and brings the count back some frames later without waiting.
+/// Counts pixels whose bytes ran full, and reads the count back some frames later without waiting for the
+/// GPU.
 #[derive(Debug)]
 pub struct OverflowReport {
     counter: wgpu::Buffer,
@@ -200,7 +203,7 @@ impl OverflowReport {
             .unwrap_or_else(std::sync::PoisonError::into_inner)
     }
 
-    /// Records the copy of the frame's count, if the last one was read, and begins to count anew.
+    /// Records the copy of the frame's count, if the last copy was read, and restarts the count.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder) {
         let mut state = self.state();
         if *state == State::Idle {
@@ -210,7 +213,8 @@ impl OverflowReport {
         }
     }
 
-    /// The count of an earlier frame, when it has arrived. Before the frame is recorded, once a frame.
+    /// Returns the count of an earlier frame when it has arrived. Call it once a frame, before the frame is
+    /// recorded.
     pub fn take(&self) -> Option<u32> {
         let mut state = self.state();
         match *state {

@@ -1,30 +1,32 @@
-//! Textures that the coverage of edges is summed in.
+//! The textures in which the coverage of edges is summed.
 
-/// Textures that sums are blended into.
+/// Number and format of the textures into which sums are blended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// A 32-bit float a layer.
+    /// One 32-bit float per layer.
     Float,
-    /// A half float a layer.
+    /// One half float per layer.
     Half,
-    /// Four of them a layer: by colour and area.
+    /// Four 32-bit floats per layer: by colour and by area.
     Color,
-    /// Four half floats a layer, where the device blends no more.
+    /// Four half floats per layer, for devices that cannot blend 32-bit floats.
     HalfColor,
-    /// Four floats: a sum and hard shadows, and nine places on the light. All casters are one layer.
+    /// Four 32-bit floats for both layers together: the sum with the count of hard shadows, and nine places
+    /// on the light.
     Sampled,
-    /// Four floats a layer, as [`Form::Sampled`].
+    /// Four 32-bit floats per layer: the sum with the count of hard shadows, and nine places on the light.
     SampledLayers,
-    /// As [`Form::Sampled`], with room for 254 layers one behind the other: places are hidden or not, without steps between.
+    /// Four 32-bit floats as for [`Form::Sampled`], with room for 254 casters one behind the other: places are either
+    /// hidden or not, without steps between.
     Deep,
-    /// Four floats a layer, as [`Form::Deep`].
+    /// Four 32-bit floats per layer, as for [`Form::Deep`].
     DeepLayers,
-    /// Two textures of four bytes a layer.
+    /// Two textures of four bytes per layer.
     Split8,
 }
 
 impl Form {
-    /// Formats of the textures.
+    /// Returns the formats of the textures.
     pub fn formats(self) -> &'static [wgpu::TextureFormat] {
         match self {
             Self::Float => &[wgpu::TextureFormat::R32Float; 2],
@@ -37,17 +39,18 @@ impl Form {
         }
     }
 
-    /// Places on the light are counted.
+    /// Whether places on the light are counted.
     pub fn is_sampled(self) -> bool {
         matches!(self, Self::Sampled | Self::SampledLayers) || self.is_deep()
     }
 
-    /// Many layers may lie one behind the other.
+    /// Whether more than [`MOST_IN_STEPS`](crate::techniques::penumbra_wedge::component::MOST_IN_STEPS) casters may lie one
+    /// behind the other.
     pub fn is_deep(self) -> bool {
         matches!(self, Self::Deep | Self::DeepLayers)
     }
 
-    /// There are sums by colour.
+    /// Whether there are sums by colour.
     pub fn is_textured(self) -> bool {
         matches!(self, Self::Color | Self::HalfColor)
     }

@@ -84,7 +84,7 @@ impl PenumbraWedgeNode {
         }
     }
 
-    /// Draws one group into the sums; the pass has its scissor.
+    /// Draws one group into the sums. The pass has its scissor already.
     fn record_group(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -128,7 +128,7 @@ impl PenumbraWedgeNode {
                 pass.draw_indexed(caps.clone(), 0, caster as u32..caster as u32 + 1);
             }
         }
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.set_index_buffer(self.long_lived.indices.slice(..), wgpu::IndexFormat::Uint16);
         let draw = |pass: &mut wgpu::RenderPass, kind, towards, indices: Range<u32>, wedges: Range<u32>| {
             if let (Some(pipeline), false) = (pipeline(kind, towards), wedges.is_empty()) {
                 pass.set_pipeline(pipeline);
@@ -174,9 +174,7 @@ impl PenumbraWedgeNode {
             label: Some("wedges"),
             color_attachments: &attachments,
             depth_stencil_attachment: Some(depth_stencil(input)),
-            timestamp_writes: timestamp(input, "wedges")
-                .as_ref()
-                .and_then(|label| input.timings.pass(label)),
+            timestamp_writes: input.timings.pass_of(input.label, "wedges"),
             ..Default::default()
         });
         if let Some(group) = group {
@@ -200,15 +198,13 @@ impl PenumbraWedgeNode {
         part: &PartPlan,
         input: &ResolveInput,
     ) {
-        let Some(pipeline) = self.pipelines.get_resolve(key) else {
+        let Some(pipeline) = self.resolves.get(key) else {
             return;
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("wedge resolve"),
             color_attachments: &[Some(target)],
-            timestamp_writes: timestamp(input, "resolve")
-                .as_ref()
-                .and_then(|label| input.timings.pass(label)),
+            timestamp_writes: input.timings.pass_of(input.label, "resolve"),
             ..Default::default()
         });
         let [x, y, width, height] = input.scissor;
@@ -222,14 +218,6 @@ impl PenumbraWedgeNode {
         pass.set_bind_group(3, sums, &[]);
         pass.draw(0..3, 0..1);
     }
-}
-
-/// `<label of the light>/<pass>`, if anybody looks at it.
-fn timestamp(input: &ResolveInput, pass: &str) -> Option<String> {
-    input
-        .timings
-        .is_active()
-        .then(|| format!("{}/{pass}", input.label))
 }
 
 fn attachment(

@@ -6,7 +6,7 @@ use glam::DMat4;
 
 use super::form::Form;
 use super::pipelines::Part;
-use crate::render::gpu::bind_groups::LIGHT_STRIDE;
+use crate::render::gpu::strided::Strided;
 use crate::sets::ViewData;
 use crate::techniques::penumbra_wedge::component::{PenumbraWedge, WedgeCulling};
 use crate::techniques::penumbra_wedge::geometry::records::WedgeLight;
@@ -19,26 +19,26 @@ pub(in crate::techniques::penumbra_wedge) struct CapDraw {
     pub(in crate::techniques::penumbra_wedge) mesh: u32,
     pub(in crate::techniques::penumbra_wedge) caps: [Range<u32>; 6],
     pub(in crate::techniques::penumbra_wedge) has_far: bool,
-    /// Without caps: counted towards the viewer.
+    /// True if the caster is counted towards the viewer, which needs no caps.
     pub(in crate::techniques::penumbra_wedge) towards: bool,
 }
 
 /// What is recorded for one part.
 #[derive(Clone, Debug)]
 pub(in crate::techniques::penumbra_wedge) struct PartPlan {
-    /// Of the frame's parts.
+    /// Index among the frame's parts.
     pub(in crate::techniques::penumbra_wedge) index: u32,
     pub(in crate::techniques::penumbra_wedge) groups: Range<usize>,
-    /// Of the light, by colour and area.
+    /// The part's share of the light: rgb by colour, a by area.
     pub(in crate::techniques::penumbra_wedge) share: [f64; 4],
     pub(in crate::techniques::penumbra_wedge) has_extent: bool,
     pub(in crate::techniques::penumbra_wedge) is_sphere: bool,
 }
 
 impl PartPlan {
-    /// Of the part's record, bytes.
+    /// Offset of the part's record in the buffer of lights, bytes.
     pub(in crate::techniques::penumbra_wedge) fn light_offset(&self) -> u32 {
-        self.index * LIGHT_STRIDE as u32
+        Strided::<WedgeLight>::offset(self.index as usize)
     }
 }
 
@@ -51,12 +51,12 @@ pub(in crate::techniques::penumbra_wedge) struct LightPlan {
     pub(in crate::techniques::penumbra_wedge) parts: Range<usize>,
 }
 
-/// Whether there is a way to count these towards the viewer.
+/// Whether this part of a wedge has a pipeline that counts towards the viewer.
 pub(in crate::techniques::penumbra_wedge) fn counts_towards(part: Part) -> bool {
     matches!(part, Part::Separator | Part::Shell | Part::HardSide)
 }
 
-/// What the passes of a light draw.
+/// Returns the parts of a wedge that the passes of a light draw.
 pub(in crate::techniques::penumbra_wedge) fn passes(
     culling: WedgeCulling,
     has_extent: bool,
@@ -70,7 +70,7 @@ pub(in crate::techniques::penumbra_wedge) fn passes(
     }
 }
 
-/// The shader's view of one part.
+/// Makes the shader's record of one part.
 pub(in crate::techniques::penumbra_wedge) fn light_record(
     wedges: &PartWedges,
     view: &ViewData,

@@ -1,25 +1,31 @@
-//! Leaves the visibility mask of one light: for every part of it the sums of hard shadow and coverage, then their share.
+//! Leaves the visibility mask of one light: for each part, the sums of hard shadow and coverage, weighted by
+//! its share.
 //!
 //! Shader  `shaders/techniques/penumbra_wedge/{wedge,resolve}.wgsl`
 //! Groups  0 view, 1 receiver, 2 wedges; the resolve also 3 sums
 //! Reads   depth, planes of the receivers, the in-bounds bit.  Writes  sums, mask; with [`WedgeCulling::Stencil`] the stencil's count, left 0
 //! Order   after the depth copy, before `light_accumulate` of the same light
 //!
-//! Faces behind the surface count, so the camera may stand in shadows and wedges; of casters that surely shadow no part
-//! of the viewport it is the faces before the surface, which are fewer and need no caps.
+//! Faces behind the surface count, so the camera may be inside shadows and wedges. For casters that certainly
+//! shadow no part of the viewport, the faces in front of the surface count instead; they are fewer and need
+//! no caps.
 //! Source: Assarsson et al. 2003, sections 4.2 to 4.4 and 5.
+
+use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
 use super::buffers::SumTextures;
 use super::form::Form;
-use super::pipelines::{Key, Part, ResolveKey, WedgePipelines};
+use super::pipelines::{FILES, Key, Part, ResolveKey, describe, describe_resolve};
 use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, passes};
 use super::windows::{Shared, WedgeWindows};
-use crate::render::gpu::bind_groups::{BindGroupLayouts, LIGHT_STRIDE, STORAGE, buffer_entry};
+use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, ResolveInput};
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::gpu::pipeline_cache::Variants;
+use crate::render::gpu::strided::StridedUniforms;
+use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{View, ViewData};
 use crate::techniques::penumbra_wedge::component::MOST_IN_STEPS;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
@@ -31,26 +37,56 @@ use crate::techniques::penumbra_wedge::overflow::WedgeOverflow;
 use crate::techniques::penumbra_wedge::tables::table_buffer::Tables;
 use crate::techniques::penumbra_wedge::wedges::{Group, LightWedges, PenumbraWedges};
 
-/// Name of the technique.
-pub const NAME: &str = "penumbra_wedge";
+/// The parts of the recorder that all views of a device share.
+#[derive(Debug)]
+pub(in crate::techniques::penumbra_wedge) struct LongLived {
+    /// The layout of group 2.
+    pub(in crate::techniques::penumbra_wedge) wedge_layout: wgpu::BindGroupLayout,
+    /// The triangles of one wedge.
+    pub(in crate::techniques::penumbra_wedge) indices: wgpu::Buffer,
+}
+
+impl LongLived {
+    fn new(gpu: &Gpu) -> Self {
+        let vertex = wgpu::ShaderStages::VERTEX;
+        let both = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let uniform = wgpu::BufferBindingType::Uniform;
+        let entries = [
+            buffer_entry(0, vertex, STORAGE, false, size_of::<WedgeCaster>()),
+            buffer_entry(1, vertex, STORAGE, false, size_of::<Wedge>()),
+            buffer_entry(2, both, uniform, true, size_of::<WedgeLight>()),
+            buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
+        ];
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some("wedges"),
+            entries: &entries,
+        };
+        let context = &gpu.context;
+        let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
+        indices.write(context, bytemuck::cast_slice(&topology::indices()));
+        Self {
+            wedge_layout: context.device.create_bind_group_layout(&descriptor),
+            indices: indices.buffer,
+        }
+    }
+}
 
 /// The recorder.
 #[derive(Debug)]
 pub struct PenumbraWedgeNode {
-    pub(in crate::techniques::penumbra_wedge) pipelines: WedgePipelines,
-    pub(in crate::techniques::penumbra_wedge) wedge_layout: wgpu::BindGroupLayout,
+    pub(in crate::techniques::penumbra_wedge) pipelines: Variants<Key>,
+    pub(in crate::techniques::penumbra_wedge) resolves: Variants<ResolveKey>,
+    pub(in crate::techniques::penumbra_wedge) long_lived: Arc<LongLived>,
     pub(in crate::techniques::penumbra_wedge) textures: SumTextures,
-    pub(in crate::techniques::penumbra_wedge) indices: wgpu::Buffer,
     casters: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) wedges: WedgeWindows,
-    lights: GrowingBuffer,
+    lights: StridedUniforms<WedgeLight>,
     table_buffer: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) tables: Tables,
     pub(in crate::techniques::penumbra_wedge) caps: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) generation: u64,
     casters_generation: u64,
     pub(in crate::techniques::penumbra_wedge) light_records: Vec<WedgeLight>,
-    light_bytes: Vec<u8>,
     pub(in crate::techniques::penumbra_wedge) plans: Vec<LightPlan>,
     pub(in crate::techniques::penumbra_wedge) parts: Vec<PartPlan>,
     pub(in crate::techniques::penumbra_wedge) groups: Vec<Group>,
@@ -64,43 +100,21 @@ impl PenumbraWedgeNode {
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let device = &context.device;
-        let vertex = wgpu::ShaderStages::VERTEX;
-        let wedge_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("wedges"),
-            entries: &[
-                buffer_entry(0, vertex, STORAGE, false, size_of::<WedgeCaster>()),
-                buffer_entry(1, vertex, STORAGE, false, size_of::<Wedge>()),
-                buffer_entry(
-                    2,
-                    wgpu::ShaderStages::VERTEX_FRAGMENT,
-                    wgpu::BufferBindingType::Uniform,
-                    true,
-                    size_of::<WedgeLight>(),
-                ),
-                buffer_entry(3, wgpu::ShaderStages::FRAGMENT, STORAGE, false, 16),
-            ],
-        });
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&FILES)?;
+        let context = &gpu.context;
+        let long_lived = gpu.part(LongLived::new);
         let storage = |label| GrowingBuffer::new(context, label, wgpu::BufferUsages::STORAGE);
-        let mut indices = GrowingBuffer::new(context, "wedge triangles", wgpu::BufferUsages::INDEX);
-        indices.write(context, bytemuck::cast_slice(&topology::indices()));
-        let (casters, lights) = (
-            storage("wedge casters"),
-            GrowingBuffer::new(context, "wedge lights", wgpu::BufferUsages::UNIFORM),
-        );
+        let casters = storage("wedge casters");
+        let lights = StridedUniforms::new(context, "wedge lights");
         let tables = storage("coverage tables");
-        let textures = SumTextures::new(context);
+        let layout = &long_lived.wedge_layout;
         Ok(Self {
-            pipelines: WedgePipelines::new(context, shaders, layouts, &wedge_layout, textures.layout())?,
-            wedges: WedgeWindows::new(context, &wedge_layout, shared(&casters, &lights, &tables)),
-            wedge_layout,
-            textures,
-            indices: indices.buffer,
+            pipelines: Variants::default(),
+            resolves: Variants::default(),
+            wedges: WedgeWindows::new(context, layout, shared(&casters, &lights, &tables)),
+            textures: SumTextures::new(gpu),
+            long_lived,
             casters,
             lights,
             table_buffer: tables,
@@ -109,13 +123,15 @@ impl PenumbraWedgeNode {
             generation: 0,
             casters_generation: 0,
             light_records: Vec::new(),
-            light_bytes: Vec::new(),
             plans: Vec::new(),
             parts: Vec::new(),
             groups: Vec::new(),
             cap_draws: Vec::new(),
             mirrored: false,
-            blends_floats: device.features().contains(wgpu::Features::FLOAT32_BLENDABLE),
+            blends_floats: context
+                .device
+                .features()
+                .contains(wgpu::Features::FLOAT32_BLENDABLE),
         })
     }
 
@@ -124,7 +140,7 @@ impl PenumbraWedgeNode {
         Some(&self.plans[at])
     }
 
-    /// Draw calls of the caps of a group.
+    /// Returns the number of draw calls of a group's caps.
     fn cap_draw_count(&self, group: &Group) -> usize {
         let draws = self.cap_draws[group.casters.clone()].iter();
         draws
@@ -136,7 +152,8 @@ impl PenumbraWedgeNode {
             .sum()
     }
 
-    /// Textures need sums by colour, for which there are no bytes.
+    /// Returns the form of a light's sums. A textured light needs sums by colour, for which there are no byte
+    /// formats.
     fn form(&self, light: &LightWedges) -> Form {
         if light.texture.is_some() {
             return if self.blends_floats {
@@ -170,14 +187,11 @@ impl PenumbraWedgeNode {
             && self
                 .table_buffer
                 .write(context, bytemuck::cast_slice(self.tables.entries()));
-        // A light at every stride.
-        self.light_bytes.clear();
+        self.lights.constants.clear();
         for record in &self.light_records {
-            self.light_bytes.extend_from_slice(bytemuck::bytes_of(record));
-            let filled = self.light_bytes.len().next_multiple_of(LIGHT_STRIDE as usize);
-            self.light_bytes.resize(filled, 0);
+            self.lights.constants.push(record);
         }
-        rebind |= self.lights.write(context, &self.light_bytes);
+        rebind |= self.lights.write(context);
         if self.casters_generation != world.casters_generation {
             self.casters_generation = world.casters_generation;
             rebind |= self
@@ -188,17 +202,18 @@ impl PenumbraWedgeNode {
             self.generation = world.generation;
             let shared = shared(&self.casters, &self.lights, &self.table_buffer);
             self.wedges
-                .write(context, &self.wedge_layout, &world.wedges, shared);
+                .write(context, &self.long_lived.wedge_layout, &world.wedges, shared);
             self.caps.write(context, bytemuck::cast_slice(&world.caps));
         }
         if rebind {
             let shared = shared(&self.casters, &self.lights, &self.table_buffer);
-            self.wedges.rebind(context, &self.wedge_layout, shared);
+            self.wedges.rebind(context, &self.long_lived.wedge_layout, shared);
         }
     }
 
-    /// Pipelines that a light needs.
-    fn require(&mut self, context: &RenderContext, plan: &LightPlan, debug: bool) {
+    /// Requests the pipelines that a light needs.
+    fn require(&mut self, gpu: &Gpu, plan: &LightPlan, debug: bool) -> Result<(), RenderError> {
+        let wedges = &self.long_lived.wedge_layout;
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
@@ -211,21 +226,21 @@ impl PenumbraWedgeNode {
                     towards,
                     mirrored: mirrored != turned,
                 };
-                self.pipelines.require(context, key);
+                gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, wedges, key))
             };
             for (layers, turned) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
-                require_turned(Part::NearCap(layers), false, turned);
-                require_turned(Part::FarCap(layers), false, turned);
+                require_turned(Part::NearCap(layers), false, turned)?;
+                require_turned(Part::FarCap(layers), false, turned)?;
             }
             let mut require = |part_of_wedge, towards| require_turned(part_of_wedge, towards, false);
             for kind in passes(plan.settings.culling, part.has_extent) {
-                require(*kind, false);
+                require(*kind, false)?;
                 if counts_towards(*kind) {
-                    require(*kind, true);
+                    require(*kind, true)?;
                 }
             }
             if debug {
-                require(Part::Show, false);
+                require(Part::Show, false)?;
             }
         }
         let is_sphere = self.parts[plan.parts.clone()].iter().any(|part| part.is_sphere);
@@ -237,32 +252,37 @@ impl PenumbraWedgeNode {
                 combines,
                 is_combined,
             };
-            self.pipelines.require_resolve(context, key);
+            let sums = self.textures.layout();
+            let describe = |gpu: &Gpu| describe_resolve(gpu, wedges, sums, key);
+            gpu.require(&mut self.resolves, key, describe)
         };
-        require(false, is_combined);
+        require(false, is_combined)?;
         if is_combined {
-            require(true, false);
+            require(true, false)?;
         }
+        Ok(())
     }
 }
 
 fn shared<'a>(
     casters: &'a GrowingBuffer,
-    lights: &'a GrowingBuffer,
+    lights: &'a StridedUniforms<WedgeLight>,
     tables: &'a GrowingBuffer,
 ) -> Shared<'a> {
     Shared {
         casters,
-        lights,
+        lights: lights.buffer(),
         tables,
     }
 }
 
-impl Recorder for PenumbraWedgeNode {
-    fn name(&self) -> &'static str {
-        NAME
+impl Resolve for PenumbraWedgeNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        self.record_mask(light, encoder, input);
     }
+}
 
+impl Recorder for PenumbraWedgeNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.plans.clear();
         self.parts.clear();
@@ -283,7 +303,7 @@ impl Recorder for PenumbraWedgeNode {
         if wedges.lights.is_empty() {
             return Ok(());
         }
-        // Wedges are drawn from as many bindings as they need; their casters from one.
+        // Wedges are drawn from as many bindings as they need, but their casters from one.
         let limit = input.context.device.limits().max_storage_buffer_binding_size;
         let needed = size_of_val(&wedges.caster_records[..]) as u64;
         if needed > limit {
@@ -330,22 +350,14 @@ impl Recorder for PenumbraWedgeNode {
             };
             self.textures
                 .require(input.context, input.target_size, plan.form)?;
-            self.require(input.context, &plan, input.debug_view);
+            self.require(input.gpu, &plan, input.debug_view)?;
             self.plans.push(plan);
         }
         Ok(())
     }
 
-    fn reads_planes(&self) -> bool {
-        true
-    }
-
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.plan_of(light).map(|_| Leaves::Mask)
-    }
-
-    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
-        self.record_mask(light, encoder, input);
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
@@ -353,7 +365,7 @@ impl Recorder for PenumbraWedgeNode {
             return;
         };
         pass.set_bind_group(0, input.view, &[]);
-        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint16);
+        pass.set_index_buffer(self.long_lived.indices.slice(..), wgpu::IndexFormat::Uint16);
         for part in &self.parts[plan.parts.clone()] {
             let key = Key {
                 part: Part::Show,

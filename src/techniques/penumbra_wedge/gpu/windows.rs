@@ -1,5 +1,5 @@
-//! The wedges of a frame in as many buffers as a device's bindings need: a window each, and a draw of wedges that reaches
-//! over several is as many draws.
+//! The buffers of a frame's wedges. A device limits the size of a binding, so there are as many buffers
+//! ("windows") as needed, and a draw of wedges that spans several windows becomes as many draws.
 
 use std::ops::Range;
 
@@ -7,22 +7,22 @@ use crate::render::RenderContext;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeLight};
 
-/// What the windows share: the other buffers of group 2.
+/// The buffers of group 2 that all windows share.
 #[derive(Clone, Copy, Debug)]
 pub struct Shared<'a> {
     /// Binding 0.
     pub casters: &'a GrowingBuffer,
-    /// Binding 2, at an offset.
+    /// Binding 2, with a dynamic offset.
     pub lights: &'a GrowingBuffer,
     /// Binding 3.
     pub tables: &'a GrowingBuffer,
 }
 
-/// All windows; there is always one.
+/// The buffers of a frame's wedges; there is always one.
 #[derive(Debug)]
 pub struct WedgeWindows {
     windows: Vec<Window>,
-    /// Wedges of a full window.
+    /// Number of wedges in a full window.
     capacity: u32,
 }
 
@@ -33,7 +33,7 @@ struct Window {
 }
 
 impl WedgeWindows {
-    /// An empty window.
+    /// Makes one empty window.
     pub fn new(context: &RenderContext, layout: &wgpu::BindGroupLayout, shared: Shared) -> Self {
         let limits = context.device.limits();
         let bytes = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
@@ -70,19 +70,20 @@ impl WedgeWindows {
         }
     }
 
-    /// Binds other shared buffers than before.
+    /// Replaces the shared buffers.
     pub fn rebind(&mut self, context: &RenderContext, layout: &wgpu::BindGroupLayout, shared: Shared) {
         for window in &mut self.windows {
             window.group = bind(context, layout, &window.wedges, shared);
         }
     }
 
-    /// For draws of no wedges.
+    /// Returns the bind group for draws that read no wedges.
     pub fn group(&self) -> &wgpu::BindGroup {
         &self.windows[0].group
     }
 
-    /// Draws a range of wedges of the frame, a window at a time: group 2 with the part's record, then the instances.
+    /// Draws a range of the frame's wedges, one window at a time. Sets group 2 with the part's record, then
+    /// draws the instances.
     pub fn draw(
         &self,
         pass: &mut wgpu::RenderPass,
@@ -99,7 +100,7 @@ impl WedgeWindows {
     }
 }
 
-/// The windows of a range, and its part in each.
+/// Returns the windows that a range spans, with its part in each.
 fn pieces(capacity: u32, range: Range<u32>) -> impl Iterator<Item = (usize, Range<u32>)> {
     let windows = range.start / capacity..range.end.div_ceil(capacity);
     windows.filter_map(move |window| {

@@ -1,20 +1,24 @@
-//! Tables of angles and of sectors, for [`CoverageMaths::Tables`](crate::techniques::penumbra_wedge::CoverageMaths::Tables).
+//! Tables of angles and of sectors, for
+//! [`CoverageMaths::Tables`](crate::techniques::penumbra_wedge::CoverageMaths::Tables).
 //!
-//! Source: Assarsson et al. 2003, section 4.2: a cube map of `atan2` and a texture of areas by two angles. The cube map
-//! here is its only part that matters, a quarter turn, and both are a buffer: 128 by 128 texels a face and 256 by 256
-//! areas would not be more exact.
+//! Source: Assarsson et al. 2003, section 4.2: a cube map of `atan2` and a texture of areas by two angles. Of
+//! the cube map, only a quarter turn is needed here. Both are a buffer: 128 by 128 texels a face and 256 by
+//! 256 areas would not be more exact.
 
-/// Steps of a quarter turn.
+/// Number of steps of a quarter turn in the table of angles.
 pub const ANGLE_STEPS: usize = 1024;
 
-/// Steps of a turn along each side of the table of sectors.
+/// Number of steps of a whole turn along each side of the table of sectors.
 pub const SECTOR_STEPS: usize = 256;
 
-/// Entries of both: angles, then sectors.
+/// Number of entries of both tables: angles, then sectors.
 pub const LOOKUP_LENGTH: usize = ANGLE_STEPS + 1 + (SECTOR_STEPS + 1) * (SECTOR_STEPS + 1);
 
-/// The entries, in x. Angle `i`: of the direction (1 − t, t) with `t = i / ANGLE_STEPS`, in turns. Sector `(i, j)`: share
-/// of the square that the shorter way round from angle `i` to angle `j` spans, both in 1/[`SECTOR_STEPS`] turns.
+/// Returns the entries; each has its value in x.
+///
+/// Angle `i` is that of the direction (1 − t, t) with `t = i / ANGLE_STEPS`, in turns. Sector `(i, j)` is the
+/// share of the square that the shorter way from angle `i` to angle `j` spans, both in 1/[`SECTOR_STEPS`]
+/// turns.
 pub fn entries() -> Vec<[f32; 4]> {
     use std::f64::consts::TAU;
     let mut all = Vec::with_capacity(LOOKUP_LENGTH);
@@ -23,7 +27,7 @@ pub fn entries() -> Vec<[f32; 4]> {
         let t = i as f64 / ANGLE_STEPS as f64;
         push(t.atan2(1.0 - t) / TAU);
     }
-    // Way along the border of the square, of length 8: it grows as the area does.
+    // Length of the way along the border of the square, which is 8 long. It grows in proportion to the area.
     let border = |step: usize| {
         let (sin, cos) = (step as f64 / SECTOR_STEPS as f64 * TAU).sin_cos();
         if cos.abs() >= sin.abs() {

@@ -1,5 +1,6 @@
-//! Tables that coverage is looked up in: of angles, of sectors, of textured lights.
+//! Tables from which coverage is looked up: angles, sectors, and textured lights.
 
+#[cfg(feature = "render")]
 pub(crate) mod lookup;
 #[cfg(feature = "render")]
 pub(crate) mod table_buffer;

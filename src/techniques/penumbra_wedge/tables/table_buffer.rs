@@ -1,4 +1,4 @@
-//! Where the tables of the frame's textures stand in one buffer, behind those of angles and sectors.
+//! The layout of the table buffer: angles and sectors first, then the tables of the frame's textures.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::techniques::penumbra_wedge::geometry::records::WedgeLight;
 use crate::techniques::penumbra_wedge::light_parts::LightPart;
 use crate::techniques::penumbra_wedge::wedges::PenumbraWedges;
 
-/// All tables.
+/// The content of the table buffer.
 #[derive(Debug)]
 pub struct Tables {
     entries: Vec<[f32; 4]>,
@@ -18,7 +18,7 @@ pub struct Tables {
     is_new: bool,
 }
 
-/// Where the tables of all frames of a texture stand, for one part.
+/// Position of the tables of all frames of a texture, for one part.
 #[derive(Clone, Debug)]
 struct PlacedTables {
     texture: Arc<LightTexture>,
@@ -28,7 +28,7 @@ struct PlacedTables {
 }
 
 impl Tables {
-    /// Those of angles and sectors.
+    /// Makes the tables of angles and sectors.
     pub fn new() -> Self {
         Self {
             entries: lookup::entries(),
@@ -37,14 +37,13 @@ impl Tables {
         }
     }
 
-    /// Content of the buffer.
+    /// Returns the content of the buffer.
     pub fn entries(&self) -> &[[f32; 4]] {
         &self.entries
     }
 
-    /// Builds the tables of textures that are new, forgets those that are gone, and tells the lights where
-    /// theirs stand; whether the
-    /// content changed.
+    /// Builds the tables of new textures, drops those of textures that are gone, and writes the positions
+    /// into the lights' records. Returns whether the content changed.
     pub fn place(&mut self, world: &PenumbraWedges, records: &mut [WedgeLight]) -> bool {
         let needs = |tables: &PlacedTables| {
             world.lights.iter().any(|light| {
@@ -54,7 +53,7 @@ impl Tables {
         };
         let mut changed = std::mem::take(&mut self.is_new);
         if !self.placed.iter().all(needs) {
-            // Rare, and all that stay are rebuilt: places are given out in a row.
+            // This is rare, and tables that stay are rebuilt too, because positions are given out in a row.
             self.placed.clear();
             self.entries.truncate(LOOKUP_LENGTH);
         }
@@ -93,9 +92,10 @@ impl Tables {
         changed
     }
 
-    /// What a part gives to the mask where it is wholly seen: by colour, and of the area.
+    /// Returns what a fully visible part adds to the mask: rgb by colour, alpha by area.
     ///
-    /// In whole steps of a half float below 1, which the mask is made of: so that all parts together give 1.
+    /// Shares are whole steps of a half float below 1, the format of the mask, so all parts together give
+    /// exactly 1.
     pub fn share(
         &self,
         part: &LightPart,

@@ -1,29 +1,30 @@
-//! Textured rectangles, and the tables that their coverage is looked up in.
+//! Textured rectangles, and the tables from which their coverage is looked up.
 //!
-//! A rectangle is the square from −1 to 1. What a projected edge covers is the texture's integral over a sector of the
-//! square less that over the triangle of the centre and the edge's clipped ends: the sector is a difference of two
-//! entries of a table along the border, the triangle an entry of a table of four dimensions, two for either end.
+//! A rectangle is the square from −1 to 1. A projected edge covers the texture's integral over a sector of
+//! the square, less the integral over the triangle of the centre and the edge's clipped ends. The sector is
+//! the difference of two entries of a table along the border. The triangle is an entry of a table of four
+//! dimensions, two for each end.
 //!
-//! Source: Assarsson et al. 2003, section 4.2.2 and, for animated textures, the 4D coverage texture of their earlier
-//! paper. Theirs holds the covered part itself, which jumps where the edge passes the centre; the triangle's signed
-//! integral does not, and so can be interpolated.
+//! Source: Assarsson et al. 2003, section 4.2.2 and, for animated textures, the 4D coverage texture of their
+//! earlier paper. Their table holds the covered part itself, which jumps where the edge passes the centre.
+//! The signed integral over the triangle does not jump, so it can be interpolated.
 
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use glam::{Vec2, Vec3};
 
-/// Gives a rectangle light with a [`PenumbraWedge`](crate::techniques::penumbra_wedge::PenumbraWedge) the colours of a picture: its radiance is that
-/// of the light times the texel. Other lights do not look at it.
+/// Gives a rectangle light with a [`PenumbraWedge`](crate::techniques::penumbra_wedge::PenumbraWedge) the
+/// colours of an image: its radiance is that of the light times the texel. Other lights ignore it.
 #[derive(Component, Clone, Debug, PartialEq)]
 pub struct EmitterTexture {
-    /// The pictures.
+    /// The images; one for a still light, more for an animated one.
     pub texture: Arc<LightTexture>,
-    /// Which of them is shown; counted round.
+    /// Index of the image that is shown. It wraps around at the number of images.
     pub frame: usize,
 }
 
-/// Pictures of one size. A row runs along the light's X, the first row is at its highest Y.
+/// Images of one size. A row runs along the light's X axis; the first row is at the highest Y.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightTexture {
     width: usize,
@@ -31,55 +32,55 @@ pub struct LightTexture {
     frames: Vec<Vec<Vec3>>,
 }
 
-/// Why pictures cannot be a light.
+/// Why images cannot be the texture of a light.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LightTextureError {
-    /// Nothing to show.
+    /// There is no frame, or frames have no texels.
     #[error("a light's texture needs a frame and a texel")]
     Empty,
-    /// A frame of another size.
+    /// A frame does not have width × height texels.
     #[error("frame {frame} has {texels} texels, {width} × {height} are needed")]
     Size {
-        /// The frame.
+        /// Index of the frame.
         frame: usize,
-        /// Its texels.
+        /// Number of texels that the frame has.
         texels: usize,
-        /// Needed.
+        /// Width in texels.
         width: usize,
-        /// Needed.
+        /// Height in texels.
         height: usize,
     },
     /// A texel that is negative, NaN or infinite.
     #[error("frame {frame}, texel {texel} is not finite or negative")]
     Texel {
-        /// The frame.
+        /// Index of the frame.
         frame: usize,
-        /// Its texel, rows from the top.
+        /// Index of the texel; rows from the top.
         texel: usize,
     },
 }
 
-/// Nodes along each axis of the table of triangles.
+/// Number of nodes along each axis of the table of triangles.
 pub const NODES: usize = 16;
 
-/// Steps along the border; entries of the table of sectors less one.
+/// Number of steps along the border. The table of sectors has one entry more.
 pub const BORDER_STEPS: usize = 256;
 
-/// Entries of both tables: sectors, then triangles.
+/// Number of entries of both tables: sectors, then triangles.
 pub const TABLE_LENGTH: usize = BORDER_STEPS + 1 + NODES * NODES * NODES * NODES;
 
-/// Tables of one frame of a part of a light.
+/// Coverage tables of one frame, for one part of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverageTables {
     /// Mean of the texture over the part, linear RGB.
     pub mean: Vec3,
-    /// Shares of the whole by colour, in xyz: [`TABLE_LENGTH`] entries.
+    /// Shares of the whole light by colour, in xyz; [`TABLE_LENGTH`] entries.
     pub entries: Vec<[f32; 4]>,
 }
 
 impl LightTexture {
-    /// Pictures of linear RGB texels, rows from the top.
+    /// Takes images of linear RGB texels, rows from the top.
     ///
     /// # Errors
     /// [`LightTextureError`] names the frame and texel.
@@ -108,12 +109,12 @@ impl LightTexture {
         })
     }
 
-    /// Number of pictures.
+    /// Number of images.
     pub fn frame_count(&self) -> usize {
         self.frames.len()
     }
 
-    /// The texel nearest to a place in light space, −1 to 1 along the light's X and Y.
+    /// Returns the texel nearest to a place in light space, −1 to 1 along the light's X and Y.
     pub fn texel(&self, frame: usize, place: Vec2) -> Vec3 {
         let at = |x: f32, size: usize| ((x * size as f32) as usize).min(size - 1);
         let (u, v) = (place.x * 0.5 + 0.5, 0.5 - place.y * 0.5);
@@ -121,7 +122,8 @@ impl LightTexture {
         frame[at(v.max(0.0), self.height) * self.width + at(u.max(0.0), self.width)]
     }
 
-    /// Tables of the part at `place` (centre and half size, as of [`LightPart`](crate::techniques::penumbra_wedge::light_parts::LightPart)).
+    /// Makes the tables of the part at `place`: its centre and half size within the light, which spans −1 to
+    /// 1.
     pub fn tables(&self, frame: usize, place: [f32; 4]) -> CoverageTables {
         let [x, y, half_x, half_y] = place;
         let texel = |p: Vec2| self.texel(frame, Vec2::new(x, y) + p * Vec2::new(half_x, half_y));
@@ -130,7 +132,7 @@ impl LightTexture {
         let mut sum = Vec3::ZERO;
         entries.push(sum);
         for step in 0..BORDER_STEPS {
-            // The border is 8 long, and its sectors are as wide as it is.
+            // The border is 8 long, and each step along it is as wide as its sector.
             let at = border_point((step as f32 + 0.5) * (8.0 / BORDER_STEPS as f32));
             sum += rays.at(at) * (8.0 / BORDER_STEPS as f32);
             entries.push(sum);
@@ -143,7 +145,7 @@ impl LightTexture {
                 entries.push(rays.triangle(start, end));
             }
         }
-        // Without light the whole is dark, however it is shared.
+        // A texture without light is dark, however it is shared.
         let whole = sum.max(Vec3::splat(1e-20));
         CoverageTables {
             mean: sum * 0.25,
@@ -155,7 +157,8 @@ impl LightTexture {
     }
 }
 
-/// Place on the border of the square; `border_place` of `shaders/common/coverage.wgsl` is its inverse.
+/// Returns the point of the square's border at a place along it. `border_place` of
+/// `shaders/common/coverage.wgsl` is the inverse.
 fn border_point(place: f32) -> Vec2 {
     let place = (place + 1.0).rem_euclid(8.0) - 1.0;
     if place < 1.0 {
@@ -169,8 +172,8 @@ fn border_point(place: f32) -> Vec2 {
     }
 }
 
-/// `∫₀¹ λ T(λ x) dλ` on a grid over the square: times the cross product of its ends, the mean along an edge is the
-/// integral over the triangle with the centre.
+/// `∫₀¹ λ T(λ x) dλ` on a grid over the square. Its mean along an edge, times the cross product of the edge's
+/// ends, is the integral of T over the triangle of the edge and the centre.
 struct RayIntegrals(Vec<Vec3>);
 
 impl RayIntegrals {

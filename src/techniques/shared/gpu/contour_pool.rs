@@ -1,4 +1,4 @@
-//! Silhouettes on the GPU: edges and caps of all kept (light, caster) pairs in two buffers.
+//! Silhouettes on the GPU: two buffers hold edges and caps of all kept (light, caster) pairs.
 
 use bevy_ecs::prelude::*;
 use offset_allocator::{Allocation, Allocator};
@@ -7,25 +7,26 @@ use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::{RenderContext, RenderError};
 use crate::silhouettes::{Contour, Silhouettes};
 
-/// Where one silhouette stands in the pool.
+/// Position of one silhouette in the pool.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PooledContour {
-    /// First edge.
+    /// Index of the first edge.
     pub first_edge: u32,
-    /// Edges that count once.
+    /// Number of edges that count once. They come first.
     pub single_count: u32,
-    /// Edges after them, that count twice.
+    /// Number of edges that count twice. They follow those that count once.
     pub double_count: u32,
-    /// First index of the caps.
+    /// Position of the first cap index.
     pub first_cap: u32,
-    /// Indices of the caps.
+    /// Number of cap indices.
     pub cap_count: u32,
-    /// How many of them are wound towards the light.
+    /// Number of cap indices of triangles that are wound towards the light. They come first; the rest are
+    /// wound away from it.
     pub caps_away_start: u32,
 }
 
 impl PooledContour {
-    /// Whether two silhouettes have equal counts, wherever they stand.
+    /// Whether two silhouettes have equal counts, wherever they are in the pool.
     pub fn is_like(&self, other: &Self) -> bool {
         let counts = |contour: &Self| {
             (
@@ -39,7 +40,7 @@ impl PooledContour {
     }
 }
 
-/// Bytes of an edge: two vertices.
+/// Bytes of an edge, which is two vertex indices.
 const EDGE_SIZE: u64 = 8;
 
 #[derive(Default)]
@@ -55,23 +56,21 @@ struct LightSlots {
     slots: Vec<Slot>,
 }
 
-/// The pool. Uploads what changed, frees what was forgotten, and grows to what is kept.
+/// Edges and caps of all kept silhouettes in two buffers. It uploads what changed, frees what was forgotten,
+/// and grows as needed.
 pub struct ContourPool {
     lights: Vec<LightSlots>,
     edges: Arena,
     caps: Arena,
-    uploads: u64,
 }
 
 impl std::fmt::Debug for ContourPool {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ContourPool")
-            .field("uploads", &self.uploads)
-            .finish_non_exhaustive()
+        f.debug_struct("ContourPool").finish_non_exhaustive()
     }
 }
 
-/// A buffer of elements that are given out in ranges.
+/// A buffer whose elements are allocated in ranges.
 struct Arena {
     buffer: GrowingBuffer,
     allocator: Allocator,
@@ -104,7 +103,7 @@ impl Arena {
         }
     }
 
-    /// Writes elements to a new place, one part after the other; `None` if there is no room for them.
+    /// Writes elements to a new range, one part after the other; `None` if there is no room.
     fn put<T: bytemuck::Pod>(
         &mut self,
         context: &RenderContext,
@@ -124,11 +123,11 @@ impl Arena {
         Some(Some(allocation))
     }
 
-    /// Empties the arena and gives it room for `elements`.
+    /// Empties the arena and makes room for `elements`.
     fn reset(&mut self, context: &RenderContext, elements: u64) -> Result<(), RenderError> {
         let limits = context.device.limits();
         let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        // Twice what is needed: the allocator rounds sizes up, and frees later what it fragments now.
+        // Twice what is needed, because the allocator rounds sizes up and ranges fragment.
         let capacity = (2 * elements).next_power_of_two().max(u64::from(self.capacity));
         let capacity = capacity.min(limit / self.element_size);
         if elements > capacity {
@@ -157,26 +156,20 @@ impl ContourPool {
                 EDGE_SIZE,
             ),
             caps: Arena::new(context, "caps", wgpu::BufferUsages::INDEX, 4),
-            uploads: 0,
         }
     }
 
-    /// Storage buffer of edges, two vertices each.
+    /// Returns the storage buffer of edges, two vertex indices each.
     pub fn edges(&self) -> &wgpu::Buffer {
         &self.edges.buffer.buffer
     }
 
-    /// Index buffer of caps.
+    /// Returns the index buffer of caps.
     pub fn caps(&self) -> &wgpu::Buffer {
         &self.caps.buffer.buffer
     }
 
-    /// Silhouettes uploaded so far; does not grow while nothing moves.
-    pub fn uploads(&self) -> u64 {
-        self.uploads
-    }
-
-    /// Where the silhouette in a light's slot stands.
+    /// Returns the position of the silhouette in a light's slot.
     pub fn get(&self, light: Entity, slot: usize) -> Option<PooledContour> {
         let at = self
             .lights
@@ -186,7 +179,7 @@ impl ContourPool {
         (slot.revision != 0).then_some(slot.place)
     }
 
-    /// Brings the pool up to date; whether a buffer was exchanged.
+    /// Brings the pool up to date. Returns whether a buffer was replaced, which invalidates bind groups.
     ///
     /// # Errors
     /// [`RenderError::Limit`] if the device cannot hold all silhouettes.
@@ -199,7 +192,7 @@ impl ContourPool {
         if self.upload(context, silhouettes) {
             return Ok(false);
         }
-        // Out of room: place everything anew in larger buffers.
+        // There is no room: everything is placed again in larger buffers.
         let (mut edges, mut caps) = (0, 0);
         for silhouette in silhouettes.lights().iter().flat_map(|light| &light.slots) {
             let contour = &silhouette.contour;
@@ -220,7 +213,8 @@ impl ContourPool {
         })
     }
 
-    /// Makes the list of lights that of the silhouettes, freeing those that are gone.
+    /// Makes the list of lights equal to that of the silhouettes, and frees the ranges of lights that are
+    /// gone.
     fn forget_lights(&mut self, silhouettes: &Silhouettes) {
         let known = silhouettes.lights();
         let (edges, caps) = (&mut self.edges, &mut self.caps);
@@ -252,7 +246,7 @@ impl ContourPool {
         }
     }
 
-    /// Uploads all stale silhouettes; `false` when there is no room.
+    /// Uploads all stale silhouettes; returns `false` when there is no room.
     fn upload(&mut self, context: &RenderContext, silhouettes: &Silhouettes) -> bool {
         for (entry, light) in self.lights.iter_mut().zip(silhouettes.lights()) {
             entry.slots.resize_with(light.slots.len(), Slot::default);
@@ -285,7 +279,6 @@ impl ContourPool {
                 slot.edges = edges;
                 slot.caps = caps;
                 slot.revision = silhouette.revision;
-                self.uploads += 1;
             }
         }
         true

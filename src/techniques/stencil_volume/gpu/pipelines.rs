@@ -1,42 +1,34 @@
-//! Pipelines of shadow volumes, made when a frame first needs them and kept.
+//! The pipelines of shadow volumes, as descriptions for the shared cache.
 
 use crate::conventions::{STENCIL_COUNT_MASK, STENCIL_IN_BOUNDS};
+use crate::render::Gpu;
 use crate::render::frame::targets::RADIANCE_FORMAT;
-use crate::render::gpu::bind_groups::BindGroupLayouts;
-use crate::render::gpu::stencil_only::no_color;
+use crate::render::gpu::pipeline_cache::{ADD, PipelineDesc, Stage};
+use crate::render::gpu::stencil_only::without_color;
 use crate::render::nodes::pipelines::front_face;
-use crate::render::{RenderContext, RenderError, Shaders};
 
-/// Which part of a volume a draw draws; the vertex stage.
+/// The part of a volume that a draw covers, which chooses the vertex stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
-    /// Between a silhouette edge and the same edge pushed away from the light.
+    /// Quads between a silhouette edge and the same edge pushed away from the light.
     Side,
     /// The caster's own triangles.
     NearCap,
-    /// The same, pushed away from the light.
+    /// The caster's own triangles, pushed away from the light.
     FarCap,
 }
 
-/// All that tells two pipelines of this pass apart; the key of the cache.
+/// Everything that distinguishes two pipelines of this pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
-    /// Chooses the vertex stage.
+    /// The part that is drawn, which chooses the vertex stage.
     pub part: Part,
-    /// Counted towards the viewer.
+    /// Whether the volume is counted towards the viewer.
     pub depth_pass: bool,
-    /// The part's outward faces wind clockwise on the screen: the view and the caster mirror, or the triangles are those
-    /// that face away from the outside.
+    /// Whether the part's outward faces wind clockwise on the screen. They do if view or caster mirrors, but
+    /// not both, and the other way round for triangles that are wound inward.
     pub clockwise: bool,
 }
-
-impl Key {
-    fn index(self) -> usize {
-        self.part as usize * 4 + usize::from(self.depth_pass) * 2 + usize::from(self.clockwise)
-    }
-}
-
-const KEY_COUNT: usize = 12;
 
 /// What a volume is drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,138 +39,69 @@ pub enum Purpose {
     Show,
 }
 
-/// The cache.
-#[derive(Debug)]
-pub struct VolumePipelines {
-    module: wgpu::ShaderModule,
-    layout: wgpu::PipelineLayout,
-    pipelines: [[Option<wgpu::RenderPipeline>; KEY_COUNT]; 2],
-}
+/// The shader file.
+pub const FILE: &str = "techniques/stencil_volume/volume.wgsl";
 
-impl VolumePipelines {
-    /// Compiles the shader; `casters` is the layout of group 2.
-    ///
-    /// # Errors
-    /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-        casters: &wgpu::BindGroupLayout,
-    ) -> Result<Self, RenderError> {
-        Ok(Self {
-            module: shaders.module(&context.device, "techniques/stencil_volume/volume.wgsl")?,
-            layout: context
-                .device
-                .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                    label: Some("stencil volume"),
-                    bind_group_layouts: &[Some(&layouts.view), None, Some(casters), Some(&layouts.positions)],
-                    immediate_size: 0,
-                }),
-            pipelines: Default::default(),
-        })
-    }
-
-    /// The pipeline, if [`VolumePipelines::require`] has made it.
-    pub fn get(&self, key: Key, purpose: Purpose) -> Option<&wgpu::RenderPipeline> {
-        self.pipelines[purpose as usize][key.index()].as_ref()
-    }
-
-    /// Makes the pipeline if it does not exist yet.
-    pub fn require(&mut self, context: &RenderContext, key: Key, purpose: Purpose) {
-        if self.get(key, purpose).is_none() {
-            self.pipelines[purpose as usize][key.index()] = Some(self.create(context, key, purpose));
+/// Describes the pipeline of a key; `casters` is the layout of group 2.
+pub fn describe(gpu: &Gpu, casters: &wgpu::BindGroupLayout, key: Key, purpose: Purpose) -> PipelineDesc {
+    const POSITIONS: &[wgpu::VertexBufferLayout] = &[wgpu::VertexBufferLayout {
+        array_stride: 12,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+    }];
+    let (entry, buffers) = match key.part {
+        Part::Side => ("side", &[] as &[_]),
+        Part::NearCap => ("near_cap", POSITIONS),
+        Part::FarCap => ("far_cap", POSITIONS),
+    };
+    let desc = |fragment| {
+        PipelineDesc::new(
+            "stencil volume",
+            Stage::new(FILE, entry),
+            Some(Stage::new(FILE, fragment)),
+        )
+    };
+    let (desc, stencil) = match purpose {
+        Purpose::Count => (without_color(desc("no_color")), counting_stencil(key.depth_pass)),
+        Purpose::Show => {
+            // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
+            let [front, back] = if key.depth_pass {
+                [0xff40_1000_u32, 0xff10_4000]
+            } else {
+                [0xff00_2040, 0xff30_0040]
+            };
+            let colors = [("DEBUG_FRONT", f64::from(front)), ("DEBUG_BACK", f64::from(back))];
+            let desc = desc("debug").with_constants(colors);
+            let desc = desc.with_target(RADIANCE_FORMAT, Some(ADD), wgpu::ColorWrites::COLOR);
+            (desc, Default::default())
         }
-    }
-
-    fn create(&self, context: &RenderContext, key: Key, purpose: Purpose) -> wgpu::RenderPipeline {
-        let debug = purpose == Purpose::Show;
-        const POSITIONS: &[wgpu::VertexBufferLayout] = &[wgpu::VertexBufferLayout {
-            array_stride: 12,
-            step_mode: wgpu::VertexStepMode::Vertex,
-            attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-        }];
-        let (entry_point, buffers) = match key.part {
-            Part::Side => ("side", &[] as &[_]),
-            Part::NearCap => ("near_cap", POSITIONS),
-            Part::FarCap => ("far_cap", POSITIONS),
-        };
-        // RGBA bytes, red lowest. Depth-pass: blue fronts, green backs; depth-fail: orange fronts, magenta backs.
-        let [front, back] = if key.depth_pass {
-            [0xff40_1000_u32, 0xff10_4000]
-        } else {
-            [0xff00_2040, 0xff30_0040]
-        };
-        let constants = [("DEBUG_FRONT", f64::from(front)), ("DEBUG_BACK", f64::from(back))];
-        let added = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let debug_targets = [Some(wgpu::ColorTargetState {
-            format: RADIANCE_FORMAT,
-            blend: Some(wgpu::BlendState {
-                color: added,
-                alpha: added,
-            }),
-            write_mask: wgpu::ColorWrites::COLOR,
-        })];
-        let fragment = if debug {
-            wgpu::FragmentState {
-                module: &self.module,
-                entry_point: Some("debug"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
-                    ..Default::default()
-                },
-                targets: &debug_targets,
-            }
-        } else {
-            no_color(&self.module)
-        };
-        context
-            .device
-            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(&format!("stencil volume {key:?}")),
-                layout: Some(&self.layout),
-                vertex: wgpu::VertexState {
-                    module: &self.module,
-                    entry_point: Some(entry_point),
-                    compilation_options: Default::default(),
-                    buffers,
-                },
-                primitive: wgpu::PrimitiveState {
-                    front_face: front_face(key.clockwise),
-                    cull_mode: None,
-                    ..Default::default()
-                },
-                depth_stencil: Some(wgpu::DepthStencilState {
-                    format: context.depth_stencil_format(),
-                    depth_write_enabled: Some(false),
-                    depth_compare: Some(wgpu::CompareFunction::Greater),
-                    stencil: if debug {
-                        Default::default()
-                    } else {
-                        counting_stencil(key.depth_pass)
-                    },
-                    bias: ALL_FARTHER,
-                }),
-                multisample: Default::default(),
-                fragment: Some(fragment),
-                multiview_mask: None,
-                cache: None,
-            })
+    };
+    let layouts = &gpu.layouts;
+    PipelineDesc {
+        buffers,
+        primitive: wgpu::PrimitiveState {
+            front_face: front_face(key.clockwise),
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: gpu.context.depth_stencil_format(),
+            depth_write_enabled: Some(false),
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil,
+            bias: ALL_FARTHER,
+        }),
+        ..desc.with_groups([Some(&layouts.view), None, Some(casters), Some(&layouts.positions)])
     }
 }
 
-/// Every face of a volume lies farther from the viewer than it should by as much as the rasterizer's rounding: half a step
-/// of a grid of 1/256 pixel, to which vertices snap, and one unit of depth.
+/// Pushes every face of a volume farther from the viewer by as much as the rasterizer rounds: half a step of
+/// the grid of 1/256 pixel to which vertices snap, and one unit of depth.
 ///
-/// Where two faces meet in an edge that lies on a surface, rounding may put one before the surface and the other behind it,
-/// and the volume counts −1 there, which takes away another volume's shadow. A face at the same depth as a surface counts as
-/// behind it; so does now, with all others, a face that is there but for rounding. What remains are shadows that are
-/// displaced by 1/512 pixel. Over the models of the tests, of 39, 7 had a pixel off the edges that was wrong, and 3 have
-/// with it; 1/128 was worse at edges, 1/2048 did not suffice.
+/// Where two faces meet in an edge on a surface, rounding may put one in front of the surface and the other
+/// behind it. The volume then counts −1 there, which cancels another volume's shadow. A face at the depth of
+/// a surface counts as behind it; with this bias, so does a face that differs from it only by rounding. The
+/// cost is that shadows move by 1/512 pixel. Of the 39 models of the tests, 7 had a wrong pixel off the edges
+/// without it and 3 have with it. 1/128 was worse at edges; 1/2048 was not enough.
 const ALL_FARTHER: wgpu::DepthBiasState = wgpu::DepthBiasState {
     constant: -1,
     slope_scale: -1.0 / 512.0,

@@ -1,4 +1,4 @@
-//! Indices of side quads: four vertices each, of which two triangles share two.
+//! Indices of side quads: two triangles that share two of four vertices.
 
 use std::ops::Range;
 
@@ -6,20 +6,20 @@ use wgpu::util::DeviceExt;
 
 use crate::render::RenderContext;
 
-/// Vertices of a quad.
+/// Number of vertices of a quad.
 pub const CORNERS: u32 = 4;
 
-/// Quads that indices of 16 bits reach.
+/// Number of quads that indices of 16 bits can address.
 const CHUNK: u32 = (1 << 16) / CORNERS;
 
-/// The same indices for all quads; more of them are drawn by further draws with another first vertex.
+/// One index buffer for all quads. Beyond its length, further draws use another first vertex.
 #[derive(Debug)]
 pub struct QuadIndices {
     buffer: wgpu::Buffer,
 }
 
 impl QuadIndices {
-    /// Uploads them.
+    /// Uploads the indices.
     pub fn new(context: &RenderContext) -> Self {
         let corners = |quad: u32| [0, 1, 2, 0, 2, 3].map(|corner| (CORNERS * quad + corner) as u16);
         let indices: Vec<u16> = (0..CHUNK).flat_map(corners).collect();
@@ -34,12 +34,12 @@ impl QuadIndices {
         }
     }
 
-    /// Makes them the pass's index buffer.
+    /// Sets the pass's index buffer to these indices.
     pub fn set(&self, pass: &mut wgpu::RenderPass) {
         pass.set_index_buffer(self.buffer.slice(..), wgpu::IndexFormat::Uint16);
     }
 
-    /// Draws this many quads.
+    /// Draws `quads` quads.
     pub fn draw(pass: &mut wgpu::RenderPass, quads: u32, instances: Range<u32>) {
         for first in (0..quads).step_by(CHUNK as usize) {
             let count = (quads - first).min(CHUNK);

@@ -5,49 +5,50 @@
 //! Reads   depth, the in-bounds bit.  Writes  the stencil's count only: no colour, no depth
 //! Order   after `light_begin`, before `light_accumulate` of the same light
 //!
-//! Depth-fail: faces that do not pass the depth test count, front −1, back +1; so what lies behind the surface is
-//! counted, and the camera may be inside a volume. Depth-pass: faces that pass count, front +1, back −1. Both wrap, so
-//! order is free, and casters of either kind mix. A face exactly on the surface does not pass: caps that coincide with
-//! the surface of an open caster count as behind it. Depth is reversed: far caps at infinity land on 0, the clear value,
-//! and do not pass either, as they must.
+//! Depth-fail counts the faces that fail the depth test, front −1 and back +1. So it counts what is behind
+//! the surface, and the camera may be inside a volume. Depth-pass counts the faces that pass, front +1 and
+//! back −1. Both wrap, so order does not matter and casters of either kind mix. A face exactly on the surface
+//! does not pass: caps that coincide with the surface of an open caster count as behind it. Depth is
+//! reversed: far caps at infinity have depth 0, the clear value, and do not pass either, as they must.
 //! Source: Everitt & Kilgard 2002, "Practical and Robust Stenciled Shadow Volumes"; McGuire 2004, GPU Gems ch. 9.
+
+use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
-use super::pipelines::{Key, Part, Purpose, VolumePipelines};
+use super::gpu_types::Caster;
+use super::pipelines::{FILE, Key, Part, Purpose, describe};
 use super::quads::{CORNERS, QuadIndices};
 use super::rounds::Rounds;
 use crate::conventions::STENCIL_IN_BOUNDS;
-use crate::render::gpu::bind_groups::{BindGroupLayouts, STORAGE, bind_in_order, buffer_entry};
+use crate::render::gpu::bind_groups::{STORAGE, bind_in_order, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::pools::gpu_types;
-use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder};
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::gpu::pipeline_cache::Variants;
+use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder};
+use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::FrameLights;
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
 use crate::techniques::shared::extrude::TO_INFINITY;
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
+use crate::techniques::stencil_volume::caster_volume::CasterVolume;
 use crate::techniques::stencil_volume::component::MOST_STACKED;
-use crate::techniques::stencil_volume::volumes::{CasterVolume, StencilVolumes};
+use crate::techniques::stencil_volume::volumes::StencilVolumes;
 
-/// Name of the technique.
-pub const NAME: &str = "stencil_volume";
-
-/// One draw call: materials do not split it, and casters of one mesh that see the light alike share it.
+/// One draw call. Materials do not split it, and casters of one mesh with equal silhouettes share it.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.2.2, for batches of shadows apart from those of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Draw {
-    /// Which of the light's rounds of counting it belongs to.
+    /// The round of counting of its light in which it is drawn.
     round: u32,
     key: Key,
     mesh: u32,
-    /// Light and far ends are at infinity, and so the far ends of a side are one point.
+    /// True if light and far ends are at infinity, where the far ends of a side are one point.
     is_directional: bool,
     /// First index of a cap in the pool; 0 for sides.
     first: u32,
-    /// Indices of a cap, or sides.
+    /// Number of cap indices, or of sides.
     count: u32,
-    /// First of the casters.
+    /// Index of the first caster.
     caster: u32,
     caster_count: u32,
 }
@@ -58,23 +59,49 @@ struct LightDraws {
     draws: std::ops::Range<usize>,
 }
 
+/// What all views share.
+#[derive(Debug)]
+struct LongLived {
+    /// The layout of group 2: casters and silhouette edges.
+    casters: wgpu::BindGroupLayout,
+    quads: QuadIndices,
+}
+
+impl LongLived {
+    fn new(gpu: &Gpu) -> Self {
+        let vertex = wgpu::ShaderStages::VERTEX;
+        let entries = [
+            buffer_entry(0, vertex, STORAGE, false, size_of::<Caster>()),
+            buffer_entry(1, vertex, STORAGE, false, 8),
+        ];
+        let descriptor = wgpu::BindGroupLayoutDescriptor {
+            label: Some("volume casters"),
+            entries: &entries,
+        };
+        Self {
+            casters: gpu.context.device.create_bind_group_layout(&descriptor),
+            quads: QuadIndices::new(&gpu.context),
+        }
+    }
+}
+
 /// The recorder.
 #[derive(Debug)]
 pub struct StencilVolumeNode {
-    pipelines: VolumePipelines,
+    pipelines: Variants<(Key, Purpose)>,
     rounds: Rounds,
-    group_layout: wgpu::BindGroupLayout,
+    long_lived: Arc<LongLived>,
     pool: ContourPool,
     casters: GrowingBuffer,
-    quads: QuadIndices,
     group: wgpu::BindGroup,
-    caster_constants: Vec<gpu_types::Caster>,
+    caster_constants: Vec<Caster>,
     draws: Vec<Draw>,
     lights: Vec<LightDraws>,
     order: Vec<(Likeness, usize)>,
 }
 
-/// Casters alike in this have the same silhouette: the mesh, and the light in its space, bit for bit.
+/// Casters for which this is equal have the same silhouette: the mesh, the light in its space bit for bit,
+/// and the cap mode.
 type Likeness = (u32, [u32; 4], bool);
 
 impl StencilVolumeNode {
@@ -82,36 +109,19 @@ impl StencilVolumeNode {
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(
-        context: &RenderContext,
-        shaders: &Shaders,
-        layouts: &BindGroupLayouts,
-    ) -> Result<Self, RenderError> {
-        let group_layout = context
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-                label: Some("volume casters"),
-                entries: &[
-                    buffer_entry(
-                        0,
-                        wgpu::ShaderStages::VERTEX,
-                        STORAGE,
-                        false,
-                        size_of::<gpu_types::Caster>(),
-                    ),
-                    buffer_entry(1, wgpu::ShaderStages::VERTEX, STORAGE, false, 8),
-                ],
-            });
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&[FILE])?;
+        let context = &gpu.context;
+        let long_lived = gpu.part(LongLived::new);
         let casters = GrowingBuffer::new(context, "volume casters", wgpu::BufferUsages::STORAGE);
         let pool = ContourPool::new(context);
         Ok(Self {
-            pipelines: VolumePipelines::new(context, shaders, layouts, &group_layout)?,
-            rounds: Rounds::new(context, shaders)?,
-            group: bind(context, &group_layout, &casters.buffer, pool.edges()),
-            group_layout,
+            pipelines: Variants::default(),
+            rounds: Rounds::new(gpu)?,
+            group: bind(context, &long_lived.casters, &casters.buffer, pool.edges()),
+            long_lived,
             pool,
             casters,
-            quads: QuadIndices::new(context),
             caster_constants: Vec::new(),
             draws: Vec::new(),
             lights: Vec::new(),
@@ -141,14 +151,14 @@ impl StencilVolumeNode {
                 last_key = None;
             }
             if last_key != Some(draw.key) {
-                let Some(pipeline) = self.pipelines.get(draw.key, purpose) else {
+                let Some(pipeline) = self.pipelines.get((draw.key, purpose)) else {
                     continue;
                 };
                 pass.set_pipeline(pipeline);
                 last_key = Some(draw.key);
             }
             let caster = draw.caster..draw.caster + draw.caster_count;
-            let matters = |caster: &gpu_types::Caster| match input.casters {
+            let matters = |caster: &Caster| match input.casters {
                 Some(casters) => casters.contains(caster.object as usize),
                 None => true,
             };
@@ -161,13 +171,13 @@ impl StencilVolumeNode {
             let Some(mesh) = input.meshes.get(draw.mesh) else {
                 continue;
             };
-            // For caps too, which do not read it: all parts share a layout.
+            // Caps get it too, although they do not read it, because all parts share a layout.
             pass.set_bind_group(3, &mesh.positions_group, &[]);
             let is_quads = draw.key.part == Part::Side && !draw.is_directional;
             if has_quads != is_quads {
                 has_quads = is_quads;
                 if is_quads {
-                    self.quads.set(pass);
+                    self.long_lived.quads.set(pass);
                 } else {
                     pass.set_index_buffer(self.pool.caps().slice(..), wgpu::IndexFormat::Uint32);
                 }
@@ -186,7 +196,7 @@ impl StencilVolumeNode {
         }
     }
 
-    /// Appends the draws of a light's casters, those with equal silhouettes one behind the other.
+    /// Appends the draws of a light's casters; those with equal silhouettes are adjacent.
     fn push_light(&mut self, volumes: &[CasterVolume], known: &LightSilhouettes, input: &PrepareInput) {
         let mut order = std::mem::take(&mut self.order);
         order.clear();
@@ -209,7 +219,7 @@ impl StencilVolumeNode {
                 _ => own,
             };
             last = Some((likeness, pooled));
-            // Within one round no count comes round to 0.
+            // Within one round no count may wrap around to 0.
             let stacked = known.slots[volume.slot as usize].stacked;
             if counted + stacked > MOST_STACKED && counted > 0 && known.stacked > MOST_STACKED {
                 (round, counted) = (round + 1, 0);
@@ -222,7 +232,7 @@ impl StencilVolumeNode {
         self.join_draws(first);
     }
 
-    /// Makes one draw of those that differ in their casters alone, where these follow each other.
+    /// Joins consecutive draws that differ only in their casters.
     fn join_draws(&mut self, first: usize) {
         let mut end = first;
         for at in first..self.draws.len() {
@@ -251,7 +261,7 @@ impl StencilVolumeNode {
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
         let is_directional = volume.light_local.w == 0.0 && volume.extrusion == TO_INFINITY;
         let caster = self.caster_constants.len() as u32;
-        self.caster_constants.push(gpu_types::Caster {
+        self.caster_constants.push(Caster {
             light_local: volume.light_local.to_array(),
             object: volume.object,
             extrusion: volume.extrusion,
@@ -294,7 +304,7 @@ impl StencilVolumeNode {
             push(Part::NearCap, !mirrored, away, away_count);
         }
         if volume.far_cap {
-            // The same triangles seen from the other end.
+            // The far cap has the near cap's triangles, seen from the other side.
             push(Part::FarCap, !mirrored, pooled.first_cap, pooled.caps_away_start);
             push(Part::FarCap, mirrored, away, away_count);
         }
@@ -315,11 +325,13 @@ fn bind(
     )
 }
 
-impl Recorder for StencilVolumeNode {
-    fn name(&self) -> &'static str {
-        NAME
+impl Mark for StencilVolumeNode {
+    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
+        self.record(self.draws_of(light), Purpose::Count, pass, input);
     }
+}
 
+impl Recorder for StencilVolumeNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.draws.clear();
         self.lights.clear();
@@ -348,29 +360,29 @@ impl Recorder for StencilVolumeNode {
         if rebind {
             self.group = bind(
                 input.context,
-                &self.group_layout,
+                &self.long_lived.casters,
                 &self.casters.buffer,
                 self.pool.edges(),
             );
         }
+        let (gpu, layout) = (input.gpu, &self.long_lived.casters);
+        let purposes: &[Purpose] = if input.debug_view {
+            &[Purpose::Count, Purpose::Show]
+        } else {
+            &[Purpose::Count]
+        };
         for draw in &self.draws {
-            self.pipelines.require(input.context, draw.key, Purpose::Count);
-            if input.debug_view {
-                self.pipelines.require(input.context, draw.key, Purpose::Show);
+            for &purpose in purposes {
+                let describe = |gpu: &Gpu| describe(gpu, layout, draw.key, purpose);
+                gpu.require(&mut self.pipelines, (draw.key, purpose), describe)?;
             }
         }
         Ok(())
     }
 
-    fn visibility(&self, light: usize) -> Option<Leaves> {
-        self.lights
-            .binary_search_by_key(&light, |entry| entry.light)
-            .is_ok()
-            .then_some(Leaves::Stencil)
-    }
-
-    fn mark(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {
-        self.record(self.draws_of(light), Purpose::Count, pass, input);
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        let own = self.lights.binary_search_by_key(&light, |entry| entry.light);
+        own.is_ok().then_some(Leaves::Stencil(self))
     }
 
     fn debug(&self, light: usize, pass: &mut wgpu::RenderPass, input: &RecordInput) {

@@ -1,5 +1,5 @@
-//! Between two rounds of counting: what is shadowed so far is taken out of bounds, so that no count of a later round brings
-//! it back to 0; at the end it is put back.
+//! Ends of rounds of counting. Between two rounds, pixels that are shadowed so far are taken out of bounds, so
+//! that no count of a later round brings them back to 0. After the last round they are put back.
 //!
 //! Shader  `shaders/passes/light_begin.wgsl`
 //! Groups  none
@@ -7,8 +7,9 @@
 //! Order   between the draws of one light
 
 use crate::conventions::{STENCIL_COUNT_MASK, STENCIL_IN_BOUNDS};
-use crate::render::gpu::stencil_only::no_color;
-use crate::render::{RenderContext, RenderError, Shaders};
+use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
+use crate::render::gpu::stencil_only::without_color;
+use crate::render::{Gpu, RenderError};
 
 /// The pipelines.
 #[derive(Debug)]
@@ -18,20 +19,19 @@ pub struct Rounds {
 }
 
 impl Rounds {
-    /// Builds them.
+    /// Takes them from the shared cache.
     ///
     /// # Errors
     /// [`RenderError::Shader`].
-    pub fn new(context: &RenderContext, shaders: &Shaders) -> Result<Self, RenderError> {
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         use wgpu::StencilOperation::{Replace, Zero};
-        let module = shaders.module(&context.device, "passes/light_begin.wgsl")?;
         Ok(Self {
-            close: where_counted(context, &module, "shadowed in a round", Zero),
-            reopen: where_counted(context, &module, "shadowed in any round", Replace),
+            close: gpu.pipeline(where_counted(gpu, "shadowed in a round", Zero))?,
+            reopen: gpu.pipeline(where_counted(gpu, "shadowed in any round", Replace))?,
         })
     }
 
-    /// Ends a round that another follows.
+    /// Ends a round that another one follows.
     pub fn close(&self, pass: &mut wgpu::RenderPass) {
         record(&self.close, pass);
     }
@@ -43,58 +43,32 @@ impl Rounds {
 }
 
 fn record(pipeline: &wgpu::RenderPipeline, pass: &mut wgpu::RenderPass) {
-    // Without a count of its own: only the count of the stencil is compared with it.
+    // The reference has count 0, and the test compares only the count of the stencil with it.
     pass.set_stencil_reference(STENCIL_IN_BOUNDS);
     pass.set_pipeline(pipeline);
     pass.draw(0..3, 0..1);
 }
 
-/// Changes the in-bounds bit where the count is not 0, whatever the depth.
-fn where_counted(
-    context: &RenderContext,
-    module: &wgpu::ShaderModule,
-    label: &str,
-    operation: wgpu::StencilOperation,
-) -> wgpu::RenderPipeline {
-    let layout = context
-        .device
-        .create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some(label),
-            ..Default::default()
-        });
+/// Describes a pipeline that changes the in-bounds bit where the count is not 0, whatever the depth.
+fn where_counted(gpu: &Gpu, label: &'static str, operation: wgpu::StencilOperation) -> PipelineDesc {
     let face = wgpu::StencilFaceState {
         compare: wgpu::CompareFunction::NotEqual,
         fail_op: wgpu::StencilOperation::Keep,
         depth_fail_op: wgpu::StencilOperation::Keep,
         pass_op: operation,
     };
-    context
-        .device
-        .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(label),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some("vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: context.depth_stencil_format(),
-                depth_write_enabled: Some(false),
-                depth_compare: Some(wgpu::CompareFunction::Always),
-                stencil: wgpu::StencilState {
-                    front: face,
-                    back: face,
-                    read_mask: STENCIL_COUNT_MASK,
-                    write_mask: STENCIL_IN_BOUNDS,
-                },
-                bias: Default::default(),
-            }),
-            multisample: Default::default(),
-            fragment: Some(no_color(module)),
-            multiview_mask: None,
-            cache: None,
-        })
+    let stencil = wgpu::StencilState {
+        front: face,
+        back: face,
+        read_mask: STENCIL_COUNT_MASK,
+        write_mask: STENCIL_IN_BOUNDS,
+    };
+    let format = gpu.context.depth_stencil_format();
+    let fragment = Stage::new("passes/light_begin.wgsl", "no_color");
+    without_color(PipelineDesc::new(label, EVERYWHERE, Some(fragment))).with_depth(
+        format,
+        false,
+        wgpu::CompareFunction::Always,
+        stencil,
+    )
 }

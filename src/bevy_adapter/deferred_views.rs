@@ -1,0 +1,298 @@
+//! Opaque meshes of marked cameras move from Bevy's forward phases to its deferred ones.
+//!
+//! Bevy asks a prepared material whether it is deferred, and thus decides for all cameras at once. We leave materials
+//! forward, as is Bevy's default, so that cameras of others see what they saw. After Bevy has queued the meshes that are
+//! new or changed in a view, those of a marked view that can be drawn deferred ([`Deferral`]) are taken out of the
+//! forward phases and put into the deferred ones, with the pipeline that Bevy would give a deferred material.
+
+use std::mem::swap;
+
+use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d};
+use bevy::core_pipeline::deferred::{AlphaMask3dDeferred, Opaque3dDeferred};
+use bevy::core_pipeline::prepass::{
+    AlphaMask3dPrepass, DeferredPrepass, DepthPrepass, Opaque3dPrepass, OpaqueNoLightmap3dBatchSetKey,
+    OpaqueNoLightmap3dBinKey,
+};
+use bevy::ecs::prelude::*;
+use bevy::ecs::system::SystemParam;
+use bevy::material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey};
+use bevy::material::{MaterialProperties, OpaqueRendererMethod, RenderPhaseType};
+use bevy::mesh::Mesh3d;
+use bevy::pbr::{
+    DeferredAlphaMaskDrawFunction, DeferredOpaqueDrawFunction, MeshPipelineKey,
+    PendingPrepassMeshMaterialQueues, PreparedMaterial, PrepassFragmentShader, PrepassPipeline,
+    PrepassPipelineSpecializer, PrepassVertexShader, RenderMaterialInstances, RenderMeshInstanceFlags,
+    RenderMeshInstances, RenderMeshQueueData, ViewKeyPrepassCache, alpha_mode_pipeline_key,
+};
+use bevy::platform::collections::HashSet;
+use bevy::render::batching::gpu_preprocessing::GpuPreprocessingSupport;
+use bevy::render::camera::{DirtySpecializations, ExtractedCamera};
+use bevy::render::erased_render_asset::ErasedRenderAssets;
+use bevy::render::mesh::RenderMesh;
+use bevy::render::mesh::allocator::MeshAllocator;
+use bevy::render::render_asset::RenderAssets;
+use bevy::render::render_phase::{BinnedRenderPhase, BinnedRenderPhaseType, ViewBinnedRenderPhases};
+use bevy::render::render_resource::{CachedRenderPipelineId, PipelineCache, SpecializedMeshPipelines};
+use bevy::render::sync_world::MainEntity;
+use bevy::render::view::{
+    ExtractedView, Msaa, RenderVisibilityRanges, RenderVisibleEntities, RetainedViewEntity,
+};
+
+use super::deferral::Deferral;
+use super::mirror::Mirrors;
+
+/// The views whose opaque meshes are deferred by us; in the render world.
+#[derive(Resource, Default)]
+pub(super) struct DeferredViews {
+    now: HashSet<RetainedViewEntity>,
+    before: HashSet<RetainedViewEntity>,
+}
+
+/// A view of a camera that draws a depth prepass and a deferred one.
+type CanBeDeferred = (With<ExtractedCamera>, With<DepthPrepass>, With<DeferredPrepass>);
+
+/// Has Bevy queue all meshes of a view again that was marked or unmarked in this frame.
+///
+/// `Render`, in `PrepareAssets`.
+pub(super) fn collect_deferred_views(
+    mut deferred: ResMut<DeferredViews>,
+    mut dirty: ResMut<DirtySpecializations>,
+    mirrors: Res<Mirrors>,
+    views: Query<(&ExtractedView, &MainEntity), CanBeDeferred>,
+) {
+    let DeferredViews { now, before } = &mut *deferred;
+    swap(now, before);
+    now.clear();
+    let marked = views
+        .iter()
+        .filter(|(_, camera)| mirrors.get(camera.id()).is_some());
+    now.extend(marked.map(|(view, _)| view.retained_view_entity));
+    dirty.views.extend(now.symmetric_difference(before).copied());
+}
+
+/// What Bevy knows of the meshes of the frame.
+#[derive(SystemParam)]
+pub(super) struct Meshes<'w> {
+    meshes: Res<'w, RenderAssets<RenderMesh>>,
+    materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
+    instances: Res<'w, RenderMeshInstances>,
+    material_instances: Res<'w, RenderMaterialInstances>,
+    ranges: Res<'w, RenderVisibilityRanges>,
+    allocator: Res<'w, MeshAllocator>,
+    preprocessing: Res<'w, GpuPreprocessingSupport>,
+    view_keys: Res<'w, ViewKeyPrepassCache>,
+    dirty: Res<'w, DirtySpecializations>,
+    pending: Res<'w, PendingPrepassMeshMaterialQueues>,
+}
+
+/// The phases that meshes move between.
+#[derive(SystemParam)]
+pub(super) struct Phases<'w> {
+    opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
+    masked: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
+    opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
+    masked_prepass: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dPrepass>>,
+    opaque_deferred: ResMut<'w, ViewBinnedRenderPhases<Opaque3dDeferred>>,
+    masked_deferred: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dDeferred>>,
+}
+
+/// The phases of one view.
+struct ViewPhases<'a> {
+    opaque: &'a mut BinnedRenderPhase<Opaque3d>,
+    masked: &'a mut BinnedRenderPhase<AlphaMask3d>,
+    opaque_prepass: &'a mut BinnedRenderPhase<Opaque3dPrepass>,
+    masked_prepass: &'a mut BinnedRenderPhase<AlphaMask3dPrepass>,
+    opaque_deferred: &'a mut BinnedRenderPhase<Opaque3dDeferred>,
+    masked_deferred: &'a mut BinnedRenderPhase<AlphaMask3dDeferred>,
+}
+
+impl Phases<'_> {
+    fn of(&mut self, view: RetainedViewEntity) -> Option<ViewPhases<'_>> {
+        Some(ViewPhases {
+            opaque: self.opaque.get_mut(&view)?,
+            masked: self.masked.get_mut(&view)?,
+            opaque_prepass: self.opaque_prepass.get_mut(&view)?,
+            masked_prepass: self.masked_prepass.get_mut(&view)?,
+            opaque_deferred: self.opaque_deferred.get_mut(&view)?,
+            masked_deferred: self.masked_deferred.get_mut(&view)?,
+        })
+    }
+}
+
+/// Pipelines of Bevy's deferred prepass.
+#[derive(SystemParam)]
+pub(super) struct Pipelines<'w> {
+    cache: Res<'w, PipelineCache>,
+    prepass: Res<'w, PrepassPipeline>,
+    specialized: ResMut<'w, SpecializedMeshPipelines<PrepassPipelineSpecializer>>,
+}
+
+/// Moves the meshes of marked views that are new or changed in this frame.
+///
+/// `Render`, in `QueueMeshes`, after Bevy's queueing of the prepass and of the main pass.
+pub(super) fn queue_deferred(
+    deferred: Res<DeferredViews>,
+    mut deferral: ResMut<Deferral>,
+    views: Query<(&ExtractedView, &RenderVisibleEntities, &Msaa), CanBeDeferred>,
+    meshes: Meshes,
+    mut phases: Phases,
+    mut pipelines: Pipelines,
+) {
+    for (extracted, visible, msaa) in &views {
+        let view = extracted.retained_view_entity;
+        if !deferred.now.contains(&view) {
+            continue;
+        }
+        let (Some(visible), Some(pending), Some(mut phases), Some(&view_key)) = (
+            visible.get::<Mesh3d>(),
+            meshes.pending.get(&view),
+            phases.of(view),
+            meshes.view_keys.get(&view),
+        ) else {
+            continue;
+        };
+        let queued = meshes.dirty.iter_to_queue(view, visible, &pending.prev_frame);
+        for (&render_entity, &entity) in queued {
+            queue_mesh(
+                (render_entity, entity),
+                view_key,
+                msaa,
+                &meshes,
+                &mut deferral,
+                &mut phases,
+                &mut pipelines,
+            );
+        }
+    }
+}
+
+fn queue_mesh(
+    (render_entity, entity): (Entity, MainEntity),
+    view_key: MeshPipelineKey,
+    msaa: &Msaa,
+    meshes: &Meshes,
+    deferral: &mut Deferral,
+    phases: &mut ViewPhases,
+    pipelines: &mut Pipelines,
+) -> Option<()> {
+    let id = meshes.material_instances.instances.get(&entity)?.asset_id;
+    let material = meshes.materials.get(id)?;
+    let properties = &material.properties;
+    let is_masked = match properties.render_phase_type {
+        RenderPhaseType::Opaque => false,
+        RenderPhaseType::AlphaMask => true,
+        RenderPhaseType::Transmissive | RenderPhaseType::Transparent => return None,
+    };
+    if properties.render_method == OpaqueRendererMethod::Deferred {
+        // Bevy has queued it; and a masked one a second time, forward, over the deferred light.
+        phases.masked.remove(entity);
+        return None;
+    }
+    if let Err(why) = deferral.check(id, properties) {
+        deferral.report(entity, id, &why);
+        return None;
+    }
+    let mesh = meshes.instances.render_mesh_queue_data(entity)?;
+    let slabs = meshes.allocator.mesh_slabs(&mesh.mesh_asset_id())?;
+    let draw_function = match is_masked {
+        false => properties.get_draw_function(DeferredOpaqueDrawFunction)?,
+        true => properties.get_draw_function(DeferredAlphaMaskDrawFunction)?,
+    };
+    let render_mesh = meshes.meshes.get(mesh.mesh_asset_id())?;
+    let key = view_key
+        | MeshPipelineKey::from_bits_retain(render_mesh.key_bits.bits())
+        | alpha_mode_pipeline_key(properties.alpha_mode, msaa)
+        | mesh_key(entity, view_key, &mesh, properties, meshes, deferral);
+    let pipeline = specialize(key, id.type_id(), render_mesh, material, pipelines)?;
+    let batch_set = OpaqueNoLightmap3dBatchSetKey {
+        draw_function,
+        pipeline,
+        material_bind_group_index: Some(material.binding.group.0),
+        slabs,
+    };
+    let bin = OpaqueNoLightmap3dBinKey {
+        asset_id: mesh.mesh_asset_id().into(),
+    };
+    let kind = BinnedRenderPhaseType::mesh(mesh.should_batch(), &meshes.preprocessing);
+    let both = (render_entity, entity);
+    if is_masked {
+        phases.masked.remove(entity);
+        phases.masked_prepass.remove(entity);
+        phases.masked_deferred.remove(entity);
+        let index = mesh.current_uniform_index;
+        phases.masked_deferred.add(batch_set, bin, both, index, kind);
+    } else {
+        phases.opaque.remove(entity);
+        phases.opaque_prepass.remove(entity);
+        phases.opaque_deferred.remove(entity);
+        let index = mesh.current_uniform_index;
+        phases.opaque_deferred.add(batch_set, bin, both, index, kind);
+    }
+    Some(())
+}
+
+/// What of a pipeline's key comes from one mesh of the game, as Bevy has it for deferred materials
+/// (`specialize_prepass_material_meshes`).
+fn mesh_key(
+    entity: MainEntity,
+    view_key: MeshPipelineKey,
+    mesh: &RenderMeshQueueData,
+    material: &MaterialProperties,
+    meshes: &Meshes,
+    deferral: &Deferral,
+) -> MeshPipelineKey {
+    let mut key = MeshPipelineKey::DEFERRED_PREPASS;
+    let is_lightmapped = mesh.shared.lightmap_slab_index().is_some();
+    key.set(MeshPipelineKey::LIGHTMAPPED, is_lightmapped);
+    key.set(
+        MeshPipelineKey::LIGHTMAP_BICUBIC_SAMPLING,
+        is_lightmapped && deferral.bicubic_lightmaps.contains(&entity),
+    );
+    key.set(
+        MeshPipelineKey::VISIBILITY_RANGE_DITHER,
+        meshes.ranges.entity_has_crossfading_visibility_ranges(entity),
+    );
+    key.set(
+        MeshPipelineKey::PREPASS_READS_MATERIAL,
+        material.get_shader(PrepassVertexShader).is_some()
+            || material.get_shader(PrepassFragmentShader).is_some(),
+    );
+    let moves = view_key.contains(MeshPipelineKey::MOTION_VECTOR_PREPASS);
+    let had = |flag: RenderMeshInstanceFlags| moves && mesh.flags().contains(flag);
+    key.set(
+        MeshPipelineKey::HAS_PREVIOUS_SKIN,
+        had(RenderMeshInstanceFlags::HAS_PREVIOUS_SKIN),
+    );
+    key.set(
+        MeshPipelineKey::HAS_PREVIOUS_MORPH,
+        had(RenderMeshInstanceFlags::HAS_PREVIOUS_MORPH),
+    );
+    key
+}
+
+/// Bevy's pipeline of the deferred prepass; one for all meshes with this key.
+fn specialize(
+    key: MeshPipelineKey,
+    material_type: std::any::TypeId,
+    mesh: &RenderMesh,
+    material: &PreparedMaterial,
+    pipelines: &mut Pipelines,
+) -> Option<CachedRenderPipelineId> {
+    let specializer = PrepassPipelineSpecializer {
+        pipeline: pipelines.prepass.clone(),
+        properties: material.properties.clone(),
+    };
+    let key = ErasedMaterialPipelineKey {
+        type_id: material_type,
+        mesh_key: ErasedMeshPipelineKey::new(key),
+        material_key: material.properties.material_key.clone(),
+    };
+    let specialized = &mut pipelines.specialized;
+    match specialized.specialize(&pipelines.cache, &specializer, key, &mesh.layout) {
+        Ok(pipeline) => Some(pipeline),
+        Err(error) => {
+            tracing::error!("a mesh stays forward: {error}");
+            None
+        }
+    }
+}

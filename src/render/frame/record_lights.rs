@@ -1,0 +1,235 @@
+//! The passes of the lights: each marks or resolves what it does not see, and is added where it is seen.
+
+use super::frame_data::ActiveLight;
+use super::front_lights::LightSurfaces;
+use super::record::FrameOutputs;
+use super::recording::Recording;
+use crate::render::nodes;
+use crate::render::nodes::surface_pass::SurfacePass;
+use crate::render::nodes::visibility::Shadow;
+use crate::render::recorder::{Leaves, Mark, ResolveInput};
+use crate::render::renderer::Renderer;
+
+impl Renderer {
+    /// All lights of the frame on the opaque surfaces. Lights with stencils that follow one another share a pass, unless
+    /// somebody looks at each.
+    pub(in crate::render) fn record_lights(&self, frame: &mut Recording, outputs: &FrameOutputs) {
+        let separate = self.timings.is_active() || !outputs.visibility.is_empty();
+        self.record_skipped_visibility(frame, outputs);
+        for group in self.light_groups(separate) {
+            self.record_group(frame, group, |pass, light| {
+                self.record_light(pass, light, LightSurfaces::Opaque);
+            });
+            if let [light] = group {
+                self.record_visibility(frame, light, outputs);
+            }
+        }
+    }
+
+    /// The lights in their order, those together that share a pass: with stencils alone, one after the other, unless each is
+    /// to be separate.
+    pub(in crate::render) fn light_groups(&self, separate: bool) -> impl Iterator<Item = &[ActiveLight]> {
+        self.frame
+            .lights
+            .chunk_by(move |a, b| !separate && !a.has_mask() && !b.has_mask())
+    }
+
+    /// The label of one light's pass.
+    pub(in crate::render) fn label_of(&self, light: &ActiveLight) -> &str {
+        &self.labels[light.light]
+    }
+
+    /// One pass for the lights of a group, after what leaves their masks.
+    pub(in crate::render) fn record_group(
+        &self,
+        frame: &mut Recording,
+        group: &[ActiveLight],
+        mut record: impl FnMut(&mut wgpu::RenderPass, &ActiveLight),
+    ) {
+        let label = match group {
+            [light] => self.label_of(light),
+            _ => "lights",
+        };
+        for light in group {
+            self.resolve_mask(frame, light, LightSurfaces::Opaque);
+        }
+        let mut pass = frame.begin_light_pass(label);
+        for light in group {
+            pass.push_debug_group(self.label_of(light));
+            record(&mut pass, light);
+            pass.pop_debug_group();
+        }
+    }
+
+    /// What techniques that resolve masks read of the surfaces. Before the lights: they read it while they write the
+    /// stencil.
+    pub(in crate::render) fn record_receivers(&self, frame: &mut Recording, surfaces: LightSurfaces) {
+        let mut lights = self.frame.lights.iter();
+        let reads = |light: &ActiveLight| light.has_mask() && !surfaces.batches(light).is_empty();
+        let (Some(masks), true) = (&self.masks, lights.any(reads)) else {
+            return;
+        };
+        self.depth_copy.record(frame, masks);
+        if self.reads_planes() {
+            let drawn = match surfaces {
+                LightSurfaces::Opaque => &self.frame.ambient,
+                LightSurfaces::Front => &self.frame.blended_batches,
+            };
+            nodes::receiver_plane::record(frame, masks, self.batches(drawn));
+        }
+    }
+
+    /// Whether a technique of the frame's lights with masks reads the receivers' planes.
+    pub(in crate::render) fn reads_planes(&self) -> bool {
+        self.frame.lights.iter().any(ActiveLight::reads_planes)
+    }
+
+    /// Leaves the mask of a light that has one: what its technique resolves, times the functions that scale it.
+    pub(in crate::render) fn resolve_mask(
+        &self,
+        frame: &mut Recording,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) {
+        let Some(masks) = self.masks.as_ref().filter(|_| light.has_mask()) else {
+            return;
+        };
+        let scissor = surfaces.scissor(light);
+        let input = ResolveInput {
+            context: &self.gpu.context,
+            record: surfaces.record_input(self, light),
+            radiance: frame.canvas.radiance,
+            targets: frame.canvas.targets,
+            masks,
+            scissor,
+            depth_range: light.depth_range,
+            light_begin: &self.light_begin,
+            timings: &self.timings,
+            label: self.label_of(light),
+            labels: &self.labels,
+        };
+        match self.leaves(light) {
+            Some(Leaves::Mask(resolve)) => resolve.resolve(light.light, frame.encoder, &input),
+            Some(Leaves::Stencil(mark)) => {
+                self.mark_apart(frame, light, mark, &input);
+                if let Some(stencil_to_mask) = &self.stencil_to_mask {
+                    stencil_to_mask.record(frame, masks, scissor);
+                }
+            }
+            None => nodes::light_function::clear(frame, masks, scissor),
+        }
+        if light.is_scaled {
+            let batches = self.batches(&surfaces.batches(light));
+            nodes::light_function::record_unshadowed(frame, masks, scissor, batches);
+            self.scale_mask(frame, light, &input);
+        }
+    }
+
+    /// Marks the stencil of a light in a pass of its own, before a mask is made of it.
+    fn mark_apart(&self, frame: &mut Recording, light: &ActiveLight, mark: &dyn Mark, input: &ResolveInput) {
+        let mut pass = frame.begin_light_pass(input.label);
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        let (near, far) = light.depth_range;
+        self.light_begin.record(&mut pass, near, far);
+        mark.mark(light.light, &mut pass, &input.record);
+    }
+
+    /// Multiplies the mask of a light by the functions that scale it.
+    fn scale_mask(&self, frame: &mut Recording, light: &ActiveLight, input: &ResolveInput) {
+        let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("light function"),
+            color_attachments: &[Some(input.masks.attachment(wgpu::LoadOp::Load))],
+            timestamp_writes: frame.timings.pass_of(input.label, "light function"),
+            ..Default::default()
+        });
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        for function in self
+            .functions
+            .iter()
+            .filter(|function| function.scales(light.light))
+        {
+            function.draw(light.light, &mut pass, input);
+        }
+    }
+
+    /// Begins the stencil of a light, and lets its technique mark what it does not see if it does so there.
+    pub(in crate::render) fn mark_light(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) {
+        let [x, y, width, height] = surfaces.scissor(light);
+        pass.set_scissor_rect(x, y, width, height);
+        if let (Some(Leaves::Stencil(mark)), false) = (self.leaves(light), light.is_scaled) {
+            let (near, far) = light.depth_range;
+            self.light_begin.record(pass, near, far);
+            mark.mark(light.light, pass, &surfaces.record_input(self, light));
+        }
+    }
+
+    /// One light: mark what it does not see, add it where it does.
+    pub(in crate::render) fn record_light(
+        &self,
+        pass: &mut wgpu::RenderPass,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) {
+        self.mark_light(pass, light, surfaces);
+        nodes::light_accumulate::record(
+            pass,
+            &self.view_group,
+            (&self.light_group, light.slot),
+            surfaces.pass(light),
+            self.mask_of(light),
+            self.batches(&surfaces.batches(light)),
+            &self.surface_resources(),
+        );
+    }
+
+    /// Group 3 of passes that read the mask of a light.
+    pub(in crate::render) fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
+        let masks = self.masks.as_ref().filter(|_| light.has_mask())?;
+        Some(&masks.mask_group)
+    }
+
+    /// What the picture of a light's visibility shows; `None` for a light without a technique.
+    pub(in crate::render) fn shadow_of(
+        &self,
+        light: &ActiveLight,
+        surfaces: LightSurfaces,
+    ) -> Option<Shadow<'_>> {
+        Some(Shadow {
+            kind: SurfacePass::visibility(light.kind()?),
+            mask: self.mask_of(light),
+            scissor: surfaces.scissor(light),
+            batches: self.batches(&surfaces.batches(light)),
+        })
+    }
+
+    fn record_visibility(&self, frame: &mut Recording, light: &ActiveLight, outputs: &FrameOutputs) {
+        if let Some(target) = outputs.visibility.get(light.light) {
+            let shadow = self.shadow_of(light, LightSurfaces::Opaque);
+            nodes::visibility::record(frame, target, shadow);
+        }
+    }
+
+    /// Surfaces that were not drawn for a light because it does not see them.
+    pub(in crate::render) fn record_dark(&self, frame: &mut Recording, outputs: &FrameOutputs) {
+        for (light, batches) in &self.frame.dark {
+            if let Some(target) = outputs.visibility.get(*light) {
+                nodes::visibility::record_dark(frame, target, self.batches(batches));
+            }
+        }
+    }
+
+    /// Lights that are skipped have visibility 1 but where they do not see a surface.
+    fn record_skipped_visibility(&self, frame: &mut Recording, outputs: &FrameOutputs) {
+        let skipped = |&(index, _): &(usize, _)| self.frame.lights.iter().all(|light| light.light != index);
+        for (_, target) in outputs.visibility.iter().enumerate().filter(skipped) {
+            nodes::visibility::record(frame, target, None);
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! The pipelines that a frame needs of the passes that draw surfaces.
+
+use std::ops::Range;
+
+use super::front_lights::LightSurfaces;
+use crate::render::RenderError;
+use crate::render::nodes::surface_pass::SurfacePass;
+use crate::render::renderer::Renderer;
+
+impl Renderer {
+    /// Surface passes whose pipelines a frame needs, by batch.
+    pub(in crate::render) fn require_pipelines(&mut self) -> Result<(), RenderError> {
+        let reads_planes = self.reads_planes();
+        let Self {
+            frame,
+            pipelines,
+            gpu,
+            host,
+            ..
+        } = self;
+        let mut required = Ok(());
+        let mut require = |pass, batches: Range<usize>| {
+            for batch in &frame.batches[batches] {
+                let made = pipelines.require(gpu, pass, batch.variant);
+                required = std::mem::replace(&mut required, Ok(())).and(made);
+            }
+        };
+        let drawn = match host {
+            Some(_) => SurfacePass::HostSurface,
+            None => SurfacePass::Ambient,
+        };
+        require(drawn, frame.ambient.clone());
+        if reads_planes {
+            require(SurfacePass::ReceiverPlane, frame.ambient.clone());
+            require(SurfacePass::ReceiverPlane, frame.blended_batches.clone());
+        }
+        for light in &frame.lights {
+            let visibility = light.kind();
+            require(LightSurfaces::Opaque.pass(light), light.batches.clone());
+            if light.is_scaled {
+                require(SurfacePass::WholeMask, light.batches.clone());
+                require(SurfacePass::WholeMask, light.front.clone());
+            }
+            if let Some(visibility) = visibility {
+                require(SurfacePass::visibility(visibility), light.batches.clone());
+            }
+        }
+        for (_, batches) in &frame.dark {
+            require(SurfacePass::Dark, batches.clone());
+        }
+        for light in &frame.lights {
+            if let Some(visibility) = light.kind() {
+                require(LightSurfaces::Front.pass(light), light.front.clone());
+                require(SurfacePass::visibility(visibility), light.front.clone());
+                require(SurfacePass::VisibilityFront, light.front.clone());
+            }
+        }
+        let blended = [SurfacePass::AmbientBlended, SurfacePass::LightBlended];
+        let front = [SurfacePass::LightBehindFront, SurfacePass::FrontDepth];
+        for pass in blended
+            .into_iter()
+            .chain(front.into_iter().filter(|_| frame.has_front_layer()))
+        {
+            require(pass, frame.blended_batches.clone());
+        }
+        required
+    }
+}

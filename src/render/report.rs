@@ -1,0 +1,64 @@
+//! What the renderer cannot draw, as reports.
+
+use bevy_ecs::prelude::*;
+
+use super::{RenderError, Renderer};
+use crate::reports::{Reports, Round};
+use crate::scene::SceneMesh;
+use crate::sets::View;
+
+/// Raises the topics `renderer` and `mesh`; nothing without a [`Renderer`].
+pub fn report_renderer(world: &World, reports: &mut Reports) {
+    let renderer = world.get_resource::<Renderer>();
+    let mut round = reports.round("renderer");
+    if let Some(error) = renderer.and_then(Renderer::failure) {
+        let view = world.resource::<View>().data.as_ref();
+        raise_failure(&mut round, view.map(|view| view.camera), error);
+    }
+    drop(round);
+    let mut round = reports.round("mesh");
+    for mesh in renderer.map_or(&[][..], Renderer::oversized_meshes) {
+        let name = world
+            .get::<SceneMesh>(mesh.entity)
+            .map_or("", |mesh| mesh.0.name.as_str());
+        let (needed, limit) = (mesh.needed, mesh.limit);
+        round.state(
+            Some(mesh.entity),
+            1,
+            format_args!(
+                "The mesh `{name}` is not drawn and casts no shadow map: it needs a buffer of {needed} bytes, and the \
+                 device allows {limit} bytes. Split the mesh, or reduce its vertices."
+            ),
+        );
+    }
+}
+
+/// Raises what keeps a view from being drawn. A fault of the device or of a shader is about no camera.
+pub(crate) fn raise_failure(round: &mut Round<'_>, camera: Option<Entity>, error: &RenderError) {
+    let (code, entity, advice) = match error {
+        RenderError::NoAdapter(_) => (1, None, "Install a driver."),
+        RenderError::NoDevice { .. } => (2, None, "Ask for fewer features or lower limits."),
+        RenderError::Shader { .. } => (
+            3,
+            None,
+            "Repair the shader; if it is the crate's own, please report it with the name of the adapter.",
+        ),
+        RenderError::DeviceLost => (4, None, "Make a new `RenderContext` and a new `Renderer`."),
+        RenderError::HostView { .. } => (
+            5,
+            camera,
+            "Keep the viewport inside of its target, and give the camera a projection that can be inverted.",
+        ),
+        RenderError::Readback { .. } => (6, camera, "Read it in a later frame."),
+        RenderError::Limit { .. } => (
+            7,
+            camera,
+            "Show fewer objects or lights at once, or draw into a smaller target.",
+        ),
+    };
+    round.state(
+        entity,
+        code,
+        format_args!("No shadows are drawn: {error}. {advice}"),
+    );
+}

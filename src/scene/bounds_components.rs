@@ -1,0 +1,32 @@
+//! Bounding boxes of objects in local and world space, as components.
+
+use bevy_ecs::prelude::*;
+
+use super::churn::count_churn;
+use crate::geometry::Aabb;
+
+/// Bounds of the mesh in its current pose, local space. Empty for a mesh without triangles or finite
+/// positions.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct LocalBounds(pub Aabb);
+
+impl Default for LocalBounds {
+    fn default() -> Self {
+        Self(Aabb::EMPTY)
+    }
+}
+
+/// Bounds of an object in world space. They are empty for an object that is left out because it has no
+/// triangles, or because its transform leaves no area or is not finite.
+///
+/// A change of this component means that the object moved: [`update_world_bounds`](super::update_world_bounds) marks it whenever the
+/// transform or the local bounds changed, even if the box came out equal.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(on_add = count_churn, on_remove = count_churn)]
+pub struct WorldBounds(pub Aabb);
+
+impl Default for WorldBounds {
+    fn default() -> Self {
+        Self(Aabb::EMPTY)
+    }
+}

@@ -1,0 +1,120 @@
+//! The boxes that a directional light's maps show. Each is fitted to a part of the view depth and stands
+//! still while the view turns or moves a little.
+//!
+//! A ball bounds each part; its size does not change as the view turns. Its centre moves in steps of whole
+//! texels, so edges do not swim. The steps are larger than a texel, and the boxes are larger than the balls
+//! by as much. Between two steps nothing changes and a kept map stays valid.
+//! Source: Valient 2008, "Stable Rendering of Cascaded Shadow Maps" (ShaderX6); Zhang et al. 2006,
+//! "Parallel-Split Shadow Maps for Large-scale Virtual Environments".
+
+use glam::DVec3;
+
+use super::face::{FaceProjection, MapFace};
+use super::settings::Cascades;
+use crate::sets::ViewData;
+
+/// Margin between a ball and its box, as a share of the ball's radius.
+const MARGIN: f64 = 1.0 / 16.0;
+
+/// Step in depth, as a share of the box's half side. A box may reach this much further to the light than its
+/// casters.
+const DEPTH_STEP: f64 = 0.5;
+
+/// Largest number of cascades of a light.
+pub const MOST_CASCADES: u32 = 4;
+
+/// Returns the view depths between which the cascades lie, nearest first; `count + 1` of them.
+///
+/// `far` is rounded up to a quarter of a power of two, so that it does not follow every move.
+pub fn split_depths(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
+    let far = far.max(near * 1.001);
+    let far = ((far.log2() * 4.0).ceil() / 4.0).exp2();
+    let count = f64::from(cascades.count);
+    // Without this bound, a near plane at a millimetre would spend all cascades on the first metre.
+    let first = near.max(far / 256.0);
+    std::array::from_fn(|i| {
+        if i == 0 {
+            return near;
+        }
+        let share = (i as f64 / count).min(1.0);
+        let log = first * (far / first).powf(share);
+        let uniform = first + (far - first) * share;
+        uniform + (log - uniform) * f64::from(cascades.log_share)
+    })
+}
+
+/// Does what [`split_depths`] does for an orthographic view, whose pixels are equally large everywhere. All
+/// cascades have the same depth, and their total depth is rounded up.
+pub fn even_splits(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
+    let length = (((far - near).max(1e-3).log2() * 4.0).ceil() / 4.0).exp2();
+    std::array::from_fn(|i| near + length * (i as f64 / f64::from(cascades.count)).min(1.0))
+}
+
+/// Returns centre and radius of the smallest ball around the part of the view between two depths.
+pub fn slice_ball(view: &ViewData, near: f64, far: f64) -> (DVec3, f64) {
+    let shape = view.frustum.shape();
+    let forward = shape.forward.normalize();
+    // The length of a rotated axis differs from 1 by rounding in `f32`; the ball must not change with that.
+    let length = |axis: DVec3| (axis.length() * 1e5).round() * 1e-5;
+    let scale = length(shape.forward);
+    // A projection that is off-centre by jitter leaves the ball unchanged.
+    let off_center = |center: f64| 1.0 + (center.abs() * 64.0).ceil() / 64.0;
+    let (right, up) = (
+        shape.half_right * off_center(shape.center.x) * length(shape.right) / scale,
+        shape.half_up * off_center(shape.center.y) * length(shape.up) / scale,
+    );
+    if view.is_orthographic() {
+        let (right, up, half) = (right * scale, up * scale, 0.5 * (far - near) * scale);
+        let center = shape.eye + shape.forward * (0.5 * (near + far));
+        return (center, (right * right + up * up + half * half).sqrt());
+    }
+    let (near, far) = (near * scale, far * scale);
+    let spread = right * right + up * up;
+    let middle = (0.5 * (near + far) * (1.0 + spread)).min(far);
+    let radius_sq = (middle - near).powi(2) + near * near * spread;
+    let radius_sq = radius_sq.max((far - middle).powi(2) + far * far * spread);
+    (shape.eye + forward * middle, radius_sq.sqrt())
+}
+
+/// Fits the box of one part of the view depth.
+///
+/// `nearest_caster` returns the smallest distance, along the light's direction, of the casters in a box, or
+/// `None` if there are none.
+pub fn fit(
+    view: &ViewData,
+    towards: DVec3,
+    depths: (f64, f64),
+    resolution: u32,
+    nearest_caster: impl Fn(&MapFace) -> Option<f64>,
+) -> MapFace {
+    let (center, radius) = slice_ball(view, depths.0, depths.1);
+    let z = -towards.normalize();
+    let (x, y) = z.any_orthonormal_pair();
+    let half = radius * (1.0 + MARGIN);
+    let texel = 2.0 * half / f64::from(resolution);
+    let step = texel * (2.0 * MARGIN * radius / texel).floor().max(1.0);
+    let snap = |axis: DVec3, step: f64| axis * ((axis.dot(center) / step).round() * step);
+    let depth_step = half * DEPTH_STEP;
+    let snapped = snap(x, step) + snap(y, step) + snap(z, depth_step);
+    // The box contains the ball and half a step of depth.
+    let behind = half + 0.5 * depth_step;
+    let everything = 1e12;
+    let mut face = MapFace {
+        origin: snapped - z * everything,
+        axes: [x, y, z],
+        projection: FaceProjection::Parallel {
+            half,
+            length: everything + behind,
+        },
+    };
+    let before = nearest_caster(&face).map_or(behind, |nearest| {
+        let before = (z.dot(snapped) - nearest).max(behind);
+        (before / depth_step).ceil() * depth_step
+    });
+    face.origin = snapped - z * before;
+    face.projection = FaceProjection::Parallel {
+        half,
+        length: before + behind,
+    };
+    face
+}

@@ -1,0 +1,75 @@
+//! How the maps of all directions join the frame.
+
+use bevy_ecs::prelude::*;
+
+use super::component::OmniMap;
+#[cfg(feature = "render")]
+use crate::render::shaders::ShaderFile;
+#[cfg(feature = "render")]
+use crate::render::{Gpu, RenderError};
+use crate::reports::Round;
+use crate::scene::Light;
+use crate::sets::{FrameLights, Needs};
+#[cfg(feature = "render")]
+use crate::techniques::maps::gpu::{self, recorder::MapNode};
+use crate::techniques::maps::request::{MapRequests, MapSystems};
+use crate::techniques::maps::{self, systems};
+use crate::techniques::registry::{Refusal, Statistics, Technique};
+
+/// Lists what the lights with a [`OmniMap`] ask for.
+///
+/// Set: `BuildTechniques`, before `build_maps`. Reads [`FrameLights`]; writes [`MapRequests`].
+pub fn request_omni_maps(mut requests: ResMut<MapRequests>, lights: Res<FrameLights>, maps: Query<&OmniMap>) {
+    requests.list::<OmniMap>(&lights, &maps, OmniMap::request);
+}
+
+impl Technique for OmniMap {
+    const NAME: &'static str = "omni_map";
+    const NEEDS: Needs = maps::NEEDS;
+
+    fn check(&self, light: &Light) -> Result<(), Refusal> {
+        self.request(light).map(drop)
+    }
+
+    fn init(world: &mut World) {
+        systems::init(world);
+    }
+
+    fn add_systems(schedule: &mut Schedule) {
+        systems::add(schedule);
+        schedule.add_systems(request_omni_maps.in_set(MapSystems::Request));
+    }
+
+    fn statistics(world: &World, light: usize, out: &mut Statistics) {
+        systems::statistics(world, light, out);
+    }
+
+    fn frame_statistics(world: &World, out: &mut Statistics) {
+        systems::frame_statistics(world, out);
+    }
+
+    fn report(world: &World, round: &mut Round) {
+        systems::report::<Self>(world, round);
+    }
+
+    #[cfg(feature = "serde")]
+    fn parse(from: &mut dyn erased_serde::Deserializer) -> Result<Self, erased_serde::Error> {
+        erased_serde::deserialize(from)
+    }
+
+    #[cfg(feature = "bevy")]
+    fn register_type(types: &mut bevy_reflect::TypeRegistry) {
+        types.register::<Self>();
+    }
+
+    #[cfg(feature = "render")]
+    const SHADERS: &'static [ShaderFile] = gpu::SHADERS;
+
+    #[cfg(feature = "render")]
+    type Recorder = MapNode;
+
+    #[cfg(feature = "render")]
+    fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
+        MapNode::new(gpu)
+    }
+}

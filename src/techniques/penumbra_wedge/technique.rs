@@ -1,0 +1,103 @@
+//! How penumbra wedges join the frame.
+
+use bevy_ecs::prelude::*;
+
+use super::component::{MAX_SPLIT, PenumbraWedge};
+#[cfg(feature = "render")]
+use super::gpu::recorder::PenumbraWedgeNode;
+use super::overflow::{SPLIT_CAPACITY, WedgeOverflow};
+use super::wedges::{PenumbraWedges, build_penumbra_wedges};
+#[cfg(feature = "render")]
+use crate::render::shaders::{ShaderFile, shader_files};
+#[cfg(feature = "render")]
+use crate::render::{Gpu, RenderError};
+use crate::reports::Round;
+use crate::scene::Light;
+use crate::sets::{FrameLights, NeededSilhouettes, Needs, View};
+use crate::techniques::registry::{Refusal, Technique, TechniqueSystems};
+
+/// A light of less extent counts as a point, metres.
+const LEAST_EXTENT: f64 = 1e-6;
+
+impl Technique for PenumbraWedge {
+    const NAME: &'static str = "penumbra_wedge";
+    const NEEDS: Needs = Needs {
+        silhouettes: NeededSilhouettes::Shadowing,
+        receiver_planes: true,
+        emitter_texture: true,
+        ..Needs::NOTHING
+    };
+
+    fn check(&self, _: &Light) -> Result<(), Refusal> {
+        match self
+            .split
+            .into_iter()
+            .find(|parts| !(1..=MAX_SPLIT).contains(parts))
+        {
+            Some(parts) => Err(Refusal::setting(
+                "split",
+                parts as f32,
+                "it must be two numbers of 1 to 8, parts along width and height",
+            )),
+            None => Ok(()),
+        }
+    }
+
+    fn init(world: &mut World) {
+        world.init_resource::<PenumbraWedges>();
+        world.init_resource::<WedgeOverflow>();
+    }
+
+    fn add_systems(schedule: &mut Schedule) {
+        schedule.add_systems(build_penumbra_wedges.in_set(TechniqueSystems));
+    }
+
+    fn report(world: &World, round: &mut Round) {
+        for light in &world.resource::<FrameLights>().lights {
+            if light.is_shadowed_by::<Self>() && light.emitter.bounding_radius() < LEAST_EXTENT {
+                round.raise(Some(light.entity), 1, || {
+                    "PenumbraWedge gives a hard shadow here: the light has no size. Give a point light a radius greater \
+                     than 0 m, use a rectangle, or use StencilVolume, which is cheaper."
+                        .to_owned()
+                });
+            }
+        }
+        let pixels = world.resource::<WedgeOverflow>().pixels();
+        if pixels > 0 {
+            let view = world.resource::<View>().data.as_ref();
+            round.raise(view.map(|view| view.camera), 2, || {
+                format!(
+                    "Soft shadows are too light in {pixels} pixels: more than {SPLIT_CAPACITY} hard faces meet there, \
+                     which `VisibilityBuffer::Split8` cannot add up. Use `VisibilityBuffer::Float`, or split the light \
+                     less."
+                )
+            });
+        }
+    }
+
+    #[cfg(feature = "serde")]
+    fn parse(from: &mut dyn erased_serde::Deserializer) -> Result<Self, erased_serde::Error> {
+        erased_serde::deserialize(from)
+    }
+
+    #[cfg(feature = "bevy")]
+    fn register_type(types: &mut bevy_reflect::TypeRegistry) {
+        types.register::<Self>();
+    }
+
+    #[cfg(feature = "render")]
+    const SHADERS: &'static [ShaderFile] = shader_files![
+        "common/coverage.wgsl",
+        "common/wedge_light.wgsl",
+        "techniques/penumbra_wedge/wedge.wgsl",
+        "techniques/penumbra_wedge/resolve.wgsl",
+    ];
+
+    #[cfg(feature = "render")]
+    type Recorder = PenumbraWedgeNode;
+
+    #[cfg(feature = "render")]
+    fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
+        PenumbraWedgeNode::new(gpu)
+    }
+}

@@ -1,0 +1,56 @@
+//! What the shadow techniques cannot do, as reports.
+
+use bevy_ecs::component::ComponentId;
+use bevy_ecs::prelude::*;
+
+use super::row::Row;
+use super::techniques::Techniques;
+use crate::reports::Reports;
+use crate::scene::Light;
+
+/// Raises the topic `technique` and those of the techniques, which have their names.
+pub fn report_techniques(world: &World, reports: &mut Reports) {
+    let techniques = world.resource::<Techniques>();
+    report_components(world, techniques, reports);
+    for (index, row) in techniques.rows.iter().enumerate() {
+        let mut round = reports.round(row.name());
+        for light in techniques.refused.iter().filter(|light| light.row == index) {
+            let refusal = light.refusal;
+            round.raise(Some(light.entity), refusal.code(), || {
+                format!("{} gives the light no shadow: {refusal}.", row.name())
+            });
+        }
+        row.report(world, &mut round);
+    }
+}
+
+/// Raises techniques without a light, and several on one. Asks archetypes, not entities.
+fn report_components(world: &World, techniques: &Techniques, reports: &mut Reports) {
+    let mut round = reports.round("technique");
+    let components = world.components();
+    let light = world.component_id::<Light>();
+    for archetype in world.archetypes().iter() {
+        let has = |id: Option<ComponentId>| id.is_some_and(|id| archetype.contains(id));
+        let on = |row: &&Row| has(components.get_id(row.component()));
+        let rows = || techniques.rows.iter().filter(on);
+        let Some(first) = rows().next().map(Row::name) else {
+            continue;
+        };
+        for entity in archetype.entities().iter().map(|entity| Some(entity.id())) {
+            if !has(light) {
+                round.raise(entity, 1, || {
+                    format!("{first} has no effect: the entity is no light. Put it on the entity that has the light.")
+                });
+            } else if rows().count() > 1 {
+                round.raise(entity, 2, || {
+                    let all: Vec<&str> = rows().map(Row::name).collect();
+                    format!(
+                        "The light has {} shadow techniques, {}; {first} is used. Remove the others.",
+                        all.len(),
+                        all.join(" and ")
+                    )
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! How stencil shadow volumes join the frame.
+
+use bevy_ecs::prelude::*;
+
+use super::component::StencilVolume;
+#[cfg(feature = "render")]
+use super::gpu::recorder::StencilVolumeNode;
+use super::volumes::{StencilVolumes, build_stencil_volumes};
+#[cfg(feature = "render")]
+use crate::render::shaders::{ShaderFile, shader_files};
+#[cfg(feature = "render")]
+use crate::render::{Gpu, RenderError};
+use crate::sets::{NeededSilhouettes, Needs};
+use crate::techniques::registry::{Statistics, Technique, TechniqueSystems};
+
+impl Technique for StencilVolume {
+    const NAME: &'static str = "stencil_volume";
+    const NEEDS: Needs = Needs {
+        silhouettes: NeededSilhouettes::Shadowing,
+        light_occlusion: true,
+        ..Needs::NOTHING
+    };
+
+    fn init(world: &mut World) {
+        world.init_resource::<StencilVolumes>();
+    }
+
+    fn add_systems(schedule: &mut Schedule) {
+        schedule.add_systems(build_stencil_volumes.in_set(TechniqueSystems));
+    }
+
+    fn statistics(world: &World, light: usize, out: &mut Statistics) {
+        let volumes = world.resource::<StencilVolumes>().of_light(light);
+        let count = |depth_pass: bool| {
+            let casters = volumes.map_or(&[][..], |volumes| &volumes.casters);
+            casters
+                .iter()
+                .filter(|caster| caster.depth_pass == depth_pass)
+                .count()
+        };
+        out.set("casters_depth_pass", count(true));
+        out.set("casters_depth_fail", count(false));
+        out.set("casters_culled", volumes.map_or(0, |volumes| volumes.culled));
+    }
+
+    #[cfg(feature = "serde")]
+    fn parse(from: &mut dyn erased_serde::Deserializer) -> Result<Self, erased_serde::Error> {
+        erased_serde::deserialize(from)
+    }
+
+    #[cfg(feature = "bevy")]
+    fn register_type(types: &mut bevy_reflect::TypeRegistry) {
+        types.register::<Self>();
+    }
+
+    #[cfg(feature = "render")]
+    const SHADERS: &'static [ShaderFile] = shader_files!["techniques/stencil_volume/volume.wgsl"];
+
+    #[cfg(feature = "render")]
+    type Recorder = StencilVolumeNode;
+
+    #[cfg(feature = "render")]
+    fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
+        StencilVolumeNode::new(gpu)
+    }
+}

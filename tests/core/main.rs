@@ -1,0 +1,20 @@
+//! Geometry, sets, silhouettes, schedule and the ray caster: everything that needs neither a GPU nor a file.
+
+mod import_circles;
+mod layers;
+mod light_hull;
+#[cfg(feature = "reference")]
+mod occlusion_harness;
+#[cfg(feature = "reference")]
+mod occlusion_never_hides;
+#[cfg(feature = "reference")]
+mod reference;
+mod reports;
+mod schedule_order;
+mod sets_at_scale;
+mod sets_bad_input;
+mod sets_harness;
+mod sets_known_answers;
+mod sets_never_drop;
+mod silhouette_closed;
+mod techniques;

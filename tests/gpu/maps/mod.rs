@@ -1,0 +1,14 @@
+//! Maps: what they look up is what the ray caster sees, up to a texel; nothing is drawn again that did not change; and
+//! whatever is asked for, there is an answer.
+
+mod cache;
+mod cascades;
+mod contacts;
+mod dungeon;
+mod faint;
+mod filters;
+mod holes;
+mod models;
+mod refusals;
+mod scenes;
+mod surfaces;

@@ -1,0 +1,162 @@
+//! Forms of the visibility buffer, ways to cull and to compute agree with one another.
+
+use antumbra::prelude::*;
+use antumbra::techniques::PenumbraWedges;
+use antumbra::techniques::penumbra_wedge::{
+    CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling, WedgeOverflow,
+};
+use bevy_transform::prelude::Transform;
+use glam::Vec3;
+
+use super::scenes::{EYE, Lit, crowd, ground, largest_difference, light, lit, rect, spawn, sphere, with};
+use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
+
+#[test]
+fn buffers_and_cullings_agree() {
+    let context = strict_context();
+    let additive = PenumbraWedge {
+        overlap: Overlap::Additive,
+        ..Default::default()
+    };
+    for kind in [rect(0.8, 0.5), sphere(0.35)] {
+        let mut stage = crowd(&context, false);
+        light(&mut stage, &lit(kind, additive));
+        let first = with(&mut stage, additive);
+        // No more than a dozen edges cover the light at any pixel of this scene.
+        let split = with(
+            &mut stage,
+            PenumbraWedge {
+                buffer: VisibilityBuffer::Split8,
+                ..additive
+            },
+        );
+        let difference = largest_difference(&first, &split);
+        println!("float and split8 differ by {difference}");
+        assert!(difference <= 12.0 / 4096.0, "{difference}");
+        let half = with(
+            &mut stage,
+            PenumbraWedge {
+                buffer: VisibilityBuffer::Half,
+                ..additive
+            },
+        );
+        let difference = largest_difference(&first, &half);
+        println!("float and half differ by {difference}");
+        assert!(difference > 0.0 && difference <= 0.005, "{difference}");
+        let tables = with(
+            &mut stage,
+            PenumbraWedge {
+                maths: CoverageMaths::Tables,
+                ..additive
+            },
+        );
+        let difference = largest_difference(&first, &tables);
+        println!("tables differ by {difference}");
+        // Those of discs are so fine that half floats hide it.
+        let is_seen = difference > 0.0 || matches!(kind, LightKind::Sphere { .. });
+        assert!(is_seen && difference <= 0.01, "{difference}");
+        for overlap in [Overlap::Additive, Overlap::Sampled] {
+            let wedge = PenumbraWedge { overlap, ..additive };
+            let first = with(&mut stage, wedge);
+            for culling in [WedgeCulling::Stencil, WedgeCulling::None] {
+                let other = with(&mut stage, PenumbraWedge { culling, ..wedge });
+                let pairs = first.values().iter().zip(other.values());
+                let apart = pairs.filter(|(a, b)| (**a - **b).abs() > 1e-3).count();
+                assert!(apart <= 3, "{overlap:?} {culling:?}: {apart} pixels");
+            }
+        }
+    }
+}
+
+#[test]
+fn one_edge_differs_by_a_step_of_twelve_bits() {
+    // A huge square whose one edge crosses the picture.
+    let context = strict_context();
+    let mut stage = ground(&context, EYE, Vec3::ZERO);
+    spawn(
+        &mut stage,
+        MeshData::plane(30.0),
+        Transform::from_xyz(-30.0, 2.0, 0.0),
+    );
+    light(&mut stage, &lit(rect(0.8, 0.5), PenumbraWedge::default()));
+    let float = with(&mut stage, PenumbraWedge::default());
+    let split = with(
+        &mut stage,
+        PenumbraWedge {
+            buffer: VisibilityBuffer::Split8,
+            ..Default::default()
+        },
+    );
+    assert!(float.values().iter().any(|v| *v > 0.3 && *v < 0.7));
+    // Half floats of the mask round by 1/4096 beside it.
+    let difference = largest_difference(&float, &split);
+    assert!(difference <= 1.0 / 4096.0 + 1.0 / 2048.0, "{difference}");
+}
+
+#[test]
+fn overflow_of_bytes_is_reported() {
+    let context = strict_context();
+    let mut stage = ground(&context, EYE, Vec3::ZERO);
+    let wedge = PenumbraWedge {
+        buffer: VisibilityBuffer::Split8,
+        ..Default::default()
+    };
+    light(&mut stage, &lit(rect(0.5, 0.5), wedge));
+    let frames = |stage: &mut Stage| {
+        for _ in 0..4 {
+            stage.render().expect("a frame");
+        }
+        stage.world.resource::<WedgeOverflow>().pixels()
+    };
+    assert_eq!(frames(&mut stage), 0);
+    for i in 0..60 {
+        let place = Transform::from_xyz(0.0, 1.0 + 0.02 * i as f32, 0.0);
+        spawn(&mut stage, MeshData::cuboid(Vec3::new(0.5, 0.005, 0.5)), place);
+    }
+    assert!(frames(&mut stage) > 0, "sixty boxes cover one another");
+}
+
+#[test]
+fn counting_towards_the_viewer_and_away_agree() {
+    let context = strict_context();
+    for kind in [rect(0.9, 0.9), rect(2.4, 0.3), sphere(0.4)] {
+        let mut stage = ground(&context, EYE, Vec3::ZERO);
+        stage
+            .world
+            .insert_resource(ViewportSize(glam::UVec2::new(320, 180)));
+        for i in 0..7 {
+            let x = 0.22 * (i as f32 - 3.0);
+            for at in [Vec3::new(x, 0.75, 0.0), Vec3::new(x + 0.08, 0.75, -0.5)] {
+                spawn(
+                    &mut stage,
+                    MeshData::cuboid(Vec3::new(0.05, 0.6, 0.05)),
+                    Transform::from_translation(at),
+                );
+            }
+        }
+        let shone = Lit {
+            from: Vec3::new(1.9, 4.2, 1.2),
+            to: Vec3::new(0.0, 0.4, 0.0),
+            ..lit(kind, PenumbraWedge::default())
+        };
+        light(&mut stage, &shone);
+        let towards = with(&mut stage, PenumbraWedge::default());
+        let groups = &stage.world.resource::<PenumbraWedges>().groups;
+        assert!(groups.iter().any(|group| !group.towards.is_empty()));
+        let away = with(
+            &mut stage,
+            PenumbraWedge {
+                culling: WedgeCulling::None,
+                ..Default::default()
+            },
+        );
+        let groups = &stage.world.resource::<PenumbraWedges>().groups;
+        assert!(groups.iter().all(|group| group.towards.is_empty()));
+        // Where a face passes within the device's rounding of a pixel's centre, neither is right.
+        let pairs = towards.values().iter().zip(away.values());
+        let apart = pairs.filter(|(a, b)| (**a - **b).abs() > 2e-3).count();
+        println!("{kind:?}: {apart} of {} pixels differ", towards.values().len());
+        assert!(apart <= 2, "{kind:?}: {apart}");
+    }
+}

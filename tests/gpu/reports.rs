@@ -1,0 +1,147 @@
+//! What a device cannot draw stands in `Reports`, once.
+
+use std::sync::Arc;
+
+use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
+use antumbra::prelude::*;
+use antumbra::render::HostView;
+use antumbra::reports::{Report, Reports};
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::{UVec2, Vec3};
+
+const SIZE: UVec2 = UVec2::new(64, 32);
+
+fn stage(context: RenderContext) -> Stage {
+    let view = Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y);
+    let camera = Camera {
+        aspect: 2.0,
+        ..Default::default()
+    };
+    let mut stage = Stage::empty(SIZE, camera, view);
+    stage
+        .add_renderer(context, RenderSettings::default())
+        .expect("shaders compose");
+    let place = Transform::from_xyz(1.0, 3.0, 1.0);
+    let shadow = Some(StencilVolume::default());
+    stage.spawn_light(Light::point(Vec3::ONE, 20.0, 20.0), place, shadow);
+    object(&mut stage, MeshData::cuboid(Vec3::splat(0.5)));
+    stage
+}
+
+fn object(stage: &mut Stage, mesh: MeshData) -> Entity {
+    let object = (
+        SceneMesh(Arc::new(mesh)),
+        SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+        (ShadowCaster, ShadowReceiver),
+        Transform::default(),
+    );
+    stage.world.spawn(object).id()
+}
+
+fn frame(stage: &mut Stage) -> Vec<Report> {
+    stage.schedule.run(&mut stage.world);
+    let mut reports = stage.world.resource_mut::<Reports>();
+    reports.drain_new().cloned().collect()
+}
+
+/// The fault is new once.
+fn expect(stage: &mut Stage, topic: &str, entity: Option<Entity>, text: &[&str]) {
+    let new = frame(stage);
+    let [report] = &new[..] else {
+        panic!("{text:?}: {new:#?}");
+    };
+    assert_eq!((report.topic, report.entity), (topic, entity), "{report:?}");
+    for text in text {
+        assert!(report.message.contains(text), "{text:?}: {}", report.message);
+    }
+    for _ in 0..5 {
+        assert!(frame(stage).is_empty(), "{text:?} is said once");
+    }
+    assert_eq!(stage.world.resource::<Reports>().iter().count(), 1);
+}
+
+fn expect_nothing(stage: &mut Stage) {
+    let new = frame(stage);
+    assert!(new.is_empty(), "{new:#?}");
+    assert_eq!(stage.world.resource::<Reports>().iter().count(), 0);
+}
+
+#[test]
+fn a_view_outside_of_its_host_is_reported_of_its_camera() {
+    let mut stage = stage(strict_context());
+    expect_nothing(&mut stage);
+    let camera = stage.world.get::<Camera>(stage.camera).unwrap();
+    let inside = HostView {
+        target_size: SIZE,
+        viewport_origin: UVec2::ZERO,
+        clip_from_view: camera.clip_from_view(),
+    };
+    let outside = HostView {
+        viewport_origin: UVec2::X,
+        ..inside
+    };
+    let host = |stage: &mut Stage, view| {
+        let mut renderer = stage.world.resource_mut::<Renderer>();
+        renderer.set_host(Some(view)).unwrap();
+    };
+    host(&mut stage, outside);
+    let camera = Some(stage.camera);
+    let text = ["No shadows are drawn", "64", "Keep the viewport inside"];
+    expect(&mut stage, "renderer", camera, &text);
+    host(&mut stage, inside);
+    expect_nothing(&mut stage);
+}
+
+#[test]
+fn a_lost_device_is_reported_of_nobody() {
+    let mut stage = stage(own_context(RequestedFeatures::default()));
+    expect_nothing(&mut stage);
+    stage.world.resource::<Renderer>().context().set_lost();
+    let text = ["GPU device was lost", "Make a new `RenderContext`"];
+    expect(&mut stage, "renderer", None, &text);
+    let context = own_context(RequestedFeatures::default());
+    stage
+        .add_renderer(context, RenderSettings::default())
+        .expect("shaders compose");
+    expect_nothing(&mut stage);
+}
+
+/// A device that allows storage of 256 KiB in a binding.
+fn small_device() -> RenderContext {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+        .expect("a GPU adapter is needed");
+    let limits = wgpu::Limits {
+        max_storage_buffer_binding_size: 256 << 10,
+        ..Default::default()
+    };
+    let descriptor = wgpu::DeviceDescriptor {
+        required_limits: limits,
+        ..Default::default()
+    };
+    let (device, queue) =
+        pollster::block_on(adapter.request_device(&descriptor)).expect("less than the adapter has");
+    device.on_uncaptured_error(Arc::new(|error| panic!("wgpu error: {error}")));
+    let mut context = RenderContext::from_device(device, queue, "small".to_owned());
+    context.anisotropy = 1;
+    context
+}
+
+#[test]
+fn a_mesh_beyond_the_device_is_reported_of_its_object() {
+    let mut stage = stage(small_device());
+    expect_nothing(&mut stage);
+    let mut mesh = MeshData::icosphere(0.5, 6);
+    let bytes = mesh.positions.len() * 12;
+    assert!(bytes > 256 << 10);
+    mesh.name = "statue".to_owned();
+    let object = object(&mut stage, mesh);
+    stage.world.entity_mut(object).remove::<ShadowCaster>();
+    let bytes = format!("{bytes} bytes");
+    let text = ["`statue` is not drawn", &bytes, "262144 bytes", "Split the mesh"];
+    expect(&mut stage, "mesh", Some(object), &text);
+    stage.world.despawn(object);
+    expect_nothing(&mut stage);
+}
