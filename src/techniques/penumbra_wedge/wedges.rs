@@ -39,7 +39,7 @@ pub struct PenumbraWedges {
     pub caster_records: Vec<WedgeCaster>,
     /// Wedges of all casters, one per edge or piece of an edge.
     pub wedges: Vec<Wedge>,
-    /// Cap triangles of all casters: vertices of their meshes, wound towards the light.
+    /// Cap triangles of all casters: vertices of their meshes, in the order of the mesh.
     pub caps: Vec<u32>,
     /// Increases when `wedges`, `caps` or the number of casters changed.
     pub generation: u64,
