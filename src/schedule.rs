@@ -14,7 +14,7 @@ use crate::sets::SeenInto;
 use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
 use crate::silhouettes::report::{RefusedCasters, report_casters};
-use crate::silhouettes::{CasterMeshes, Silhouettes, cache, casters};
+use crate::silhouettes::{CasterMeshes, LightClearance, Silhouettes, cache, casters};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
 
@@ -78,6 +78,7 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<FaceCulling>();
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
+    world.init_resource::<LightClearance>();
     world.init_resource::<SetTimes>();
     world.init_resource::<Reports>();
     world.init_resource::<Techniques>();

@@ -10,6 +10,7 @@ use antumbra::render::create_target;
 use antumbra::render::readback::{TexelRows, read_texture};
 use antumbra::scene::WorldBounds;
 use antumbra::scene::apply_animation;
+use antumbra::scene::camera_place;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
 use antumbra::schedule::{init_resources, standalone_schedule};
 use antumbra::techniques::{Settings, Techniques, add_row};
@@ -190,10 +191,7 @@ impl Stage {
                 .get(loaded.nodes[node].camera?)
                 .copied()
                 .flatten()?;
-            let transform = self
-                .world
-                .get::<bevy_transform::prelude::GlobalTransform>(entity)?
-                .compute_transform();
+            let transform = camera_place(&self.world, entity)?.compute_transform();
             Some((Camera { aspect, ..camera }, transform))
         });
         first.unwrap_or_else(|| framing_camera(self.scene_bounds(), aspect))

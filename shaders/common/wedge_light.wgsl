@@ -287,15 +287,18 @@ const SPLIT_STEPS: f32 = 4096.0;
 
 // Value of a hard shadow in the channel that also sums the shares. Shares sum to less than half of it.
 const HARD_SHADOW: f32 = 64.0;
+// Value of a hard shadow where up to 254 casters lie one behind the other. Places are then hidden or not, without
+// steps between.
+const DEEP_HARD_SHADOW: f32 = 256.0;
 
 fn unit_line(line: vec3f) -> vec3f {
     return line * inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
 }
 
-// For three places, the part on the positive side of a line of unit normal, in steps.
-fn three_beyond(line: vec3f, x: vec3f, y: vec3f) -> vec3f {
+// For three places, the part on the positive side of a line of unit normal, in steps, of which 1 has `steps`.
+fn three_beyond(line: vec3f, x: vec3f, y: vec3f, steps: f32) -> vec3f {
     let distance = line.x * x + line.y * y + line.z;
-    return round(clamp(distance * (PLACE_STEPS / PLACE_WIDTH) + 0.5 * PLACE_STEPS, vec3f(0.0), vec3f(PLACE_STEPS)));
+    return round(clamp(distance * (steps / PLACE_WIDTH) + 0.5 * steps, vec3f(0.0), vec3f(steps)));
 }
 
 // An edge as seen from the centre: the lines through its ends, and its own line, whose positive side is away
@@ -308,13 +311,13 @@ struct Sides {
 
 // For three places, the part behind an edge. The steps of its ends come in separately: edges that meet at a
 // vertex agree on them, so they cancel around a loop.
-fn three_behind(sides: Sides, x: vec3f, y: vec3f) -> vec3f {
-    let between = abs(three_beyond(sides.first, x, y) - three_beyond(sides.last, x, y));
-    return round(between * three_beyond(sides.beyond, x, y) / PLACE_STEPS);
+fn three_behind(sides: Sides, x: vec3f, y: vec3f, steps: f32) -> vec3f {
+    let between = abs(three_beyond(sides.first, x, y, steps) - three_beyond(sides.last, x, y, steps));
+    return round(between * three_beyond(sides.beyond, x, y, steps) / steps);
 }
 
-// For all nine places, the part behind the edge as seen from the centre, in steps.
-fn places_behind(seen: Seen, is_sphere: bool) -> mat3x3f {
+// For all nine places, the part behind the edge as seen from the centre, in steps, of which 1 has `steps`.
+fn places_behind(seen: Seen, is_sphere: bool, steps: f32) -> mat3x3f {
     let line = cross(seen.first, seen.last);
     let sides = Sides(
         unit_line(vec3f(-seen.first.y, seen.first.x, 0.0)),
@@ -322,9 +325,9 @@ fn places_behind(seen: Seen, is_sphere: bool) -> mat3x3f {
         unit_line(line * select(1.0, -1.0, line.z > 0.0)),
     );
     return mat3x3f(
-        three_behind(sides, select(SQUARE_X[0], DISC_X[0], is_sphere), select(SQUARE_Y[0], DISC_Y[0], is_sphere)),
-        three_behind(sides, select(SQUARE_X[1], DISC_X[1], is_sphere), select(SQUARE_Y[1], DISC_Y[1], is_sphere)),
-        three_behind(sides, select(SQUARE_X[2], DISC_X[2], is_sphere), select(SQUARE_Y[2], DISC_Y[2], is_sphere)),
+        three_behind(sides, select(SQUARE_X[0], DISC_X[0], is_sphere), select(SQUARE_Y[0], DISC_Y[0], is_sphere), steps),
+        three_behind(sides, select(SQUARE_X[1], DISC_X[1], is_sphere), select(SQUARE_Y[1], DISC_Y[1], is_sphere), steps),
+        three_behind(sides, select(SQUARE_X[2], DISC_X[2], is_sphere), select(SQUARE_Y[2], DISC_Y[2], is_sphere), steps),
     );
 }
 
@@ -332,8 +335,8 @@ fn places_behind(seen: Seen, is_sphere: bool) -> mat3x3f {
 fn places_above(horizon: vec3f, is_sphere: bool) -> mat3x3f {
     let line = unit_line(horizon);
     return mat3x3f(
-        three_beyond(line, select(SQUARE_X[0], DISC_X[0], is_sphere), select(SQUARE_Y[0], DISC_Y[0], is_sphere)),
-        three_beyond(line, select(SQUARE_X[1], DISC_X[1], is_sphere), select(SQUARE_Y[1], DISC_Y[1], is_sphere)),
-        three_beyond(line, select(SQUARE_X[2], DISC_X[2], is_sphere), select(SQUARE_Y[2], DISC_Y[2], is_sphere)),
+        three_beyond(line, select(SQUARE_X[0], DISC_X[0], is_sphere), select(SQUARE_Y[0], DISC_Y[0], is_sphere), PLACE_STEPS),
+        three_beyond(line, select(SQUARE_X[1], DISC_X[1], is_sphere), select(SQUARE_Y[1], DISC_Y[1], is_sphere), PLACE_STEPS),
+        three_beyond(line, select(SQUARE_X[2], DISC_X[2], is_sphere), select(SQUARE_Y[2], DISC_Y[2], is_sphere), PLACE_STEPS),
     ) * (1.0 / PLACE_STEPS);
 }

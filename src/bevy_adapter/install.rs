@@ -35,12 +35,14 @@ use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRender
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
 use crate::reports::Reports;
 use crate::scene::LightSelection;
+use crate::silhouettes::LightClearance;
 use crate::techniques::add_builtin;
 
 /// Registers types, and adds the system that an app without a renderer needs. Every app gets these.
 pub fn register(app: &mut App) {
     app.register_type::<AntumbraCamera>()
         .register_type::<LightSelection>()
+        .register_type::<LightClearance>()
         .add_systems(
             Last,
             warn_without_renderer.run_if(not(resource_exists::<Installed>)), // no renderer shows shadows

@@ -2,11 +2,10 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
-use bevy_transform::prelude::GlobalTransform;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::ray_scene::{RayScene, SceneTriangle};
-use crate::scene::bounds::is_usable_transform;
+use crate::scene::placement::Placement;
 use crate::scene::{
     MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
 };
@@ -17,7 +16,7 @@ struct Object {
     entity: Entity,
     mesh: &'static SceneMesh,
     posed: Option<&'static PosedMesh>,
-    transform: &'static GlobalTransform,
+    place: Placement,
     materials: Option<&'static SceneMaterials>,
     layers: Option<&'static SelectionLayers>,
     blocks: Has<ShadowCaster>,
@@ -30,9 +29,9 @@ impl RayScene {
     ///
     /// The camera sees triangles of entities with [`SceneMaterials`], and blended ones as solidly as others.
     /// Triangles of [`ShadowCaster`]s block light, and those of [`ShadowReceiver`]s show shadows. Objects
-    /// whose transform is not usable are left out, as in the renderer. Triangles that are not finite or name
-    /// a missing vertex are dropped and counted. `GlobalTransform`s are read as they are, so propagate
-    /// transforms first.
+    /// whose transform is not finite or leaves no area are left out, as in the renderer. Triangles that are not
+    /// finite or name a missing vertex are dropped and counted. `GlobalTransform`s are read as they are, so
+    /// propagate transforms first.
     pub fn from_world(world: &mut World) -> Self {
         let mut query = world.query::<Object>();
         let mut objects: Vec<_> = query.iter(world).collect();
@@ -51,16 +50,15 @@ impl RayScene {
 /// Appends an object's triangles. Returns how many triangles name a missing vertex.
 fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> usize {
     let is_drawn = object.materials.is_some();
-    if !is_usable_transform(object.transform) || !(object.blocks || is_drawn) {
+    let Some(affine) = object.place.exact_affine().filter(|_| object.blocks || is_drawn) else {
         return 0;
-    }
+    };
     let mesh = &*object.mesh.0;
     let positions = object
         .posed
         .map(|posed| &posed.positions)
         .filter(|positions| !positions.is_empty())
         .unwrap_or(&mesh.positions);
-    let affine = object.transform.affine();
     // Everything is `f64` from here: products of two `f32` are exact, and a far translation costs no
     // precision.
     let world_from_local = DAffine3::from_mat3_translation(

@@ -6,17 +6,16 @@ use glam::DVec3;
 use super::bvh::Bvh;
 use super::contact::touches;
 use super::ray::{Ray, RayHit, ShearedRay};
+use crate::conventions::LIGHT_CLEARANCE;
 use crate::scene::SelectionLayers;
 
 /// Largest coordinate of a triangle, metres. Triangles beyond it are dropped; below it the areas in the tree,
 /// which are `f32`, stay finite.
 pub const MAX_COORDINATE: f64 = 1e15;
 
-/// Share of the way to a positional light at which a shadow ray ends. A triangle nearer to the light than
-/// 10⁻⁹ of the distance counts as lying at the light and does not block. This is 4 orders of magnitude above
-/// the rounding of the parameter (some 2⁻⁵⁰ unless the ray grazes the triangle), and 2 below what `f32`
-/// positions can distinguish.
-pub const LIGHT_END: f64 = 1.0 - 1e-9;
+/// Share of the way to a positional light at which a shadow ray ends. So surfaces nearer to the light than
+/// [`LIGHT_CLEARANCE`] times the receiver's distance do not block it, as under every technique.
+pub const LIGHT_END: f64 = 1.0 - LIGHT_CLEARANCE as f64;
 
 /// A triangle in world space, and its roles.
 #[derive(Clone, Copy, Debug, PartialEq)]

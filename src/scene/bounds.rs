@@ -5,15 +5,9 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
 use super::changes::{Since, bits};
-use super::{LocalBounds, PosedMesh, SceneMesh, WorldBounds, tasks};
+use super::placement::placed;
+use super::{LocalBounds, PosedMesh, SceneMesh, Skin, WorldBounds, tasks};
 use crate::geometry::Aabb;
-
-/// Whether an object with this transform can be drawn: the transform is finite and not singular.
-pub fn is_usable_transform(transform: &GlobalTransform) -> bool {
-    let affine = transform.affine();
-    let determinant = affine.matrix3.determinant();
-    affine.is_finite() && determinant.is_finite() && determinant != 0.0
-}
 
 /// Recomputes [`LocalBounds`] of meshes that were added, replaced or posed.
 ///
@@ -53,11 +47,18 @@ const CHUNK: usize = 4096;
 /// Set: `UpdateBounds`, after [`update_local_bounds`]. The system reads whole columns of change ticks, so
 /// that objects at rest cost next to nothing. The bounds of moved objects are computed on all threads. The
 /// location in code of the last change (bevy's `track_location`) is not recorded.
-pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTransform>, &mut WorldBounds)>) {
+pub fn update_world_bounds(
+    mut objects: Query<(
+        Ref<LocalBounds>,
+        Ref<GlobalTransform>,
+        &mut WorldBounds,
+        Has<Skin>,
+    )>,
+) {
     let Ok(tables) = objects.contiguous_iter_mut() else {
         unreachable!("all three are kept in tables");
     };
-    for (local, transform, world) in tables {
+    for (local, transform, world, is_skinned) in tables {
         let since = Since::new(local.last_run_tick(), local.this_run_tick());
         let this_run = local.this_run_tick();
         let (local_ticks, transform_ticks) = (local.changed_ticks_slice(), transform.changed_ticks_slice());
@@ -84,7 +85,7 @@ pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTrans
                 {
                     for bit in bits(since.mask(local_ticks) | since.mask(transform_ticks)) {
                         let row = at * 64 + bit;
-                        world[row] = world_bounds(&local[row], &transform[row]);
+                        world[row] = world_bounds(&local[row], &transform[row], is_skinned);
                         stamp[row] = this_run;
                     }
                 }
@@ -93,10 +94,7 @@ pub fn update_world_bounds(mut objects: Query<(Ref<LocalBounds>, Ref<GlobalTrans
     }
 }
 
-fn world_bounds(local: &LocalBounds, transform: &GlobalTransform) -> WorldBounds {
-    WorldBounds(if is_usable_transform(transform) {
-        local.0.transformed(&transform.affine())
-    } else {
-        Aabb::EMPTY
-    })
+fn world_bounds(local: &LocalBounds, transform: &GlobalTransform, is_skinned: bool) -> WorldBounds {
+    let affine = placed(transform, is_skinned);
+    WorldBounds(affine.map_or(Aabb::EMPTY, |affine| local.0.transformed(&affine)))
 }

@@ -17,7 +17,7 @@ impl Default for LocalBounds {
 }
 
 /// Bounds of an object in world space. They are empty for an object that is left out because it has no
-/// triangles, or because its transform is singular or not finite.
+/// triangles, or because its transform leaves no area or is not finite.
 ///
 /// A change of this component means that the object moved.
 /// [`update_world_bounds`](super::update_world_bounds) marks the component as changed whenever the transform

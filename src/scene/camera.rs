@@ -1,8 +1,9 @@
 //! The camera component.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{DMat4, DVec4, Mat4, Vec2};
+use glam::{DMat4, DVec4, Mat4, Quat, Vec2};
 
 /// A camera at its `GlobalTransform`, looking along local −Z. Its depth is reversed; in perspective it is
 /// also infinite ([`conventions`](crate::conventions)). A transform that mirrors gives a mirrored view.
@@ -32,6 +33,67 @@ pub struct Orthographic {
     /// Distance of the far plane, metres; greater than `near`. Objects beyond it are not seen. Of an object
     /// that the plane cuts, the part beyond it may or may not be seen and lit.
     pub far: f32,
+}
+
+/// Makes a [`Camera`] ignore the scale of its own transform and of all its parents. The product of their rotations turns
+/// it, and its position is that of its `GlobalTransform`. Cameras of glTF files have this component.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct IgnoresScale;
+
+/// Reads the transforms of cameras, and those of their parents where [`IgnoresScale`] needs them.
+#[derive(SystemParam)]
+pub struct CameraTurns<'w, 's> {
+    marked: Query<'w, 's, (), With<IgnoresScale>>,
+    chain: Query<'w, 's, (&'static Transform, Option<&'static ChildOf>)>,
+}
+
+impl CameraTurns<'_, '_> {
+    /// The transform of a camera, without scale if that is ignored.
+    pub fn place(&self, camera: Entity, world_from_camera: &GlobalTransform) -> GlobalTransform {
+        if !self.marked.contains(camera) {
+            return *world_from_camera;
+        }
+        let link = |entity| {
+            let (transform, parent) = self.chain.get(entity).ok()?;
+            Some((transform.rotation, parent.map(ChildOf::parent)))
+        };
+        unscaled(camera, world_from_camera, link)
+    }
+}
+
+/// Returns a camera's `GlobalTransform`, without scale if it has [`IgnoresScale`]. `None` for an entity without a
+/// transform.
+pub fn camera_place(world: &World, camera: Entity) -> Option<GlobalTransform> {
+    let world_from_camera = world.get::<GlobalTransform>(camera)?;
+    if world.get::<IgnoresScale>(camera).is_none() {
+        return Some(*world_from_camera);
+    }
+    let link = |entity| {
+        let rotation = world.get::<Transform>(entity)?.rotation;
+        Some((rotation, world.get::<ChildOf>(entity).map(ChildOf::parent)))
+    };
+    Some(unscaled(camera, world_from_camera, link))
+}
+
+/// The product of the rotations from an entity up to its root, at the entity's place. `link` gives the rotation of an entity
+/// and its parent.
+fn unscaled(
+    camera: Entity,
+    world_from_camera: &GlobalTransform,
+    link: impl Fn(Entity) -> Option<(Quat, Option<Entity>)>,
+) -> GlobalTransform {
+    let mut rotation = Quat::IDENTITY;
+    let mut next = Some(camera);
+    while let Some((turn, parent)) = next.and_then(&link) {
+        rotation = turn * rotation;
+        next = parent;
+    }
+    let rotation = rotation.normalize();
+    GlobalTransform::from(Transform {
+        translation: world_from_camera.translation(),
+        rotation: if rotation.is_finite() { rotation } else { Quat::NAN },
+        ..Transform::IDENTITY
+    })
 }
 
 impl Default for Camera {

@@ -33,11 +33,11 @@ pub enum LightKind {
     /// The light shines from a point in all directions.
     Point,
     /// The light shines from a point into a cone around −Z, with full intensity inside the inner half-angle
-    /// and none outside the outer one.
+    /// and none outside the outer one. Equal angles make a cone with a sharp edge.
     Spot {
-        /// Half-angle of the region of full intensity, radians; 0 ≤ inner < outer.
+        /// Half-angle of the region of full intensity, radians; 0 ≤ inner ≤ outer.
         inner_angle: f32,
-        /// Half-angle of the whole cone, radians; at most π/2.
+        /// Half-angle of the whole cone, radians; greater than 0 and at most π/2.
         outer_angle: f32,
     },
     /// The light comes from infinity, parallel along −Z.
@@ -94,7 +94,9 @@ pub enum LightError {
     #[error("colour is {0}, its components must be finite and at least 0")]
     Color(Vec3),
     /// The angles of a spot light are out of order or too large.
-    #[error("cone half-angles are {inner} and {outer} radians, 0 ≤ inner < outer ≤ π/2 is needed")]
+    #[error(
+        "cone half-angles are {inner} and {outer} radians, 0 ≤ inner ≤ outer and 0 < outer ≤ π/2 are needed"
+    )]
     Angles {
         /// Inner half-angle, radians.
         inner: f32,
@@ -149,7 +151,7 @@ impl Light {
             LightKind::Spot {
                 inner_angle: inner,
                 outer_angle: outer,
-            } if !(0.0 <= inner && inner < outer && outer <= std::f32::consts::FRAC_PI_2) => {
+            } if !(0.0 <= inner && inner <= outer && 0.0 < outer && outer <= std::f32::consts::FRAC_PI_2) => {
                 Err(LightError::Angles { inner, outer })
             }
             LightKind::Rect { width, height } if !usable(width) || !usable(height) => {

@@ -8,7 +8,7 @@
 //! | [`SelectionLayers`] | which lights select an entity ([`LightSelection`]) |
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a further component ([`techniques`](crate::techniques)) |
-//! | [`Camera`] | the view |
+//! | [`Camera`], [`IgnoresScale`] | the view, and whether it leaves the scale of its transform out |
 //! | [`Skin`], [`MorphWeights`] | how a mesh is posed each frame into [`PosedMesh`] |
 //! | [`WorldBounds`] | where an entity is; written by this crate |
 //!
@@ -29,13 +29,15 @@ pub(crate) mod light;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod occluder;
+pub(crate) mod placement;
 pub(crate) mod pose;
+mod pose_components;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{update_local_bounds, update_world_bounds};
 pub use bounds_components::{LocalBounds, WorldBounds};
-pub use camera::{Camera, Orthographic};
+pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
 pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
@@ -43,4 +45,5 @@ pub use light::{Light, LightError, LightKind, LightSelection};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;
-pub use pose::{MorphWeights, PosedMesh, Skin, pose_meshes};
+pub use pose::pose_meshes;
+pub use pose_components::{MorphWeights, PosedMesh, Skin};

@@ -1,46 +1,12 @@
 //! Skins and morph targets. Meshes are posed on the CPU, so that silhouettes, bounds, shadow volumes and the
 //! picture all use the same vertices.
 
-use std::sync::Arc;
-
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::{Mat3, Mat4, Vec3, Vec4};
+use glam::{Mat3, Mat4};
 
-use super::{MeshData, SceneMesh};
-
-/// Binds a mesh to joints. Removing this component returns the mesh to its rest pose.
-#[derive(Component, Clone, Debug)]
-#[require(PosedMesh)]
-pub struct Skin {
-    /// Joint entities. Their `GlobalTransform` is read.
-    pub joints: Vec<Entity>,
-    /// Inverse bind matrices, one for each joint: from the mesh's bind space to the joint's local space. A
-    /// missing matrix counts as the identity.
-    pub inverse_bind: Arc<[Mat4]>,
-}
-
-/// Weights of the mesh's morph targets. A weight that is missing or not finite counts as 0.
-#[derive(Component, Clone, Debug, PartialEq)]
-#[require(PosedMesh)]
-pub struct MorphWeights(pub Vec<f32>);
-
-/// The posed vertices of this frame, in the entity's local space. They are empty until [`pose_meshes`] has
-/// run once. From then on there is one entry for each vertex of the mesh.
-///
-/// Change detection marks this component exactly in frames in which [`pose_meshes`] posed the mesh anew:
-/// after [`SceneMesh`], [`Skin`] or [`MorphWeights`] changed, and for a skinned mesh also after the
-/// `GlobalTransform` of a joint or of the entity itself changed. The triangles remain those of the mesh.
-#[derive(Component, Clone, Debug, Default, PartialEq)]
-pub struct PosedMesh {
-    /// Posed position of each vertex, metres, local space.
-    pub positions: Vec<Vec3>,
-    /// Posed unit normal of each vertex, local space.
-    pub normals: Vec<Vec3>,
-    /// Posed tangents, in the layout of [`MeshData::tangents`](super::MeshData::tangents). Empty if the mesh
-    /// has none.
-    pub tangents: Vec<Vec4>,
-}
+use super::placement::placed;
+use super::{MeshData, MorphWeights, PosedMesh, SceneMesh, Skin};
 
 /// Poses meshes with a [`Skin`] or [`MorphWeights`] into their [`PosedMesh`]: morph targets first, then
 /// joints.
@@ -49,9 +15,10 @@ pub struct PosedMesh {
 /// [`update_local_bounds`](super::update_local_bounds).
 ///
 /// Vertices that are equal in all streams are posed to equal bits, and equal input gives equal output. A mesh
-/// keeps its last pose while its own transform is singular or while a joint is missing or not finite; if it
-/// has no pose yet, it gets its rest pose. Cost: the vertices of the meshes that moved. Nothing is allocated
-/// after the first frame of a mesh.
+/// keeps its last pose while its own transform is not finite or while a joint is missing or not finite; if it
+/// has no pose yet, it gets its rest pose. The joints alone decide where a skinned mesh is, so the scale of its
+/// own transform has no effect. Cost: the vertices of the meshes that moved. Nothing is allocated after the
+/// first frame of a mesh.
 #[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn pose_meshes(
     mut meshes: Query<(
@@ -118,11 +85,10 @@ fn collect_joint_matrices(
     local_from_bind: &mut Vec<Mat4>,
 ) -> bool {
     local_from_bind.clear();
-    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
-    let determinant = world_from_local.determinant();
-    if !determinant.is_finite() || determinant == 0.0 {
+    let Some(world_from_local) = placed(world_from_local, true) else {
         return false;
-    }
+    };
+    let world_from_local = Mat4::from(world_from_local).as_dmat4();
     let local_from_world = world_from_local.inverse();
     for (index, &joint) in skin.joints.iter().enumerate() {
         let Some(world_from_joint) = joint_transform(joint) else {

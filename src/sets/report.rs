@@ -7,8 +7,8 @@ use bevy_transform::prelude::GlobalTransform;
 use super::{CellIssue, Cells, FrameLights, Objects};
 use crate::geometry::Aabb;
 use crate::reports::Reports;
-use crate::scene::bounds::is_usable_transform;
-use crate::scene::{LightError, SceneMesh};
+use crate::scene::placement::placed;
+use crate::scene::{LightError, SceneMesh, Skin};
 
 /// Raises the reports of the topics `light`, `object` and `cell`.
 pub fn report_sets(world: &World, reports: &mut Reports) {
@@ -36,7 +36,10 @@ fn light_advice(error: &LightError) -> (u32, &'static str) {
         LightError::Range(_) => (1, "Set a range in metres; infinity is allowed."),
         LightError::Intensity(_) => (2, "Set a finite intensity; 0 turns the light off."),
         LightError::Color(_) => (3, "Set a colour of finite components that are not negative."),
-        LightError::Angles { .. } => (4, "Set the outer half-angle first, then a smaller inner one."),
+        LightError::Angles { .. } => (
+            4,
+            "Set the outer half-angle first, then an inner one that is not larger.",
+        ),
         LightError::Size(_) => (5, "Set a finite size in metres; 0 makes it a point."),
         LightError::Transform => (
             6,
@@ -64,7 +67,9 @@ fn report_objects(world: &World, objects: &Objects, reports: &mut Reports) {
                 "The object is neither drawn nor casts: its transform holds NaN or infinity. Look for the cause in its \
                  transform and in those of its parents.",
             ),
-            (Some(_), Some(transform)) if !is_usable_transform(transform) => {
+            (Some(_), Some(transform))
+                if placed(transform, world.get::<Skin>(entity).is_some()).is_none() =>
+            {
                 let matrix = transform.affine().matrix3;
                 let axes = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
                 if axes.iter().all(|axis| axis.length_squared() == 0.0) {
@@ -72,8 +77,8 @@ fn report_objects(world: &World, objects: &Objects, reports: &mut Reports) {
                 }
                 (
                     2,
-                    "The object is neither drawn nor casts: its transform flattens it. Give it a scale other than 0 \
-                     along each axis; a small one keeps it nearly flat.",
+                    "The object is neither drawn nor casts: its transform flattens it to a line or a point. Give it a \
+                     scale other than 0 along at least two axes.",
                 )
             }
             (Some(_), Some(_)) => (

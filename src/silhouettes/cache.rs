@@ -3,12 +3,14 @@
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, DVec4, Mat4, Vec4};
+use glam::{DMat4, DVec4, Vec4};
 
 use super::caster_shape::CasterShape;
 use super::casters::CasterMesh;
+use super::grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
+use super::stacks::stacked_boxes;
 use super::{CapMode, Contour, FacingBits, classify, extract_contour};
+use crate::geometry::Aabb;
 use crate::sets::{FrameLights, NeededSilhouettes, Objects, SeenInto};
 
 /// Frames that a silhouette is kept after its last use. A light that flickers in and out of view does not pay
@@ -27,6 +29,11 @@ pub struct Silhouette {
     pub light_local: Vec4,
     /// Which triangles stand for the caster.
     pub mode: CapMode,
+    /// Metres from the light within which surfaces do not block it.
+    pub clearance: f64,
+    /// Number of pieces of the caster that lie one behind the other, estimated from bounding boxes. Both sides of a
+    /// piece count where all triangles are caps.
+    pub stacked: u32,
     /// Edges and caps.
     pub contour: Contour,
     /// Unique among all silhouettes ever extracted, so a copy can detect that it is stale. 0 marks a free
@@ -43,6 +50,10 @@ pub struct LightSilhouettes {
     pub light: Entity,
     /// Slots, used and free; an index stays valid until its pair is forgotten.
     pub slots: Vec<Silhouette>,
+    /// Largest sum of [`Silhouette::stacked`] over casters that lie one behind the other: the range of counts that a
+    /// technique needs. It is an estimate from bounding boxes, so it does not know of folds within a piece.
+    pub stacked: u32,
+    stacked_of: Option<(usize, u64)>,
     slot_of: Vec<u32>,
     free: Vec<u32>,
     layout_generation: u64,
@@ -53,6 +64,8 @@ pub struct LightSilhouettes {
 pub struct Silhouettes {
     lights: Vec<LightSilhouettes>,
     bits: FacingBits,
+    grazed: Vec<u64>,
+    boxes: Vec<(Aabb, u32)>,
     frame: u64,
     last_revision: u64,
     /// Silhouettes extracted in this frame; 0 when nothing moved.
@@ -114,6 +127,8 @@ impl LightSilhouettes {
                 entity,
                 light_local: Vec4::ZERO,
                 mode: CapMode::default(),
+                clearance: 0.0,
+                stacked: 0,
                 contour: Contour::default(),
                 revision: 0,
                 source: None,
@@ -163,11 +178,14 @@ pub fn build_silhouettes(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     seen_into: Res<SeenInto>,
+    clearance: Res<LightClearance>,
     casters: Query<CasterShape>,
 ) {
     let Silhouettes {
         lights: kept,
         bits,
+        grazed,
+        boxes,
         frame,
         last_revision,
         extracted,
@@ -187,6 +205,8 @@ pub fn build_silhouettes(
                     LightSilhouettes {
                         light: light.entity,
                         slots: Vec::new(),
+                        stacked: 0,
+                        stacked_of: None,
                         slot_of: Vec::new(),
                         free: Vec::new(),
                         layout_generation: 0,
@@ -196,6 +216,7 @@ pub fn build_silhouettes(
             });
         let entry = &mut kept[at];
         entry.remap(&objects);
+        let mut changed = false;
         let shadowing = (needed == NeededSilhouettes::Shadowing).then(|| light.s.ones());
         let reached = (needed == NeededSilhouettes::Reached).then(|| light.reached_casters(&objects));
         for object in shadowing
@@ -208,8 +229,9 @@ pub fn build_silhouettes(
                 continue;
             };
             let point = light.point_world;
-            let light_within =
-                point.w != 0.0 && objects.boxes.get(object).contains(point.truncate().as_vec3());
+            let bounds = objects.boxes.get(object);
+            let clearance = clearance.metres(point, light.light.range, &bounds);
+            let light_within = light_is_within(&bounds, point, clearance);
             let mode = cap_mode(light_within || seen_into.0.contains(object));
             let slot = entry.slot_for(object, entity);
             let silhouette = &mut entry.slots[slot];
@@ -219,6 +241,7 @@ pub fn build_silhouettes(
             silhouette.last_used = *frame;
             let known = silhouette.revision != 0
                 && silhouette.mode == mode
+                && silhouette.clearance == clearance
                 && silhouette
                     .source
                     .as_ref()
@@ -226,7 +249,10 @@ pub fn build_silhouettes(
             if known && watched && !light.moved && !objects.moved.contains(object) {
                 continue;
             }
-            let Some(light_local) = light_in_local(caster.transform, light.point_world) else {
+            let in_local = caster
+                .world_from_local()
+                .and_then(|matrix| Some((matrix, light_in_local(&matrix, light.point_world)?)));
+            let Some((world_from_local, light_local)) = in_local else {
                 entry.forget(object);
                 continue;
             };
@@ -236,12 +262,41 @@ pub fn build_silhouettes(
             let edges = caster.edges;
             classify(&edges.0.edges, caster.planes(), light_local, bits);
             extract_contour(&edges.0.edges, bits, mode, &mut silhouette.contour);
+            grazed.clear();
+            if light_within {
+                let grazing = GrazingLight {
+                    light_world: point,
+                    light_local,
+                    world_from_local: &world_from_local,
+                    clearance,
+                };
+                let (planes, positions) = (caster.planes(), caster.positions());
+                find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
+                take_out_of_contour(&edges.0.edges, bits, mode, grazed, &mut silhouette.contour);
+            }
             *last_revision += 1;
             *extracted += 1;
             silhouette.revision = *last_revision;
             silhouette.light_local = light_local;
             silhouette.mode = mode;
+            silhouette.clearance = clearance;
+            let sides = match mode {
+                CapMode::AllTriangles if edges.0.edges.closed_cluster_count() > 0 => 2,
+                _ => 1,
+            };
+            silhouette.stacked = stacked_boxes(light_local.as_dvec4(), &edges.0.pieces).max(1) * sides;
+            changed = true;
             silhouette.source = Some(edges.0.clone());
+        }
+        let key = Some((light.s.count_ones(..), objects.layout_generation));
+        if changed || entry.stacked_of != key {
+            entry.stacked_of = key;
+            boxes.clear();
+            boxes.extend(light.s.ones().filter_map(|object| {
+                let (_, silhouette) = entry.of_object(object)?;
+                Some((objects.boxes.get(object), silhouette.stacked))
+            }));
+            entry.stacked = stacked_boxes(light.point_world, boxes);
         }
         entry.forget_unused(*frame, &objects);
     }
@@ -251,6 +306,14 @@ pub fn build_silhouettes(
             .of_entity(entry.light)
             .is_some_and(|light| light.needs().silhouettes != NeededSilhouettes::None)
     });
+}
+
+/// Whether a light is within a caster's bounds, or nearer to them than its clearance.
+pub fn light_is_within(bounds: &Aabb, light_world: DVec4, clearance: f64) -> bool {
+    let light = light_world.truncate();
+    light_world.w != 0.0
+        && (bounds.contains(light.as_vec3())
+            || light.distance(light.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3())) <= clearance)
 }
 
 /// Back-facing triangles suffice for a caster unless the camera or the light may be inside it; then all
@@ -266,8 +329,7 @@ fn cap_mode(looked_or_lit_from_within: bool) -> CapMode {
 
 /// Transforms the light to a homogeneous point in a caster's space, in `f64`; `None` for a transform without
 /// inverse.
-pub fn light_in_local(world_from_local: &GlobalTransform, light_world: DVec4) -> Option<Vec4> {
-    let world_from_local: DMat4 = Mat4::from(world_from_local.affine()).as_dmat4();
+pub fn light_in_local(world_from_local: &DMat4, light_world: DVec4) -> Option<Vec4> {
     let determinant = world_from_local.determinant();
     if !(determinant.is_finite() && determinant != 0.0) {
         return None;

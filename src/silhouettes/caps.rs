@@ -19,6 +19,19 @@ pub fn extract_contour(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, cont
 /// Extracts only the caps of a contour, and leaves its edges as they are. The caps are empty if the bits do
 /// not fit the mesh.
 pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
+    extract_caps_without(mesh, facing, mode, &[], contour);
+}
+
+/// Extracts the caps of a contour except for triangles whose bits are set in `left_out`. That has one word per
+/// cluster, or is empty to leave out none.
+pub(super) fn extract_caps_without(
+    mesh: &EdgeMesh,
+    facing: &FacingBits,
+    mode: CapMode,
+    left_out: &[u64],
+    contour: &mut Contour,
+) {
+    let kept = |cluster: usize| !left_out.get(cluster).copied().unwrap_or(0);
     contour.caps.clear();
     contour.caps_away_start = 0;
     if !fits(mesh, facing) {
@@ -33,14 +46,14 @@ pub fn extract_caps(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour
         push_caps(
             mesh,
             cluster,
-            words[i],
+            words[i] & kept(i),
             states[i] & HAS_FACING != 0,
             &mut contour.caps,
         );
     }
     contour.caps_away_start = contour.caps.len();
     for (i, cluster) in mesh.clusters().iter().enumerate() {
-        let word = !words[i] & cluster.full_word();
+        let word = !words[i] & cluster.full_word() & kept(i);
         push_caps(mesh, cluster, word, states[i] & HAS_BACK != 0, &mut contour.caps);
     }
 }

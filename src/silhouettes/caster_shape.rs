@@ -1,11 +1,11 @@
 //! Query of a caster's shape in this frame: its edges, transform and pose.
 
 use bevy_ecs::query::QueryData;
-use bevy_transform::prelude::GlobalTransform;
-use glam::Vec3;
+use glam::{DMat4, Vec3};
 
 use super::casters::{CasterEdges, PosedPlanes};
 use super::planes::FacingPlanes;
+use crate::scene::placement::Placement;
 use crate::scene::{PosedMesh, SceneMesh};
 
 /// The shape of a caster in this frame.
@@ -14,12 +14,16 @@ pub struct CasterShape {
     /// Welded edges and triangles of the caster's mesh.
     pub edges: &'static CasterEdges,
     mesh: &'static SceneMesh,
-    /// Transform of the caster from local to world space.
-    pub transform: &'static GlobalTransform,
+    place: Placement,
     posed: Option<(&'static PosedMesh, &'static PosedPlanes)>,
 }
 
 impl CasterShapeItem<'_, '_> {
+    /// Returns the matrix from the caster's local space to world space; `None` if its transform leaves it out.
+    pub fn world_from_local(&self) -> Option<DMat4> {
+        self.place.world_from_local()
+    }
+
     /// Whether the caster has a pose, even one that lacks positions for some vertices.
     pub fn is_posed(&self) -> bool {
         self.posed.is_some()

@@ -6,8 +6,10 @@ use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
 
+use super::stacks::piece_boxes;
 use super::{FacingPlanes, compute_planes, compute_posed_planes};
-use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput};
+use crate::geometry::Aabb;
+use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput, is_outside_out};
 use crate::scene::{MeshData, PosedMesh, SceneMesh, ShadowCaster};
 
 /// Edges and planes that all casters with one mesh share.
@@ -17,6 +19,11 @@ pub struct CasterMesh {
     pub edges: EdgeMesh,
     /// Planes of the triangles in the mesh's rest pose.
     pub planes: FacingPlanes,
+    /// Whether only fronts of the mesh are seen from outside in any pose: it is closed, never posed, and nowhere inside
+    /// out.
+    pub shows_fronts_alone: bool,
+    /// Boxes of the pieces, local space, each with weight 1. Empty for a mesh of one piece.
+    pub pieces: Vec<(Aabb, u32)>,
 }
 
 /// The edge mesh of a caster, written by `build_caster_edges`.
@@ -56,7 +63,16 @@ impl CasterMesh {
         })?;
         let mut planes = FacingPlanes::default();
         compute_planes(&edges, &mesh.positions, &mut planes);
-        Ok(Self { edges, planes })
+        // A pose may turn parts inside out, which the rest pose does not show.
+        let shows_fronts_alone =
+            keys.is_none() && edges.is_closed() && is_outside_out(&mesh.positions, edges.corners());
+        let pieces = piece_boxes(&edges, &mesh.positions);
+        Ok(Self {
+            pieces: pieces.into_iter().map(|aabb| (aabb, 1)).collect(),
+            edges,
+            planes,
+            shows_fronts_alone,
+        })
     }
 }
 

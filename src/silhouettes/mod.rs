@@ -14,6 +14,8 @@
 //! | `planes` | one plane per triangle, bounds per cluster |
 //! | `facing` | one bit per triangle: whether it faces the light; 64 at a time |
 //! | `turning` | one bit per triangle: whether its plane cuts the light |
+//! | `grazed` | one bit per triangle: whether the light lies in or on it, so that it blocks nothing |
+//! | `stacks` | how many casters lie one behind the other |
 //! | `contour` | what a volume is made of |
 //! | `caps` | cap triangles |
 //! | `edges` | signed edges |
@@ -28,9 +30,11 @@ pub(crate) mod casters;
 mod contour;
 mod edges;
 mod facing;
+pub(crate) mod grazed;
 mod loops;
 mod planes;
 pub(crate) mod report;
+pub(crate) mod stacks;
 mod turning;
 
 pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
@@ -40,6 +44,7 @@ pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCas
 pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
+pub use grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
 pub use loops::{LoopError, Loops, link_loops};
 pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};
 pub use turning::{LightExtent, find_turning};

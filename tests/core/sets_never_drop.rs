@@ -1,9 +1,12 @@
 //! The sets may keep too many, they never drop what matters: held against brute force over sampled points and rays.
 
 use crate::sets_harness::judge::judge;
-use crate::sets_harness::{Id, Random, all_sets, random_scene, rooms, run, spawn, transform};
+use crate::sets_harness::{
+    Id, Random, all_sets, random_orthographic_scene, random_scene, rooms, run, simple, spawn, thing,
+    transform,
+};
 use antumbra::geometry::Aabb;
-use antumbra::scene::{Light, ShadowCaster, WorldBounds};
+use antumbra::scene::{Camera, Light, LightKind, ShadowCaster, WorldBounds};
 use antumbra::sets::{FrameLight, FrameLights, FrustumSet, Objects, SetWork};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
@@ -16,6 +19,14 @@ proptest! {
     #[test]
     fn nothing_seen_by_brute_force_is_missing(seed in any::<u64>()) {
         let scene = random_scene(seed);
+        let (world, _) = run(&scene);
+        let wrong = judge(&scene, &world, seed).wrong;
+        prop_assert!(wrong.is_empty(), "{} missing, first: {}", wrong.len(), wrong[0]);
+    }
+
+    #[test]
+    fn nothing_seen_by_an_orthographic_camera_is_missing(seed in any::<u64>()) {
+        let scene = random_orthographic_scene(seed);
         let (world, _) = run(&scene);
         let wrong = judge(&scene, &world, seed).wrong;
         prop_assert!(wrong.is_empty(), "{} missing, first: {}", wrong.len(), wrong[0]);
@@ -233,5 +244,56 @@ fn rooms_need_a_third_of_the_casters_in_range() {
     assert!(sum(|light| light.s.count_ones(..)) * 3 < sum(|light| light.l.count_ones(..)));
     for seed in 0..3 {
         println!("{}", statistics("random", &run(&random_scene(seed)).0));
+    }
+}
+
+/// A cube behind an orthographic camera that shows what is behind it: every kind of light reaches it.
+#[test]
+fn lights_at_negative_view_depth_shine() {
+    let mut scene = simple(
+        vec![thing(Vec3::new(0.0, 0.0, 5.0), 1.0)],
+        vec![
+            (directional(), Vec3::ZERO),
+            (
+                Light {
+                    kind: LightKind::Point,
+                    ..directional()
+                },
+                Vec3::new(0.0, 0.5, 8.0),
+            ),
+            (
+                Light {
+                    kind: LightKind::Spot {
+                        inner_angle: 0.3,
+                        outer_angle: 0.6,
+                    },
+                    ..directional()
+                },
+                Vec3::new(0.0, 0.5, 8.0),
+            ),
+        ],
+    );
+    scene.camera = Camera::orthographic(4.0, -10.0, 0.0, 1.0);
+    let (world, _) = run(&scene);
+    for light in &world.resource::<FrameLights>().lights {
+        assert!(!light.is_skipped(), "{:?}", light.light);
+        let bounds = light.depth_bounds.unwrap();
+        assert!(bounds.near <= -6.0 && bounds.far >= -4.0, "{bounds:?}");
+    }
+    assert_eq!(world.resource::<FrameLights>().lights.len(), 3);
+    // The judge would see such a loss.
+    let verdict = judge(&scene, &world, 1);
+    assert!(verdict.wrong.is_empty() && verdict.looked > 20);
+    let mut world = world;
+    each_light(&mut world, |light| light.i.clear());
+    assert!(judge(&scene, &world, 1).wrong.len() > 20);
+}
+
+fn directional() -> Light {
+    Light {
+        kind: LightKind::Directional,
+        color: Vec3::ONE,
+        intensity: 1.0,
+        range: f32::INFINITY,
     }
 }

@@ -1,5 +1,6 @@
 //! The import of glTF files.
 
+mod faults;
 mod gltf_builder;
 mod gltf_import;
 mod gltf_robustness;

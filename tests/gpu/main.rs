@@ -4,6 +4,7 @@ mod area_lights;
 mod bad_input;
 mod blended_receivers;
 mod cpu_gpu_parity;
+mod faults;
 mod harness;
 mod hosted;
 mod layout_contract;

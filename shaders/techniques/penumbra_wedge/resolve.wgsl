@@ -3,7 +3,7 @@
 // Host    src/techniques/penumbra_wedge/gpu/recorder.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, SPLIT_STEPS}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW, SPLIT_STEPS}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // with IS_SPLIT: the bytes that were added
 @group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
@@ -22,6 +22,9 @@ override IS_SPLIT: bool = false;
 override IS_SCALAR: bool = false;
 // Besides the sum, the channels count hard shadows and places on the light.
 override IS_SAMPLED: bool = false;
+// More casters may lie one behind the other than the digits of places have room for in steps, so places are
+// either hidden or not.
+override IS_DEEP: bool = false;
 // The coverage of groups has been combined.
 override IS_COMBINED: bool = false;
 
@@ -50,12 +53,29 @@ fn summed(pixel: vec2u, over: vec4f) -> Covered {
 }
 
 // How often three places are hidden: the count of hard shadows, less the signed counts of edges that one
-// float holds for the three. A digit has room for 32 times; higher counts wrap around to lower ones.
+// float holds for the three. A digit has room for 32 times, or for 256 without steps; higher counts wrap around
+// to lower ones. So a light with more than 30 casters one behind the other leaves the steps out.
 fn times_hidden(hard: f32, packed: f32) -> vec3f {
     let second = round(packed / 256.0);
     let third = round(second / 256.0);
+    if IS_DEEP {
+        return times_hidden_deep(hard, packed);
+    }
     let told = hard - vec3f(packed - 256.0 * second, second - 256.0 * third, third) / PLACE_STEPS;
     return told - 32.0 * floor((told + 1.0) / 32.0);
+}
+
+// As times_hidden, for digits without steps. A digit outside of its range, −128 to 127, has carried into the next
+// one. So each digit is determined first and subtracted from what the next ones are read from.
+fn times_hidden_deep(hard: f32, packed: f32) -> vec3f {
+    let first = within_256(hard - (packed - 256.0 * round(packed / 256.0)));
+    let rest = (packed - (hard - first)) / 256.0;
+    let second = within_256(hard - (rest - 256.0 * round(rest / 256.0)));
+    return vec3f(first, second, hard - (rest - (hard - second)) / 256.0);
+}
+
+fn within_256(times: f32) -> f32 {
+    return times - 256.0 * floor((times + 1.0) / 256.0);
 }
 
 // How often the places on the light are hidden in one layer.
@@ -65,13 +85,14 @@ struct Counts {
 }
 
 fn counts(sums: vec4f, over: f32, is_above: mat3x3f) -> Counts {
-    let hard = -round(sums.r / HARD_SHADOW);
+    let one = select(HARD_SHADOW, DEEP_HARD_SHADOW, IS_DEEP);
+    let hard = -round(sums.r / one);
     let hidden = mat3x3f(
         times_hidden(hard, sums.g) * is_above[0],
         times_hidden(hard, sums.b) * is_above[1],
         times_hidden(hard, sums.a) * is_above[2],
     );
-    return Counts(hard * over - (sums.r + hard * HARD_SHADOW), hidden);
+    return Counts(hard * over - (sums.r + hard * one), hidden);
 }
 
 // Sum over all places.
@@ -93,9 +114,15 @@ struct Account {
 // The correction is weighted by how well sample counts correlate with being hidden. Where nothing overlaps,
 // sum and samples agree and the sum is the answer. Where everything is hidden twice, the sum says nothing.
 //
+// What hides more of the light than lies between places hides some places too, so the sum may add no more than
+// that share. Without this limit it would add more where many casters hide the same rim of the light but no
+// place.
+//
 // Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples",
 // 8.9.
 fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
+    // Share of the light that lies on one side of a line and holds no place, with a margin for thin casters. By eye.
+    const UNSEEN = 0.15;
     const COUNT = 9.0;
     // Weight of the prior slope (`believed`), which decides where all places have equal counts. By trial over
     // the models.
@@ -108,7 +135,7 @@ fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
     let believed = select(1.0, clamp(mean / max(mean_count, 1e-6), 0.0, 1.0), mean_count > 0.05);
     let slope = clamp((together + BELIEF * believed) / (spread + BELIEF), 0.0, 1.0);
     let fit = (together * together + BELIEF * believed) / (spread * own_spread + BELIEF);
-    return Account(mean + slope * (layer.covered - mean_count), fit);
+    return Account(mean + min(slope * (layer.covered - mean_count), UNSEEN), fit);
 }
 
 // The layer whose estimate fits better is used. Within this difference of fits the two are blended, so that
@@ -153,7 +180,8 @@ fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
         covered = vec4f(sampled(pixel, own_seat.horizon, over.a));
     } else if IS_COMBINED {
         let before = textureLoad(combined, pixel, 0);
-        covered = min(select(vec4f(max(before.x, before.y)), before, IS_TEXTURED), over);
+        let by_layer = 0.5 * (before.xy + before.zw);
+        covered = min(select(vec4f(max(by_layer.x, by_layer.y)), before, IS_TEXTURED), over);
     } else {
         let layers = summed(pixel, over);
         covered = max(layers.facing, layers.averted);
@@ -162,9 +190,11 @@ fn resolve(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(visible.rgb / whole_above(position.xy), visible.a);
 }
 
-// Combines coverages halfway between no and full overlap. The two layers are two estimates of one shadow, so
-// each is combined by itself, in x and y. Textured lights have no room for that; there the layer that hides
-// more counts.
+// Combines coverages halfway between no and full overlap. For two groups, equation 1 is the largest plus half of
+// the smaller, which equals half of the sum plus half of the largest. The latter does not depend on the order of
+// the groups if there are more than two. So xy holds the sum and zw the largest. The two layers are two estimates
+// of one shadow, so each is combined by itself. Textured lights have no room for that; there the layer that hides
+// more counts, and groups are combined one after the other.
 // Source: Assarsson et al. 2003, equation 1.
 @fragment
 fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
@@ -172,7 +202,10 @@ fn combine(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let own_seat = seat(receiver_at(position.xy), IS_SPHERE);
     let layers = summed(pixel, above_here(own_seat.horizon));
     let by_color = max(layers.facing, layers.averted);
-    let now = select(vec4f(layers.facing.a, layers.averted.a, 0.0, 0.0), by_color, IS_TEXTURED);
     let before = textureLoad(combined, pixel, 0);
-    return max(before, now) + 0.5 * min(before, now);
+    if IS_TEXTURED {
+        return max(before, by_color) + 0.5 * min(before, by_color);
+    }
+    let now = vec2f(layers.facing.a, layers.averted.a);
+    return vec4f(before.xy + now, max(before.zw, now));
 }

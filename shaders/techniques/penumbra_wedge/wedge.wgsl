@@ -5,7 +5,7 @@
 //         Infinity is w = 0, depth 0. In orthographic views everything ends before it.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW, SPLIT_STEPS}
+#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW, DEEP_HARD_SHADOW, PLACE_STEPS, SPLIT_STEPS}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::geometry::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -71,6 +71,9 @@ override CAP_LAYERS: u32 = 3u;
 override STEPS: f32 = 16384.0;
 // Besides the share, hard shadows and nine places on the light are counted.
 override IS_SAMPLED: bool = false;
+// More casters may lie one behind the other than the digits of places have room for in steps, so places are
+// either hidden or not.
+override IS_DEEP: bool = false;
 
 struct Corner {
     @builtin(position) @invariant position_clip: vec4f,
@@ -172,7 +175,7 @@ const DIGITS: vec3f = vec3f(1.0, 256.0, 65536.0);
 // Value of a whole hard shadow: a count in sampled sums, otherwise the share of the part above the horizon.
 fn whole(pixel: vec2f) -> vec4f {
     if IS_SAMPLED {
-        return vec4f(HARD_SHADOW, 0.0, 0.0, 0.0);
+        return vec4f(select(HARD_SHADOW, DEEP_HARD_SHADOW, IS_DEEP), 0.0, 0.0, 0.0);
     }
     let own_seat = seat(receiver_at(pixel), IS_SPHERE);
     return rounded(above(own_seat.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED)));
@@ -254,7 +257,7 @@ fn coverage(in: Corner) -> Layers {
     let is_usable = share.a >= 0.0 && share.a < 1.0;
     var value = rounded(share);
     if IS_SAMPLED {
-        let places = places_behind(seen, IS_SPHERE);
+        let places = places_behind(seen, IS_SPHERE, select(PLACE_STEPS, 1.0, IS_DEEP));
         value = vec4f(value.a, DIGITS * places);
     }
     value = select(vec4f(0.0), value, is_usable);

@@ -15,6 +15,7 @@
 //! | `half_edges` | edges of triangles, sorted |
 //! | `pieces` | connected pieces, and which of them are closed |
 //! | `weld` | welding of vertices |
+//! | `winding` | whether the outside of a mesh is seen from everywhere around it |
 //! | `order` | the order of triangles, which decides who shares a cluster |
 //! | `error` | [`EdgeMeshError`] |
 
@@ -25,7 +26,9 @@ mod mesh;
 mod order;
 mod pieces;
 mod weld;
+mod winding;
 
 pub use build::EdgeMeshInput;
 pub use error::EdgeMeshError;
 pub use mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};
+pub use winding::is_outside_out;

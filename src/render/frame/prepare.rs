@@ -1,7 +1,6 @@
 //! Systems of the set `PrepareGpu`, which turn the frame's sets into buffers and draw lists.
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
@@ -16,6 +15,7 @@ use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
 use crate::render::renderer::Renderer;
 use crate::scene::FaceCulling;
+use crate::scene::placement::Placement;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
 
@@ -31,7 +31,7 @@ pub fn prepare_objects(
     appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
     exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
     posed: Query<(Entity, &PosedMesh), Changed<PosedMesh>>,
-    transforms: Query<&GlobalTransform>,
+    places: Query<Placement>,
 ) {
     let renderer = renderer.as_mut();
     if let Err(error) = begin_frame(renderer, &view, viewport.0) {
@@ -69,7 +69,7 @@ pub fn prepare_objects(
         let (clip_from_world, eye) = (current.clip_from_world, current.eye);
         renderer
             .table
-            .update_constants(&objects.entities, &transforms, clip_from_world, eye);
+            .update_constants(&objects.entities, &places, clip_from_world, eye);
         renderer.write_objects();
         renderer.last_clip_from_world = Some(clip_from_world);
     }

@@ -22,6 +22,9 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
     };
     /// The largest emission. A larger one would overflow when it is divided by the least squared distance.
     const BRIGHTEST: f32 = 1e30;
+    /// Slope of the intensity over the cosine at the edge of a cone without a rim. The intensity rises from 0 to 1 within two
+    /// steps of an `f32` below 1.
+    const SHARP: f32 = (1 << 23) as f32;
     let emission: Vec3 = (light.light.color * light.light.intensity).min(Vec3::splat(BRIGHTEST));
     let (scale, offset) = match light.light.kind {
         LightKind::Spot {
@@ -29,7 +32,12 @@ pub fn light_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
             outer_angle,
         } => {
             // Source: Khronos, KHR_lights_punctual, "Inner and Outer Cone Angles".
-            let scale = 1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-3);
+            // Without a rim, which that source divides by, intensity rises within one step of the cosine.
+            let scale = if inner_angle == outer_angle {
+                SHARP
+            } else {
+                1.0 / (inner_angle.cos() - outer_angle.cos()).max(1e-3)
+            };
             (scale, -outer_angle.cos() * scale)
         }
         _ => (0.0, 1.0),

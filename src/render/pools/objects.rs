@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, DVec3, Mat4};
+use glam::{DMat4, DVec3};
 
 use super::gpu_types;
 use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use crate::render::Gpu;
+use crate::scene::placement::Placement;
 use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::{Objects, ViewData};
 
@@ -124,16 +124,17 @@ impl ObjectTable {
     pub fn update_constants(
         &mut self,
         entities: &[Entity],
-        transforms: &Query<&GlobalTransform>,
+        places: &Query<Placement>,
         clip_from_world: DMat4,
         eye_world: DVec3,
     ) {
         self.constants.clear();
         self.handedness.clear();
         for &entity in entities {
-            let world_from_local = transforms
-                .get(entity)
-                .map_or(DMat4::ZERO, |transform| Mat4::from(transform.affine()).as_dmat4());
+            let place = places.get(entity).ok();
+            let world_from_local = place
+                .and_then(|place| place.world_from_local())
+                .unwrap_or(DMat4::ZERO);
             let handedness = world_from_local.determinant().signum() as f32;
             let usable = world_from_local.is_finite() && handedness != 0.0;
             self.handedness.push(if usable { handedness } else { 0.0 });

@@ -103,6 +103,9 @@ fn replace_non_finite_positions(positions: &mut [Vec3]) {
     }
 }
 
+/// The extension that compresses primitives.
+const DRACO: &str = "KHR_draco_mesh_compression";
+
 struct Import<'i, 'a> {
     accessors: &'i Accessors<'a>,
     index: usize,
@@ -139,6 +142,7 @@ impl Import<'_, '_> {
             return Ok(false);
         };
 
+        self.refuse_compressed(element, primitive)?;
         let has_normals = attribute(primitive, Semantic::Normals).is_some();
         let key = vertex_key(primitive);
         let known = self.vertex_runs.get(&key).copied().filter(|_| has_normals);
@@ -225,6 +229,33 @@ impl Import<'_, '_> {
             index_count: (triangles.len() * 3) as u32,
         });
         Ok(true)
+    }
+
+    /// Refuses a primitive whose data exists only in compressed form, although the file does not list that extension as
+    /// required. Its accessors have no data of their own and would read as zeros.
+    fn refuse_compressed(&self, element: Element, primitive: &Primitive) -> Result<(), GltfError> {
+        let extensions = primitive.extensions.as_ref();
+        if !extensions.is_some_and(|extensions| extensions.others.contains_key(DRACO)) {
+            return Ok(());
+        }
+        let used = primitive
+            .attributes
+            .values()
+            .chain(primitive.indices.as_ref())
+            .map(|accessor| accessor.value());
+        let without_data = |&accessor: &usize| {
+            let accessor = self.accessors.root.accessors.get(accessor);
+            accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
+        };
+        match used.min_by_key(|accessor| (!without_data(accessor), *accessor)) {
+            Some(accessor) if without_data(&accessor) => {
+                let reason = format!(
+                    "its data is compressed by {DRACO}, which is not supported, and accessor {accessor} has no other data"
+                );
+                Err(self.accessors.invalid(element, reason))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Vertex indices in drawing order, all of them in range.

@@ -11,7 +11,7 @@ use gltf::json::validation::Checked;
 use super::accessors::Accessors;
 use super::cell_extras::GltfVisibility;
 use super::mesh::GltfMesh;
-use super::transforms::transform_of;
+use super::transforms::{NodeTransform, transform_of};
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{Camera, Light, LightKind, MeshData};
 
@@ -24,8 +24,12 @@ pub const MAX_NODE_DEPTH: usize = 512;
 pub struct GltfNode {
     /// Name of the node, or "node 3" if it has none.
     pub name: String,
-    /// Transform relative to the parent. It may be singular or not finite; the report then lists it.
+    /// Transform relative to the parent, or to `stretch` if there is one. It may be singular or not finite; the
+    /// report then lists it.
     pub transform: Transform,
+    /// Transform between the parent and `transform`, of a node whose matrix shears. No single translation, rotation
+    /// and scale makes such a matrix; two of them one after the other do.
+    pub stretch: Option<Transform>,
     /// Indices of the node's children.
     pub children: Vec<usize>,
     /// Index of the node's mesh in [`LoadedGltf::meshes`](super::LoadedGltf::meshes).
@@ -75,7 +79,11 @@ pub(super) fn load(
     let mut nodes = Vec::with_capacity(json.len());
     for (index, node) in json.iter().enumerate() {
         let element = Element::Node(index);
-        let (transform, problem) = transform_of(node);
+        let NodeTransform {
+            transform,
+            stretch,
+            problem,
+        } = transform_of(node);
         if let Some(problem) = problem {
             report.add(SkipKind::NodeTransform, element, 1, problem);
         }
@@ -113,6 +121,7 @@ pub(super) fn load(
         nodes.push(GltfNode {
             name: node.name.clone().unwrap_or_else(|| element.to_string()),
             transform,
+            stretch,
             children,
             weights: mesh.map_or_else(Vec::new, |(_, mesh)| node_weights(node, mesh, element, report)),
             mesh: mesh.map(|(index, _)| index),

@@ -87,7 +87,7 @@ pub enum SkipKind {
     /// Vertex data that was repaired because it was not finite, had no length, or named more than four
     /// joints. Counts vertices.
     VertexData,
-    /// A node whose transform is singular or not finite. It is loaded, but its objects are not drawn. Counts
+    /// A node whose transform leaves no area or is not finite. It is loaded, but its objects are not drawn. Counts
     /// nodes.
     NodeTransform,
     /// A node or mesh whose skin or morph weights do not fit. Counts nodes, meshes or inverse bind matrices.

@@ -10,7 +10,9 @@ use super::cells;
 use super::nodes::GltfNode;
 use super::{Element, GltfError, LoadedGltf};
 use crate::scene::animation::{AnimationClips, SceneNodes};
-use crate::scene::{MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin};
+use crate::scene::{
+    IgnoresScale, MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin,
+};
 
 /// The entities of a spawned scene.
 #[derive(Clone, Debug)]
@@ -37,8 +39,9 @@ impl AsRef<SceneNodes> for SpawnedScene {
 /// Spawns a scene of the file; `None` spawns the default scene.
 ///
 /// Each node becomes an entity with `Transform`, `Name`, `ChildOf`, and the mesh, light and camera of the
-/// node. A skinned mesh becomes a separate entity, a child of the root, because glTF ignores the transform of
-/// its node.
+/// node. A node whose matrix shears gets a second entity between it and its parent, which carries the outer
+/// part of the matrix. A skinned mesh becomes a separate entity, a child of the root, because glTF ignores
+/// the transform of its node.
 ///
 /// # Errors
 /// A scene that does not exist, or a skin whose joints are not all in the scene. Nothing is spawned then.
@@ -85,6 +88,13 @@ pub fn spawn_scene(
             Parent::Node(parent) => spawned.nodes.nodes[parent].unwrap_or(root),
             Parent::Scene | Parent::NotInScene => root,
         };
+        let parent = match gltf.nodes[index].stretch {
+            Some(stretch) => {
+                let name = Name::new(format!("{} (sheared)", gltf.nodes[index].name));
+                world.spawn((name, stretch, ChildOf(parent))).id()
+            }
+            None => parent,
+        };
         world.entity_mut(entity).insert(ChildOf(parent));
         spawn_node(world, gltf, index, entity, &mut spawned);
     }
@@ -109,7 +119,7 @@ fn spawn_node(
         .camera
         .and_then(|camera| gltf.cameras.get(camera).copied().flatten())
     {
-        world.entity_mut(entity).insert(camera);
+        world.entity_mut(entity).insert((camera, IgnoresScale));
         spawned.cameras.push(entity);
     }
     if node.visibility.takes_mesh() {

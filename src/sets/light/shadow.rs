@@ -1,7 +1,6 @@
 //! Set S of each light: casters whose shadow can reach what the light lights in view.
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use smallvec::SmallVec;
 
 use super::frame_lights::{FrameLight, FrameLights};
@@ -11,6 +10,7 @@ use super::lit_receivers::{cut_casters, list_lit_receivers};
 use super::reach::each_light;
 use crate::geometry::{LightHull, Plane, Sphere};
 use crate::scene::LocalBounds;
+use crate::scene::placement::Placement;
 use crate::sets::index::boxes::WORD;
 use crate::sets::index::clusters::for_bits;
 use crate::sets::index::objects::Objects;
@@ -84,8 +84,8 @@ fn clear(light: &mut FrameLight) {
     light.lit_receivers.clear();
 }
 
-/// Local bounds of a caster, and their transform to world space.
-type Placed = (&'static LocalBounds, &'static GlobalTransform);
+/// Local bounds of a caster, and its placement in world space.
+type Placed = (&'static LocalBounds, Placement);
 
 fn collect(
     light: &mut FrameLight,
@@ -138,8 +138,10 @@ fn collect(
 fn beyond(ball: &Sphere, objects: &Objects, word: usize, s: usize, placed: &Query<Placed>) -> usize {
     let mut beyond = 0;
     for_bits(objects.boxes.centered_beyond(word, s, ball), |bit| {
-        if let Ok((local, transform)) = placed.get(objects.entities[word * WORD + bit])
-            && ball.excludes_oriented(&local.0, &transform.affine())
+        if let Ok((local, place)) = placed.get(objects.entities[word * WORD + bit])
+            && place
+                .affine()
+                .is_some_and(|affine| ball.excludes_oriented(&local.0, &affine))
         {
             beyond |= 1 << bit;
         }

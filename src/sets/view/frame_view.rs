@@ -7,6 +7,7 @@ use glam::{DMat4, DVec3, UVec2};
 use super::stored_depth::ViewDepth;
 use crate::geometry::{Frustum, FrustumShape};
 use crate::scene::Camera;
+use crate::scene::camera::CameraTurns;
 use crate::sets::work::SetWork;
 
 /// Size of the picture, pixels. The owner of the render target writes it. With 0 × 0 (the default) nothing is
@@ -132,26 +133,29 @@ impl ViewData {
 
 /// Takes the view from the entity with the lowest index among those with a usable [`Camera`].
 ///
-/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. The lowest index belongs to
-/// the camera that was spawned first, unless indices were reused; it does not depend on the order of the
-/// query. If nothing changed, this computes nothing.
+/// Set: `CollectSets`. Reads [`Camera`], `GlobalTransform` and [`ViewportSize`]. A camera with
+/// [`IgnoresScale`](crate::scene::IgnoresScale) is placed without the scale of its transform. The lowest index
+/// belongs to the camera that was spawned first, unless indices were reused; it does not depend on the order of
+/// the query. If nothing changed, this computes nothing.
 pub fn collect_view(
     mut view: ResMut<View>,
     mut work: ResMut<SetWork>,
     viewport: Res<ViewportSize>,
     cameras: Query<(Entity, &Camera, &GlobalTransform)>,
+    turns: CameraTurns,
 ) {
-    let usable = |&(_, camera, world_from_camera): &(Entity, &Camera, &GlobalTransform)| {
+    let usable = |(_, camera, world_from_camera): &(Entity, &Camera, GlobalTransform)| {
         camera.is_valid() && Camera::view_from_world(world_from_camera).is_some()
     };
     let chosen = cameras
         .iter()
+        .map(|(entity, camera, at)| (entity, camera, turns.place(entity, at)))
         .filter(usable)
         .min_by_key(|&(entity, _, _)| entity.index_u32())
         .map(|(entity, camera, world_from_camera)| Input {
             entity,
             camera: *camera,
-            world_from_camera: *world_from_camera,
+            world_from_camera,
             viewport: viewport.0,
         });
     if chosen == view.seen {

@@ -31,7 +31,8 @@ impl ScreenBounds {
     pub const ALL: Self = Self {
         min: DVec2::NEG_INFINITY,
         max: DVec2::INFINITY,
-        near: 0.0,
+        // An orthographic view may reach behind its camera, where view depth is negative.
+        near: f64::NEG_INFINITY,
         far: f64::INFINITY,
     };
 

@@ -18,21 +18,39 @@ use crate::sets::light::frame_lights::FrameLights;
 /// Techniques share it while they run, in any order: the greatest depth does not depend on who comes first.
 #[derive(Resource, Debug, Default)]
 pub struct DepthReach {
-    /// Bits of the farthest depth, an `f64`, at least 0. Such numbers order as their bits do.
+    /// [`ordered`] bits of the farthest depth; 0 if nothing is drawn. Depth 0 does not stand for that, because all of an
+    /// orthographic view may lie at negative depth.
     farthest: AtomicU64,
+}
+
+/// The sign bit of an `f64`.
+const SIGN: u64 = 1 << 63;
+
+/// Bits that order as the depths do, negative ones too. They are greater than 0 for all depths.
+fn ordered(depth: f64) -> u64 {
+    let bits = depth.to_bits();
+    if bits & SIGN == 0 { bits | SIGN } else { !bits }
+}
+
+/// The depth of [`ordered`] bits.
+fn depth_of(bits: u64) -> f64 {
+    f64::from_bits(if bits & SIGN == 0 { !bits } else { bits & !SIGN })
 }
 
 impl DepthReach {
     /// Records that something is drawn as deep as `depth` in this frame.
     pub fn include(&self, depth: f64) {
-        if depth > 0.0 {
-            self.farthest.fetch_max(depth.to_bits(), Ordering::Relaxed);
+        if !depth.is_nan() {
+            self.farthest.fetch_max(ordered(depth), Ordering::Relaxed);
         }
     }
 
-    /// The farthest depth that something is drawn at; 0 if there is none.
+    /// The farthest depth that something is drawn at; −∞ if there is none.
     pub fn farthest(&self) -> f64 {
-        f64::from_bits(self.farthest.load(Ordering::Relaxed))
+        match self.farthest.load(Ordering::Relaxed) {
+            0 => f64::NEG_INFINITY,
+            bits => depth_of(bits),
+        }
     }
 
     fn reset(&self) {
@@ -116,6 +134,10 @@ mod tests {
         }
         assert_eq!(reach.farthest(), 70.0);
         reach.reset();
-        assert_eq!(reach.farthest(), 0.0);
+        assert_eq!(reach.farthest(), f64::NEG_INFINITY);
+        for depth in [-80.0, -3.0, -5.0] {
+            reach.include(depth);
+        }
+        assert_eq!(reach.farthest(), -3.0);
     }
 }

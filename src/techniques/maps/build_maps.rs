@@ -18,6 +18,7 @@ use super::request::{MapRequests, MapShape};
 use super::settings::{MapError, MapResolution, MapSettings};
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View};
+use crate::silhouettes::LightClearance;
 
 /// A problem with a light's map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -262,6 +263,7 @@ pub fn build_maps(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
+    clearance: Res<LightClearance>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
 ) {
     let maps = &mut *maps;
@@ -285,6 +287,7 @@ pub fn build_maps(
         objects: &objects,
         view: data,
         view_generation: view.generation,
+        near_share: clearance.share().max(1e-7), // a perspective needs some near plane
     };
     maps.collect_candidates(&scene, &lights);
     maps.take_in(settings.face_updates);

@@ -11,4 +11,7 @@ pub struct Scene<'a> {
     pub view: &'a ViewData,
     /// Generation of the view. It changes when the view changes, so that cascades are drawn again.
     pub view_generation: u64,
+    /// Default near plane as a share of the reach. Depth is floating point and reversed, so a near plane close to the
+    /// light costs no precision.
+    pub near_share: f64,
 }

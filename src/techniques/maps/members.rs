@@ -14,10 +14,6 @@ use super::request::MapShape;
 use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
-/// Default near plane as a share of the reach. Depth is floating point and reversed, so a near plane this
-/// close costs no precision.
-const NEAR_SHARE: f64 = 1e-5;
-
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
 /// whether they changed.
 pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameLight, kept: bool) -> bool {
@@ -69,7 +65,7 @@ pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) ->
 /// Returns the faces that the map should have.
 pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
     let origin = light.point_world.truncate();
-    let near = map.request.near.map_or(NEAR_SHARE * map.reach, f64::from);
+    let near = map.request.near.map_or(scene.near_share * map.reach, f64::from);
     match map.request.shape {
         MapShape::Spot => {
             let LightKind::Spot { outer_angle, .. } = light.light.kind else {

@@ -114,7 +114,7 @@ impl PenumbraWedges {
                             let own = &chunk.wedges[chunk.patches[number].wedges.clone()];
                             wedges.extend(own.iter().map(|wedge| Wedge { caster, ..*wedge }));
                         }
-                        let cap_ranges = [0, 1, 2].map(|layers| {
+                        let cap_ranges = std::array::from_fn(|layers| {
                             let first_cap = caps.len() as u32;
                             for &number in &numbers {
                                 caps.extend_from_slice(

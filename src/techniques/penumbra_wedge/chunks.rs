@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
 use super::component::{WedgeBounds, WedgeSilhouette};
@@ -13,7 +12,9 @@ use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers}
 use super::light_parts::{LightPart, PartShape};
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
-use crate::silhouettes::{CasterShapeItem, FacingBits, LightExtent, Silhouette, classify, find_turning};
+use crate::silhouettes::{
+    CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed, find_turning,
+};
 
 /// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,8 @@ pub(super) struct ChunkKey {
     /// Whether the chunk is divided into patches.
     pub(super) by_patch: bool,
     pub(super) silhouette: WedgeSilhouette,
+    /// Metres from the part's centre within which surfaces do not block it; 0 if the caster is farther away than that.
+    pub(super) clearance: f64,
 }
 
 /// Buffers that are reused for every chunk.
@@ -32,6 +35,7 @@ pub(super) struct ChunkKey {
 pub(super) struct ChunkScratch {
     bits: FacingBits,
     turning: Vec<u64>,
+    grazed: Vec<u64>,
     contour: LayeredContour,
 }
 
@@ -39,8 +43,8 @@ pub(super) struct ChunkScratch {
 #[derive(Clone, Debug)]
 pub(super) struct ChunkPatch {
     pub(super) wedges: Range<usize>,
-    /// Ranges of the caps, by layers less 1.
-    pub(super) caps: [Range<usize>; 3],
+    /// Ranges of the caps, by layers less 1. Those that must be turned come after those that need not.
+    pub(super) caps: [Range<usize>; 6],
     pub(super) cone: ShadowCone,
 }
 
@@ -87,9 +91,8 @@ pub(super) fn chunks_of(kept: &mut Vec<LightChunks>, light: Entity, frame: u64) 
 }
 
 /// Returns the transform from a caster's space to light space; `None` if one of the two has no inverse.
-pub(super) fn light_from_local(part: &LightPart, world_from_local: &GlobalTransform) -> Option<DMat4> {
-    let world_from_local = Mat4::from(world_from_local.affine()).as_dmat4();
-    let light_from_local = part.world_from_light.inverse() * world_from_local;
+pub(super) fn light_from_local(part: &LightPart, world_from_local: &DMat4) -> Option<DMat4> {
+    let light_from_local = part.world_from_light.inverse() * *world_from_local;
     light_from_local.is_finite().then_some(light_from_local)
 }
 
@@ -130,18 +133,19 @@ impl Chunk {
         part: &LightPart,
         light_from_local: &DMat4,
         silhouette: &Silhouette,
-        caster: &CasterShapeItem,
+        (caster, world_from_local): (&CasterShapeItem, &DMat4),
         scratch: &mut ChunkScratch,
     ) {
         let ChunkScratch {
             bits,
             turning,
+            grazed,
             contour,
         } = scratch;
         self.wedges.clear();
         self.caps.clear();
         self.patches.clear();
-        let Some(light_local) = light_in_local(caster.transform, part.point_world) else {
+        let Some(light_local) = light_in_local(world_from_local, part.point_world) else {
             return;
         };
         let (edges, positions, planes) = (caster.edges, caster.positions(), caster.planes());
@@ -155,9 +159,24 @@ impl Chunk {
         {
             find_turning(&edges.0.edges, planes, light_local.truncate(), &extent, turning);
         }
+        grazed.clear();
+        if self.key.clearance > 0.0 {
+            let grazing = GrazingLight {
+                light_world: part.point_world,
+                light_local,
+                world_from_local,
+                clearance: self.key.clearance,
+            };
+            find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
+            // A triangle that blocks nothing has no edge that turns.
+            for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
+                *turning &= !grazed;
+            }
+        }
         let facets = Facets {
             facing: bits,
             turning,
+            grazed,
         };
         extract_layers(
             &edges.0.edges,
@@ -183,7 +202,6 @@ impl Chunk {
                 .iter_mut()
                 .for_each(|caps| caps.sort_by_key(|cap| cap.patch));
         }
-        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
         let plane_light = |slot: u32| {
             let plane = local_from_light.transpose() * planes.plane(slot as usize).as_dvec4();
             let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
@@ -196,7 +214,7 @@ impl Chunk {
             [x, y, z, offset]
         };
         let mut edges = contour.edges.iter().peekable();
-        let mut caps = contour.caps.each_ref().map(|caps| caps.iter().peekable());
+        let mut first_of = [0; 3];
         for patch in 0..if by_patch { contour.patches.count() } else { 1 } {
             let first_wedge = self.wedges.len();
             while let Some(edge) = edges.next_if(|edge| edge.patch == patch) {
@@ -211,13 +229,21 @@ impl Chunk {
                     &mut self.wedges,
                 );
             }
-            let cap_ranges = caps.each_mut().map(|caps| {
+            let caps_of = |layers: usize| {
+                let rest = &contour.caps[layers][first_of[layers]..];
+                &rest[..rest.partition_point(|cap| cap.patch <= patch)]
+            };
+            let cap_ranges = std::array::from_fn(|at| {
+                let (layers, is_turned) = (at % 3, at >= 3);
                 let first = self.caps.len();
-                while let Some(cap) = caps.next_if(|cap| cap.patch == patch) {
-                    self.caps.extend(turned(cap.corners));
-                }
+                // In a caster that mirrors, triangles that are wound towards the light appear the other way round.
+                let these = caps_of(layers)
+                    .iter()
+                    .filter(|cap| (cap.is_facing == mirrored) == is_turned);
+                self.caps.extend(these.flat_map(|cap| cap.corners));
                 first..self.caps.len()
             });
+            first_of = [0, 1, 2].map(|layers| first_of[layers] + caps_of(layers).len());
             let points = self.wedges[first_wedge..]
                 .iter()
                 .flat_map(|wedge| [wedge.start_light, wedge.end_light])

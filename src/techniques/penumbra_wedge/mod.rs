@@ -54,7 +54,8 @@ pub(crate) mod technique;
 pub(crate) mod wedges;
 
 pub use component::{
-    CoverageMaths, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
+    CoverageMaths, MOST_STACKED, Overlap, PenumbraWedge, VisibilityBuffer, WedgeBounds, WedgeCulling,
+    WedgeSilhouette,
 };
 pub use overflow::{SPLIT_CAPACITY, WedgeOverflow};
 pub use tables::texture::{EmitterTexture, LightTexture, LightTextureError};

@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
 use glam::DVec3;
 
 use super::chunks::{Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
@@ -13,9 +12,11 @@ use super::geometry::records::{Wedge, WedgeCaster};
 use super::light_parts::{LightPart, PartShape, push_parts};
 use super::tables::texture::EmitterTexture;
 use crate::geometry::Aabb;
+use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
-use crate::silhouettes::{CasterShape, CasterShapeItem, Silhouette, Silhouettes};
+use crate::silhouettes::cache::light_is_within;
+use crate::silhouettes::{CasterShape, CasterShapeItem, LightClearance, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
@@ -38,7 +39,7 @@ pub struct PenumbraWedges {
     pub caster_records: Vec<WedgeCaster>,
     /// Wedges of all casters, one per edge or piece of an edge.
     pub wedges: Vec<Wedge>,
-    /// Cap triangles of all casters: vertices of their meshes, wound towards the light.
+    /// Cap triangles of all casters: vertices of their meshes, in the order of the mesh.
     pub caps: Vec<u32>,
     /// Increases when `wedges`, `caps` or the number of casters changed.
     pub generation: u64,
@@ -65,6 +66,8 @@ pub struct LightWedges {
     pub parts: Range<usize>,
     /// Whether some caster differs between the two [layers](super::geometry::silhouette_layers).
     pub is_layered: bool,
+    /// Number of casters that lie one behind the other, estimated from bounding boxes.
+    pub stacked: u32,
 }
 
 /// One part of a light.
@@ -101,9 +104,9 @@ impl Group {
 pub struct CasterDraw {
     /// Dense index of the caster.
     pub object: u32,
-    /// Ranges of [`PenumbraWedges::caps`] by layer: facing, averted, both. See
-    /// [layers](super::geometry::silhouette_layers).
-    pub caps: [Range<u32>; 3],
+    /// Ranges of [`PenumbraWedges::caps`] by layer: facing, averted, both; first those in the mesh's winding, then
+    /// those that must be turned. See [layers](super::geometry::silhouette_layers).
+    pub caps: [Range<u32>; 6],
     /// True if the caster is counted towards the viewer: it shadows no part of the viewport, and its own
     /// surface hides its caps.
     pub towards: bool,
@@ -172,9 +175,10 @@ pub fn build_penumbra_wedges(
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
     near_caps: NearCaps,
+    clearance: Res<LightClearance>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterShape>,
-    places: Query<&GlobalTransform>,
+    places: Query<Placement>,
 ) {
     let out = &mut *wedges;
     out.frame += 1;
@@ -194,6 +198,7 @@ pub fn build_penumbra_wedges(
         objects: &objects,
         depth_reach: &depth_reach,
         near_caps: &near_caps,
+        clearance: &clearance,
     };
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
@@ -210,6 +215,9 @@ pub fn build_penumbra_wedges(
         let Some(known) = silhouettes.of_light(light.entity) else {
             continue;
         };
+        if let Some(this) = out.lights.last_mut() {
+            this.stacked = known.stacked;
+        }
         for number in 0..out.scratch.parts.len() {
             let part = out.scratch.parts[number];
             let part = PartContext {
@@ -246,6 +254,7 @@ struct Context<'a, 'w> {
     objects: &'a Objects,
     depth_reach: &'a DepthReach,
     near_caps: &'a NearCaps<'w>,
+    clearance: &'a LightClearance,
 }
 
 /// One part of one light.
@@ -293,6 +302,7 @@ impl PenumbraWedges {
             texture: texture.filter(|_| is_rect).cloned(),
             parts: first..self.parts.len(),
             is_layered: false,
+            stacked: 0,
         });
         first
     }
@@ -318,12 +328,17 @@ impl PenumbraWedges {
         if !reaches {
             return false;
         }
-        let Some(light_from_local) = light_from_local(part.part, caster.transform) else {
+        let Some(world_from_local) = caster.world_from_local() else {
+            return false;
+        };
+        let Some(light_from_local) = light_from_local(part.part, &world_from_local) else {
             return false;
         };
         let Some(extrusion) = self.extrusion(context, part, (entity, &bounds), silhouette, caster) else {
             return false; // beyond all that receives the light
         };
+        let point = part.part.point_world;
+        let metres = context.clearance.metres(point, light.light.range, &bounds);
         let key = ChunkKey {
             revision: silhouette.revision,
             light_from_local: light_from_local.as_mat4(),
@@ -331,6 +346,11 @@ impl PenumbraWedges {
             bounds: settings.bounds,
             by_patch: settings.overlap == Overlap::Paper,
             silhouette: settings.used_silhouette(),
+            clearance: if light_is_within(&bounds, point, metres) {
+                metres
+            } else {
+                0.0
+            },
         };
         let chunks = chunks_of(&mut self.kept, light.entity, self.frame);
         let at = chunks
@@ -345,7 +365,8 @@ impl PenumbraWedges {
         if stale {
             chunk.key = key;
             let scratch = &mut self.scratch.chunk;
-            chunk.build(light, part.part, &light_from_local, silhouette, caster, scratch);
+            let placed = (caster, &world_from_local);
+            chunk.build(light, part.part, &light_from_local, silhouette, placed, scratch);
         }
         if let Some(this) = self.lights.last_mut() {
             this.is_layered |= chunk.is_layered;
@@ -353,8 +374,10 @@ impl PenumbraWedges {
         if chunk.wedges.is_empty() && chunk.caps.is_empty() {
             return stale;
         }
-        let is_closed = || caster.edges.0.edges.is_closed();
-        let hides_cap = context.near_caps.are_hidden(context.objects, object, is_closed);
+        let shows_fronts_alone = || caster.edges.0.shows_fronts_alone;
+        let hides_cap = context
+            .near_caps
+            .are_hidden(context.objects, object, shows_fronts_alone);
         // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from the centre.
         let radius = part.part.shape.radius() as f32;
         let around = Aabb {

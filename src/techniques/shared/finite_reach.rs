@@ -6,8 +6,7 @@
 //! extended to contain them ([`DepthReach`]).
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec4};
+use glam::{DMat4, DVec3, DVec4, Vec4};
 
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
@@ -123,7 +122,7 @@ struct Known {
     /// The revision of the light's silhouette of the caster.
     revision: u64,
     point: DVec4,
-    world_from_local: GlobalTransform,
+    world_from_local: DMat4,
     distance: f64,
     last_used: u64,
 }
@@ -150,7 +149,7 @@ impl NearestSurfaces {
         point: DVec4,
         caster: &CasterShapeItem,
     ) -> Option<f64> {
-        let (edges, &world_from_local) = (caster.edges, caster.transform);
+        let (edges, world_from_local) = (caster.edges, caster.world_from_local()?);
         let at = self.known.binary_search_by_key(&key, |known| known.key);
         if let Ok(at) = at {
             let known = &mut self.known[at];
@@ -160,8 +159,12 @@ impl NearestSurfaces {
                 return Some(known.distance);
             }
         }
-        let matrix = Mat4::from(world_from_local.affine()).as_dmat4();
-        let distance = distance_to_mesh(point.truncate(), &edges.0.edges, caster.positions(), &matrix)?;
+        let distance = distance_to_mesh(
+            point.truncate(),
+            &edges.0.edges,
+            caster.positions(),
+            &world_from_local,
+        )?;
         let entry = Known {
             key,
             revision,

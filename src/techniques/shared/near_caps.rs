@@ -16,13 +16,22 @@ pub struct NearCaps<'w> {
 }
 
 impl NearCaps<'_> {
-    /// Returns whether an object's near cap is nowhere visible, because its whole surface is drawn there and
-    /// nothing looks into the object.
-    pub fn are_hidden(&self, objects: &Objects, object: usize, is_closed: impl FnOnce() -> bool) -> bool {
+    /// Whether an object's near cap is nowhere seen, because its whole surface is drawn there and nothing
+    /// looks into the object.
+    ///
+    /// `shows_fronts_alone` returns whether only fronts of its mesh are seen from outside. Where backs are not drawn,
+    /// a cap would be seen through them, so a mesh that is partly inside out, or partly mirrored by a joint, does not
+    /// hide its cap.
+    pub fn are_hidden(
+        &self,
+        objects: &Objects,
+        object: usize,
+        shows_fronts_alone: impl FnOnce() -> bool,
+    ) -> bool {
         objects.drawn.contains(object)
             && !self.seen_into.0.contains(object)
             && (*self.face_culling == FaceCulling::None
                 || self.see_through.two_sided.contains(object)
-                || is_closed())
+                || shows_fronts_alone())
     }
 }

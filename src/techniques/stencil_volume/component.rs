@@ -8,8 +8,14 @@ use bevy_reflect::prelude::ReflectDefault;
 
 /// Gives a light hard shadows by stencil shadow volumes. Area lights cast from their centre.
 ///
-/// Shadows are exact for any triangle mesh, open or closed. Alpha-tested surfaces cast whole. The stencil
-/// counts modulo 128, so at most 127 volumes may overlap at a pixel.
+/// Shadows are exact for any triangle mesh, open or closed. Alpha-tested surfaces cast whole.
+///
+/// The stencil counts to 127. At most 127 sheets of one caster may lie one behind the other. For a closed caster
+/// the limit is 63 while the light or the camera is within its bounds, because then fronts and backs both count.
+/// There may be any number of casters: from 127 sheets on they are counted in rounds of [`MOST_STACKED`], each of
+/// which costs one cheap pass over the light's pixels.
+/// [`Silhouette::stacked`](crate::silhouettes::Silhouette::stacked) is the number of sheets of a caster, estimated
+/// from the boxes of its pieces.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(
     feature = "bevy",
@@ -28,6 +34,9 @@ pub struct StencilVolume {
     /// How far the volumes reach. Default: finite, which fills fewer pixels.
     pub extent: Extent,
 }
+
+/// The greatest number of sheets that one round of counting may add to the stencil.
+pub const MOST_STACKED: u32 = 127;
 
 /// Direction in which intersections with a shadow volume are counted. The pictures are the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

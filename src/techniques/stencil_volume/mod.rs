@@ -24,5 +24,5 @@ pub(crate) mod volume_parts;
 pub(crate) mod volumes;
 
 pub use caster_volume::CasterVolume;
-pub use component::{Counting, Extent, StencilVolume};
+pub use component::{Counting, Extent, MOST_STACKED, StencilVolume};
 pub use volumes::{LightVolumes, StencilVolumes};

@@ -108,12 +108,12 @@ pub fn build_stencil_volumes(
                     continue;
                 }
                 let caster = casters.get(objects.entities[object]);
-                let is_closed = || {
+                let shows_fronts_alone = || {
                     caster
                         .as_ref()
-                        .is_ok_and(|caster| caster.edges.0.edges.is_closed())
+                        .is_ok_and(|caster| caster.edges.0.shows_fronts_alone)
                 };
-                let hides_cap = near_caps.are_hidden(&objects, object, is_closed);
+                let hides_cap = near_caps.are_hidden(&objects, object, shows_fronts_alone);
                 let depth_pass = settings.counting == Counting::Auto
                     && hides_cap
                     && pyramid.excludes(&objects.boxes.get(object));

@@ -20,12 +20,18 @@ pub struct Eye {
     half: (f64, f64),
     shift: DVec2,
     near: f64,
+    /// Depth of the far plane of an orthographic view.
+    far: Option<f64>,
 }
 
 impl Eye {
     pub fn new(scene: &Scene) -> Self {
         let affine = scene.world_from_camera.affine();
-        let up = (f64::from(scene.camera.vertical_fov) * 0.5).tan();
+        let orthographic = scene.camera.orthographic;
+        let up = match orthographic {
+            None => (f64::from(scene.camera.vertical_fov) * 0.5).tan(),
+            Some(orthographic) => f64::from(orthographic.height) * 0.5,
+        };
         Self {
             position: affine.translation.as_dvec3(),
             right: affine.matrix3.x_axis.as_dvec3(),
@@ -34,30 +40,55 @@ impl Eye {
             half: (up * f64::from(scene.camera.aspect), up),
             shift: scene.camera.shift.as_dvec2(),
             near: f64::from(scene.camera.near),
+            far: orthographic.map(|orthographic| f64::from(orthographic.far)),
         }
     }
 
     /// The ray through a point of the picture, −1..=1.
     pub fn ray(&self, x: f64, y: f64) -> DVec3 {
+        self.forward + self.across(x, y)
+    }
+
+    fn across(&self, x: f64, y: f64) -> DVec3 {
         let (x, y) = (x - self.shift.x, y - self.shift.y);
-        self.forward + self.right * (x * self.half.0) + self.up * (y * self.half.1)
+        self.right * (x * self.half.0) + self.up * (y * self.half.1)
+    }
+
+    /// The point at a view depth that a point of the picture, −1..=1, shows.
+    pub fn point_at(&self, x: f64, y: f64, depth: f64) -> DVec3 {
+        match self.far {
+            None => self.position + self.ray(x, y) * depth,
+            Some(_) => self.position + self.across(x, y) + self.forward * depth,
+        }
+    }
+
+    /// The view depths between which `share` runs from 0 to 1: the box of an orthographic view, or 8 metres.
+    pub fn depth_at(&self, share: f64) -> f64 {
+        match self.far {
+            None => share * 8.0,
+            Some(far) => self.near + (far - self.near) * share,
+        }
     }
 
     /// Pixel and view depth of a point that the picture shows.
     fn project(&self, point: DVec3) -> Option<Seen> {
         let to = point - self.position;
         let depth = to.dot(self.forward);
-        if depth < self.near {
+        if depth < self.near || self.far.is_some_and(|far| depth > far) {
             return None;
         }
-        let x = to.dot(self.right) / depth / self.half.0 + self.shift.x;
-        let y = to.dot(self.up) / depth / self.half.1 + self.shift.y;
+        let (w, reversed) = match self.far {
+            None => (depth, self.near / depth),
+            Some(far) => (1.0, (far - depth) / (far - self.near)),
+        };
+        let x = to.dot(self.right) / w / self.half.0 + self.shift.x;
+        let y = to.dot(self.up) / w / self.half.1 + self.shift.y;
         let size = VIEWPORT.as_dvec2();
         (x.abs() <= 1.0 && y.abs() <= 1.0).then(|| Seen {
             x: (((x * 0.5 + 0.5) * size.x) as u32).min(VIEWPORT.x - 1),
             y: (((0.5 - y * 0.5) * size.y) as u32).min(VIEWPORT.y - 1),
             depth,
-            reversed: (self.near / depth) as f32,
+            reversed: reversed as f32,
         })
     }
 }

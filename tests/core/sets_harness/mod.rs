@@ -6,8 +6,8 @@ pub mod judge;
 
 use antumbra::geometry::Aabb;
 use antumbra::scene::{
-    Camera, Light, LightKind, LightSelection, SceneMaterials, SelectionLayers, ShadowCaster, ShadowReceiver,
-    WorldBounds,
+    Camera, Light, LightKind, LightSelection, Orthographic, SceneMaterials, SelectionLayers, ShadowCaster,
+    ShadowReceiver, WorldBounds,
 };
 use antumbra::sets::{FrameLights, FrustumSet, Objects, ViewportSize, collect_sets, init_set_resources};
 use bevy_ecs::prelude::*;
@@ -143,6 +143,19 @@ fn random_kind(random: &mut Random) -> LightKind {
 
 /// Boxes and lights of all kinds; cameras also mirrored and far from the origin; lights where it hurts.
 pub fn random_scene(seed: u64) -> Scene {
+    scene_of(seed, |_| None)
+}
+
+/// As [`random_scene`], seen by orthographic cameras: most reach behind themselves, and some show nothing else.
+pub fn random_orthographic_scene(seed: u64) -> Scene {
+    scene_of(seed, |random| {
+        let near = random.range(-25.0, 4.0) as f32;
+        Some((near, near + random.range(1.0, 30.0) as f32))
+    })
+}
+
+/// `planes` gives the near and far plane of an orthographic view.
+fn scene_of(seed: u64, planes: impl Fn(&mut Random) -> Option<(f32, f32)>) -> Scene {
     let mut random = Random(seed);
     let origin = [
         DVec3::ZERO,
@@ -153,13 +166,18 @@ pub fn random_scene(seed: u64) -> Scene {
     let mirror = random.chance(0.25);
     let mut off_center = || random.range(-0.9, 0.9) as f32;
     let shift = Vec2::new(off_center(), off_center()) * f32::from(u8::from(random.chance(0.3)));
-    let camera = Camera {
+    let mut camera = Camera {
         vertical_fov: random.range(0.2, 2.4) as f32,
         near: random.range(0.05, 0.6) as f32,
         aspect: random.range(0.5, 2.5) as f32,
         shift,
         ..Camera::default()
     };
+    if let Some((near, far)) = planes(&mut random) {
+        camera.near = near;
+        let height = random.range(2.0, 20.0) as f32;
+        camera.orthographic = Some(Orthographic { height, far });
+    }
     let scale = Vec3::new(if mirror { -1.0 } else { 1.0 }, 1.0, 1.0);
     let mut scene = Scene {
         camera,
@@ -174,7 +192,7 @@ pub fn random_scene(seed: u64) -> Scene {
         let corner = eye.ray(sign(&mut random), sign(&mut random));
         let side = eye.ray(random.range(-1.0, 1.0), 1.0);
         let inside = eye.ray(random.range(-0.8, 0.8), random.range(-0.8, 0.8));
-        let position = match random.below(7) {
+        let mut position = match random.below(7) {
             0 => eye.position,
             1 => eye.position + corner * random.range(0.0, 8.0),
             2 => eye.position + side * random.range(-8.0, 8.0),
@@ -182,6 +200,10 @@ pub fn random_scene(seed: u64) -> Scene {
             4 => eye.position + inside * random.range(0.0, 8.0),
             _ => origin + random.vec(12.0),
         };
+        if camera.orthographic.is_some() && random.chance(0.5) {
+            let depth = eye.depth_at(random.range(-0.2, 1.2));
+            position = eye.point_at(random.range(-1.0, 1.0), random.range(-1.0, 1.0), depth);
+        }
         let rotation = match random.below(4) {
             0 => look(corner),
             1 => look(-corner),

@@ -105,10 +105,18 @@ fn meshes_pose_only_when_something_moved_and_survive_singular_transforms() {
         assert!(after.distance(*before) < 2e-3, "{after} {before}");
     }
     let before = world.get::<PosedMesh>(mesh).unwrap().clone();
-    world.get_mut::<Transform>(spawned.root).unwrap().scale = Vec3::ZERO;
+    // Joints alone say where it is: without a scale of its own it is posed around its place.
+    *world.get_mut::<Transform>(mesh).unwrap() = Transform::from_scale(Vec3::ZERO);
+    assert_eq!(poses(&mut world, &mut schedule), 1);
+    let posed = world.get::<PosedMesh>(mesh).unwrap();
+    for (after, before) in posed.positions.iter().zip(&before.positions) {
+        assert!(after.distance(*before) < 2e-3, "{after} {before}");
+    }
+    let before = world.get::<PosedMesh>(mesh).unwrap().clone();
+    world.get_mut::<Transform>(mesh).unwrap().translation = Vec3::splat(f32::NAN);
     assert_eq!(poses(&mut world, &mut schedule), 0);
     assert_eq!(*world.get::<PosedMesh>(mesh).unwrap(), before);
-    world.get_mut::<Transform>(spawned.root).unwrap().scale = Vec3::ONE;
+    *world.get_mut::<Transform>(mesh).unwrap() = Transform::IDENTITY;
     assert_eq!(poses(&mut world, &mut schedule), 1);
     world.despawn(joint);
     world.get_mut::<MorphWeights>(mesh).unwrap().0[0] = 0.0;

@@ -5,7 +5,7 @@ use glam::Quat;
 
 use super::*;
 
-/// Transforms that are not finite or have no volume.
+/// Transforms that are not finite or leave no area.
 fn bad_transforms() -> Vec<(&'static str, Transform)> {
     let at = Transform::from_xyz(-1.5, 1.0, 0.5);
     let nan = f32::NAN;
@@ -18,7 +18,7 @@ fn bad_transforms() -> Vec<(&'static str, Transform)> {
         ("NaN turn", at.with_rotation(Quat::from_xyzw(nan, 0.0, 0.0, 1.0))),
         ("NaN scale", at.with_scale(Vec3::new(1.0, nan, 1.0))),
         ("scale zero", at.with_scale(Vec3::ZERO)),
-        ("flattened", at.with_scale(Vec3::new(1.0, 0.0, 1.0))),
+        ("a line", at.with_scale(Vec3::new(1.0, 0.0, 0.0))),
         ("scale beyond f32", at.with_scale(Vec3::splat(1e30))),
         ("scale below f32", at.with_scale(Vec3::splat(1e-30))),
     ]

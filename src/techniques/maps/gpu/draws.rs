@@ -14,7 +14,8 @@ use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
-use crate::scene::{AlphaMode, SceneMaterials};
+use crate::scene::placement::placed;
+use crate::scene::{AlphaMode, SceneMaterials, Skin};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
@@ -74,9 +75,12 @@ impl MapDraws {
         let first = self.draws.len();
         let clip_from_world = face.clip_from_world();
         for part in &self.parts {
-            let transform = world.get::<GlobalTransform>(objects.entities[part.object as usize]);
-            let world_from_local =
-                transform.map_or(DMat4::ZERO, |transform| Mat4::from(transform.affine()).as_dmat4());
+            let entity = objects.entities[part.object as usize];
+            let is_skinned = world.get::<Skin>(entity).is_some();
+            let world_from_local = world
+                .get::<GlobalTransform>(entity)
+                .and_then(|transform| placed(transform, is_skinned))
+                .map_or(DMat4::ZERO, |affine| Mat4::from(affine).as_dmat4());
             let at = self.casters.len() as u32;
             self.casters.push(MapCaster {
                 clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),

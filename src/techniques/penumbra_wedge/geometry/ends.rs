@@ -6,10 +6,10 @@
 //! plane, so that sides, shells and far caps still meet.
 
 use bevy_ecs::prelude::*;
-use bevy_transform::prelude::GlobalTransform;
-use glam::{DMat4, DVec3, DVec4, Mat4, Vec3};
+use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use crate::geometry::Aabb;
+use crate::scene::placement::Placement;
 use crate::sets::{FrameLight, FrameLights, Objects};
 use crate::techniques::penumbra_wedge::wedges::PenumbraWedges;
 
@@ -81,7 +81,7 @@ impl PenumbraWedges {
         &mut self,
         lights: &FrameLights,
         objects: &Objects,
-        places: &Query<&GlobalTransform>,
+        places: &Query<Placement>,
     ) {
         let mut changed = false;
         for of_light in &self.lights {
@@ -102,14 +102,12 @@ impl PenumbraWedges {
                     let plane = (center.w != 0.0 && part.reach == 0.0)
                         .then(|| end_plane(&receivers, &objects.boxes.get(object), &emitter))
                         .flatten();
-                    let ends = match (plane, places.get(objects.entities[object])) {
-                        (Some(plane), Ok(place)) => {
-                            let world_from_local = Mat4::from(place.affine()).as_dmat4();
-                            [
-                                in_space(plane, &world_from_local),
-                                in_space(plane, &part.part.world_from_light),
-                            ]
-                        }
+                    let place = places.get(objects.entities[object]).ok();
+                    let ends = match (plane, place.and_then(|place| place.world_from_local())) {
+                        (Some(plane), Some(world_from_local)) => [
+                            in_space(plane, &world_from_local),
+                            in_space(plane, &part.part.world_from_light),
+                        ],
                         _ => [ENDLESS; 2],
                     };
                     let record = &mut self.caster_records[caster];

@@ -14,6 +14,7 @@ use smallvec::SmallVec;
 use super::patches::Patches;
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{EdgeMesh, LaneSide};
+use crate::silhouettes::grazed::is_grazed;
 use crate::silhouettes::{CapMode, FacingBits};
 
 /// The layer of triangles that face the light.
@@ -27,7 +28,7 @@ pub const AVERTED: u32 = 2;
 pub struct LayeredContour {
     /// Edges in the order of the mesh.
     pub edges: Vec<LayeredEdge>,
-    /// Cap triangles, wound towards the light, by layers less 1: facing, averted, both.
+    /// Cap triangles, by layers less 1: facing, averted, both.
     pub caps: [Vec<LayeredCap>; 3],
     /// Patches to which the patch numbers of edges and caps refer. Without patches, all numbers are 0.
     pub patches: Patches,
@@ -86,12 +87,18 @@ pub struct Facets<'a> {
     /// Triangles whose planes cut the light, one word per cluster. Empty for a silhouette from the centre
     /// alone.
     pub turning: &'a [u64],
+    /// Triangles that block nothing; none of them turns. One word per cluster, or no words if there are none.
+    pub grazed: &'a [u64],
 }
 
 impl Facets<'_> {
     fn turns(&self, slot: usize) -> bool {
         let word = self.turning.get(slot / CLUSTER_TRIANGLES);
         word.is_some_and(|word| word >> (slot % CLUSTER_TRIANGLES) & 1 != 0)
+    }
+
+    fn is_grazed(&self, slot: usize) -> bool {
+        is_grazed(self.grazed, slot)
     }
 
     fn turning_word(&self, cluster: usize) -> u64 {
@@ -110,8 +117,11 @@ impl Facets<'_> {
 /// A cap triangle of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LayeredCap {
-    /// Vertex indices of the mesh.
+    /// Vertex indices of the mesh, in its order, so that the cap is rasterised to exactly the depths of the drawn
+    /// surface.
     pub corners: [u32; 3],
+    /// True if the triangle is wound towards the light; otherwise it must be turned.
+    pub is_facing: bool,
     /// The patch to which the triangle belongs.
     pub patch: u32,
 }
@@ -156,6 +166,27 @@ pub fn extract_layers(
         let mut push_unlike = |side: LaneSide, other_slot: usize, other: u64| {
             let slot = first + side.lane();
             let is_facing = word >> side.lane() & 1 != 0;
+            if facets.is_grazed(slot) || facets.is_grazed(other_slot) {
+                // The edge is now the border of the other triangle.
+                let other_facing = other & 1 != 0;
+                for (slot, is_facing, forward) in [
+                    (slot, is_facing, is_facing),
+                    (other_slot, other_facing, !other_facing),
+                ] {
+                    if facets.is_grazed(slot) {
+                        continue;
+                    }
+                    let layers = split.layers_of_slot(mesh, facing, slot);
+                    let ends = at(side.vertices(corners), forward);
+                    if facets.turns(slot) {
+                        let beside = split.beside(mesh, slot);
+                        edges.push(turning_border(ends, slot, is_facing, layers, beside));
+                    } else if layers != 0 {
+                        edges.push(LayeredEdge::fixed(ends, layers, patch_of(slot)));
+                    }
+                }
+                return;
+            }
             let is_unlike = is_facing != (other & 1 != 0);
             let ends = at(side.vertices(corners), is_facing);
             if turning >> side.lane() & 1 != 0 || facets.turns(other_slot) {
@@ -184,7 +215,8 @@ pub fn extract_layers(
                 }
             }
         };
-        if turning != 0 || (word != 0 && word != cluster.full_word()) {
+        let is_mixed = word != 0 && word != cluster.full_word();
+        if turning != 0 || is_mixed || facets.grazed.get(index).is_some_and(|&word| word != 0) {
             for edge in &mesh.inner_edges()[cluster.inner()] {
                 let lane = edge.other_lane % 64;
                 push_unlike(edge.side, first + usize::from(lane), word >> lane);
@@ -205,6 +237,9 @@ pub fn extract_layers(
     {
         for edge in cluster.boundary() {
             let slot = mesh.boundary_slots()[edge] as usize;
+            if facets.is_grazed(slot) {
+                continue;
+            }
             let is_facing = word >> (slot % CLUSTER_TRIANGLES) & 1 != 0;
             let ends = at(mesh.boundary_vertices()[edge], is_facing);
             let layers = split.layers_of(is_facing, false);
@@ -241,9 +276,10 @@ pub fn extract_layers(
         for (lane, &[a, b, c]) in mesh.corners()[cluster.triangles()].iter().enumerate() {
             let is_facing = word >> lane & 1 != 0;
             let layers = split.layers_of(is_facing, is_closed);
-            if layers != 0 {
+            if layers != 0 && !facets.is_grazed(index * CLUSTER_TRIANGLES + lane) {
                 caps[layers as usize - 1].push(LayeredCap {
-                    corners: if is_facing { [a, b, c] } else { [a, c, b] },
+                    corners: [a, b, c],
+                    is_facing,
                     patch: patch_of(index * CLUSTER_TRIANGLES + lane),
                 });
             }
@@ -343,7 +379,7 @@ fn push_irregular(
         for side in mesh.irregular_sides(edge) {
             let slot = side.slot() as usize;
             let layers = split.layers_of_slot(mesh, facing, slot);
-            if layers != 0 && !facets.turns(slot) {
+            if layers != 0 && !facets.turns(slot) && !facets.is_grazed(slot) {
                 let sign = if facing.is_facing(slot) == side.is_reversed() {
                     -1
                 } else {

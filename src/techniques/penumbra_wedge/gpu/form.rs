@@ -18,6 +18,11 @@ pub enum Form {
     /// Four 32-bit floats in each layer: the sum with the count of hard shadows, and nine places on the
     /// light.
     SampledLayers,
+    /// Four 32-bit floats as for [`Form::Sampled`], with room for 254 casters one behind the other. Places are either hidden
+    /// or not, without steps between.
+    Deep,
+    /// Four 32-bit floats in each layer, as for [`Form::Deep`].
+    DeepLayers,
     /// Two textures of four bytes in each layer.
     Split8,
 }
@@ -29,8 +34,8 @@ impl Form {
             Self::Float => &[wgpu::TextureFormat::R32Float; 2],
             Self::Half => &[wgpu::TextureFormat::R16Float; 2],
             Self::Color => &[wgpu::TextureFormat::Rgba32Float; 2],
-            Self::Sampled => &[wgpu::TextureFormat::Rgba32Float; 1],
-            Self::SampledLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
+            Self::Sampled | Self::Deep => &[wgpu::TextureFormat::Rgba32Float; 1],
+            Self::SampledLayers | Self::DeepLayers => &[wgpu::TextureFormat::Rgba32Float; 2],
             Self::HalfColor => &[wgpu::TextureFormat::Rgba16Float; 2],
             Self::Split8 => &[wgpu::TextureFormat::Rgba8Unorm; 4],
         }
@@ -38,7 +43,13 @@ impl Form {
 
     /// Returns whether places on the light are counted.
     pub fn is_sampled(self) -> bool {
-        matches!(self, Self::Sampled | Self::SampledLayers)
+        matches!(self, Self::Sampled | Self::SampledLayers) || self.is_deep()
+    }
+
+    /// Whether more than [`MOST_IN_STEPS`](crate::techniques::penumbra_wedge::component::MOST_IN_STEPS) casters may lie one
+    /// behind the other.
+    pub fn is_deep(self) -> bool {
+        matches!(self, Self::Deep | Self::DeepLayers)
     }
 
     /// Returns whether there are sums by colour.

@@ -94,24 +94,26 @@ impl PenumbraWedgeNode {
         group: &Group,
         input: &RecordInput,
     ) {
-        let pipeline = |kind, towards| {
+        let turned_pipeline = |kind, towards, turned: bool| {
             self.pipelines.get(Key {
                 part: kind,
                 form: plan.form,
                 is_sphere: part.is_sphere,
                 looks_up: plan.settings.maths == CoverageMaths::Tables,
                 towards,
-                mirrored: self.mirrored,
+                mirrored: self.mirrored != turned,
             })
         };
+        let pipeline = |kind, towards| turned_pipeline(kind, towards, false);
         pass.set_index_buffer(self.caps.buffer.slice(..), wgpu::IndexFormat::Uint32);
-        for (layers, is_far) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
+        let kinds = (1..=3).flat_map(|layers| [(layers, false), (layers, true)]);
+        for (layers, is_far, turned) in kinds.flat_map(|(a, b)| [(a, b, false), (a, b, true)]) {
             let kind = if is_far {
                 Part::FarCap(layers)
             } else {
                 Part::NearCap(layers)
             };
-            let Some(pipeline) = pipeline(kind, false) else {
+            let Some(pipeline) = turned_pipeline(kind, false, turned) else {
                 continue;
             };
             pass.set_pipeline(pipeline);
@@ -119,7 +121,7 @@ impl PenumbraWedgeNode {
                 let Some(mesh) = input.meshes.get(draw.mesh) else {
                     continue;
                 };
-                let caps = &draw.caps[usize::from(layers) - 1];
+                let caps = &draw.caps[usize::from(layers) - 1 + 3 * usize::from(turned)];
                 if draw.towards || caps.is_empty() || (is_far && !draw.has_far) {
                     continue;
                 }

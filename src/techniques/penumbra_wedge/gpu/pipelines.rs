@@ -123,6 +123,9 @@ pub fn describe(gpu: &Gpu, wedges: &wgpu::BindGroupLayout, key: Key) -> Pipeline
         ("LOOKS_UP", f64::from(key.looks_up)),
         ("IS_TEXTURED", f64::from(key.form.is_textured())),
         ("IS_SAMPLED", f64::from(key.form.is_sampled())),
+        ("IS_DEEP", f64::from(key.form.is_deep())),
+        // A larger count of hard shadows leaves less room for the digits after the point.
+        ("STEPS", if key.form.is_deep() { 1024.0 } else { 16384.0 }),
     ]);
     let writes = if key.part == Part::Mark {
         wgpu::ColorWrites::empty()
@@ -204,6 +207,7 @@ pub fn describe_resolve(
         ("IS_SPHERE", f64::from(key.is_sphere)),
         ("IS_TEXTURED", f64::from(key.form.is_textured())),
         ("IS_SAMPLED", f64::from(key.form.is_sampled())),
+        ("IS_DEEP", f64::from(key.form.is_deep())),
         ("IS_SCALAR", f64::from(is_scalar)),
         ("IS_COMBINED", f64::from(key.is_combined)),
     ])

@@ -17,7 +17,7 @@ use crate::techniques::penumbra_wedge::wedges::PartWedges;
 #[derive(Clone, Debug)]
 pub(in crate::techniques::penumbra_wedge) struct CapDraw {
     pub(in crate::techniques::penumbra_wedge) mesh: u32,
-    pub(in crate::techniques::penumbra_wedge) caps: [Range<u32>; 3],
+    pub(in crate::techniques::penumbra_wedge) caps: [Range<u32>; 6],
     pub(in crate::techniques::penumbra_wedge) has_far: bool,
     /// True if the caster is counted towards the viewer, which needs no caps.
     pub(in crate::techniques::penumbra_wedge) towards: bool,

@@ -28,6 +28,7 @@ use crate::render::gpu::strided::StridedUniforms;
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
 use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::{View, ViewData};
+use crate::techniques::penumbra_wedge::component::MOST_IN_STEPS;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeCaster, WedgeLight};
 use crate::techniques::penumbra_wedge::geometry::topology;
@@ -166,8 +167,14 @@ impl PenumbraWedgeNode {
             (VisibilityBuffer::Split8, _) => Form::Split8,
             (VisibilityBuffer::Half, _) => Form::Half,
             (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
-            (VisibilityBuffer::Float, Overlap::Sampled) if light.is_layered => Form::SampledLayers,
-            (VisibilityBuffer::Float, Overlap::Sampled) => Form::Sampled,
+            (VisibilityBuffer::Float, Overlap::Sampled) => {
+                match (light.is_layered, light.stacked > MOST_IN_STEPS) {
+                    (true, false) => Form::SampledLayers,
+                    (false, false) => Form::Sampled,
+                    (true, true) => Form::DeepLayers,
+                    (false, true) => Form::Deep,
+                }
+            }
             (VisibilityBuffer::Float, Overlap::Additive | Overlap::Paper) => Form::Float,
         }
     }
@@ -211,21 +218,22 @@ impl PenumbraWedgeNode {
         let mirrored = self.mirrored;
         let looks_up = plan.settings.maths == CoverageMaths::Tables;
         for part in &self.parts[plan.parts.clone()] {
-            let mut require = |part_of_wedge, towards| {
+            let mut require_turned = |part_of_wedge, towards, turned: bool| {
                 let key = Key {
                     part: part_of_wedge,
                     form: plan.form,
                     is_sphere: part.is_sphere,
                     looks_up,
                     towards,
-                    mirrored,
+                    mirrored: mirrored != turned,
                 };
                 gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, wedges, key))
             };
-            for layers in 1..=3 {
-                require(Part::NearCap(layers), false)?;
-                require(Part::FarCap(layers), false)?;
+            for (layers, turned) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
+                require_turned(Part::NearCap(layers), false, turned)?;
+                require_turned(Part::FarCap(layers), false, turned)?;
             }
+            let mut require = |part_of_wedge, towards| require_turned(part_of_wedge, towards, false);
             for kind in passes(plan.settings.culling, part.has_extent) {
                 require(*kind, false)?;
                 if counts_towards(*kind) {

@@ -4,3 +4,4 @@ pub(crate) mod gpu_types;
 pub(crate) mod pipelines;
 mod quads;
 pub(crate) mod recorder;
+mod rounds;

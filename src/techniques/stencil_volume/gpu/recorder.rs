@@ -22,6 +22,7 @@ use bevy_ecs::prelude::*;
 use super::gpu_types::Caster;
 use super::pipelines::{FILE, Key, Part, Purpose, describe};
 use super::quads::{CORNERS, QuadIndices};
+use super::rounds::Rounds;
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::gpu::bind_groups::{STORAGE, bind_in_order, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
@@ -33,12 +34,15 @@ use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
 use crate::techniques::shared::extrude::TO_INFINITY;
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::caster_volume::CasterVolume;
+use crate::techniques::stencil_volume::component::MOST_STACKED;
 use crate::techniques::stencil_volume::volumes::StencilVolumes;
 
 /// One draw call. Materials do not split it, and casters of one mesh with equal silhouettes share it.
 /// Source: O'Rorke 2004, GPU Gems ch. 15, §15.2.2, for batches of shadows apart from those of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Draw {
+    /// The round of counting of its light in which it is drawn.
+    round: u32,
     key: Key,
     mesh: u32,
     /// True if light and far ends are at infinity, where the far ends of a side are one point.
@@ -88,6 +92,7 @@ impl LongLived {
 #[derive(Debug)]
 pub struct StencilVolumeNode {
     pipelines: Variants<(Key, Purpose)>,
+    rounds: Rounds,
     long_lived: Arc<LongLived>,
     pool: ContourPool,
     casters: GrowingBuffer,
@@ -115,6 +120,7 @@ impl StencilVolumeNode {
         let pool = ContourPool::new(context);
         Ok(Self {
             pipelines: Variants::default(),
+            rounds: Rounds::new(gpu)?,
             group: bind(context, &long_lived.casters, &casters.buffer, pool.edges()),
             long_lived,
             pool,
@@ -140,7 +146,13 @@ impl StencilVolumeNode {
         pass.set_index_buffer(self.pool.caps().slice(..), wgpu::IndexFormat::Uint32);
         let mut last_key = None;
         let mut has_quads = false;
+        let mut round = 0;
         for draw in draws {
+            if draw.round != round && purpose == Purpose::Count {
+                round = draw.round;
+                self.rounds.close(pass);
+                last_key = None;
+            }
             if last_key != Some(draw.key) {
                 let Some(pipeline) = self.pipelines.get((draw.key, purpose)) else {
                     continue;
@@ -182,6 +194,9 @@ impl StencilVolumeNode {
                 pass.draw_indexed(draw.first..draw.first + draw.count, 0, caster);
             }
         }
+        if round > 0 {
+            self.rounds.reopen(pass);
+        }
     }
 
     /// Appends the draws of a light's casters. Casters with equal silhouettes become adjacent.
@@ -196,6 +211,7 @@ impl StencilVolumeNode {
         order.sort_unstable();
         let first = self.draws.len();
         let mut last: Option<(Likeness, PooledContour)> = None;
+        let (mut round, mut counted) = (0, 0u32);
         for &(likeness, at) in &order {
             let volume = &volumes[at];
             let Some(own) = self.pool.get(known.light, volume.slot as usize) else {
@@ -206,7 +222,13 @@ impl StencilVolumeNode {
                 _ => own,
             };
             last = Some((likeness, pooled));
-            self.push_draws(volume, pooled, input);
+            // Within one round no count may wrap around to 0.
+            let stacked = known.slots[volume.slot as usize].stacked;
+            if counted + stacked > MOST_STACKED && counted > 0 && known.stacked > MOST_STACKED {
+                (round, counted) = (round + 1, 0);
+            }
+            counted += stacked;
+            self.push_draws(volume, pooled, round, input);
         }
         self.order = order;
         self.draws[first..].sort_unstable();
@@ -224,8 +246,8 @@ impl StencilVolumeNode {
                     caster: last.caster + last.caster_count,
                     ..draw
                 };
-                let same = (last.key, last.mesh, last.first, last.count);
-                if draw == next && same == (draw.key, draw.mesh, draw.first, draw.count) {
+                let same = (last.round, last.key, last.mesh, last.first, last.count);
+                if draw == next && same == (draw.round, draw.key, draw.mesh, draw.first, draw.count) {
                     last.caster_count += draw.caster_count;
                     continue;
                 }
@@ -237,7 +259,7 @@ impl StencilVolumeNode {
     }
 
     /// Appends the draws of one caster.
-    fn push_draws(&mut self, volume: &CasterVolume, pooled: PooledContour, input: &PrepareInput) {
+    fn push_draws(&mut self, volume: &CasterVolume, pooled: PooledContour, round: u32, input: &PrepareInput) {
         let object = volume.object as usize;
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
         let is_directional = volume.light_local.w == 0.0 && volume.extrusion == TO_INFINITY;
@@ -255,6 +277,7 @@ impl StencilVolumeNode {
         let mut push = |part, clockwise, first, count| {
             if count > 0 {
                 self.draws.push(Draw {
+                    round,
                     key: Key {
                         part,
                         depth_pass: volume.depth_pass,

@@ -1,0 +1,178 @@
+//! The matrix that an object is drawn and casts with: its transform, or a substitute if that has no volume.
+//!
+//! | transform | matrix |
+//! | --- | --- |
+//! | finite, keeps volume | the transform, bit for bit |
+//! | flattens any direction, skinned mesh | its translation alone, because the joints decide where the mesh is |
+//! | flattens one direction, other mesh | the transform with a thickness too small to see: the object is a plate |
+//! | flattens more directions, other mesh; or not finite | none: the object is left out |
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use bevy_transform::prelude::GlobalTransform;
+use glam::{Affine3A, DMat3, DMat4, DVec3, Mat4};
+
+use super::Skin;
+
+/// A transform is flat if it scales some direction by less than this share of its longest axis. Products of rounded
+/// rotations and a scale of 0 have a share of some 10⁻⁷.
+const FLAT: f64 = 5e-7;
+
+/// Thickness of a flat object, as a share of the longest axis of its transform. It is a tenth of a pixel for an object
+/// that fills 10,000 pixels, and a hundred times the resolution of stored depth at a distance of two object sizes.
+const THICKNESS: f64 = 1e-5;
+
+/// The components that determine where an object stands.
+#[derive(QueryData)]
+#[query_data(derive(Clone, Copy))]
+pub struct Placement {
+    transform: &'static GlobalTransform,
+    is_skinned: Has<Skin>,
+}
+
+impl PlacementItem<'_, '_> {
+    /// The matrix that the object is drawn and casts with; `None` for one that is left out.
+    pub fn affine(&self) -> Option<Affine3A> {
+        placed(self.transform, self.is_skinned)
+    }
+
+    /// The matrix of [`affine`](Self::affine) in `f64`.
+    pub fn world_from_local(&self) -> Option<DMat4> {
+        self.affine().map(|affine| Mat4::from(affine).as_dmat4())
+    }
+
+    /// The matrix of [`affine`](Self::affine), but without the thickness of a flat object.
+    pub fn exact_affine(&self) -> Option<Affine3A> {
+        let affine = self.affine()?;
+        let is_flat = !self.is_skinned && flattened(&self.transform.affine()).is_some();
+        Some(if is_flat { self.transform.affine() } else { affine })
+    }
+}
+
+/// The matrix that an object with this transform is drawn and casts with; `None` for one that is left out.
+pub fn placed(transform: &GlobalTransform, is_skinned: bool) -> Option<Affine3A> {
+    let affine = transform.affine();
+    if !affine.is_finite() {
+        return None;
+    }
+    let plate = flattened(&affine);
+    if plate.is_none() && has_volume(&affine) {
+        return Some(affine);
+    }
+    if is_skinned {
+        return Some(Affine3A::from_translation(affine.translation.into()));
+    }
+    plate
+}
+
+/// Whether the volume of the transformed unit cube is neither 0 nor infinite in `f32`.
+fn has_volume(affine: &Affine3A) -> bool {
+    let determinant = affine.matrix3.determinant();
+    determinant.is_finite() && determinant != 0.0
+}
+
+/// Gives a flat transform a thickness. `None` for a transform that is not flat, or that has no area either.
+///
+/// The transform `M` maps everything to a plane with unit normal `n`, and loses the direction `k`. With a thickness δ
+/// it is `M + δ n kᵀ`. This never mirrors, so fronts stay where corners run counter-clockwise.
+fn flattened(affine: &Affine3A) -> Option<Affine3A> {
+    let m = affine.matrix3;
+    let columns = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.as_dvec3());
+    let (normal, area) = largest_cross(columns);
+    let longest = columns.map(DVec3::length).into_iter().fold(0.0, f64::max);
+    let volume = columns[0].dot(columns[1].cross(columns[2])).abs();
+    if !(volume < FLAT * area * longest && area > FLAT * longest * longest) {
+        return None;
+    }
+    let linear = DMat3::from_cols(columns[0], columns[1], columns[2]);
+    let rows = linear.transpose();
+    let (lost, _) = largest_cross([rows.x_axis, rows.y_axis, rows.z_axis]);
+    let cofactors = DMat3::from_cols(
+        columns[1].cross(columns[2]),
+        columns[2].cross(columns[0]),
+        columns[0].cross(columns[1]),
+    );
+    let lost = lost * normal.dot(cofactors * lost).signum();
+    let thickness = normal * (THICKNESS * longest);
+    let thick = DMat3::from_cols(
+        columns[0] + thickness * lost.x,
+        columns[1] + thickness * lost.y,
+        columns[2] + thickness * lost.z,
+    );
+    let plate = Affine3A {
+        matrix3: thick.as_mat3().into(),
+        translation: affine.translation,
+    };
+    has_volume(&plate).then_some(plate)
+}
+
+/// The longest cross product of two of three vectors, at unit length, and its length.
+fn largest_cross([x, y, z]: [DVec3; 3]) -> (DVec3, f64) {
+    let longest = [y.cross(z), z.cross(x), x.cross(y)]
+        .into_iter()
+        .fold(DVec3::ZERO, |longest, cross| {
+            if cross.length_squared() > longest.length_squared() {
+                cross
+            } else {
+                longest
+            }
+        });
+    (longest.normalize_or_zero(), longest.length())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bevy_transform::prelude::Transform;
+    use glam::{Mat3A, Quat, Vec3};
+
+    fn of(transform: Transform) -> Option<Affine3A> {
+        placed(&transform.into(), false)
+    }
+
+    #[test]
+    fn what_keeps_volume_stays_as_it_is() {
+        let turned = Quat::from_rotation_x(0.3);
+        for scale in [Vec3::ONE, Vec3::new(-1.0, 1e3, 1e-2), Vec3::new(1.0, 1e-5, 1.0)] {
+            let transform = Transform::from_rotation(turned).with_scale(scale);
+            assert_eq!(of(transform), Some(GlobalTransform::from(transform).affine()));
+        }
+    }
+
+    #[test]
+    fn flat_ones_are_plates_that_keep_the_rest() {
+        let turns = [
+            Quat::IDENTITY,
+            Quat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -0.4),
+        ];
+        for (turn, inner) in turns.into_iter().flat_map(|a| turns.map(|b| (a, b))) {
+            for scale in [
+                Vec3::new(1.0, 0.0, 1.0),
+                Vec3::new(0.0, 2.0, -0.5),
+                Vec3::new(1.0, 1.0, -0.0),
+            ] {
+                let outer = Transform::from_rotation(turn).with_scale(scale);
+                let flat = GlobalTransform::from(outer) * Transform::from_rotation(inner);
+                let plate = placed(&flat, false).unwrap();
+                let determinant = plate.matrix3.determinant();
+                assert!(determinant > 1e-6 && determinant < 1e-4, "{determinant}");
+                let moved =
+                    |a: Mat3A, b: Mat3A| (a.x_axis - b.x_axis).length().max((a.y_axis - b.y_axis).length());
+                assert!(moved(plate.matrix3, flat.affine().matrix3) < 3e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn lines_points_and_what_is_not_finite_are_left_out_but_for_skins() {
+        for scale in [Vec3::ZERO, Vec3::X, Vec3::splat(1e-30), Vec3::splat(1e30)] {
+            let transform = Transform::from_xyz(1.0, 2.0, 3.0).with_scale(scale);
+            assert_eq!(of(transform), None, "{scale}");
+            // The joints alone count for a scale that `f32` cannot hold, too.
+            let skinned = placed(&transform.into(), true).unwrap();
+            assert_eq!(skinned, Affine3A::from_translation(Vec3::new(1.0, 2.0, 3.0)));
+        }
+        let broken = Transform::from_xyz(f32::NAN, 0.0, 0.0);
+        assert_eq!(placed(&broken.into(), true), None);
+    }
+}

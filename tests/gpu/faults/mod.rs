@@ -1,0 +1,6 @@
+//! Faults that other test suites and bug reports found. Each test covers all cases of its fault.
+
+mod light_on_surface;
+mod scenes;
+mod stacks;
+mod transforms;
