@@ -380,7 +380,7 @@ fn maps_that_are_refused_or_short() {
         ..Default::default()
     };
     scene.world.entity_mut(light).insert(soft);
-    let text = ["no shadow", "softness is NaN", "Set the filter's softness"];
+    let text = ["no shadow", "softness is NaN", "Set it in its ShadowMap"];
     scene.expect("shadow_map", light, &text, |world| {
         world.entity_mut(light).insert(ShadowMap::default());
     });

@@ -24,7 +24,7 @@ pub fn report_techniques(world: &World, reports: &mut Reports) {
                         "The light has no shadow: {component} does not fit a {light} light: {instead}."
                     ),
                     Refusal::Setting { .. } => {
-                        format!("The light has no shadow: {refusal}, in its {component}.")
+                        format!("The light has no shadow: {refusal}. Set it in its {component}.")
                     }
                 }
             });
