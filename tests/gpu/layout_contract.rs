@@ -6,9 +6,10 @@ use std::mem::offset_of;
 use antumbra::conventions;
 use antumbra::insides::constants as mirrored;
 use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers};
-use antumbra::render::Shaders;
 use antumbra::techniques::maps::{MapFilter, MapFormat, MapSurface};
 use wgpu::naga;
+
+use crate::harness::shaders;
 
 /// A `#[repr(C)]` struct as Rust lays it out.
 #[derive(Clone, Debug)]
@@ -166,8 +167,7 @@ fn compose(path: &str) -> naga::Module {
         .iter()
         .find(|(name, _)| *name == path)
         .unwrap_or_else(|| panic!("{path} is not listed"));
-    let shaders = Shaders::new().expect("the common files compose");
-    shaders.compose(path, source).expect("the pass composes")
+    shaders().compose(path, source).expect("the pass composes")
 }
 
 #[test]
@@ -323,7 +323,7 @@ fn mirrored_constants() -> Vec<Constant> {
 
 /// Rows that the composed module has otherwise or not at all; `edit` changes the shaders before.
 fn wrong_constants(rows: &[Constant], edit: impl Fn(&str) -> String) -> Vec<String> {
-    let shaders = Shaders::new().expect("the common files compose");
+    let shaders = shaders();
     let mut composed = HashMap::new();
     let mut wrong = Vec::new();
     for row in rows {

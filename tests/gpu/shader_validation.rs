@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use antumbra::insides::{COMMON, PASSES};
-use antumbra::render::Shaders;
 use wgpu::naga;
 use wgpu::naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use crate::harness::shaders;
 
 /// Checks a composed module with nothing beyond the baseline.
 fn validate(module: &naga::Module) -> Result<(), String> {
@@ -18,8 +19,7 @@ fn validate(module: &naga::Module) -> Result<(), String> {
 }
 
 fn compose(path: &str, source: &str) -> Result<naga::Module, String> {
-    let shaders = Shaders::new().map_err(|error| error.to_string())?;
-    shaders.compose(path, source).map_err(|error| error.to_string())
+    shaders().compose(path, source).map_err(|error| error.to_string())
 }
 
 #[test]

@@ -168,3 +168,12 @@ pub fn file_name(path: &Path) -> String {
         .to_string_lossy()
         .into_owned()
 }
+
+/// A composer that knows the files of the renderer and of the crate's techniques.
+pub fn shaders() -> antumbra::render::Shaders {
+    let shaders = antumbra::render::Shaders::new().expect("the common files compose");
+    for row in antumbra::techniques::Techniques::default().rows() {
+        shaders.add(row.shaders()).expect("the technique's files compose");
+    }
+    shaders
+}
