@@ -117,7 +117,8 @@ fn reports_that_stand_allocate_nothing() {
         let dark = Light::point(Vec3::ONE, 1.0, 0.0);
         world.spawn((dark, bevy_transform::prelude::Transform::default()));
         let sun = Light::directional(Vec3::ONE, 1.0);
-        world.spawn((sun, OmniMap::default(), StencilVolume::default()));
+        world.spawn((sun.clone(), OmniMap::default(), StencilVolume::default()));
+        world.spawn((sun, OmniMap::default()));
         world.spawn((ShadowMap::default(), GlobalTransform::IDENTITY));
     }
     frame.run(&mut world);
