@@ -14,7 +14,7 @@ use std::cell::Cell;
 use antumbra::prelude::{OmniMap, ShadowMap, StencilVolume};
 use antumbra::reports::Reports;
 use antumbra::scene::{Light, WorldBounds};
-use antumbra::schedule::{collect_reports, init_resources, standalone_schedule};
+use antumbra::schedule::{add_systems, collect_reports, init_resources};
 use antumbra::sets::{SetWork, ViewportSize, collect_sets};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
@@ -109,7 +109,11 @@ fn a_frame_allocates_nothing_after_warm_up() {
 fn reports_that_stand_allocate_nothing() {
     let mut world = World::new();
     init_resources(&mut world);
-    let mut frame = standalone_schedule();
+    // Without the propagation of transforms, which needs a task pool. The pool would be there for the other test as well,
+    // and spreading work over its threads allocates.
+    let mut frame = Schedule::default();
+    frame.set_executor(SingleThreadedExecutor::new());
+    add_systems(&mut frame);
     let mut collect = Schedule::default();
     collect.set_executor(SingleThreadedExecutor::new());
     collect.add_systems(collect_reports);

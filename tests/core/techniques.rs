@@ -204,7 +204,7 @@ fn of_two_techniques_the_first_of_the_list_counts_in_whichever_order_they_came()
         assert_eq!(scene.technique(), Some("stencil_volume"));
         let said = scene.said();
         assert!(
-            said.len() == 1 && said[0].contains("stencil_volume is used"),
+            said.len() == 1 && said[0].contains("StencilVolume is used"),
             "{said:?}"
         );
         scene.world.entity_mut(scene.light).remove::<StencilVolume>();

@@ -99,7 +99,7 @@ fn of_two_techniques_the_first_of_the_list_shadows_and_it_is_said() {
         .of_entity(light)
         .map(|report| report.message.as_str())
         .collect();
-    let names = |line: &&str| line.contains(first.name()) && line.contains(second.name());
+    let names = |line: &&str| line.contains(first.component_name()) && line.contains(second.component_name());
     assert!(said.iter().any(names), "{said:?}");
     first.remove(&mut stage.world.entity_mut(light));
     assert!(visibility(&mut stage) == fresh(&context, second));

@@ -163,7 +163,8 @@ fn a_triangle_at_the_light_does_not_block_it_and_one_before_it_does() {
     let point = DVec3::new(0.2, 0.0, 0.2);
     for (height, blocked) in [
         (2.0, false),
-        (2.0 - 1e-8, true),
+        (2.0 - 1e-8, false), // nearer to the light than its clearance
+        (2.0 - 1e-4, true),
         (1.0, true),
         (1e-6, true),
         (2.1, false),
