@@ -79,7 +79,7 @@ impl std::fmt::Debug for Shaders {
 }
 
 impl Shaders {
-    /// Makes a composer that knows the [`FILES`] of the renderer.
+    /// Makes a composer that knows the `FILES` of the renderer.
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.

@@ -254,7 +254,7 @@ impl Maps {
 /// Shares the memory for maps among the lights, finds what each face shows, and selects the faces to draw
 /// again.
 ///
-/// Set: `BuildTechniques`. Reads [`MapRequests`], [`FrameLights`], [`Objects`] and [`View`]; writes [`Maps`].
+/// Set: `BuildTechniques`. Reads `MapRequests`, [`FrameLights`], [`Objects`] and [`View`]; writes [`Maps`].
 /// Cost: O(lights) comparisons if nothing changed; O(casters × faces) for a light whose casters changed.
 pub fn build_maps(
     mut maps: ResMut<Maps>,
