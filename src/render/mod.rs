@@ -26,7 +26,7 @@ pub(crate) mod shaders;
 pub use context::{RenderContext, RenderError, RequestedFeatures};
 pub use frame::draw_list::{Batch, Variant};
 pub use frame::frame_data::{ActiveLight, FrameData, LightShadow, LightSlot, TechniqueIndex, Viewport};
-pub use frame::hosted::{HostFrame, HostView, stencil_lit};
+pub use frame::hosted::{HostFrame, HostView, stencil_lit, stencil_shadowed};
 pub use frame::record::FrameOutputs;
 pub use frame::targets::{
     FrameTargets, MASK_FORMAT, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target,

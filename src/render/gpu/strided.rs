@@ -48,7 +48,8 @@ impl<T: Pod> Strided<T> {
         (index * Self::STRIDE) as u32
     }
 
-    /// The bytes of all constants, with the gaps between them.
+    /// The bytes of all constants, with the gaps between them. Bevy's buffers take them.
+    #[cfg(any(test, feature = "bevy"))]
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }

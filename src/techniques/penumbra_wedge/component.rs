@@ -63,6 +63,7 @@ impl Default for PenumbraWedge {
 }
 
 /// The greatest number of casters one behind the other for which the samples of [`Overlap::Sampled`] are soft.
+#[cfg(feature = "render")]
 pub const MOST_IN_STEPS: u32 = 30;
 
 /// The greatest number of casters that may lie one behind the other in a light with [`Overlap::Sampled`]. With more,
