@@ -114,8 +114,8 @@ struct Account {
 // The correction is weighted by how well sample counts correlate with being hidden. Where nothing overlaps,
 // sum and samples agree and the sum is the answer. Where everything is hidden twice, the sum says nothing.
 //
-// What hides more of the light than lies between places hides some places too, so the sum may add no more than
-// that share. Without this limit it would add more where many casters hide the same rim of the light but no
+// A caster that hides more of the light than the gap between two places hides some of the places as well. So the
+// sum may add no more than the share of that gap. Without this limit it would add more where many casters hide the same rim of the light but no
 // place.
 //
 // Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples",

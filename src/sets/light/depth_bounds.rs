@@ -44,7 +44,7 @@ impl DepthBounds {
         }
     }
 
-    /// The same range of view depth, with stored values for another mapping of depth.
+    /// Returns this range of view depth with the stored values of another mapping of depth.
     pub(in crate::sets) fn stored_in(self, depth: ViewDepth) -> Self {
         Self::stored(f64::from(self.near), f64::from(self.far), depth)
     }

@@ -166,7 +166,7 @@ impl FrameLight {
             .is_some_and(|technique| technique.component == TypeId::of::<T>())
     }
 
-    /// What the light's technique needs; nothing for an unshadowed light.
+    /// Returns the needs of the light's technique; an unshadowed light has none.
     pub fn needs(&self) -> Needs {
         self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
     }

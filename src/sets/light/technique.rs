@@ -15,7 +15,7 @@ pub enum NeededSilhouettes {
     Reached,
 }
 
-/// What the stages before and after a technique do for its lights.
+/// Needs of a technique: work that the stages before and after it do for its lights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Needs {
     /// The casters whose silhouettes are extracted.
@@ -54,6 +54,6 @@ pub struct LightTechnique {
     pub name: &'static str,
     /// Type of the technique's component.
     pub component: TypeId,
-    /// What the technique needs.
+    /// Needs of the technique.
     pub needs: Needs,
 }
