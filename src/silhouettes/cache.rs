@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
 use glam::{DMat4, DVec4, Vec4};
 
 use super::caster_shape::CasterShape;
@@ -53,7 +54,8 @@ pub struct LightSilhouettes {
     /// Largest sum of [`Silhouette::stacked`] over casters that lie one behind the other: the range of counts that a
     /// technique needs. It is an estimate from bounding boxes, so it does not know of folds within a piece.
     pub stacked: u32,
-    stacked_of: Option<(usize, u64)>,
+    /// Set S and the layout of its indices for which `stacked` was computed.
+    stacked_of: (FixedBitSet, u64),
     slot_of: Vec<u32>,
     free: Vec<u32>,
     layout_generation: u64,
@@ -206,7 +208,7 @@ pub fn build_silhouettes(
                         light: light.entity,
                         slots: Vec::new(),
                         stacked: 0,
-                        stacked_of: None,
+                        stacked_of: Default::default(),
                         slot_of: Vec::new(),
                         free: Vec::new(),
                         layout_generation: 0,
@@ -288,9 +290,12 @@ pub fn build_silhouettes(
             changed = true;
             silhouette.source = Some(edges.0.clone());
         }
-        let key = Some((light.s.count_ones(..), objects.layout_generation));
-        if changed || entry.stacked_of != key {
-            entry.stacked_of = key;
+        let (set, layout) = &mut entry.stacked_of;
+        let same_members = *layout == objects.layout_generation && *set == light.s;
+        // The silhouette of a caster that moves along a directional light stays, but its box does not.
+        if changed || !same_members || !objects.moved.is_disjoint(&light.s) {
+            set.clone_from(&light.s);
+            *layout = objects.layout_generation;
             boxes.clear();
             boxes.extend(light.s.ones().filter_map(|object| {
                 let (_, silhouette) = entry.of_object(object)?;

@@ -21,7 +21,7 @@ pub enum GltfError {
     Container {
         /// Path of the glTF file.
         file: PathBuf,
-        /// What is wrong with the container.
+        /// Fault of the container, as a phrase.
         reason: String,
     },
     /// The JSON is malformed or does not follow the glTF schema.
@@ -55,7 +55,7 @@ pub enum GltfError {
         file: PathBuf,
         /// The element that holds the index.
         element: Element,
-        /// What kind of element the index should refer to.
+        /// Kind of element to which the index should refer.
         target: &'static str,
         /// The index that is out of range.
         index: usize,
