@@ -3,7 +3,7 @@
 use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
 use bevy::core_pipeline::CorePipelinePlugin;
-use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d};
+use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d, prepare_prepass_textures};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
@@ -17,6 +17,7 @@ use bevy::shader::Shader;
 
 use super::camera::{AntumbraCamera, keep_msaa_off, put_back};
 use super::camera_warnings::{warn_of_marked, warn_of_unmarked, warn_without_renderer};
+use super::cut_outs::CutOutCasters;
 use super::deferral::{Deferral, collect_methods, tell_of_forward};
 use super::deferred_views::{DeferredViews, collect_deferred_views, queue_deferred};
 use super::mesh_library::{MeshLibrary, collect_meshes};
@@ -24,19 +25,24 @@ use super::mirror::Mirrors;
 use super::pass::light_view;
 use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
+use super::ranges::sync_levels;
 use super::refused::RefusedMeshes;
 use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
+use super::shared_targets::separate_prepass_textures;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
+use super::sync_settings::sync_setting;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
 use crate::reports::Reports;
 use crate::scene::LightSelection;
+use crate::sets::OcclusionSettings;
 use crate::silhouettes::LightClearance;
 use crate::techniques::add_builtin;
+use crate::techniques::maps::MapSettings;
 
 /// Registers types, and adds the system that an app without a renderer needs. Every app gets these.
 pub fn register(app: &mut App) {
@@ -88,6 +94,7 @@ pub fn install(app: &mut App) -> bool {
         .insert_resource(shaders)
         .init_resource::<Mirrors>()
         .init_resource::<RefusedMeshes>()
+        .init_resource::<CutOutCasters>()
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
         .init_resource::<DeferredViews>()
@@ -110,7 +117,18 @@ pub fn install(app: &mut App) -> bool {
                     (collect_methods, tell_of_forward).chain(),
                 )
                     .in_set(AntumbraExtractSystems::Collect),
-                (sync_transforms, sync_objects, sync_lights, end_sync)
+                (
+                    (
+                        sync_setting::<LightClearance>,
+                        sync_setting::<OcclusionSettings>,
+                        sync_setting::<MapSettings>,
+                    ),
+                    sync_transforms,
+                    sync_levels,
+                    sync_objects,
+                    sync_lights,
+                    end_sync,
+                )
                     .chain()
                     .in_set(AntumbraExtractSystems::Sync),
             ),
@@ -124,6 +142,12 @@ pub fn install(app: &mut App) -> bool {
                     .after(queue_material_meshes)
                     .after(queue_prepass_material_meshes),
             ),
+        )
+        .add_systems(
+            Render,
+            separate_prepass_textures
+                .in_set(RenderSystems::PrepareResources)
+                .after(prepare_prepass_textures),
         )
         .add_systems(
             Render,

@@ -65,6 +65,7 @@
 
 pub(crate) mod camera;
 pub(crate) mod camera_warnings;
+pub(crate) mod cut_outs;
 pub(crate) mod deferral;
 pub(crate) mod deferred_views;
 pub(crate) mod entity_map;
@@ -78,13 +79,16 @@ pub(crate) mod pipelines;
 pub mod prelude;
 pub(crate) mod prepare;
 pub(crate) mod projection;
+pub(crate) mod ranges;
 pub(crate) mod refused;
 pub(crate) mod report;
 pub(crate) mod settings;
+pub(crate) mod shared_targets;
 pub(crate) mod surfaces;
 pub(crate) mod sync;
 pub(crate) mod sync_lights;
 pub(crate) mod sync_objects;
+pub(crate) mod sync_settings;
 pub(crate) mod systems;
 pub(crate) mod techniques;
 pub(crate) mod view_groups;

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::camera::MainPassResolutionOverride;
 use bevy::color::ColorToComponents;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::prelude::*;
@@ -18,6 +19,7 @@ use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
 use glam::{UVec2, Vec3, Vec4};
 
+use super::cut_outs::CutOutTextures;
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::pipelines::{AntumbraPipelines, LightPipelines, VisibilitySource, is_ready};
@@ -79,6 +81,7 @@ type ViewItem<'a> = (
     &'a ExtractedView,
     &'a ExtractedCamera,
     Option<&'a TemporalJitter>,
+    Option<&'a MainPassResolutionOverride>,
     Has<DepthPrepass>,
     Has<DeferredPrepass>,
     Has<SkipDeferredLighting>,
@@ -95,8 +98,15 @@ pub(super) fn prepare_views(
     views: Query<ViewItem<'static>>,
     mut gpu: DrawnWith,
     lights: BevyLights,
+    mut cut_outs: CutOutTextures,
 ) {
-    for (view, main, extracted, camera, jitter, depth, deferred, skips, lit) in &views {
+    if cut_outs.are_needed()
+        && mirrors.iter().next().is_some()
+        && let Ok(resident) = gpu.resident()
+    {
+        cut_outs.bind(&resident); // if this fails, each view reports it
+    }
+    for (view, main, extracted, camera, jitter, resolution, depth, deferred, skips, lit) in &views {
         let Some(mirror) = mirrors.get_mut(main.id()) else {
             if lit {
                 commands
@@ -106,11 +116,14 @@ pub(super) fn prepare_views(
             continue;
         };
         let key = gpu.keys.get(&extracted.retained_view_entity).copied();
-        let ready = (camera.hdr && depth && deferred)
-            .then(|| {
-                key.and_then(|key| prepare_view(mirror, extracted, camera, jitter, key, &mut gpu, &lights))
-            })
-            .flatten();
+        // An upscaler lets the main pass draw into a part of the viewport.
+        let size = resolution.map(|size| size.0).or(camera.physical_viewport_size);
+        let ready = match (key, size) {
+            (Some(key), Some(size)) if camera.hdr && depth && deferred => {
+                prepare_view(mirror, extracted, camera, (size, jitter), key, &mut gpu, &lights)
+            }
+            _ => None,
+        };
         match ready {
             Some(ready) => {
                 commands.entity(view).insert(ready);
@@ -132,7 +145,7 @@ fn prepare_view(
     mirror: &mut Mirror,
     view: &ExtractedView,
     camera: &ExtractedCamera,
-    jitter: Option<&TemporalJitter>,
+    (size, jitter): (UVec2, Option<&TemporalJitter>),
     key: MeshPipelineKey,
     gpu: &mut DrawnWith,
     lights: &BevyLights,
@@ -140,7 +153,6 @@ fn prepare_view(
     if mirror.view.failed.is_some() {
         return None; // it would fail again
     }
-    let size = camera.physical_viewport_size?;
     let target = camera.physical_target_size?;
     let origin = camera
         .viewport

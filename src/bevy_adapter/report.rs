@@ -5,6 +5,7 @@ use bevy::ecs::prelude::*;
 use bevy::ecs::world::EntityRef;
 use bevy::render::MainWorld;
 
+use super::cut_outs::CutOutCasters;
 use super::light_convert::convert_light;
 use super::mirror::{HostEntity, Mirror, Mirrors};
 use super::refused::RefusedMeshes;
@@ -43,10 +44,12 @@ pub(super) fn publish_reports(
     mirrors: Res<Mirrors>,
     refused: Res<RefusedMeshes>,
     lightless: Res<LightlessTechniques>,
+    cut_outs: Res<CutOutCasters>,
     mut own: Local<Reports>,
     mut log: Local<Log>,
 ) {
     refused.raise(&mut own);
+    cut_outs.raise(&mirrors, &mut own);
     raise_lightless(&lightless, &mut own);
     raise_views(&mirrors, &mut own);
     let Some(mut all) = main.get_resource_mut::<Reports>() else {
