@@ -28,11 +28,23 @@
 //! | `RenderLayers` of a light | work as in Bevy: if the light and a camera share a layer, the light lights everything that the camera sees |
 //! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, and of those that block it |
 //! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
+//! | `VisibilityRange` | a level of detail that the camera does not draw casts nothing; of two levels that fade into each other the one that is drawn more casts |
+//! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
+//! | negative and zero scales | meshes are drawn as Bevy draws them, and block light as they are drawn |
+//! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow |
+//! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
+//! | [`LightClearance`](crate::silhouettes::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
+//!
+//! Leave `shadow_maps_enabled` of managed lights off, unless forward meshes shall have shadows. If it is on,
+//! Bevy renders its maps too, although no opaque surface reads them. The adapter creates no Bevy views.
+//!
+//! # Materials of other types
 //!
 //! The adapter does not change `DefaultOpaqueRendererMethod`. A material of another type than
 //! `StandardMaterial` is deferred for marked cameras if it has a deferred shader of its own, or no shaders of
 //! its own. An extension draws in both ways if it returns the same shader from `fragment_shader` and
-//! `deferred_fragment_shader`, and the shader ends with
+//! `deferred_fragment_shader`, and the shader ends as below. `examples/bevy_extension.rs` is such a material,
+//! whole.
 //!
 //! ```wgsl
 //! #ifdef PREPASS_PIPELINE
@@ -44,23 +56,50 @@
 //! #endif
 //! ```
 //!
-//! Leave `shadow_maps_enabled` of managed lights off. If it is on, Bevy renders its maps too, although no
-//! opaque surface reads them. The adapter creates no Bevy views.
+//! # Casters with holes
 //!
-//! Alpha-masked casters block light with their whole triangles. Volumes and wedges always do this; in Bevy
-//! maps do it too, because the adapter does not read the textures of Bevy's materials. Meshes with several
-//! levels of detail (`VisibilityRange`) cast with all levels.
+//! Maps read the alpha of Bevy's textures on the device: [`OmniMap`](crate::techniques::OmniMap) and
+//! [`ShadowMap`](crate::techniques::ShadowMap) leave the holes of alpha-masked `StandardMaterial`s out of
+//! shadows, and of blended ones what Bevy's own maps leave out (alpha below 0.05). Give lights that shine
+//! through leaves and fences one of these techniques. Volumes and wedges are made of triangles, so under them
+//! such casters block light with their whole triangles; the log says so once for each material. A material
+//! whose whole surface is a hole casts nothing under every technique. Holes that another type of material cuts
+//! are not known to the adapter.
+//!
+//! # Why forward meshes show no shadows of this crate
+//!
+//! Forward meshes are opaque materials without a deferred shader, and all transparent and transmissive ones.
+//! Their pixels would need an array of masks, one for each managed light, in Bevy's forward shaders. Four
+//! things of Bevy 0.19 stand against it:
+//!
+//! - *No place for the masks.* `DrawMaterial` sets four bind groups: view, the view's binding arrays, mesh and
+//!   material. WebGPU guarantees no fifth. The view's group cannot be extended from outside: one system makes
+//!   its entries from some 40 resources, and a bind group does not give its entries back.
+//! - *No place for the code.* Overrides of naga_oil count only in the root module, which for a forward
+//!   mesh is the shader of its material, an asset of Bevy or of the game. Each would have to be rewritten as
+//!   text and followed through reloads. A module that replaces `bevy_pbr::shadows` instead replaces it in all
+//!   views, those of unmarked cameras included.
+//! - *No call.* Bevy fetches shadows only of lights whose `shadow_maps_enabled` is on, so it would draw its own
+//!   maps too; for rectangles it fetches none. The light functions are always called, but know neither the
+//!   pixel nor whether the mesh receives shadows.
+//! - *No mask for what is behind.* A mask belongs to the surface in the depth prepass. Transparent meshes are
+//!   not in it, and several lie behind each other at a pixel.
+//!
+//! On devices with five groups, opaque forward meshes could be drawn by pipelines of this crate with rewritten
+//! shaders and a group for the masks. That is not built.
 //!
 //! | file | subject |
 //! | --- | --- |
 //! | `install`, `systems`, `settings` | registration, order of systems, settings |
 //! | `camera`, `camera_warnings` | the marker, the components that it adds and removes, warnings |
+//! | `shared_targets` | prepass textures of cameras that share a target but not its number of samples |
 //! | `deferral`, `deferred_views` | the choice of materials that are deferred for marked cameras, and their queues |
 //! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
-//! | `surfaces` | opaque and see-through objects |
+//! | `surfaces`, `cut_outs` | opaque and see-through objects, holes by alpha |
+//! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
-//! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
+//! | `sync`, `sync_objects`, `sync_lights`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;

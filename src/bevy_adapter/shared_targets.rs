@@ -6,6 +6,7 @@
 //! wgpu would stop the app. Such cameras get textures of their own.
 
 use bevy::camera::NormalizedRenderTarget;
+use bevy::color::LinearRgba;
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::diagnostic::FrameCount;
 use bevy::ecs::prelude::*;
@@ -55,7 +56,7 @@ pub(super) fn separate_prepass_textures(
                 Some(second) if !frame.0.is_multiple_of(2) => (second, Some(first.clone())),
                 second => (first.clone(), second),
             };
-            *attachment = ColorAttachment::new(now, None, before, Some(bevy::color::LinearRgba::BLACK));
+            *attachment = ColorAttachment::new(now, None, before, Some(LinearRgba::BLACK.into()));
         }
     }
     made.clear(); // the cache keeps the textures for the next frame

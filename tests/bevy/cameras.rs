@@ -59,7 +59,7 @@ fn scene(app: &mut App) -> Entity {
     let half = Vec3::Y * 0.4;
     let striped = world
         .resource_mut::<Assets<ExtendedMaterial<StandardMaterial, ForwardStripes>>>()
-        .add(ExtendedMaterial::default());
+        .add(stripes::forward());
     world.spawn((
         Name::new("striped forward"),
         Mesh3d(low.clone()),
@@ -68,7 +68,7 @@ fn scene(app: &mut App) -> Entity {
     ));
     let striped = world
         .resource_mut::<Assets<ExtendedMaterial<StandardMaterial, Stripes>>>()
-        .add(ExtendedMaterial::default());
+        .add(stripes::both());
     world.spawn((
         Name::new("striped both"),
         Mesh3d(low),

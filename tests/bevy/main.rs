@@ -9,7 +9,9 @@ mod core_harness;
 
 mod bad_input;
 mod cameras;
+mod cut_outs;
 mod depth;
+mod drawn;
 mod foreign;
 mod harness;
 mod lifetimes;
@@ -25,3 +27,5 @@ mod shadows;
 mod shared;
 mod stripes;
 mod sync;
+mod targets;
+mod transforms;
