@@ -79,12 +79,12 @@ impl Maps {
         self.lights.clear();
         self.reports.clear();
         let mut old = self.previous.drain(..).peekable();
-        for (index, request) in requests.drain() {
-            let light = &lights.lights[index];
+        for asked in requests.drain() {
+            let light = &lights.lights[asked.light];
             while old.next_if(|map| map.entity < light.entity).is_some() {}
             let known = old.next_if(|map| map.entity == light.entity);
-            let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
-            map.begin(index, light, request);
+            let mut map = known.unwrap_or_else(|| LightMap::new(light, asked.request));
+            map.begin(asked, light);
             self.lights.push(map);
         }
     }
@@ -191,7 +191,8 @@ impl Maps {
             }
             let mut push = |face: Option<usize>, revision: u64| {
                 self.candidates.push(Candidate {
-                    may_wait: map.cached && revision != 0,
+                    // Faces that follow the view may show nothing of what a late picture has.
+                    may_wait: map.cached && revision != 0 && map.request.shape != MapShape::Matrices,
                     hidden: u64::MAX - map.visibility.saturating_mul(1 + map.waited),
                     light: index,
                     face,
