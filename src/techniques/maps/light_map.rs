@@ -119,6 +119,11 @@ impl LightMap {
         1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
     }
 
+    /// Returns the memory of the map's textures as bytes for each squared resolution.
+    pub fn bytes_per_square(&self) -> u64 {
+        4 * u64::from(self.request.face_count()) * self.texture_count()
+    }
+
     /// Returns the casters of all faces, by dense object index.
     pub fn casters(&self) -> &FixedBitSet {
         &self.casters
