@@ -3,26 +3,12 @@
 use bevy_ecs::prelude::*;
 
 use super::build_maps::Maps;
-use super::light_map::LightMap;
+use super::light_map::{LightMap, asker};
 use super::request::MapRequests;
-use super::settings::{MapError, MapResolution, MapSettings};
+use super::settings::{MapError, MapReport, MapResolution, MapSettings};
 use crate::scene::{SceneMaterials, SceneMesh};
-use crate::sets::{FrameLight, FrameLights, Objects, View};
+use crate::sets::{FrameLights, Objects, View};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
-
-/// A problem with a light's map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MapReport {
-    /// The light.
-    pub entity: Entity,
-    /// The problem.
-    pub error: MapError,
-}
-
-/// Returns the name of the technique for which a light has a map; empty for a light without a technique, which has none.
-pub(super) fn asker(light: &FrameLight) -> &'static str {
-    light.technique.map_or("", |technique| technique.name)
-}
 
 impl Maps {
     /// Lists the lights, each with its state of the last frame.

@@ -8,14 +8,13 @@
 
 use bevy_ecs::prelude::*;
 
-use super::ask_for_maps::{MapReport, asker};
 use super::face_state::{FaceState, Stale};
 use super::frame_scene::Scene;
-use super::light_map::LightMap;
+use super::light_map::{LightMap, asker};
 use super::members::{expected_faces, farthest, fill_casters, lit_faces, split_members};
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
-use super::settings::MapSettings;
+use super::settings::{MapReport, MapSettings};
 use crate::sets::{FrameLights, Objects, View};
 use crate::silhouettes::LightClearance;
 use crate::techniques::shared::texture_memory::TextureMemory;

@@ -60,6 +60,11 @@ pub(super) struct FaceKey {
     pub resolution: u32,
 }
 
+/// Returns the name of the technique for which a light has a map; empty for a light without a technique, which has none.
+pub(super) fn asker(light: &FrameLight) -> &'static str {
+    light.technique.map_or("", |technique| technique.name)
+}
+
 impl LightMap {
     pub(super) fn new(light: &FrameLight, request: MapRequest) -> Self {
         Self {

@@ -48,12 +48,12 @@ pub(crate) mod request;
 pub(crate) mod settings;
 pub(crate) mod systems;
 
-pub use ask_for_maps::{MapReport, ask_for_maps};
+pub use ask_for_maps::ask_for_maps;
 pub use build_maps::{Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
 pub use light_map::LightMap;
 pub use settings::{
-    Cascades, MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface,
+    Cascades, MapBias, MapError, MapFilter, MapFormat, MapReport, MapResolution, MapSettings, MapSurface,
 };
 
 use crate::sets::Needs;

@@ -292,3 +292,12 @@ pub enum MapError {
         limit: u32,
     },
 }
+
+/// A problem with a light's map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapReport {
+    /// The light.
+    pub entity: Entity,
+    /// The problem.
+    pub error: MapError,
+}

@@ -176,7 +176,7 @@ impl TextureMemory {
         self.wants.extend(self.asked.iter().map(|asked| {
             let light = lights.lights.get(asked.light);
             let area = light
-                .and_then(|light| light.scissor)
+                .and_then(|light| light.region.scissor)
                 .map_or(0, |scissor| scissor.area());
             RankedWant {
                 want: asked.want,
