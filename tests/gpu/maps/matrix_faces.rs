@@ -3,7 +3,7 @@
 use antumbra::insides::matrix_faces::{parallel_face, point_face};
 use antumbra::insides::{LightRequest, MapRequests, MapShape, MapSystems};
 use antumbra::prelude::*;
-use antumbra::techniques::TechniqueSystems;
+use antumbra::techniques::{TechniqueSystems, TextureMemorySystems};
 use antumbra::techniques::maps::{MapFilter, MapResolution};
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3, Vec3};
@@ -72,7 +72,7 @@ fn judge(scene: &TestScene, kind: LightKind, filter: MapFilter, warp: Warp) -> M
         warp_requests
             .in_set(TechniqueSystems)
             .after(MapSystems::Request)
-            .before(MapSystems::Build),
+            .before(TextureMemorySystems::Ask),
     );
     stage.spawn_light(light, place, Some(map));
     let rendered = stage.render().expect("the frame renders");
