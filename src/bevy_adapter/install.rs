@@ -31,7 +31,7 @@ use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::shared_targets::separate_prepass_textures;
 use super::surfaces::{Surfaces, collect_surfaces};
-use super::sync::{end_sync, sync_cameras, sync_transforms};
+use super::sync::{end_sync, sync_cameras, sync_texture_memory, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::sync_settings::sync_setting;
@@ -127,6 +127,7 @@ pub fn install(app: &mut App) -> bool {
                     sync_levels,
                     sync_objects,
                     sync_lights,
+                    sync_texture_memory,
                     end_sync,
                 )
                     .chain()

@@ -212,7 +212,7 @@ fn settings_of_the_game_reach_each_camera() {
     );
     game.world().remove_resource::<LightClearance>();
     game.world().insert_resource(MapSettings {
-        memory_limit: 12345,
+        face_updates: 5,
         ..default()
     });
     game.world().insert_resource(OcclusionSettings {
@@ -223,6 +223,6 @@ fn settings_of_the_game_reach_each_camera() {
     assert_eq!(clearance(&mut game, camera), LightClearance::default().0);
     let mirrors = game.render_world().resource::<Mirrors>();
     let world = &mirrors.get(camera).unwrap().world;
-    assert_eq!(world.resource::<MapSettings>().memory_limit, 12345);
+    assert_eq!(world.resource::<MapSettings>().face_updates, 5);
     assert!(!world.resource::<OcclusionSettings>().from_lights);
 }
