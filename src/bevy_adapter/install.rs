@@ -3,7 +3,7 @@
 use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
 use bevy::core_pipeline::CorePipelinePlugin;
-use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d, prepare_prepass_textures};
+use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d, check_msaa, main_opaque_pass_3d, prepare_prepass_textures};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
@@ -12,6 +12,7 @@ use bevy::pbr::{
     MeshPipelineSystems, PbrPlugin, queue_material_meshes, queue_prepass_material_meshes,
     screen_space_reflections,
 };
+use bevy::render::render_phase::AddRenderCommand;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use bevy::shader::Shader;
 
@@ -20,6 +21,8 @@ use super::camera_warnings::{warn_of_marked, warn_of_unmarked, warn_without_rend
 use super::cut_outs::CutOutCasters;
 use super::deferral::{Deferral, collect_methods, tell_of_forward};
 use super::deferred_views::{DeferredViews, collect_deferred_views, queue_deferred};
+use super::forward_shaders::{ForwardShaders, collect_reloaded, extend_shaders};
+use super::forward_views::{DrawShadowed, ForwardViews};
 use super::mesh_library::{MeshLibrary, collect_meshes};
 use super::mirror::Mirrors;
 use super::pass::light_view;
@@ -97,6 +100,10 @@ pub fn install(app: &mut App) -> bool {
         .init_resource::<CutOutCasters>()
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
+        .init_resource::<ForwardShaders>()
+        .init_resource::<ForwardViews>()
+        .add_render_command::<Opaque3d, DrawShadowed>()
+        .add_render_command::<AlphaMask3d, DrawShadowed>()
         .init_resource::<DeferredViews>()
         .init_resource::<LightlessTechniques>()
         .configure_sets(
@@ -111,6 +118,9 @@ pub fn install(app: &mut App) -> bool {
             ExtractSchedule,
             (
                 publish_reports.before(AntumbraExtractSystems::Collect),
+                (collect_reloaded, extend_shaders)
+                    .chain()
+                    .before(AntumbraExtractSystems::Collect),
                 (
                     sync_cameras,
                     collect_surfaces,
@@ -173,6 +183,7 @@ pub fn install(app: &mut App) -> bool {
 /// Removes all mirrors, because what they hold on the GPU is lost with the device.
 ///
 /// Runs in `RenderStartup`.
-fn forget_mirrors(mut mirrors: ResMut<Mirrors>) {
+fn forget_mirrors(mut mirrors: ResMut<Mirrors>, mut forward: ResMut<ForwardViews>) {
     mirrors.clear();
+    forward.clear();
 }

@@ -76,6 +76,8 @@ pub struct Mirror {
     /// Objects of the game that must be synchronised again, beside those that changed in the game. Their level
     /// of detail changed, or a transform began or ceased to mirror them.
     pub(super) dirty: Vec<Entity>,
+    /// Objects of the game that began or ceased to show shadows in this frame.
+    pub(super) receivers_changed: Vec<Entity>,
     /// Levels of detail, by the game's entity index. Entities beyond the end are drawn wholly.
     levels: Vec<Level>,
     schedule: Schedule,
@@ -102,6 +104,7 @@ impl Mirror {
             fresh: true,
             view: ViewState::default(),
             dirty: Vec::new(),
+            receivers_changed: Vec::new(),
             levels: Vec::new(),
             schedule,
             map: EntityMap::default(),
@@ -160,6 +163,12 @@ impl Mirror {
             }
             light.remove::<(Light, LightSelection, HostLight)>();
         }
+    }
+
+    /// Whether an object of the game shows shadows.
+    pub fn shows_shadows(&self, main: Entity) -> bool {
+        let object = self.map.get(main);
+        object.is_some_and(|object| self.world.get::<ShadowReceiver>(object).is_some())
     }
 
     /// Returns the level of detail in which the camera shows an object of the game.

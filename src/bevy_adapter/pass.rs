@@ -112,5 +112,10 @@ pub(super) fn light_view(
             draw(VisibilitySource::Unshadowed);
         }
     };
-    renderer.record_hosted(ctx.command_encoder(), &frame, shade);
+    let layer = |light: usize| {
+        let slot = mirror.view.draws.get(light).copied().flatten()?;
+        mirror.view.forward.layer(slot.layer?)
+    };
+    let kept = mirror.view.keeps_masks.then_some(&layer as &dyn Fn(usize) -> _);
+    renderer.record_hosted_keeping(ctx.command_encoder(), &frame, kept, shade);
 }

@@ -202,7 +202,7 @@ fn sync_object(
     if casts && material.is_some_and(|material| game.surfaces.is_cut_out(material)) {
         cut_outs.insert(&object);
     }
-    set(
+    let turned = set(
         &mut target,
         ShadowReceiver,
         !object.contains::<NotShadowReceiver>(),
@@ -220,6 +220,9 @@ fn sync_object(
         }
         (None, None) => {}
     }
+    if turned {
+        mirror.receivers_changed.push(entity);
+    }
 }
 
 /// Returns the surface of an object as a camera sees it.
@@ -234,14 +237,15 @@ fn surface_of(object: &EntityRef, transform: &GlobalTransform, level: Level, sur
     }
 }
 
-fn set<C: Component>(target: &mut EntityWorldMut, marker: C, wanted: bool) {
-    if wanted != target.contains::<C>() {
-        if wanted {
-            target.insert(marker);
-        } else {
-            target.remove::<C>();
-        }
+/// Inserts or removes a marker. Returns whether that changed anything.
+fn set<C: Component>(target: &mut EntityWorldMut, marker: C, wanted: bool) -> bool {
+    let changes = wanted != target.contains::<C>();
+    if changes && wanted {
+        target.insert(marker);
+    } else if changes {
+        target.remove::<C>();
     }
+    changes
 }
 
 fn insert_mesh(mirror: &mut Mirror, mirrored: Entity, ready: &ReadyMesh) {

@@ -13,6 +13,7 @@ mod cut_outs;
 mod depth;
 mod drawn;
 mod foreign;
+mod forward;
 mod harness;
 mod lifetimes;
 mod minimal;
