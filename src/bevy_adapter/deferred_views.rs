@@ -178,7 +178,10 @@ pub(super) fn queue_deferred(
             };
             if !forward.is_supported() || !why.allows_masks() {
                 deferral.report(entity, id, &why);
-            } else if mirrors.get(camera.id()).is_some_and(|mirror| mirror.shows_shadows(entity.id())) {
+            } else if mirrors
+                .get(camera.id())
+                .is_some_and(|mirror| mirror.shows_shadows(entity.id()))
+            {
                 forward.push(view, entity);
             }
         }

@@ -1,9 +1,9 @@
 //! The visibility of a view's managed lights, kept in the layers of an array for forward meshes.
 
 use bevy::render::render_resource::{
-    BindGroup, BindGroupEntries, Buffer, BufferId, BufferInitDescriptor, BufferUsages, Extent3d, PipelineCache,
-    TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor, TextureViewDimension,
-    TextureViewId,
+    BindGroup, BindGroupEntries, Buffer, BufferId, BufferInitDescriptor, BufferUsages, Extent3d,
+    PipelineCache, TextureDescriptor, TextureDimension, TextureUsages, TextureView, TextureViewDescriptor,
+    TextureViewDimension, TextureViewId,
 };
 use bevy::render::renderer::RenderDevice;
 use bytemuck::Zeroable;

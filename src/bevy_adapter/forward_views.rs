@@ -11,13 +11,14 @@ use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, O
 use bevy::core_pipeline::prepass::{OpaqueNoLightmap3dBatchSetKey, OpaqueNoLightmap3dBinKey};
 use bevy::ecs::prelude::*;
 use bevy::ecs::query::ROQueryItem;
-use bevy::ecs::system::SystemParamItem;
 use bevy::ecs::system::SystemParam;
+use bevy::ecs::system::SystemParamItem;
 use bevy::ecs::system::lifetimeless::Read;
 use bevy::material::RenderPhaseType;
 use bevy::pbr::{
     DrawMesh, MATERIAL_BIND_GROUP_INDEX, MaterialFragmentShader, PreparedMaterial, SetMaterialBindGroup,
-    SetMeshBindGroup, SetMeshViewBindGroup, SetMeshViewBindingArrayBindGroup, SpecializedMaterialPipelineCache,
+    SetMeshBindGroup, SetMeshViewBindGroup, SetMeshViewBindingArrayBindGroup,
+    SpecializedMaterialPipelineCache,
 };
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::render::render_phase::{
@@ -147,7 +148,11 @@ impl ForwardQueue<'_> {
             }
             // What became invisible is queued again when it is seen.
             let is_visible = visible.iter_visible().any(|(_, entity)| *entity == mesh);
-            is_visible && matches!(self.queue_mesh(view, mesh, meshes, phases, cache), Some(Progress::Waits))
+            is_visible
+                && matches!(
+                    self.queue_mesh(view, mesh, meshes, phases, cache),
+                    Some(Progress::Waits)
+                )
         });
         self.views.pending = pending;
     }
@@ -184,7 +189,9 @@ impl ForwardQueue<'_> {
                     lightmap_slab: mesh.shared.lightmap_slab_index().map(|slab| *slab),
                 };
                 phases.opaque.remove(entity);
-                phases.opaque.add(batch_set, Opaque3dBinKey { asset_id }, both, index, kind);
+                phases
+                    .opaque
+                    .add(batch_set, Opaque3dBinKey { asset_id }, both, index, kind);
             }
             RenderPhaseType::AlphaMask => {
                 let batch_set = OpaqueNoLightmap3dBatchSetKey {
@@ -194,7 +201,13 @@ impl ForwardQueue<'_> {
                     slabs,
                 };
                 phases.masked.remove(entity);
-                phases.masked.add(batch_set, OpaqueNoLightmap3dBinKey { asset_id }, both, index, kind);
+                phases.masked.add(
+                    batch_set,
+                    OpaqueNoLightmap3dBinKey { asset_id },
+                    both,
+                    index,
+                    kind,
+                );
             }
             RenderPhaseType::Transmissive | RenderPhaseType::Transparent => return None,
         }

@@ -3,7 +3,9 @@
 use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
 use bevy::core_pipeline::CorePipelinePlugin;
-use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d, check_msaa, main_opaque_pass_3d, prepare_prepass_textures};
+use bevy::core_pipeline::core_3d::{
+    AlphaMask3d, Opaque3d, check_msaa, main_opaque_pass_3d, prepare_prepass_textures,
+};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;

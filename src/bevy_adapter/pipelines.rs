@@ -20,8 +20,8 @@ use bevy::render::render_resource::binding_types::{
     storage_buffer_read_only_sized, texture_2d, texture_2d_array, uniform_buffer_sized,
 };
 use bevy::render::render_resource::{
-    BindGroup, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor, BlendOperation,
-    BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
+    BindGroup, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor,
+    BlendOperation, BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
     DepthStencilState, PipelineCache, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
     TextureFormat, TextureSampleType, VertexState,
 };

@@ -74,7 +74,8 @@ impl DrawnWith<'_> {
         let pipelines = &mut *self.pipelines;
         if view.keeps_masks
             && is_ready
-            && let (Some(managed), Some(layers)) = (view.forward_managed.buffer(), view.forward_layers.buffer())
+            && let (Some(managed), Some(layers)) =
+                (view.forward_managed.buffer(), view.forward_layers.buffer())
         {
             let masks = &mut view.forward;
             return masks.group(&self.device, &self.cache, pipelines, managed, layers);
@@ -232,7 +233,13 @@ fn prepare_view(
     }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
     if mirror.view.keeps_masks {
-        let layers = mirror.view.draws.iter().flatten().filter_map(|slot| slot.layer).count();
+        let layers = mirror
+            .view
+            .draws
+            .iter()
+            .flatten()
+            .filter_map(|slot| slot.layer)
+            .count();
         mirror.view.forward.resize(&gpu.device, target, layers as u32);
     }
     is_ready(&gpu.cache, base).then_some(AntumbraView { base })

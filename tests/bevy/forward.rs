@@ -73,7 +73,11 @@ fn without_casters_forward_meshes_are_bevys_to_the_bit() {
             world.entity_mut(camera).remove::<AntumbraCamera>();
         }
         let material = forward(world);
-        let floor = harness::add_mesh(world, Plane3d::default().mesh().size(6.0, 6.0), Transform::default());
+        let floor = harness::add_mesh(
+            world,
+            Plane3d::default().mesh().size(6.0, 6.0),
+            Transform::default(),
+        );
         world.entity_mut(floor).insert((material, NotShadowCaster));
         let striped = world.resource_mut::<Assets<_>>().add(stripes::forward());
         let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
@@ -117,7 +121,11 @@ fn forward_and_deferred_meshes_show_the_same_shadows() {
         let forward = harness::add_mesh(world, plane(), Transform::default());
         world.entity_mut(forward).insert(material);
         let deferred = harness::add_mesh(world, plane(), Transform::default());
-        let cube = harness::add_mesh(world, Cuboid::from_length(1.0), Transform::from_xyz(0.0, 0.9, 0.0));
+        let cube = harness::add_mesh(
+            world,
+            Cuboid::from_length(1.0),
+            Transform::from_xyz(0.0, 0.9, 0.0),
+        );
         let light = PointLight {
             intensity: 500_000.0,
             radius: 0.2,

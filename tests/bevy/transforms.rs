@@ -88,7 +88,10 @@ fn scales_of_zero_cast_what_bevy_draws() {
         // Bevy shades what it flattens with normals of its own, so each is compared with itself.
         let mut shadow = |scale| darker(&scaled(scale, true), &scaled(scale, false));
         let (of_flat, of_thin) = (shadow(Vec3::ONE - axis), shadow(Vec3::ONE - axis * 0.999));
-        assert!(of_flat > 20 && of_flat.abs_diff(of_thin) < 10, "{axis}: {of_flat}, {of_thin}");
+        assert!(
+            of_flat > 20 && of_flat.abs_diff(of_thin) < 10,
+            "{axis}: {of_flat}, {of_thin}"
+        );
     }
     let none = scaled(Vec3::ZERO, true);
     assert_eq!(none.difference(&empty).channels, 0);
