@@ -19,8 +19,8 @@
 //! | --- | --- |
 //! | cameras without [`AntumbraCamera`] | rendered by Bevy alone: forward or deferred as they were, with their MSAA |
 //! | opaque and alpha-masked meshes in marked cameras | drawn deferred, lit by Bevy's functions, shadowed by this crate |
-//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras; materials without a deferred shader are named in the log |
-//! | forward, transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
+//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras, and shadowed by this crate (see below) |
+//! | transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
 //! | lights without a technique | lit and shadowed by Bevy |
 //! | `NotShadowCaster`, `NotShadowReceiver` | work as in Bevy |
 //! | `RenderLayers` of a mesh | the mesh blocks a light if they share a layer; layers from 31 on count as one |
@@ -35,8 +35,9 @@
 //! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
 //! | [`LightClearance`](crate::silhouettes::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
 //!
-//! Leave `shadow_maps_enabled` of managed lights off, unless forward meshes shall have shadows. If it is on,
-//! Bevy renders its maps too, although no opaque surface reads them. The adapter creates no Bevy views.
+//! Leave `shadow_maps_enabled` of managed lights off, unless transparent meshes shall have shadows. If it is on,
+//! Bevy renders its maps too; deferred surfaces do not read them, and forward ones are darkened twice. The
+//! adapter creates no Bevy views.
 //!
 //! # Materials of other types
 //!
@@ -66,33 +67,31 @@
 //! whose whole surface is a hole casts nothing under every technique. Holes that another type of material cuts
 //! are not known to the adapter.
 //!
-//! # Why forward meshes show no shadows of this crate
+//! # Forward meshes
 //!
-//! Forward meshes are opaque materials without a deferred shader, and all transparent and transmissive ones.
-//! Their pixels would need an array of masks, one for each managed light, in Bevy's forward shaders. Four
-//! things of Bevy 0.19 stand against it:
+//! Opaque and alpha-masked meshes that stay forward show the shadows of this crate too: the light pass keeps the
+//! visibility of each managed light in a layer of an array, and a copy of the material's shader looks it up by
+//! override where Bevy's light functions are called. Where a light is seen wholly, the picture equals Bevy's
+//! forward picture bit for bit. What limits it:
 //!
-//! - *No place for the masks.* `DrawMaterial` sets four bind groups: view, the view's binding arrays, mesh and
-//!   material. WebGPU guarantees no fifth. The view's group cannot be extended from outside: one system makes
-//!   its entries from some 40 resources, and a bind group does not give its entries back.
-//! - *No place for the code.* Overrides of naga_oil count only in the root module, which for a forward
-//!   mesh is the shader of its material, an asset of Bevy or of the game. Each would have to be rewritten as
-//!   text and followed through reloads. A module that replaces `bevy_pbr::shadows` instead replaces it in all
-//!   views, those of unmarked cameras included.
-//! - *No call.* Bevy fetches shadows only of lights whose `shadow_maps_enabled` is on, so it would draw its own
-//!   maps too; for rectangles it fetches none. The light functions are always called, but know neither the
-//!   pixel nor whether the mesh receives shadows.
-//! - *No mask for what is behind.* A mask belongs to the surface in the depth prepass. Transparent meshes are
-//!   not in it, and several lie behind each other at a pixel.
+//! - The masks are the fifth bind group, because Bevy's materials use four. WebGPU guarantees no fifth. On such a
+//!   device forward meshes are lit without shadows of this crate, and the log names their materials.
+//! - The material's shader is WGSL, and its own text: overrides count in the root module alone. Other shaders
+//!   keep Bevy's light.
+//! - The mesh is in the depth prepass (`enable_prepass`), because a mask belongs to the surface that is seen. Nor
+//!   is there a mask for the back of a mesh: materials with `diffuse_transmission` keep Bevy's light.
+//! - A view keeps 16 lights, in four bytes a pixel each. Further lights are lit without shadows. Views without
+//!   forward meshes keep nothing.
 //!
-//! On devices with five groups, opaque forward meshes could be drawn by pipelines of this crate with rewritten
-//! shaders and a group for the masks. That is not built.
+//! Transparent and transmissive meshes show no shadows of this crate. They are not in the depth prepass, and
+//! several lie behind each other at a pixel, so the mask of a pixel is not theirs.
 //!
 //! | file | subject |
 //! | --- | --- |
 //! | `install`, `systems`, `settings` | registration, order of systems, settings |
 //! | `camera`, `camera_warnings` | the marker, the components that it adds and removes, warnings |
 //! | `shared_targets` | prepass textures of cameras that share a target but not its number of samples |
+//! | `forward_views`, `forward_shaders`, `forward_masks` | shadows of meshes that stay forward |
 //! | `deferral`, `deferred_views` | the choice of materials that are deferred for marked cameras, and their queues |
 //! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |

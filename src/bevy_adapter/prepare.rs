@@ -261,6 +261,7 @@ fn prepare_lights(
     let has_functions = world.resource::<Renderer>().has_light_functions();
     let mut managed = Managed::zeroed();
     let mut layers = 0;
+    view.unkept_lights = 0;
     view.layer_words.clear();
     view.draws.clear();
     view.light_draws.clear();
@@ -282,6 +283,7 @@ fn prepare_lights(
                 return None;
             }
             layers += u32::from(layer.is_some());
+            view.unkept_lights += u32::from(view.keeps_masks && layer.is_none());
             let offset = view.light_draws.push(&draw);
             Some(DrawSlot {
                 offset,

@@ -128,6 +128,8 @@ pub struct ViewState {
     pub forward: ForwardMasks,
     /// Whether the view keeps its lights' visibility in this frame.
     pub keeps_masks: bool,
+    /// Number of managed lights whose visibility the view cannot keep, because there are too many.
+    pub unkept_lights: u32,
     /// Bind groups of the view. They are made while the view is drawn; the mutex allows this although the
     /// mirror is only read then.
     pub groups: Mutex<ViewGroups>,

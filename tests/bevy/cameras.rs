@@ -226,10 +226,8 @@ fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
         stripes.push(ours[0] > ours[1]);
     }
     assert!(stripes.contains(&true) && stripes.contains(&false), "no stripes");
-    assert_lines(
-        "striped forward",
-        &["fragment shader has no deferred counterpart"],
-    );
+    // It shows our shadows too, so nothing is missed.
+    assert_lines("striped forward", &[]);
     assert_lines("striped both", &[]);
 
     // Marked late: the second frame is as one that was marked from the start.

@@ -2,13 +2,14 @@
 //! the bit.
 
 use antumbra::bevy_adapter::prelude::*;
+use antumbra::reports::Reports;
 use bevy::light::{NotShadowCaster, NotShadowReceiver};
 use bevy::material::OpaqueRendererMethod;
-use bevy::pbr::{DistanceFog, FogFalloff};
+use bevy::pbr::{DistanceFog, ExtendedMaterial, FogFalloff};
 use bevy::prelude::*;
 
 use crate::harness::{self, Game, Picture};
-use crate::stripes;
+use crate::stripes::{self, ForwardStripes};
 
 const EYE: Vec3 = Vec3::new(0.0, 3.0, 6.0);
 
@@ -79,7 +80,9 @@ fn without_casters_forward_meshes_are_bevys_to_the_bit() {
             Transform::default(),
         );
         world.entity_mut(floor).insert((material, NotShadowCaster));
-        let striped = world.resource_mut::<Assets<_>>().add(stripes::forward());
+        let striped = world
+            .resource_mut::<Assets<ExtendedMaterial<StandardMaterial, ForwardStripes>>>()
+            .add(stripes::forward());
         let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
         let place = Transform::from_xyz(0.0, 0.5, 0.0);
         world.spawn((Mesh3d(cube), MeshMaterial3d(striped), place, NotShadowCaster));
@@ -101,6 +104,24 @@ fn without_casters_forward_meshes_are_bevys_to_the_bit() {
     let shadowed = game.run(3).settled(camera);
     shadowed.save("forward_shadowed");
     assert!(shadowed.difference(&bevys).channels > 1000);
+    // There is room for the masks of 16 lights.
+    let standing = |game: &mut Game| {
+        game.world()
+            .resource::<Reports>()
+            .iter()
+            .cloned()
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(standing(&mut game), []);
+    for _ in 0..12 {
+        harness::add_light(game.world());
+    }
+    game.run(4);
+    let reports = standing(&mut game);
+    assert!(
+        reports.len() == 1 && reports[0].message.contains("16 lights"),
+        "{reports:?}"
+    );
 }
 
 /// Visibility that two pictures show.
