@@ -51,7 +51,9 @@
 //! | feature | default | gives |
 //! | --- | --- | --- |
 //! | `render` | yes | the wgpu renderer |
-//! | `gltf` | yes | import of glTF 2.0 scenes |
+//! | `gltf` | yes | import of glTF 2.0 scenes; [`scene::gltf_import`] lists what is supported |
+//! | `gltf-draco`, `gltf-webp` | yes | compressed meshes and WebP pictures in glTF files |
+//! | `gltf-meshopt`, `gltf-basisu` | no | compressed buffer views (needs a C++ compiler) and KTX2 pictures in glTF files |
 //! | `reference` | no | ray-cast reference visibility on the CPU |
 //! | `serde` | no | reading of techniques' settings from files |
 //! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |

@@ -32,6 +32,8 @@ pub(crate) mod occluder;
 pub(crate) mod placement;
 pub(crate) mod pose;
 mod pose_components;
+#[cfg(any(feature = "gltf", feature = "render"))]
+pub(crate) mod srgb;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
