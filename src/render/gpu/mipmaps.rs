@@ -104,7 +104,9 @@ impl Level<'_> {
         };
         let before = rgba8.len();
         rgba8.resize(before + 4 * values.len(), 0);
-        let bands = rgba8[before..].chunks_mut(4 * BAND_TEXELS).zip(values.chunks(BAND_TEXELS));
+        let bands = rgba8[before..]
+            .chunks_mut(4 * BAND_TEXELS)
+            .zip(values.chunks(BAND_TEXELS));
         tasks::for_each_on_all_threads(bands, values.len() > BAND_TEXELS, |(bytes, values)| {
             for (texel, &value) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(values) {
                 *texel = encoding.encode(value);
@@ -149,7 +151,10 @@ fn taps(from: usize, to: usize) -> Vec<Taps> {
             .collect();
         let sum: f32 = weights.iter().fold(0.0, |sum, weight| sum + weight);
         weights.iter_mut().for_each(|weight| *weight /= sum);
-        Taps { first: first as usize, weights }
+        Taps {
+            first: first as usize,
+            weights,
+        }
     };
     (0..to).map(of_texel).collect()
 }
@@ -226,7 +231,11 @@ mod tests {
         });
         let mut bytes = Vec::new();
         loop {
-            bytes.extend(level.pixels().flat_map(|texel| encoding.encode(Vec4::from(texel.0))));
+            bytes.extend(
+                level
+                    .pixels()
+                    .flat_map(|texel| encoding.encode(Vec4::from(texel.0))),
+            );
             if width == 1 && height == 1 {
                 return bytes;
             }
@@ -241,7 +250,10 @@ mod tests {
             for srgb in [false, true] {
                 let texture = texture(width, height);
                 let chain = mip_chain(&texture, srgb, u32::MAX);
-                assert!(chain.rgba8 == twin(&texture, srgb), "{width} × {height}, sRGB {srgb}");
+                assert!(
+                    chain.rgba8 == twin(&texture, srgb),
+                    "{width} × {height}, sRGB {srgb}"
+                );
                 assert_eq!((chain.width, chain.height), (width, height));
                 assert_eq!(chain.levels, width.max(height).ilog2() + 1);
             }

@@ -80,8 +80,8 @@ pub use error::GltfError;
 pub use extensions::SUPPORTED_EXTENSIONS;
 pub use mesh::GltfMesh;
 pub use nodes::{GltfNode, GltfSkin, MAX_NODE_DEPTH};
-pub(crate) use reports::report_imports;
 pub use report::{Element, Report, Skip, SkipKind};
+pub(crate) use reports::report_imports;
 pub use scenes::GltfSceneRoots;
 pub use spawn::{SpawnedScene, spawn_scene};
 

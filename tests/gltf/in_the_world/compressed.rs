@@ -18,7 +18,10 @@ fn sheet(side: u32) -> Sheet {
     let mut faces = Vec::new();
     for (x, y) in (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| (x, y))) {
         let corner = y * side + x;
-        faces.extend([[corner, corner + 1, corner + side], [corner + side, corner + 1, corner + side + 1]]);
+        faces.extend([
+            [corner, corner + 1, corner + side],
+            [corner + side, corner + 1, corner + side + 1],
+        ]);
     }
     Sheet {
         positions: grid.clone().map(|[x, y]| [x, y, x * x * 0.5]).collect(),
@@ -50,7 +53,8 @@ fn centers(positions: &[glam::Vec3], indices: &[u32]) -> Vec<[i64; 3]> {
 mod draco {
     use antumbra::scene::gltf_import::load_gltf_slice;
     use draco_core::{
-        DataType, EncoderBuffer, EncoderOptions, GeometryAttributeType, Mesh, MeshEncoder, PointAttribute, PointIndex,
+        DataType, EncoderBuffer, EncoderOptions, GeometryAttributeType, Mesh, MeshEncoder, PointAttribute,
+        PointIndex,
     };
 
     use super::*;
@@ -87,14 +91,18 @@ mod draco {
         let mut builder = Builder::new();
         let view = builder.view(stream);
         let accessor = |builder: &mut Builder, kind: &str, component: u32, count: usize| {
-            builder.push("accessors", json!({"componentType": component, "type": kind, "count": count}))
+            builder.push(
+                "accessors",
+                json!({"componentType": component, "type": kind, "count": count}),
+            )
         };
         let vertices = sheet.positions.len();
         let positions = accessor(&mut builder, "VEC3", F32, vertices);
         let normals = accessor(&mut builder, "VEC3", F32, vertices);
         let uv = accessor(&mut builder, "VEC2", F32, vertices);
         let indices = accessor(&mut builder, "SCALAR", U16, sheet.faces.len() * 3);
-        let extension = json!({"bufferView": view, "attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}});
+        let extension =
+            json!({"bufferView": view, "attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}});
         builder.mesh(json!({
             "attributes": {"POSITION": positions, "NORMAL": normals, "TEXCOORD_0": uv},
             "indices": indices,
@@ -117,17 +125,31 @@ mod draco {
             let wanted: Vec<u32> = sheet.faces.iter().flatten().copied().collect();
             let positions: Vec<glam::Vec3> = sheet.positions.iter().map(|&p| p.into()).collect();
             let near = |a: &[i64; 3], b: &[i64; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 1);
-            let (got, wanted) = (centers(&data.positions, &data.indices), centers(&positions, &wanted));
-            let unmatched = got.iter().filter(|got| !wanted.iter().any(|wanted| near(got, wanted))).count();
+            let (got, wanted) = (
+                centers(&data.positions, &data.indices),
+                centers(&positions, &wanted),
+            );
+            let unmatched = got
+                .iter()
+                .filter(|got| !wanted.iter().any(|wanted| near(got, wanted)))
+                .count();
             assert_eq!(unmatched, 0, "speed {speed}");
             // Attributes belong to their vertices.
             for (vertex, position) in data.positions.iter().enumerate() {
                 let normal = glam::Vec3::new(-position.x, 0.0, 1.0).normalize();
-                assert!(data.normals[vertex].distance(normal) < 0.02, "speed {speed}, vertex {vertex}");
-                assert!(data.uv0[vertex].distance(position.truncate()) < 0.01, "speed {speed}, vertex {vertex}");
+                assert!(
+                    data.normals[vertex].distance(normal) < 0.02,
+                    "speed {speed}, vertex {vertex}"
+                );
+                assert!(
+                    data.uv0[vertex].distance(position.truncate()) < 0.01,
+                    "speed {speed}, vertex {vertex}"
+                );
             }
             // Triangles without an accessor of indices, and counts that are out of date.
-            let primitive = builder.json["meshes"][0]["primitives"][0].as_object_mut().unwrap();
+            let primitive = builder.json["meshes"][0]["primitives"][0]
+                .as_object_mut()
+                .unwrap();
             primitive.remove("indices");
             builder.json["accessors"][0]["count"] = json!(3);
             assert_eq!(builder.load().meshes[0].data.positions, data.positions);
@@ -148,10 +170,14 @@ mod draco {
         names(&file(b"no mesh at all", &sheet), "cannot be decoded");
         let edited = |path: &str, value: serde_json::Value| {
             let mut builder = file(&stream, &sheet);
-            builder.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"][path] = value;
+            builder.json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"][path] =
+                value;
             builder
         };
-        names(&edited("attributes", json!({"POSITION": 9})), "has no attribute 9 for POSITION");
+        names(
+            &edited("attributes", json!({"POSITION": 9})),
+            "has no attribute 9 for POSITION",
+        );
         names(&edited("bufferView", json!("first")), "bufferView");
         let missing = edited("bufferView", json!(9)).error();
         assert!(missing.contains("buffer view 9"), "{missing}");
@@ -192,7 +218,13 @@ mod meshopt_views {
     use super::*;
 
     /// Adds a compressed view whose own range is in a buffer without bytes.
-    fn view(builder: &mut Builder, name: &str, stream: &[u8], extension: serde_json::Value, length: usize) -> usize {
+    fn view(
+        builder: &mut Builder,
+        name: &str,
+        stream: &[u8],
+        extension: serde_json::Value,
+        length: usize,
+    ) -> usize {
         let own = builder.view(stream);
         let offset = builder.json["bufferViews"][own]["byteOffset"].clone();
         let mut object = json!({"buffer": 0, "byteOffset": offset, "byteLength": stream.len()});
@@ -211,15 +243,32 @@ mod meshopt_views {
         let count = sheet.positions.len();
         let attributes = |filter: &str, stride: usize| json!({"count": count, "byteStride": stride, "mode": "ATTRIBUTES", "filter": filter});
 
-        let stream = meshopt::encode_vertex_buffer_level(&sheet.positions, 2, Some(i32::from(name.starts_with("KHR")))).unwrap();
+        let stream = meshopt::encode_vertex_buffer_level(
+            &sheet.positions,
+            2,
+            Some(i32::from(name.starts_with("KHR"))),
+        )
+        .unwrap();
         let positions = view(&mut builder, name, &stream, attributes("NONE", 12), count * 12);
         let normals: Vec<[f32; 4]> = sheet.normals.iter().map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let packed = meshopt::encode_filter_oct::<i16>(&normals, 16);
         let stream = meshopt::encode_vertex_buffer_level(&packed, 2, Some(0)).unwrap();
-        let normals = view(&mut builder, name, &stream, attributes("OCTAHEDRAL", 8), count * 8);
+        let normals = view(
+            &mut builder,
+            name,
+            &stream,
+            attributes("OCTAHEDRAL", 8),
+            count * 8,
+        );
         let packed = meshopt::encode_filter_exp(&sheet.uv, 15, meshopt::EncodeExpMode::SharedVector);
         let stream = meshopt::encode_vertex_buffer_level(&packed, 2, Some(0)).unwrap();
-        let uv = view(&mut builder, name, &stream, attributes("EXPONENTIAL", 8), count * 8);
+        let uv = view(
+            &mut builder,
+            name,
+            &stream,
+            attributes("EXPONENTIAL", 8),
+            count * 8,
+        );
         let indices: Vec<u32> = sheet.faces.iter().flatten().copied().collect();
         let stream = meshopt::encode_index_buffer(&indices, count).unwrap();
         let triangles = json!({"count": indices.len(), "byteStride": 2, "mode": "TRIANGLES"});
@@ -264,11 +313,20 @@ mod meshopt_views {
             let positions: Vec<[f32; 3]> = data.positions.iter().map(|p| p.to_array()).collect();
             assert_eq!(bytes_of(&positions), bytes_of(&sheet.positions), "{name}");
             for vertex in 0..positions.len() {
-                assert!(data.normals[vertex].distance(sheet.normals[vertex].into()) < 1e-3, "{name}");
-                assert!(data.uv0[vertex].distance(sheet.uv[vertex].into()) < 1e-3, "{name}");
+                assert!(
+                    data.normals[vertex].distance(sheet.normals[vertex].into()) < 1e-3,
+                    "{name}"
+                );
+                assert!(
+                    data.uv0[vertex].distance(sheet.uv[vertex].into()) < 1e-3,
+                    "{name}"
+                );
             }
             let wanted: Vec<u32> = sheet.faces.iter().flatten().copied().collect();
-            assert_eq!(centers(&data.positions, &data.indices), centers(&data.positions, &wanted));
+            assert_eq!(
+                centers(&data.positions, &data.indices),
+                centers(&data.positions, &wanted)
+            );
         }
     }
 
@@ -288,7 +346,10 @@ mod meshopt_views {
             let mut builder = with_buffers(file(name).0);
             builder.json["bufferViews"][1]["extensions"][name][key] = value;
             let error = builder.error();
-            assert!(error.contains("buffer view 1") && error.contains(part), "{key}: {error}");
+            assert!(
+                error.contains("buffer view 1") && error.contains(part),
+                "{key}: {error}"
+            );
         }
     }
 }

@@ -18,8 +18,10 @@ fn with_fractions(value: &Value) -> String {
             format!("[{}]", items.join(","))
         }
         Value::Object(fields) => {
-            let fields: Vec<String> =
-                fields.iter().map(|(key, value)| format!("{key:?}:{}", with_fractions(value))).collect();
+            let fields: Vec<String> = fields
+                .iter()
+                .map(|(key, value)| format!("{key:?}:{}", with_fractions(value)))
+                .collect();
             format!("{{{}}}", fields.join(","))
         }
         other => other.to_string(),
@@ -34,22 +36,40 @@ fn whole_numbers_may_have_a_fraction_of_zero() {
         assert!(text.contains("\"bufferView\":0.0"), "{text}");
         let loaded = load_gltf_slice(&glb(text.as_bytes(), &builder.binary), None, "test.glb").unwrap();
         assert_eq!(loaded.meshes[0].data, plain.meshes[0].data);
-        assert_eq!((loaded.nodes, loaded.skins, loaded.clips), (plain.nodes, plain.skins, plain.clips));
+        assert_eq!(
+            (loaded.nodes, loaded.skins, loaded.clips),
+            (plain.nodes, plain.skins, plain.clips)
+        );
         assert_eq!(loaded.report, plain.report);
     }
     // A fraction that is not zero is no whole number.
     let mut builder = quad();
     builder.json["accessors"][1]["count"] = json!(4.5);
     let error = builder.error();
-    assert!(error.contains("accessors[1].count") && error.contains("4.5"), "{error}");
+    assert!(
+        error.contains("accessors[1].count") && error.contains("4.5"),
+        "{error}"
+    );
 }
 
 #[test]
 fn errors_of_json_name_the_element() {
     let cases: [(&str, &[&str], Value); 6] = [
-        ("/meshes/0/primitives/0/attributes/POSITION", &["meshes[0].primitives[0]"], json!("first")),
-        ("/nodes/2/translation", &["nodes[2].translation"], json!([1.0, 2.0])),
-        ("/bufferViews/1/byteLength", &["bufferViews[1].byteLength"], json!(-3)),
+        (
+            "/meshes/0/primitives/0/attributes/POSITION",
+            &["meshes[0].primitives[0]"],
+            json!("first"),
+        ),
+        (
+            "/nodes/2/translation",
+            &["nodes[2].translation"],
+            json!([1.0, 2.0]),
+        ),
+        (
+            "/bufferViews/1/byteLength",
+            &["bufferViews[1].byteLength"],
+            json!(-3),
+        ),
         ("/accessors/0/bufferView", &["accessors[0].bufferView"], json!({})),
         ("/skins/0/joints", &["skins[0].joints"], json!(7)),
         ("/scenes/0/nodes/1", &["scenes[0].nodes[1]"], json!(null)),
@@ -70,13 +90,19 @@ fn errors_of_json_name_the_element() {
     let text = serde_json::to_string(&quad().document(None)).unwrap();
     let cut = text.find("\"byteLength\":").unwrap() + "\"byteLength\":".len();
     let error = load_text(&format!("{}}}", &text[..cut])).unwrap_err().to_string();
-    assert!(error.contains("bufferViews[0]") && error.contains("column"), "{error}");
+    assert!(
+        error.contains("bufferViews[0]") && error.contains("column"),
+        "{error}"
+    );
 }
 
 #[test]
 fn other_versions_are_named() {
     for (text, version) in [
-        (r#"{"asset": {"version": "1.0"}, "accessors": {}, "scenes": {"s": {"nodes": []}}, "scene": "s"}"#, "1"),
+        (
+            r#"{"asset": {"version": "1.0"}, "accessors": {}, "scenes": {"s": {"nodes": []}}, "scene": "s"}"#,
+            "1",
+        ),
         (r#"{"asset": {"version": 1.0}, "meshes": {}}"#, "1"),
         (r#"{"asset": {}, "nodes": {"n": {}}}"#, "1"),
         (r#"{"meshes": {"m": {}}}"#, "1"),
@@ -85,7 +111,12 @@ fn other_versions_are_named() {
     ] {
         let error = load_text(text).unwrap_err();
         assert!(matches!(error, GltfError::Version { .. }), "{text}: {error}");
-        assert!(error.to_string().contains(&format!("version {version} is not supported")), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains(&format!("version {version} is not supported")),
+            "{error}"
+        );
     }
     // Version 2 as a number is meant well.
     load_text(r#"{"asset": {"version": 2.0}}"#).unwrap();
@@ -116,11 +147,15 @@ fn extensions_are_reported_whether_they_are_declared_or_not() {
     let mut builder = quad();
     builder.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "KHR_materials_ior"]);
     builder.json["nodes"][0]["extensions"] = json!({"VENDOR_physics": {}});
-    builder.json["materials"] = json!([{"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0}}}]);
+    builder.json["materials"] =
+        json!([{"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0}}}]);
     let report = builder.load().report;
     assert_eq!(report.count(SkipKind::Extension), 2);
     let text = report.to_string();
-    assert!(text.contains("KHR_materials_clearcoat is ignored (1 element"), "{text}");
+    assert!(
+        text.contains("KHR_materials_clearcoat is ignored (1 element"),
+        "{text}"
+    );
     assert!(text.contains("VENDOR_physics is ignored"), "{text}");
     assert!(!text.contains("KHR_materials_ior"), "{text}");
 }

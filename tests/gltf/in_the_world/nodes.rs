@@ -15,14 +15,23 @@ fn a_scene_may_list_a_node_that_has_a_parent() {
     builder.json["nodes"][0]["translation"] = json!([0.0, 1.0, 0.0]);
     builder.push("nodes", json!({"children": [0], "translation": [5.0, 0.0, 0.0]}));
     let gltf = builder.load();
-    assert_eq!((gltf.scenes[0].roots.clone(), gltf.report.count(SkipKind::SceneRoot)), (vec![0], 1));
+    assert_eq!(
+        (
+            gltf.scenes[0].roots.clone(),
+            gltf.report.count(SkipKind::SceneRoot)
+        ),
+        (vec![0], 1)
+    );
     assert!(gltf.report.to_string().contains("scene 0"), "{}", gltf.report);
     let place = |gltf: &antumbra::scene::gltf_import::LoadedGltf| {
         let (mut world, mut schedule) = frame();
         let spawned = spawn_scene(&mut world, gltf, None).unwrap();
         schedule.run(&mut world);
         assert_eq!(spawned.meshes.len(), 1);
-        world.get::<GlobalTransform>(spawned.meshes[0]).unwrap().translation()
+        world
+            .get::<GlobalTransform>(spawned.meshes[0])
+            .unwrap()
+            .translation()
     };
     assert_eq!(place(&gltf), Vec3::Y);
     // Where the scene lists both, in either order, the parent moves its child and nothing is drawn twice.
@@ -81,12 +90,15 @@ fn every_instance_is_drawn_and_casts() {
     let half = i16::MAX;
     let quarter = ((f32::from(half)) * std::f32::consts::FRAC_1_SQRT_2) as i16;
     let turns = [[0, 0, 0, half], [0, quarter, 0, quarter], [0, 0, 0, half]];
-    let bytes: Vec<u8> = turns.iter().flatten().flat_map(|x: &i16| x.to_le_bytes()).collect();
+    let bytes: Vec<u8> = turns
+        .iter()
+        .flatten()
+        .flat_map(|x: &i16| x.to_le_bytes())
+        .collect();
     let rotations = builder.accessor(&bytes, 5122, "VEC4", 3);
     builder.json["accessors"][rotations]["normalized"] = json!(true);
     let scales = builder.floats(&[[1.0; 3], [2.0; 3], [1.0, 1.0, -1.0]]);
-    builder.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] =
-        json!({"TRANSLATION": f64::from(translations as u32), "ROTATION": rotations, "SCALE": scales, "_ID": 0});
+    builder.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = json!({"TRANSLATION": f64::from(translations as u32), "ROTATION": rotations, "SCALE": scales, "_ID": 0});
     let gltf = builder.load();
     assert!(gltf.report.is_empty(), "{}", gltf.report);
     let (mut world, mut schedule) = frame();
@@ -94,7 +106,10 @@ fn every_instance_is_drawn_and_casts() {
     schedule.run(&mut world);
     assert_eq!(spawned.meshes.len(), 3);
     let node = spawned.nodes.nodes[0].unwrap();
-    assert!(world.get::<SceneMesh>(node).is_none(), "the node itself draws nothing");
+    assert!(
+        world.get::<SceneMesh>(node).is_none(),
+        "the node itself draws nothing"
+    );
     let wanted = [
         Transform::IDENTITY,
         Transform::from_xyz(0.0, 2.0, 0.0)
@@ -103,13 +118,20 @@ fn every_instance_is_drawn_and_casts() {
         Transform::from_xyz(0.0, 0.0, 3.0).with_scale(Vec3::new(1.0, 1.0, -1.0)),
     ];
     for (&entity, wanted) in spawned.meshes.iter().zip(wanted) {
-        let got = world.get::<GlobalTransform>(entity).unwrap().transform_point(Vec3::ONE);
+        let got = world
+            .get::<GlobalTransform>(entity)
+            .unwrap()
+            .transform_point(Vec3::ONE);
         let wanted = wanted.transform_point(Vec3::ONE) + Vec3::X * 10.0;
         assert!(got.distance(wanted) < 1e-3, "{got} {wanted}");
         assert!(world.get::<ShadowCaster>(entity).is_some() && world.get::<ShadowReceiver>(entity).is_some());
     }
     // All draw the same mesh, once in memory.
-    let meshes: Vec<_> = spawned.meshes.iter().map(|&mesh| world.get::<SceneMesh>(mesh).unwrap().0.clone()).collect();
+    let meshes: Vec<_> = spawned
+        .meshes
+        .iter()
+        .map(|&mesh| world.get::<SceneMesh>(mesh).unwrap().0.clone())
+        .collect();
     assert!(meshes.iter().all(|mesh| std::sync::Arc::ptr_eq(mesh, &meshes[0])));
     world.despawn(spawned.root);
     assert_eq!(world.query::<&SceneMesh>().iter(&world).count(), 0);
@@ -130,19 +152,33 @@ fn instances_without_a_meaning_are_errors_or_reported() {
     let instancing = json!({"attributes": {"TRANSLATION": two, "SCALE": three}});
     unequal.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = instancing;
     let error = unequal.error();
-    assert!(error.contains("SCALE has 3 elements") && error.contains("has 2"), "{error}");
+    assert!(
+        error.contains("SCALE has 3 elements") && error.contains("has 2"),
+        "{error}"
+    );
 
     let mut nowhere = instanced(json!({}));
     let scales = nowhere.floats(&[[1.0; 3], [0.0; 3], [f32::NAN; 3]]);
-    nowhere.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = json!({"attributes": {"SCALE": scales}});
+    nowhere.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] =
+        json!({"attributes": {"SCALE": scales}});
     assert_eq!(nowhere.load().report.count(SkipKind::Instance), 2);
     // Transforms of another application only: once, and reported.
     let gltf = instanced(json!({"_MATRIX": 0})).load();
-    assert_eq!((gltf.nodes[0].instances.clone(), gltf.report.count(SkipKind::Instance)), (None, 1));
+    assert_eq!(
+        (
+            gltf.nodes[0].instances.clone(),
+            gltf.report.count(SkipKind::Instance)
+        ),
+        (None, 1)
+    );
     // A file of a few bytes cannot ask for all memory.
     let mut bomb = instanced(json!({}));
-    let zeros = bomb.push("accessors", json!({"componentType": F32, "type": "VEC3", "count": 1u64 << 40}));
-    bomb.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] = json!({"attributes": {"TRANSLATION": zeros}});
+    let zeros = bomb.push(
+        "accessors",
+        json!({"componentType": F32, "type": "VEC3", "count": 1u64 << 40}),
+    );
+    bomb.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"] =
+        json!({"attributes": {"TRANSLATION": zeros}});
     let error = bomb.error();
     assert!(error.contains("node 0") && error.contains("limit"), "{error}");
 }

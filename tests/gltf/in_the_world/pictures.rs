@@ -75,8 +75,16 @@ fn webp_pictures_are_read() {
     assert_eq!(texels(&plain).2, color);
     // The extension counts more than the fallback beside it.
     let both = json!({"source": 7, "extensions": {"EXT_texture_webp": {"source": 0.0}}});
-    assert_eq!(texels(&textured(&webp(1, 1, color), both, "EXT_texture_webp")).2, color);
-    let cut = textured(&webp(3, 2, color)[..24], json!({"source": 0}), "KHR_texture_transform").load();
+    assert_eq!(
+        texels(&textured(&webp(1, 1, color), both, "EXT_texture_webp")).2,
+        color
+    );
+    let cut = textured(
+        &webp(3, 2, color)[..24],
+        json!({"source": 0}),
+        "KHR_texture_transform",
+    )
+    .load();
     assert_eq!(cut.report.count(SkipKind::Texture), 1);
     assert!(cut.materials[0].base_color_texture.is_none());
 }
@@ -150,7 +158,11 @@ fn without_its_feature_a_picture_is_left_out_and_the_feature_named() {
 
 #[test]
 fn pictures_that_are_not_there_are_reported() {
-    for image in [json!({"uri": "not_there.png"}), json!({}), json!({"uri": "data:image/png;base64,AAAA"})] {
+    for image in [
+        json!({"uri": "not_there.png"}),
+        json!({}),
+        json!({"uri": "data:image/png;base64,AAAA"}),
+    ] {
         let mut builder = textured(&[], json!({"source": 0}), "KHR_texture_transform");
         builder.json["images"][0] = image;
         let gltf = builder.load();
@@ -158,5 +170,9 @@ fn pictures_that_are_not_there_are_reported() {
         assert!(gltf.report.to_string().contains("image 0"), "{}", gltf.report);
     }
     let nothing = textured(&[], json!({}), "KHR_texture_transform").load();
-    assert!(nothing.report.to_string().contains("texture 0"), "{}", nothing.report);
+    assert!(
+        nothing.report.to_string().contains("texture 0"),
+        "{}",
+        nothing.report
+    );
 }
