@@ -5,7 +5,7 @@ use antumbra::reports::{Report, Reports};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
-use antumbra::techniques::{Statistic, Statistics, Techniques};
+use antumbra::techniques::{Statistic, Statistics, Techniques, TextureMemory};
 use bevy_ecs::prelude::{Name, World};
 use serde_json::{Map, Value, json};
 
@@ -86,6 +86,11 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         gpu.insert(pass.label.clone(), json!(total + pass.milliseconds));
     }
     let mut of_techniques = Statistics::default();
+    let memory = world.resource::<TextureMemory>();
+    let short = memory.shortages().iter();
+    let shortages: Vec<String> = short.map(|short| short.shortage.to_string()).collect();
+    of_techniques.set("texture_bytes", memory.bytes());
+    of_techniques.set("texture_shortages", shortages);
     for row in world.resource::<Techniques>().rows() {
         row.frame_statistics(world, &mut of_techniques);
     }
@@ -183,7 +188,7 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
     let silhouettes = world.resource::<Silhouettes>();
     let (mut edges, mut loops) = (0, 0);
     if let Some(known) = silhouettes.of_light(light.entity) {
-        for object in light.s.ones() {
+        for object in light.sets.s.ones() {
             if let Some((_, silhouette)) = known.of_object(object) {
                 edges += silhouette.contour.edge_count();
                 loops += loop_count(silhouette);
@@ -201,11 +206,11 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
     }
     let stats = json!({
         "technique": active.map_or("none", |active| renderer.technique_name(active)),
-        "L": light.l.count_ones(..),
-        "I": light.i.count_ones(..),
-        "S": light.s.count_ones(..),
-        "scissor": light.scissor.map(|s| [s.x, s.y, s.width, s.height]),
-        "depth_bounds": light.depth_bounds.map(|bounds| json!({
+        "L": light.sets.l.count_ones(..),
+        "I": light.sets.i.count_ones(..),
+        "S": light.sets.s.count_ones(..),
+        "scissor": light.region.scissor.map(|s| [s.x, s.y, s.width, s.height]),
+        "depth_bounds": light.region.depth_bounds.map(|bounds| json!({
             "near": bounds.near,
             // JSON cannot represent infinity.
             "far": bounds.far.is_finite().then_some(bounds.far),

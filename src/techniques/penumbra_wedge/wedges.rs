@@ -15,6 +15,7 @@ use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
+use crate::silhouettes::KEPT_FRAMES;
 use crate::silhouettes::cache::light_is_within;
 use crate::silhouettes::{CasterShape, CasterShapeItem, LightClearance, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
@@ -147,9 +148,6 @@ pub(super) struct Placed {
 /// triangles between rays that are less than 172° apart then pass beyond all receivers.
 const RAY_SHARE: f64 = 16.0;
 
-/// Frames that a chunk is kept after its last use, as for silhouettes.
-const KEPT_FRAMES: u64 = 120;
-
 impl PenumbraWedges {
     /// Returns the wedges of a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightWedges> {
@@ -208,7 +206,7 @@ pub fn build_penumbra_wedges(
         let Ok((settings, texture)) = components.get(light.entity) else {
             continue;
         };
-        if light.scissor.is_none() {
+        if light.region.scissor.is_none() {
             continue; // no visible surface receives the light
         }
         let first = out.begin_light(index, light, settings, texture, view);
@@ -230,7 +228,7 @@ pub fn build_penumbra_wedges(
                 pyramid: OcclusionPyramid::new(&context.around, part.point_world),
                 finite: FiniteReach::new(view, light, part.point_world),
             };
-            for object in light.s.ones() {
+            for object in light.sets.s.ones() {
                 if let Some((_, silhouette)) = known.of_object(object)
                     && let Ok(caster) = casters.get(objects.entities[object])
                 {
@@ -321,7 +319,7 @@ impl PenumbraWedges {
         let entity = context.objects.entities[object];
         let bounds = context.objects.boxes.get(object);
         // A shadow before the nearest or beyond the farthest surface that the light reaches.
-        let reaches = light.depth_bounds.is_some_and(|reached| {
+        let reaches = light.region.depth_bounds.is_some_and(|reached| {
             shadow_depth_range(view, &bounds, &light.emitter)
                 .is_some_and(|spanned| spanned.intersects(&reached))
         });
