@@ -136,7 +136,7 @@ pub mod prelude {
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
-        AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
+        AlphaMode, Camera, Cell, CulledCasters, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
         Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
     };
     pub use super::schedule::AntumbraSystems;
