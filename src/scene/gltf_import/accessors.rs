@@ -9,7 +9,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
 use super::buffers::BufferBytes;
-use super::{Element, GltfError, meshopt};
+use super::{Element, GltfError};
 
 /// Decoded bytes that even an empty file may take. This is enough for accessors without a view, which are all
 /// zeros.
@@ -23,10 +23,10 @@ const BUDGET_PER_BYTE: u64 = 64;
 pub(super) struct Accessors<'a> {
     pub file: PathBuf,
     pub root: &'a Root,
-    buffers: Vec<BufferBytes<'a>>,
+    pub buffers: Vec<BufferBytes<'a>>,
     budget_bytes: Cell<u64>,
     /// The buffer views that were stored compressed and have been read, decompressed.
-    views: Vec<OnceCell<Vec<u8>>>,
+    pub views: Vec<OnceCell<Vec<u8>>>,
     /// Accessors whose elements come from compressed primitives instead of their buffer views.
     decoded: HashMap<usize, DecodedAccessor>,
 }
@@ -335,64 +335,6 @@ impl<'a> Accessors<'a> {
             self.invalid(element, reason)
         })?;
         Ok(Elements { bytes, stride })
-    }
-
-    /// The bytes of a buffer view that `element` refers to, decompressed if the file has them compressed.
-    pub fn view(&self, element: Element, index: Index<gltf::json::buffer::View>) -> Result<&[u8], GltfError> {
-        let view = self.get(&self.root.buffer_views, index, element, "buffer view")?;
-        let compressed = match meshopt::Compressed::of(view) {
-            Some(compressed) => compressed,
-            None => return self.stored(element, index.value()),
-        };
-        if !meshopt::IS_SUPPORTED && self.stored(element, index.value()).is_ok() {
-            return self.stored(element, index.value()); // the fallback that the file offers
-        }
-        let known = &self.views[index.value()];
-        if let Some(bytes) = known.get() {
-            return Ok(bytes);
-        }
-        let bytes = meshopt::decode(self, index.value(), view, compressed)?;
-        Ok(known.get_or_init(|| bytes))
-    }
-
-    /// The bytes of a buffer view as they are stored.
-    fn stored(&self, element: Element, index: usize) -> Result<&[u8], GltfError> {
-        let view = &self.root.buffer_views[index];
-        let offset = view.byte_offset.map_or(0, |offset| offset.0);
-        self.slice(
-            element,
-            Element::BufferView(index),
-            view.buffer,
-            offset,
-            view.byte_length.0,
-        )
-    }
-
-    /// A range of the bytes of a buffer, which `part` of the file names and `user` reads.
-    pub fn slice(
-        &self,
-        user: Element,
-        part: Element,
-        buffer: Index<gltf::json::Buffer>,
-        offset: u64,
-        length: u64,
-    ) -> Result<&[u8], GltfError> {
-        let buffer_index = buffer.value();
-        let bytes = self.get(&self.buffers, buffer, part, "buffer")?;
-        let bytes = bytes
-            .as_ref()
-            .map_err(|reason| self.invalid(Element::Buffer(buffer_index), reason))?;
-        let range = offset.checked_add(length).and_then(|end| {
-            let range = usize::try_from(offset).ok()?..usize::try_from(end).ok()?;
-            bytes.get(range)
-        });
-        range.ok_or_else(|| {
-            let has = bytes.len();
-            let reason = format!(
-                "{part} ({length} bytes from {offset}) runs past the end of buffer {buffer_index}, which has {has} bytes"
-            );
-            self.invalid(user, reason)
-        })
     }
 }
 

@@ -11,7 +11,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Texture, Value, deserialize};
 
 use super::accessors::Accessors;
-use super::specular_glossiness::SpecularGlossiness;
+use super::specular_glossiness::{SpecularGlossiness, Surface};
 use super::texture::Textures;
 use super::transmission::{self, Transmission};
 use super::{Element, GltfError, Report, SkipKind};
@@ -33,15 +33,6 @@ pub(super) fn load(
         materials.push(Arc::new(import.material(material)?));
     }
     Ok(materials)
-}
-
-/// The part of a material that its model decides.
-pub(super) struct Surface {
-    pub base_color: Vec4,
-    pub base_color_texture: Option<TextureSlot>,
-    pub metallic: f32,
-    pub roughness: f32,
-    pub metallic_roughness_texture: Option<TextureSlot>,
 }
 
 struct Import<'i, 'a> {

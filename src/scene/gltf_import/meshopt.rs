@@ -3,96 +3,77 @@
 //! The bytes that a view should have come out of another range, which the extension names. Without the cargo feature
 //! `gltf-meshopt` the view's own range is read, which some files fill as well.
 
+use gltf::json::Value;
 use gltf::json::buffer::View;
-use gltf::json::{Index, Value};
 
-use super::accessors::Accessors;
 use super::extensions::{MESHOPT_EXT, MESHOPT_KHR, whole_number};
-use super::{Element, GltfError};
 
 /// Whether this build decompresses.
 pub(super) const IS_SUPPORTED: bool = cfg!(feature = "gltf-meshopt");
 
-/// The extension object of a compressed buffer view.
+/// What the extension object of a compressed buffer view states.
 pub(super) struct Compressed<'a> {
     extension: &'static str,
-    object: &'a Value,
-}
-
-impl<'a> Compressed<'a> {
-    /// The extension object of a view, if the view is compressed.
-    pub fn of(view: &'a View) -> Option<Self> {
-        let others = &view.extensions.as_ref()?.others;
-        [MESHOPT_KHR, MESHOPT_EXT].into_iter().find_map(|extension| {
-            let object = others.get(extension)?;
-            Some(Self { extension, object })
-        })
-    }
-}
-
-/// How the decompressed bytes are laid out.
-struct Stream<'a> {
-    source: &'a [u8],
-    count: usize,
-    stride: usize,
+    /// The buffer that holds the compressed bytes, and their range in it.
+    pub buffer: usize,
+    pub offset: usize,
+    pub length: usize,
+    /// Number of elements.
+    pub count: usize,
+    /// Size of an element, bytes.
+    pub stride: usize,
     mode: &'a str,
     filter: &'a str,
 }
 
-/// Decompresses a buffer view.
-///
-/// # Errors
-/// The extension object has no meaning, the compressed bytes are broken, or this build does not decompress.
-pub(super) fn decode(
-    accessors: &Accessors<'_>,
-    index: usize,
-    view: &View,
-    compressed: Compressed<'_>,
-) -> Result<Vec<u8>, GltfError> {
-    let element = Element::BufferView(index);
-    let Compressed { extension, object } = compressed;
-    let invalid = |reason: String| accessors.invalid(element, format!("{extension}: {reason}"));
-    let number = |key: &str| {
-        whole_number(object.get(key)).ok_or_else(|| invalid(format!("{key} is not a whole number")))
-    };
-    let (buffer, length) = (number("buffer")?, number("byteLength")?);
-    let offset = object.get("byteOffset").map_or(Ok(0), |_| number("byteOffset"))?;
-    let text = |key: &str| object.get(key).and_then(Value::as_str);
-    let stream = Stream {
-        source: accessors.slice(
-            element,
-            element,
-            Index::new(buffer as u32),
-            offset as u64,
-            length as u64,
-        )?,
-        count: number("count")?,
-        stride: number("byteStride")?,
-        mode: text("mode").unwrap_or_default(),
-        filter: text("filter").unwrap_or("NONE"),
-    };
-    accessors.charge(element, stream.count, stream.stride)?;
-    let bytes = decompress(&stream).map_err(&invalid)?;
-    if (bytes.len() as u64) < view.byte_length.0 {
-        let needed = view.byte_length.0;
-        return Err(invalid(format!(
-            "it has {} bytes, the view has {needed}",
-            bytes.len()
-        )));
+impl<'a> Compressed<'a> {
+    /// The extension object of a view, or `None` if the view is not compressed.
+    ///
+    /// # Errors
+    /// A sentence about what has no meaning.
+    pub fn of(view: &'a View) -> Option<Result<Self, String>> {
+        let others = &view.extensions.as_ref()?.others;
+        [MESHOPT_KHR, MESHOPT_EXT].into_iter().find_map(|extension| {
+            let object = others.get(extension)?;
+            Some(Self::read(extension, object))
+        })
     }
-    Ok(bytes)
+
+    fn read(extension: &'static str, object: &'a Value) -> Result<Self, String> {
+        let number = |key: &str| {
+            whole_number(object.get(key)).ok_or_else(|| format!("{extension}: {key} is not a whole number"))
+        };
+        let text = |key: &str| object.get(key).and_then(Value::as_str);
+        Ok(Self {
+            extension,
+            buffer: number("buffer")?,
+            offset: object.get("byteOffset").map_or(Ok(0), |_| number("byteOffset"))?,
+            length: number("byteLength")?,
+            count: number("count")?,
+            stride: number("byteStride")?,
+            mode: text("mode").unwrap_or_default(),
+            filter: text("filter").unwrap_or("NONE"),
+        })
+    }
+
+    /// The bytes that the view should have, at least `needed`, from the compressed ones.
+    ///
+    /// # Errors
+    /// A sentence about compressed bytes that are broken or have no meaning, or a build that does not decompress.
+    pub fn decode(&self, source: &[u8], needed: u64) -> Result<Vec<u8>, String> {
+        let of_extension = |reason: String| format!("{}: {reason}", self.extension);
+        let bytes = decompress(self, source).map_err(of_extension)?;
+        if (bytes.len() as u64) < needed {
+            let has = bytes.len();
+            return Err(of_extension(format!("it has {has} bytes, the view has {needed}")));
+        }
+        Ok(bytes)
+    }
 }
 
 #[cfg(not(feature = "gltf-meshopt"))]
-fn decompress(stream: &Stream<'_>) -> Result<Vec<u8>, String> {
-    let Stream {
-        source,
-        count,
-        stride,
-        mode,
-        filter,
-    } = stream;
-    let _ = (source, count, stride, mode, filter);
+fn decompress(compressed: &Compressed<'_>, _source: &[u8]) -> Result<Vec<u8>, String> {
+    let _ = (compressed.mode, compressed.filter);
     Err(super::extensions::why_unread(MESHOPT_EXT))
 }
 
@@ -106,17 +87,17 @@ mod decoder {
         decode_index_sequence, decode_vertex_buffer,
     };
 
-    use super::Stream;
+    use super::Compressed;
 
     /// Source: glTF extension `KHR_meshopt_compression`, sections "Specifying compressed views" and "Filters".
-    pub(super) fn decompress(stream: &Stream<'_>) -> Result<Vec<u8>, String> {
-        let &Stream {
-            source,
+    pub(super) fn decompress(compressed: &Compressed<'_>, source: &[u8]) -> Result<Vec<u8>, String> {
+        let &Compressed {
             count,
             stride,
             mode,
             filter,
-        } = stream;
+            ..
+        } = compressed;
         let broken = |error: meshopt::Error| format!("the compressed bytes are broken: {error}");
         if mode != "ATTRIBUTES" && filter != "NONE" {
             return Err(format!("filter {filter} cannot be used with mode {mode}"));

@@ -6,7 +6,7 @@
 //! | JSON, and what is mended in it | `schema.rs` |
 //! | extensions: supported, ignored, refused | `extensions.rs` |
 //! | buffers from chunk, data URI, file | `buffers.rs` |
-//! | compressed buffer views, compressed primitives | `meshopt.rs`, `draco.rs` |
+//! | buffer views, compressed ones, compressed primitives | `views.rs`, `meshopt.rs`, `draco.rs` |
 //! | accessors, with bounds checked first | `accessors.rs` |
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | textures, their pictures | `texture.rs`, `images.rs` |
@@ -71,6 +71,7 @@ mod transforms;
 mod transmission;
 mod triangles;
 mod vertices;
+mod views;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

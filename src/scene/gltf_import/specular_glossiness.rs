@@ -3,18 +3,26 @@
 //! Source: Khronos, "KHR_materials_pbrSpecularGlossiness", the example "convert-between-workflows" that belongs to it.
 //! What was changed: textures are converted texel by texel, on the grid of the larger one.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::bake::{self, are_aligned};
-use super::material::Surface;
 use crate::scene::TextureSlot;
 
 /// Reflectance of a dielectric that looks straight at the light, as metallic-roughness has it.
 const DIELECTRIC: f32 = 0.04;
 
+/// The part of a material that its model decides.
+pub(super) struct Surface {
+    pub base_color: Vec4,
+    pub base_color_texture: Option<TextureSlot>,
+    pub metallic: f32,
+    pub roughness: f32,
+    pub metallic_roughness_texture: Option<TextureSlot>,
+}
+
 /// What the extension states, with its textures loaded.
 pub(super) struct SpecularGlossiness {
-    pub diffuse: glam::Vec4,
+    pub diffuse: Vec4,
     pub diffuse_texture: Option<TextureSlot>,
     pub specular: Vec3,
     pub glossiness: f32,
@@ -65,7 +73,7 @@ impl SpecularGlossiness {
             [255, bake::byte(roughness), bake::byte(converted(x, y).1), 255]
         });
         Surface {
-            base_color: glam::Vec4::ONE,
+            base_color: Vec4::ONE,
             base_color_texture: Some(base),
             metallic: 1.0,
             roughness: 1.0,

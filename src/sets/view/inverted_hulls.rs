@@ -77,7 +77,8 @@ pub fn find_inverted_hulls(
     let eye = view.data.as_ref().map(|view| view.eye.as_vec3());
     let is_outside = |entity: Entity| {
         let bounds = bounds.get(entity).map(|bounds| bounds.0);
-        eye.zip(bounds.ok()).is_none_or(|(eye, bounds)| !bounds.contains(eye))
+        eye.zip(bounds.ok())
+            .is_none_or(|(eye, bounds)| !bounds.contains(eye))
     };
     let culled = found.hulls.iter().copied().filter(|&entity| is_outside(entity));
     if !culled.clone().eq(found.left_out.iter().copied()) {
@@ -90,7 +91,11 @@ pub fn find_inverted_hulls(
 
 /// Whether a mesh is closed and shows only backs from everywhere around it.
 fn is_inverted_hull(mesh: &MeshData) -> bool {
-    let corner = |index: u32| mesh.positions.get(index as usize).map(|position| position.as_dvec3());
+    let corner = |index: u32| {
+        mesh.positions
+            .get(index as usize)
+            .map(|position| position.as_dvec3())
+    };
     let volume: Option<f64> = mesh
         .indices
         .as_chunks::<3>()
