@@ -51,7 +51,9 @@
 //! | feature | default | gives |
 //! | --- | --- | --- |
 //! | `render` | yes | the wgpu renderer |
-//! | `gltf` | yes | import of glTF 2.0 scenes |
+//! | `gltf` | yes | import of glTF 2.0 scenes; [`scene::gltf_import`] lists what is supported |
+//! | `gltf-draco`, `gltf-webp` | yes | compressed meshes and WebP pictures in glTF files |
+//! | `gltf-meshopt`, `gltf-basisu` | no | compressed buffer views (needs a C++ compiler) and KTX2 pictures in glTF files |
 //! | `reference` | no | ray-cast reference visibility on the CPU |
 //! | `serde` | no | reading of techniques' settings from files |
 //! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |
@@ -134,8 +136,9 @@ pub mod prelude {
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
-        AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
-        Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+        AlphaMode, Camera, Cell, CulledCasters, FaceCulling, InCells, Light, LightKind, LightSelection,
+        Material, MeshData, Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
+        ShadowReceiver,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};

@@ -1,6 +1,7 @@
 //! Geometry, sets, silhouettes, schedule and the ray caster: everything that needs neither a GPU nor a file.
 
 mod import_circles;
+mod inverted_hulls;
 mod layers;
 mod light_hull;
 #[cfg(feature = "reference")]
