@@ -14,6 +14,7 @@ pub mod penumbra_wedge;
 pub(crate) mod registry;
 pub mod shadow_map;
 pub(crate) mod shared;
+pub mod smoothie;
 pub mod stencil_volume;
 
 pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
@@ -27,4 +28,5 @@ pub use registry::{
     add_builtin, add_row, choose_techniques,
 };
 pub use shadow_map::ShadowMap;
+pub use smoothie::{Smoothie, SmoothieWidth};
 pub use stencil_volume::StencilVolume;

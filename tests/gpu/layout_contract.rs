@@ -260,12 +260,17 @@ fn mirrored_constants() -> Vec<Constant> {
             ("JITTERED", jittered(false)),
             ("SOFT", filter(MapFilter::Soft4 { softness: 0.0 })),
             ("ADAPTIVE", jittered(true)),
-            ("SPOT", f64::from(MapShape::Spot as u32)),
-            ("CUBE", f64::from(MapShape::Cube as u32)),
-            ("CASCADES", f64::from(MapShape::Cascades as u32)),
             ("TILE", f64::from(mirrored::TILE)),
             ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
             ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
+        ],
+    );
+    of(
+        "common/map_site.wgsl",
+        &[
+            ("SPOT", f64::from(MapShape::Spot as u32)),
+            ("CUBE", f64::from(MapShape::Cube as u32)),
+            ("CASCADES", f64::from(MapShape::Cascades as u32)),
         ],
     );
     of(

@@ -115,10 +115,11 @@ impl LightMap {
         }
     }
 
-    /// Returns the number of textures of the map: still casters, still and moving casters, and the result of
-    /// a conversion.
+    /// Returns the number of textures of the map, each of 4 bytes a texel: still casters, still and moving casters,
+    /// the result of a conversion, and the pictures beside the first two.
     pub fn texture_count(&self) -> u64 {
-        1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
+        let layers = 1 + u64::from(self.has_moving());
+        layers * (1 + u64::from(self.request.beside.is_some())) + u64::from(self.request.has_final())
     }
 
     /// Returns the casters of all faces, by dense object index.

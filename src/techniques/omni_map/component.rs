@@ -85,6 +85,7 @@ impl OmniMap {
             near: self.near,
             cached: self.cached,
             cascades: Cascades::default(),
+            beside: None,
         };
         request.validated(light)
     }

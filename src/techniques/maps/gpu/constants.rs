@@ -58,7 +58,8 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         MapFormat::Rgba8FourBytes => (8e-6 + squared(share), FOUR_BYTES_STEP),
     };
     let resolution = map.resolution as f32;
-    constants.size = [resolution, resolution.recip(), softness, 0.0];
+    let drop = request.beside.map_or(0.0, |beside| beside.drop);
+    constants.size = [resolution, resolution.recip(), softness, drop];
     constants.bias = [raised, relative, absolute, metres];
     let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
     constants.limits = [

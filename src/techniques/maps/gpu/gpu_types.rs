@@ -24,7 +24,7 @@ pub struct MapLight {
     /// The faces of the map. A map with fewer faces leaves the rest unused.
     pub faces: [MapFace; 6],
     /// Texels along a side, their reciprocal, radius of the filter (at distance 1; for parallel faces in
-    /// metres), unused.
+    /// metres), [`Beside::drop`](crate::techniques::maps::request::Beside::drop).
     pub size: [f32; 4],
     /// Share of a texel along the normal, relative and absolute slack of the comparison, metres towards the
     /// light.
