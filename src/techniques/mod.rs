@@ -28,5 +28,8 @@ pub use registry::{
     add_builtin, add_row, choose_techniques,
 };
 pub use shadow_map::ShadowMap;
+pub use shared::texture_memory::{
+    Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,
+};
 pub use smoothie::{Smoothie, SmoothieWidth};
 pub use stencil_volume::StencilVolume;

@@ -34,7 +34,7 @@ fn at_texel(site: Site, texel: vec2i, depth: f32) -> f32 {
         let normal_face = in_face(site.face, site.normal);
         let hit = (site.offset - dot(normal_face.xy, ndc) * projection.x) / min(normal_face.z, -1e-6);
         let along = min(hit, site.along + STEEPEST * projection.z);
-        visibility = visibility_parallel(stored, along, (1.0 - still) * projection.y, map_light.size.w);
+        visibility = visibility_parallel(stored, along, (1.0 - still) * projection.y, map_light.limits.z);
     } else {
         let along = plane_along(site, site.face, vec3f(ndc * projection.x, 1.0));
         let reach = inverseSqrt(map_light.limits.z);

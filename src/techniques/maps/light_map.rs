@@ -60,6 +60,11 @@ pub(super) struct FaceKey {
     pub resolution: u32,
 }
 
+/// Returns the name of the technique for which a light has a map; empty for a light without a technique, which has none.
+pub(super) fn asker(light: &FrameLight) -> &'static str {
+    light.technique.map_or("", |technique| technique.name)
+}
+
 impl LightMap {
     pub(super) fn new(light: &FrameLight, request: MapRequest) -> Self {
         Self {
@@ -120,6 +125,11 @@ impl LightMap {
     pub fn texture_count(&self) -> u64 {
         let layers = 1 + u64::from(self.has_moving());
         layers * (1 + u64::from(self.request.beside.is_some())) + u64::from(self.request.has_final())
+    }
+
+    /// Returns the memory of the map's textures as bytes for each squared resolution.
+    pub fn bytes_per_square(&self) -> u64 {
+        4 * u64::from(self.request.face_count()) * self.texture_count()
     }
 
     /// Returns the casters of all faces, by dense object index.

@@ -58,15 +58,12 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         MapFormat::Rgba8FourBytes => (8e-6 + squared(share), FOUR_BYTES_STEP),
     };
     let resolution = map.resolution as f32;
-    let drop = request.beside.map_or(0.0, |beside| beside.drop);
-    constants.size = [resolution, resolution.recip(), softness, drop];
+    constants.size = [resolution, resolution.recip(), softness, 0.0];
     constants.bias = [raised, relative, absolute, metres];
-    let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
-    constants.limits = [
-        depth_bounds.0,
-        depth_bounds.1,
-        inverse_reach_sq,
-        request.cascades.blend,
-    ];
+    let scale = match request.beside {
+        Some(beside) if parallel => beside.drop,
+        _ => (map.reach * map.reach).recip() as f32,
+    };
+    constants.limits = [depth_bounds.0, depth_bounds.1, scale, request.cascades.blend];
     constants
 }

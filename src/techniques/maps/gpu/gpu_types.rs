@@ -24,13 +24,14 @@ pub struct MapLight {
     /// The faces of the map. A map with fewer faces leaves the rest unused.
     pub faces: [MapFace; 6],
     /// Texels along a side, their reciprocal, radius of the filter (at distance 1; for parallel faces in
-    /// metres), [`Beside::drop`](crate::techniques::maps::request::Beside::drop).
+    /// metres), unused.
     pub size: [f32; 4],
     /// Share of a texel along the normal, relative and absolute slack of the comparison, metres towards the
     /// light.
     pub bias: [f32; 4],
-    /// Nearest and farthest depth that the light reaches, 1 / reach², share of a cascade that is blended into
-    /// the next.
+    /// Nearest and farthest depth that the light reaches, 1 / reach² (for cascades with a picture beside them
+    /// [`Beside::drop`](crate::techniques::maps::request::Beside::drop)), share of a cascade that is blended into the
+    /// next.
     pub limits: [f32; 4],
 }
 
