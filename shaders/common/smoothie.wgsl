@@ -17,10 +17,10 @@
 const CLEAR: vec2f = vec2f(1.0, 0.0);
 
 // Least visibility that is stored, so that its reciprocal stays in range.
-const LEAST: f32 = 1e-4;
+const LEAST: f32 = 1e-4;            // mirror: techniques::smoothie::shade::LEAST
 
 // Largest distance that is stored: half floats end at 65504.
-const FARTHEST: f32 = 60000.0;
+const FARTHEST: f32 = 60000.0;      // mirror: techniques::smoothie::shade::FARTHEST
 
 // What a smoothie leaves at a texel; CLEAR if it does not darken the caster behind. `behind` is the reciprocal
 // of the caster's distance, 0 if there is none, and `reach` scales reciprocals of distances.

@@ -10,5 +10,5 @@ mod filters;
 mod holes;
 mod models;
 mod refusals;
-mod scenes;
+pub mod scenes;
 mod surfaces;
