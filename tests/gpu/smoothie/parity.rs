@@ -17,7 +17,6 @@ const FILE: &str = "shaders/techniques/smoothie/edge.wgsl";
 /// Calls the shader's own functions. Four numbers of a case are alpha, own distance, and distances of a caster and a
 /// receiver beyond it.
 const WRAPPER: &str = "
-#import antumbra::smoothie::{visibility_from_point, visibility_parallel}
 struct ParityResult { position: vec4f, rest: vec4f, stored: vec4f, seen: vec4f }
 @group(3) @binding(0) var<storage, read> parity_cases: array<vec4f>;
 @group(3) @binding(1) var<storage, read_write> parity_results: array<ParityResult>;
@@ -119,7 +118,12 @@ fn cases(count: usize) -> Vec<[f32; 4]> {
 /// Sixteen numbers for each vertex of each edge.
 fn on_gpu(context: &RenderContext, face: &SmoothieFace, spoil: impl Fn(String) -> String) -> Vec<[f32; 16]> {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(FILE);
-    let source = spoil(std::fs::read_to_string(path).expect("the shader is there")) + WRAPPER;
+    let source = std::fs::read_to_string(path).expect("the shader is there");
+    let source = source.replace(
+        "::{CLEAR,",
+        "::{visibility_from_point, visibility_parallel, CLEAR,",
+    );
+    let source = spoil(source) + WRAPPER;
     let module = shaders()
         .compose(FILE, &source)
         .expect("the wrapped file composes");
@@ -179,8 +183,8 @@ fn on_gpu(context: &RenderContext, face: &SmoothieFace, spoil: impl Fn(String) -
         pass.dispatch_workgroups((count as u32).div_ceil(64), 1, 1);
     }
     context.queue.submit([encoder.finish()]);
-    let bytes = read_buffer(context, &results, "parity").expect("the results can be read");
-    bytemuck::cast_slice::<u8, [f32; 16]>(&bytes).to_vec()
+    let bytes = read_buffer(context, &results, count as u64 * 64, "parity").expect("the results can be read");
+    bytemuck::pod_collect_to_vec(&bytes)
 }
 
 /// Cases where the shader and the twin differ.
