@@ -14,6 +14,7 @@
 const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
 const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
 const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
+const MATRICES: u32 = 3u;           // mirror: techniques::maps::request::MapShape::Matrices
 
 // Texels of depth, per texel sideways, by which a plane may recede from the light. Beyond, it counts as
 // edge-on. By eye.
@@ -31,7 +32,7 @@ struct Site {
     ndc: vec2f,
     along: f32,                     // z in the face's space
     normal: vec3f,                  // of the receiver's plane, relative space
-    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin)
+    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin; matrix: relative)
     known: f32,                     // visibility that follows without the map, or UNKNOWN
 }
 

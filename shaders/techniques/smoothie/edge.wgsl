@@ -117,9 +117,7 @@ fn of_corner(edge: SmoothieEdge, vertex: u32) -> Corner {
     return place(edge.end + normal * offset.x + tangent * offset.y, offset, edge.width_end);
 }
 
-@vertex
-fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> Corner {
-    let edge = edges[index];
+fn smoothie_vertex(edge: SmoothieEdge, vertex: u32) -> Corner {
     if vertex >= 6u {
         return of_corner(edge, vertex - 6u);
     }
@@ -127,6 +125,11 @@ fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u3
         return place(edge.end, vec2f(0.0), edge.width_end);
     }
     return of_edge(edge, vertex);
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) index: u32) -> Corner {
+    return smoothie_vertex(edges[index], vertex);
 }
 
 @fragment

@@ -61,6 +61,8 @@ impl SmoothieFace {
         let projection = match face.projection {
             FaceProjection::Perspective { tangent, near } => [tangent as f32, near as f32, texel, 0.0],
             FaceProjection::Parallel { half, length } => [half as f32, length as f32, texel, 1.0],
+            // No request of smoothies has such faces. Everything is clipped at the near plane.
+            FaceProjection::Matrix { .. } => [1.0, f32::MAX, texel, 0.0],
         };
         Self {
             row_x,

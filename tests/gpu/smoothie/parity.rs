@@ -23,7 +23,7 @@ struct ParityResult { position: vec4f, rest: vec4f, stored: vec4f, seen: vec4f }
 @compute @workgroup_size(64)
 fn parity(@builtin(global_invocation_id) id: vec3u) {
     if id.x < arrayLength(&parity_cases) {
-        let corner = vertex(id.x % 24u, id.x / 24u);
+        let corner = smoothie_vertex(edges[id.x / 24u], id.x % 24u);
         let one = parity_cases[id.x];
         let point = resolve_from_point(one.x, one.y, one.z, 16.0);
         let sun = resolve_parallel(one.x, one.y, 1.0 / one.z, 3.0);

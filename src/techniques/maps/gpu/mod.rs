@@ -29,6 +29,7 @@ use crate::render::shaders::{ShaderFile, shader_files};
 pub(crate) const SHADERS: &[ShaderFile] = shader_files![
     "common/map.wgsl",
     "common/map_site.wgsl",
+    "techniques/maps/matrix.wgsl",
     "techniques/maps/caster.wgsl",
     "techniques/maps/convert.wgsl",
     "techniques/maps/frustum.wgsl",

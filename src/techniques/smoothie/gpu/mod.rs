@@ -19,6 +19,7 @@ pub(crate) const SHADERS: &[ShaderFile] = shader_files![
     "common/map.wgsl",
     "common/map_site.wgsl",
     "common/smoothie.wgsl",
+    "techniques/maps/matrix.wgsl",
     "techniques/maps/caster.wgsl",
     "techniques/maps/convert.wgsl",
     "techniques/maps/frustum.wgsl",
