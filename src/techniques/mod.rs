@@ -14,6 +14,7 @@ pub mod penumbra_wedge;
 pub(crate) mod registry;
 pub mod shadow_map;
 pub(crate) mod shared;
+pub mod smoothie;
 pub mod stencil_volume;
 
 pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
@@ -30,4 +31,5 @@ pub use shadow_map::ShadowMap;
 pub use shared::texture_memory::{
     Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,
 };
+pub use smoothie::{Smoothie, SmoothieWidth};
 pub use stencil_volume::StencilVolume;

@@ -20,6 +20,7 @@ mod reports;
 mod set_sizes;
 mod shader_validation;
 mod simple_scenes;
+mod smoothie;
 mod soak;
 mod steady_frame;
 mod stencil_identity;
