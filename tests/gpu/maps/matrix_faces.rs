@@ -3,8 +3,8 @@
 use antumbra::insides::matrix_faces::{parallel_face, point_face};
 use antumbra::insides::{LightRequest, MapRequests, MapShape, MapSystems};
 use antumbra::prelude::*;
-use antumbra::techniques::{TechniqueSystems, TextureMemorySystems};
 use antumbra::techniques::maps::{MapFilter, MapResolution};
+use antumbra::techniques::{TechniqueSystems, TextureMemorySystems};
 use bevy_ecs::prelude::*;
 use glam::{DMat3, DVec3, Vec3};
 
