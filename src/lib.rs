@@ -148,5 +148,7 @@ pub mod prelude {
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
-    pub use super::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, Smoothie, StencilVolume};
+    pub use super::techniques::{
+        AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+    };
 }

@@ -21,6 +21,7 @@ pub fn bundled(models: &Path) -> Vec<Page> {
         bonsai_maps(models),
         figures_maps(models),
         figures_smoothies(models),
+        figures_perspective(models),
         office(models),
         jack_o_lantern(),
         inside(),
@@ -220,6 +221,22 @@ fn figures_smoothies(models: &Path) -> Page {
                 those of a light without a size, so everything that is soft counts as a difference.",
         techniques: vec![Settings::of(Smoothie {
             resolution: MapResolution::Fixed(1024),
+            ..Default::default()
+        })],
+        ..figures(models)
+    }
+}
+
+/// The three figures with shadows by perspective maps, one picture for each light.
+fn figures_perspective(models: &Path) -> Page {
+    Page {
+        name: "figures-perspective",
+        title: "Three figures under perspective maps",
+        about: "One picture of 1024² for each light, drawn as the light sees the scene after the viewer's projection: its \
+                texels are where the screen's pixels are. Casters behind the viewer are in it; no bias is set by hand.",
+        techniques: vec![Settings::of(PerspectiveMap {
+            resolution: MapResolution::Fixed(1024),
+            filter: MapFilter::Brute4x4,
             ..Default::default()
         })],
         ..figures(models)

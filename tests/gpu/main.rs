@@ -13,6 +13,7 @@ mod mask_contract;
 mod occlusion_pictures;
 mod orthographic;
 mod penumbra_wedge;
+mod perspective_map;
 mod receivers;
 mod recorder_stages;
 mod reference_match;
