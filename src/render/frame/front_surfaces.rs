@@ -81,7 +81,7 @@ fn select_casters(casters: &mut FixedBitSet, light: &FrameLight, objects: &Objec
     let hull = LightHull::of_aabb(bounds, &light.emitter);
     casters.clear();
     casters.grow(objects.len());
-    for object in light.s.ones() {
+    for object in light.sets.s.ones() {
         if !hull.planes.excludes_aabb(&objects.boxes.get(object)) {
             casters.insert(object);
         }

@@ -235,7 +235,7 @@ fn collect_draws(
         if labels.len() <= index {
             labels.push(format!("light {index}"));
         }
-        let Some(scissor) = light.scissor else {
+        let Some(scissor) = light.region.scissor else {
             continue; // nothing that is visible receives it
         };
         let shadow = light
@@ -248,14 +248,14 @@ fn collect_draws(
         };
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let lit = ItemFilter::OpaqueLit;
-        let drawn = draw_lists.build(&input, &light.i, lit, shadows, batches, instances);
+        let drawn = draw_lists.build(&input, &light.sets.i, lit, shadows, batches, instances);
         let mut unlit = drawn.end..drawn.end;
         if is_hosted && collect_unlit(&mut frame.unlit, objects, visible, light) {
             let set = &frame.unlit;
             unlit = draw_lists.build(&input, set, opaque, Shadows::Nowhere, batches, instances);
         }
         uniforms.constants.push(&light_constants(light, current.eye));
-        let bounds = light.depth_bounds.filter(|_| settings.depth_bounds);
+        let bounds = light.region.depth_bounds.filter(|_| settings.depth_bounds);
         let [width, height] = current.viewport.to_array();
         let slot = LightSlot(frame.lights.len());
         frame.lights.push(ActiveLight {
@@ -277,11 +277,11 @@ fn collect_draws(
             front_scissor: [0; 4],
         });
     }
-    let not_clear = |(_, light): &(usize, &FrameLight)| !light.dark.is_clear();
+    let not_clear = |(_, light): &(usize, &FrameLight)| !light.sets.dark.is_clear();
     for (index, light) in lights.lights.iter().enumerate().filter(not_clear) {
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let (lit, nowhere) = (ItemFilter::OpaqueLit, Shadows::Nowhere);
-        let drawn = draw_lists.build(&input, &light.dark, lit, nowhere, batches, instances);
+        let drawn = draw_lists.build(&input, &light.sets.dark, lit, nowhere, batches, instances);
         frame.dark.push((index, drawn));
     }
     if !is_hosted {
@@ -299,7 +299,7 @@ fn collect_unlit(
     light: &FrameLight,
 ) -> bool {
     let affects = light.selection.affects;
-    unlit.clone_from(&light.dark);
+    unlit.clone_from(&light.sets.dark);
     if objects.common_layers() & affects == 0 {
         let unaffected = |object: &usize| objects.layers[*object] & affects == 0;
         unlit.extend(visible.set.ones().filter(unaffected));
@@ -346,7 +346,7 @@ fn collect_blended(
         let part = input.table.items_of(object as usize)[item as usize];
         let first_light = frame.blended_lights.len();
         for active in &frame.lights {
-            if !part.unlit && lights.lights[active.light].i.contains(object as usize) {
+            if !part.unlit && lights.lights[active.light].sets.i.contains(object as usize) {
                 frame.blended_lights.push(BlendedLight {
                     slot: active.slot,
                     behind_front: active.kind().is_some(),

@@ -25,9 +25,9 @@ pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameL
     let words = casters.as_mut_slice();
     for (word, bits) in words.iter_mut().enumerate() {
         let mut members = if kept {
-            light.l.as_slice()[word] & objects.casters.as_slice()[word]
+            light.sets.l.as_slice()[word] & objects.casters.as_slice()[word]
         } else {
-            light.s.as_slice()[word]
+            light.sets.s.as_slice()[word]
         };
         let mut rest = members;
         while kept && rest != 0 {
@@ -94,6 +94,7 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> Smal
 fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
     let cascades = &map.request.cascades;
     let seen_far = light
+        .region
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     // Beyond this depth no surface is distinguished from the sky.

@@ -1,0 +1,233 @@
+//! One light of the frame.
+
+use std::any::TypeId;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DVec4, Vec3};
+use smallvec::SmallVec;
+
+use super::depth_bounds::DepthBounds;
+use super::frame_lights::{Candidate, is_dark};
+use super::light_volume::LightVolume;
+use super::scissor::ScissorRect;
+use super::technique::{LightTechnique, Needs};
+use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
+use crate::scene::{Light, LightModel, LightSelection};
+use crate::sets::index::objects::Objects;
+
+/// One light of the frame: its place, its sets, and the part of the picture that it can reach.
+#[derive(Clone, Debug)]
+pub struct FrameLight {
+    /// Entity of the light.
+    pub entity: Entity,
+    /// Copy of the entity's [`Light`].
+    pub light: Light,
+    /// Copy of the entity's [`GlobalTransform`].
+    pub world_from_light: GlobalTransform,
+    /// Place of the light in world space: its position with `w = 1`, or the unit direction towards a
+    /// directional light with `w = 0`.
+    pub point_world: DVec4,
+    /// Place and extent of the source in world space.
+    pub emitter: Emitter,
+    /// Unit direction in which the light shines, world space. It is −Z for a point or sphere whose transform
+    /// has no direction.
+    pub direction: Vec3,
+    /// Copy of the entity's [`LightSelection`].
+    pub selection: LightSelection,
+    /// The usable parts of the light model that stand beside the entity's [`Light`].
+    pub model: LightModel,
+    /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
+    pub technique: Option<LightTechnique>,
+    /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
+    /// not count, except when the light goes dark or lights up.
+    pub moved: bool,
+    /// The region of space that the light reaches.
+    pub volume: LightVolume,
+    /// The sets of objects that the light reaches, lights, and lets cast.
+    pub sets: LightSets,
+    /// The convex regions in which casters matter.
+    pub hulls: LightHulls,
+    /// The part of the picture and of the scene that the light can change.
+    pub region: LightRegion,
+    /// What was computed for the light, and what must be computed again.
+    pub(in crate::sets) progress: LightProgress,
+    /// Memory that is kept for its allocation.
+    pub(in crate::sets) scratch: LightScratch,
+}
+
+/// The sets of one light, by dense object index.
+#[derive(Clone, Debug, Default)]
+pub struct LightSets {
+    /// Objects within the light's volume, occluded from the light or not.
+    pub reach: FixedBitSet,
+    /// Set L: objects of `reach` that are not occluded from the light.
+    pub l: FixedBitSet,
+    /// Set I: objects that the light pass draws. If it is empty, the light is skipped.
+    pub i: FixedBitSet,
+    /// Objects of V within reach that were left out of I because the light sees none of their visible points.
+    pub dark: FixedBitSet,
+    /// Set S: casters whose shadow can reach a receiver of I.
+    pub s: FixedBitSet,
+}
+
+/// The convex hulls of one light, world space, from the last frame in which set I was not empty.
+#[derive(Clone, Debug, Default)]
+pub struct LightHulls {
+    /// Convex hull of the light and the view frustum.
+    pub view: LightHull,
+    /// Convex hull of the light and the receivers of I within its volume.
+    pub receivers: LightHull,
+    /// Whether the whole light lies within the view frustum.
+    pub inside_frustum: bool,
+}
+
+/// The part of the picture and of the scene that one light can change.
+#[derive(Clone, Debug)]
+pub struct LightRegion {
+    /// Pixels that the light can reach; `None` if the light is skipped.
+    pub scissor: Option<ScissorRect>,
+    /// View depths that the light can reach; `None` if the light is skipped.
+    pub depth_bounds: Option<DepthBounds>,
+    /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the
+    /// volume, world space.
+    pub lit_receivers: Vec<Aabb>,
+    /// Bounds of the receivers of I, each cut by the box of the volume, world space.
+    pub receiver_bounds: Aabb,
+}
+
+impl Default for LightRegion {
+    /// Returns the region of a skipped light.
+    fn default() -> Self {
+        Self {
+            scissor: None,
+            depth_bounds: None,
+            lit_receivers: Vec::new(),
+            receiver_bounds: Aabb::EMPTY,
+        }
+    }
+}
+
+/// What was computed for one light, and what must be computed again.
+#[derive(Clone, Debug)]
+pub(in crate::sets) struct LightProgress {
+    /// Whether I and everything derived from it must be computed in this frame.
+    pub stale: bool,
+    /// Whether the set `reach`, or the place of one of its objects, may have changed in this frame.
+    pub reach_written: bool,
+    /// Generations of what I was last computed from; `None` before the first time.
+    pub seen: Option<Seen>,
+    /// Work that was done for the light in this frame.
+    pub work: LightWork,
+}
+
+/// Memory of one light that is kept for its allocation.
+#[derive(Clone, Debug)]
+pub(in crate::sets) struct LightScratch {
+    /// Words in which `reach`, and therefore L, I or S, may be other than 0.
+    pub touched: FixedBitSet,
+    /// Casters of S that some receiver needs.
+    pub kept: FixedBitSet,
+    /// Words found by the last query.
+    pub found: FixedBitSet,
+    /// Planes by which the last query was cut.
+    pub cutting: PlaneSet,
+}
+
+/// Work for one light. It may have been done on any thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::sets) struct LightWork {
+    pub words: u64,
+    pub projected: u64,
+    pub illuminations: u64,
+    pub shadows: u64,
+}
+
+/// Generations of everything that set I of a light depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::sets) struct Seen {
+    pub layout: u64,
+    pub flags: u64,
+    pub view: u64,
+    pub visible: u64,
+}
+
+impl FrameLight {
+    /// Whether the light draws nothing in this frame.
+    pub fn is_skipped(&self) -> bool {
+        self.sets.i.is_clear()
+    }
+
+    /// Whether the technique whose component is `T` shadows the light.
+    pub fn is_shadowed_by<T: 'static>(&self) -> bool {
+        self.technique
+            .is_some_and(|technique| technique.component == TypeId::of::<T>())
+    }
+
+    /// Returns the needs of the light's technique; an unshadowed light has none.
+    pub fn needs(&self) -> Needs {
+        self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
+    }
+
+    /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
+    /// seen in this frame.
+    pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
+        let casts = |&object: &usize| objects.layers[object] & self.selection.casts_for != 0;
+        self.sets.l.intersection(&objects.casters).filter(casts)
+    }
+
+    pub(super) fn new(candidate: &Candidate) -> Self {
+        Self {
+            entity: candidate.entity,
+            light: candidate.light.clone(),
+            world_from_light: candidate.world_from_light,
+            point_world: candidate.placed.emitter.point,
+            emitter: candidate.placed.emitter,
+            direction: candidate.placed.direction,
+            selection: candidate.selection,
+            model: candidate.model,
+            technique: None,
+            moved: true,
+            volume: candidate.placed.volume,
+            sets: LightSets::default(),
+            hulls: LightHulls::default(),
+            region: LightRegion::default(),
+            progress: LightProgress {
+                stale: true,
+                reach_written: true,
+                seen: None,
+                work: LightWork::default(),
+            },
+            scratch: LightScratch {
+                touched: FixedBitSet::new(),
+                kept: FixedBitSet::new(),
+                found: FixedBitSet::new(),
+                // Two hulls have some ten planes each.
+                cutting: PlaneSet {
+                    planes: SmallVec::with_capacity(32),
+                },
+            },
+        }
+    }
+
+    pub(super) fn refresh(&mut self, candidate: &Candidate) {
+        let (old, new) = (&self.light, &candidate.light);
+        self.moved = old.kind != new.kind
+            || old.range != new.range
+            || is_dark(old) != is_dark(new)
+            || self.world_from_light != candidate.world_from_light
+            || self.selection != candidate.selection
+            || self.model.bounds() != candidate.model.bounds();
+        self.light.clone_from(new);
+        self.model = candidate.model;
+        if self.moved {
+            self.world_from_light = candidate.world_from_light;
+            self.selection = candidate.selection;
+            self.point_world = candidate.placed.emitter.point;
+            self.emitter = candidate.placed.emitter;
+            self.direction = candidate.placed.direction;
+            self.volume = candidate.placed.volume;
+        }
+    }
+}
