@@ -88,6 +88,13 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     for word in light.scratch.touched.ones() {
         let candidates = v[word] & l[word] & drawn[word];
         i[word] = selected(objects, word, candidates, light.selection.affects);
+        if light.lit.has_near() {
+            for_bits(i[word], |lane| {
+                if light.lit.is_too_near(&objects.boxes.get(word * WORD + lane)) {
+                    i[word] &= !(1 << lane);
+                }
+            });
+        }
     }
     let (reach, dark) = (light.sets.reach.as_slice(), light.sets.dark.as_mut_slice());
     for word in light.scratch.touched.ones() {
@@ -102,7 +109,7 @@ fn bound(
     view: &ViewData,
     parts: &VisibleParts,
 ) -> Option<(ScissorRect, DepthBounds)> {
-    let reach = light.volume.aabb();
+    let reach = light.lit.aabb();
     let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
     let bounds_of =
         |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.scratch.touched, set, &reach);
@@ -122,7 +129,7 @@ fn bound(
         bounds_of(&|word| i[word] & receivers[word])
     };
     let projector = Projector::new(view);
-    let mut target = light.volume.screen_bounds(&projector);
+    let mut target = light.lit.screen_bounds(&projector);
     if reach.max.is_finite() && reach.min.is_finite() {
         let lit = projector.bounds_of_box(lit.center().as_dvec3(), lit.half_size().as_dvec3());
         target = target.intersection(lit);

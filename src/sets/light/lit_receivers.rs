@@ -27,7 +27,7 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
     let mut boxes = std::mem::take(&mut light.region.lit_receivers);
     boxes.clear();
     let words = light.sets.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    let reach = light.volume.aabb();
+    let reach = light.lit.aabb();
     let receivers = || light.sets.i.intersection(&objects.receivers);
     let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
     let count = receivers().count();
