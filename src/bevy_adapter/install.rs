@@ -30,6 +30,7 @@ use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_transforms};
 use super::sync_lights::sync_lights;
+use super::sync_models;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
@@ -47,6 +48,7 @@ pub fn register(app: &mut App) {
             Last,
             warn_without_renderer.run_if(not(resource_exists::<Installed>)), // no renderer shows shadows
         );
+    sync_models::register(app);
     add_builtin(&mut Reflected(app));
 }
 
@@ -82,6 +84,7 @@ pub fn install(app: &mut App) -> bool {
         );
     add_builtin(app);
     add_waiting(app);
+    sync_models::watch(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
     render_app

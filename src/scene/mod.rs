@@ -46,8 +46,8 @@ pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use light_model::{
-    LightDistance, LightModel, LightModelFault, LightModelParts, LightShape, LightWeights, ShadowOrigin,
-    ShadowSoftness, ShadowTint, SurfaceWeights,
+    LayerNames, LightDistance, LightModel, LightModelFault, LightModelParts, LightShape, LightWeights,
+    ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights, TooManyLayers,
 };
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};

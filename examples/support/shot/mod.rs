@@ -3,7 +3,9 @@
 mod camera;
 mod file;
 mod light;
+mod model;
 
 pub use camera::ShotCamera;
 pub use file::Shot;
-pub use light::ShotLight;
+pub use light::{ShotEmission, ShotLight};
+pub use model::ShotModel;

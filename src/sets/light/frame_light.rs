@@ -183,6 +183,15 @@ impl FrameLight {
         self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
     }
 
+    /// The factor by which an artist's softness scales the extent of a rectangle, for its shadows.
+    pub fn softened(&self) -> f64 {
+        let radius = self.shining.emitter.bounding_radius();
+        match self.model.softness {
+            Some(softness) if radius > 0.0 => f64::from(softness) / radius,
+            _ => 1.0,
+        }
+    }
+
     /// The cone that holds what a spot light lights, as seen from the place of its shadows: the unit axis and the
     /// half-angle in radians, at most 80° if the place was moved. `None` for lights of other kinds.
     pub fn shadow_cone(&self) -> Option<(DVec3, f64)> {

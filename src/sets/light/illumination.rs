@@ -34,6 +34,12 @@ pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mas
     result
 }
 
+/// Bits of those objects of I in a word that show the light's shadows: receivers on the light's layers.
+pub(in crate::sets) fn showing(light: &FrameLight, objects: &Objects, word: usize) -> usize {
+    let receiving = light.sets.i.as_slice()[word] & objects.receivers.as_slice()[word];
+    selected(objects, word, receiving, light.selection.shows_on)
+}
+
 /// Computes I of every light that needs it: I = V ∩ L ∩ drawn ∩ affected, without objects whose visible part
 /// is dark. Then computes the scissor rectangle and the depth bounds, as the intersection of three bounds:
 /// those of the objects of I, those of the light's volume, and those of the objects cut by the volume. If
@@ -110,7 +116,8 @@ fn bound(
     parts: &VisibleParts,
 ) -> Option<(ScissorRect, DepthBounds)> {
     let reach = light.lit.aabb();
-    let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
+    let i = light.sets.i.as_slice();
+    let shows = |word: usize| showing(light, objects, word);
     let bounds_of =
         |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.scratch.touched, set, &reach);
     let lit = bounds_of(&|word| i[word]);
@@ -122,11 +129,11 @@ fn bound(
         .scratch
         .touched
         .ones()
-        .all(|word| i[word] & !receivers[word] == 0);
+        .all(|word| i[word] & !shows(word) == 0);
     light.region.receiver_bounds = if all_receive {
         lit
     } else {
-        bounds_of(&|word| i[word] & receivers[word])
+        bounds_of(&|word| shows(word))
     };
     let projector = Projector::new(view);
     let mut target = light.lit.screen_bounds(&projector);
