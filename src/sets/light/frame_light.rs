@@ -8,8 +8,8 @@ use fixedbitset::FixedBitSet;
 use glam::{DVec3, DVec4, Vec3};
 use smallvec::SmallVec;
 
+use super::candidate::{Candidate, is_dark};
 use super::depth_bounds::DepthBounds;
-use super::frame_lights::{Candidate, is_dark};
 use super::light_volume::LightVolume;
 use super::lit_region::LitRegion;
 use super::placing::Shining;

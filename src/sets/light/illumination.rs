@@ -2,9 +2,10 @@
 
 use bevy_ecs::prelude::*;
 
+use super::candidate::is_dark;
 use super::depth_bounds::DepthBounds;
 use super::frame_light::FrameLight;
-use super::frame_lights::{FrameLights, is_dark};
+use super::frame_lights::FrameLights;
 use super::light_occlusion::LightOcclusion;
 use super::reach::each_light;
 use super::scissor::ScissorRect;
