@@ -54,6 +54,8 @@ pub use light::frame_lights::{FrameLights, SkippedLight, collect_frame_lights};
 pub use light::illumination::collect_illumination;
 pub use light::light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light::light_volume::LightVolume;
+pub use light::lit_region::LitRegion;
+pub use light::placing::Shining;
 pub use light::reach::collect_light_sets;
 pub use light::scissor::ScissorRect;
 pub use light::shadow::collect_shadow_sets;

@@ -8,6 +8,7 @@ mod faults;
 mod harness;
 mod hosted;
 mod layout_contract;
+mod light_model;
 mod maps;
 mod mask_contract;
 mod occlusion_pictures;

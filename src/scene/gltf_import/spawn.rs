@@ -6,9 +6,9 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 
-use super::cells;
 use super::nodes::GltfNode;
-use super::{Element, GltfError, LoadedGltf, reports};
+use super::{Element, GltfError, LoadedGltf};
+use super::{cells, layers, reports};
 use crate::scene::animation::{AnimationClips, SceneNodes};
 use crate::scene::{
     IgnoresScale, MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin,
@@ -48,7 +48,8 @@ impl AsRef<SceneNodes> for SpawnedScene {
 /// the scene's root lives.
 ///
 /// # Errors
-/// A scene that does not exist, or a skin whose joints are not all in the scene. Nothing is spawned then.
+/// A scene that does not exist, or a skin whose joints are not all in the scene; nothing is spawned then. Or a name for
+/// which no selection layer is left; the scene is then spawned without the rest of its layers.
 pub fn spawn_scene(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -107,6 +108,7 @@ pub fn spawn_scene(
         drawn.extend(spawned.meshes[before..].iter().map(|&mesh| (index, mesh)));
     }
     cells::spawn(world, gltf, &spawned.nodes.nodes, &drawn);
+    layers::spawn(world, gltf, &parents, &drawn)?;
     world.entity_mut(root).insert(spawned.nodes.clone());
     reports::keep(world, gltf, root);
     Ok(spawned)
@@ -200,7 +202,7 @@ fn hidden_nodes(nodes: &[GltfNode], roots: &[usize]) -> Vec<bool> {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Parent {
+pub(super) enum Parent {
     NotInScene,
     Scene,
     Node(usize),

@@ -13,7 +13,6 @@ use super::movers::Movers;
 use super::request::{Beside, MapFaces, MapShape};
 use super::settings::MapFilter;
 use crate::geometry::Aabb;
-use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
@@ -70,12 +69,11 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapF
     let near = map.request.near.map_or(scene.near_share * map.reach, f64::from);
     match map.request.shape {
         MapShape::Spot => {
-            let LightKind::Spot { outer_angle, .. } = light.light.kind else {
+            let Some((z, half_angle)) = light.shadow_cone() else {
                 return SmallVec::new();
             };
-            let z = light.direction.as_dvec3().normalize();
             let (x, y) = z.any_orthonormal_pair();
-            let rim = f64::from(outer_angle).tan();
+            let rim = half_angle.tan();
             let resolution = f64::from(map.resolution);
             let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
             let guard = f64::from(GUARD_TEXELS).min(0.25 * resolution);

@@ -54,7 +54,10 @@ impl MapRequests {
             }
             // A refused light has no technique in this frame, so it does not get here.
             let asked = components.get(light.entity).map(|map| request(map, &light.light));
-            if let Ok(Ok(request)) = asked {
+            if let Ok(Ok(mut request)) = asked {
+                if let Some(softness) = light.model.softness {
+                    request.filter = request.filter.softened(softness);
+                }
                 self.push(LightRequest {
                     light: index,
                     request,
