@@ -9,6 +9,7 @@
 //! | topic | about | raised by |
 //! | --- | --- | --- |
 //! | `light` | lights that cannot shine | [`sets`](crate::sets) |
+//! | `light_model` | parts of a light's model that have no effect | [`sets`](crate::sets) |
 //! | `object` | objects that are neither drawn nor cast shadows | [`sets`](crate::sets) |
 //! | `cell` | cells and portals that hide less than they should | [`sets`](crate::sets) |
 //! | `caster` | meshes that cast no shadow | [`silhouettes`](crate::silhouettes) |

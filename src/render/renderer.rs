@@ -15,6 +15,7 @@ use super::gpu::buffers::GrowingBuffer;
 use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
 use super::light_function::LightFunction;
+use super::light_model::function::{LightModelFunction, is_scaled};
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
@@ -31,6 +32,7 @@ use super::recorder::{Leaves, Recorder};
 use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
+use crate::sets::FrameLights;
 
 /// Draws the frames of one view. It is a resource: the systems of the set `PrepareGpu` prepare a frame, and
 /// [`Renderer::record`] records it.
@@ -56,6 +58,7 @@ pub struct Renderer {
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Recorders,
     pub(super) functions: Vec<Box<dyn LightFunction>>,
+    has_light_model: bool,
     pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
@@ -121,6 +124,7 @@ impl Renderer {
             draw_lists: DrawListBuilder::default(),
             techniques: Recorders::default(),
             functions: Vec::new(),
+            has_light_model: false,
             stencil_to_mask: None,
             targets: None,
             radiance: None,
@@ -179,6 +183,17 @@ impl Renderer {
     /// Returns whether any function was added that can scale lights.
     pub fn has_light_functions(&self) -> bool {
         !self.functions.is_empty()
+    }
+
+    /// Adds the function of the light model with the first light that needs it. A renderer whose lights have no
+    /// model makes nothing of it.
+    pub(super) fn require_light_model(&mut self, lights: &FrameLights) -> Result<(), RenderError> {
+        if !self.has_light_model && lights.lights.iter().any(is_scaled) {
+            let function = LightModelFunction::new(&self.gpu)?;
+            self.add_light_function(Box::new(function))?;
+            self.has_light_model = true;
+        }
+        Ok(())
     }
 
     /// The long-lived part that this view shares with others: device, shaders, layouts, pipelines, meshes,

@@ -134,6 +134,10 @@ pub fn prepare_techniques(world: &mut World) {
         if renderer.failure.is_some() {
             return; // the table of objects may be that of an earlier frame
         }
+        if let Err(error) = renderer.require_light_model(world.resource::<FrameLights>()) {
+            renderer.failure = Some(error);
+            return;
+        }
         let mirrored_view = world
             .resource::<View>()
             .data

@@ -71,6 +71,34 @@ pub struct Light {
     pub half_up: [f32; 4],
 }
 
+/// Mirror of `LightShape` in `shaders/common/light_shape.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightShape {
+    /// First row of the affine map from eye-relative positions to light space.
+    pub light_from_relative_x: [f32; 4],
+    /// Second row of the affine map from eye-relative positions to light space.
+    pub light_from_relative_y: [f32; 4],
+    /// Third row of the affine map from eye-relative positions to light space: the depth in front of the light.
+    pub light_from_relative_z: [f32; 4],
+    /// Semi-axes of the superellipse: of the region of full intensity in xy, of the whole region in zw.
+    pub semi_axes: [f32; 4],
+    /// Depth at which the light begins to fade in, inverse length of that edge, depth at which it begins to fade
+    /// out, inverse length of that edge.
+    pub distance: [f32; 4],
+    /// Exponent of the superellipse; its inverse; 1 if the light has barn doors, else 0; 1 if the region of full
+    /// intensity has an area, else 0.
+    pub form: [f32; 4],
+}
+
+/// Mirror of `LightModel` in `shaders/passes/light_model.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightModel {
+    /// Shape and distances of the light.
+    pub shape: LightShape,
+}
+
 /// Mirror of `Slot` in `shaders/common/surface.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

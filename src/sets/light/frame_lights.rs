@@ -13,7 +13,9 @@ use super::light_volume::LightVolume;
 use super::scissor::ScissorRect;
 use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
-use crate::scene::{Light, LightError, LightKind, LightSelection, light};
+use crate::scene::{
+    Light, LightError, LightKind, LightModel, LightModelFault, LightModelParts, LightSelection, light,
+};
 use crate::sets::index::objects::Objects;
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
@@ -23,6 +25,9 @@ pub struct FrameLights {
     pub lights: Vec<FrameLight>,
     /// All lights that cannot shine now, in ascending order of their entities.
     pub skipped: Vec<SkippedLight>,
+    /// Parts of lights' models that are left out because their numbers cannot be used, in ascending order of
+    /// the lights' entities.
+    pub faults: Vec<(Entity, LightModelFault)>,
     /// Increases when lights were added to or removed from the list, which changes the meaning of indices
     /// into `lights`.
     pub generation: u64,
@@ -58,6 +63,8 @@ pub struct FrameLight {
     pub direction: Vec3,
     /// Copy of the entity's [`LightSelection`].
     pub selection: LightSelection,
+    /// The usable parts of the light model that stand beside the entity's [`Light`].
+    pub model: LightModel,
     /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
     pub technique: Option<LightTechnique>,
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
@@ -132,6 +139,7 @@ struct Candidate {
     light: Light,
     world_from_light: GlobalTransform,
     selection: LightSelection,
+    model: LightModel,
     placed: Placed,
 }
 
@@ -187,6 +195,7 @@ impl FrameLight {
             emitter: candidate.placed.emitter,
             direction: candidate.placed.direction,
             selection: candidate.selection,
+            model: candidate.model,
             technique: None,
             moved: true,
             volume: candidate.placed.volume,
@@ -222,8 +231,10 @@ impl FrameLight {
             || old.range != new.range
             || is_dark(old) != is_dark(new)
             || self.world_from_light != candidate.world_from_light
-            || self.selection != candidate.selection;
+            || self.selection != candidate.selection
+            || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
+        self.model = candidate.model;
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;
@@ -272,7 +283,13 @@ fn place(light: &Light, world_from_light: &GlobalTransform) -> Result<Placed, Li
 }
 
 /// The components that [`collect_frame_lights`] reads of one light.
-type LightItem<'a> = (Entity, &'a Light, &'a GlobalTransform, Option<&'a LightSelection>);
+type LightItem<'a> = (
+    Entity,
+    &'a Light,
+    &'a GlobalTransform,
+    Option<&'a LightSelection>,
+    LightModelParts<'a>,
+);
 
 /// Lists the usable lights and compares each with the frame before.
 ///
@@ -282,19 +299,24 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     let frame = &mut *frame;
     frame.candidates.clear();
     frame.skipped.clear();
-    for (entity, light, world_from_light, selection) in &lights {
+    frame.faults.clear();
+    for (entity, light, world_from_light, selection, parts) in &lights {
+        let faults = &mut frame.faults;
+        let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
         match place(light, world_from_light) {
             Ok(placed) => frame.candidates.push(Candidate {
                 entity,
                 light: light.clone(),
                 world_from_light: *world_from_light,
                 selection: selection.copied().unwrap_or_default(),
+                model,
                 placed,
             }),
             Err(error) => frame.skipped.push(SkippedLight { entity, error }),
         }
     }
     frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
+    frame.faults.sort_by_key(|(entity, _)| *entity);
     frame
         .candidates
         .sort_unstable_by_key(|candidate| candidate.entity);
