@@ -6,3 +6,4 @@
 
 pub(crate) mod constants;
 pub(crate) mod function;
+pub(crate) mod textures;

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::cookie::CookieError;
 use super::distance::LightDistance;
 use super::shadow::{ShadowOrigin, ShadowSoftness, ShadowTint};
 use super::shape::LightShape;
@@ -94,6 +95,9 @@ pub enum LightModelFault {
         /// What the light needs.
         needs: &'static str,
     },
+    /// A number of the cookie cannot be used.
+    #[error("Cookie: {0}")]
+    Cookie(CookieError),
     /// The softness is NaN, negative or infinite.
     #[error("ShadowSoftness is {0} m, it must be finite and at least 0")]
     Softness(f32),
@@ -108,6 +112,7 @@ impl LightModelFault {
             Self::Distance { .. } => 3,
             Self::NearBeyondFar { .. } => 4,
             Self::Directional("LightShape") => 5,
+            Self::Directional("LightProfile") => 14,
             Self::Directional(_) => 6,
             Self::Weight { .. } => 7,
             Self::ShadowColor(_) => 8,
@@ -115,6 +120,7 @@ impl LightModelFault {
             Self::Origin(_) => 10,
             Self::OriginKind { .. } => 11,
             Self::Softness(_) => 12,
+            Self::Cookie(_) => 13,
         }
     }
 }

@@ -14,7 +14,8 @@ use super::scissor::ScissorRect;
 use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
 use crate::scene::{
-    Light, LightError, LightKind, LightModel, LightModelFault, LightModelParts, LightSelection, light,
+    Cookie, Light, LightError, LightKind, LightModel, LightModelFault, LightModelParts, LightProfile,
+    LightSelection, LightTextures, light,
 };
 use crate::sets::index::objects::Objects;
 
@@ -65,6 +66,8 @@ pub struct FrameLight {
     pub selection: LightSelection,
     /// The usable parts of the light model that stand beside the entity's [`Light`].
     pub model: LightModel,
+    /// The usable textures of the light model: cookie and profile.
+    pub textures: LightTextures,
     /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
     pub technique: Option<LightTechnique>,
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
@@ -140,6 +143,7 @@ struct Candidate {
     world_from_light: GlobalTransform,
     selection: LightSelection,
     model: LightModel,
+    textures: LightTextures,
     placed: Placed,
 }
 
@@ -196,6 +200,7 @@ impl FrameLight {
             direction: candidate.placed.direction,
             selection: candidate.selection,
             model: candidate.model,
+            textures: candidate.textures.clone(),
             technique: None,
             moved: true,
             volume: candidate.placed.volume,
@@ -235,6 +240,7 @@ impl FrameLight {
             || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
         self.model = candidate.model;
+        self.textures.clone_from(&candidate.textures);
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;
@@ -289,6 +295,8 @@ type LightItem<'a> = (
     &'a GlobalTransform,
     Option<&'a LightSelection>,
     LightModelParts<'a>,
+    Option<&'a Cookie>,
+    Option<&'a LightProfile>,
 );
 
 /// Lists the usable lights and compares each with the frame before.
@@ -300,9 +308,10 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     frame.candidates.clear();
     frame.skipped.clear();
     frame.faults.clear();
-    for (entity, light, world_from_light, selection, parts) in &lights {
+    for (entity, light, world_from_light, selection, parts, cookie, profile) in &lights {
         let faults = &mut frame.faults;
         let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
+        let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
         match place(light, world_from_light) {
             Ok(placed) => frame.candidates.push(Candidate {
                 entity,
@@ -310,6 +319,7 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
                 world_from_light: *world_from_light,
                 selection: selection.copied().unwrap_or_default(),
                 model,
+                textures,
                 placed,
             }),
             Err(error) => frame.skipped.push(SkippedLight { entity, error }),

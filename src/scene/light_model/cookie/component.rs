@@ -34,7 +34,7 @@ pub struct Cookie {
     pub density: f32,
     /// Width of the picture, metres on the plane one metre before the light, or metres for a directional light, or
     /// radians around a point or sphere. Its height follows from its texels. Greater values make the picture larger. Must be
-    /// greater than 0; default 2, and a whole turn for [`Cookie::around`].
+    /// in 1e-6..=1e9; default 2, and a whole turn for [`Cookie::around`].
     pub size: f32,
     /// Offset of the picture to the right and upwards, seen from the light, in the units of `size`; default 0.
     pub offset: Vec2,
@@ -52,8 +52,8 @@ pub enum CookieError {
     /// The density is NaN or outside of its range.
     #[error("density is {0}, it must be in 0..=1")]
     Density(f32),
-    /// The size is NaN, infinite, zero or negative.
-    #[error("size is {0}, it must be finite and greater than 0")]
+    /// The size is NaN, zero, negative, or out of all proportion.
+    #[error("size is {0}, it must be greater than 0, in 1e-6..=1e9")]
     Size(f32),
     /// The offset is not finite.
     #[error("offset is {0}, it must be finite")]
@@ -66,7 +66,15 @@ pub enum CookieError {
 impl PartialEq for Cookie {
     /// Cookies are equal if their settings are, and they share one picture.
     fn eq(&self, other: &Self) -> bool {
-        let settings = |cookie: &Self| (cookie.density, cookie.size, cookie.offset, cookie.turn, cookie.wrap);
+        let settings = |cookie: &Self| {
+            (
+                cookie.density,
+                cookie.size,
+                cookie.offset,
+                cookie.turn,
+                cookie.wrap,
+            )
+        };
         Arc::ptr_eq(&self.image, &other.image) && settings(self) == settings(other)
     }
 }
@@ -101,7 +109,7 @@ impl Cookie {
         if !(0.0..=1.0).contains(&self.density) {
             return Err(CookieError::Density(self.density));
         }
-        if !(self.size > 0.0 && self.size.recip().is_finite()) {
+        if !(1e-6..=1e9).contains(&self.size) {
             return Err(CookieError::Size(self.size));
         }
         if !self.offset.is_finite() {

@@ -1,6 +1,8 @@
 //! The picture of a cookie.
 
-use std::path::{Path, PathBuf};
+#[cfg(any(feature = "render", feature = "gltf"))]
+use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -80,7 +82,12 @@ impl CookieImage {
         let expected = u64::from(width) * u64::from(height);
         if expected == 0 || texels.len() as u64 != expected {
             let texels = texels.len();
-            return Err(CookieImageError::Size { name, width, height, texels });
+            return Err(CookieImageError::Size {
+                name,
+                width,
+                height,
+                texels,
+            });
         }
         let usable = |color: &Vec3| color.to_array().iter().all(|x| (0.0..=LARGEST).contains(x));
         if let Some(at) = texels.iter().position(|color| !usable(color)) {
@@ -91,7 +98,11 @@ impl CookieImage {
                 color: texels[at],
             });
         }
-        let level = Level { width, height, texels };
+        let level = Level {
+            width,
+            height,
+            texels,
+        };
         Ok(Arc::new(Self { name, level }))
     }
 
@@ -159,13 +170,21 @@ impl CookieImage {
         &self.level.texels
     }
 
+    /// The picture as its first level.
+    pub(super) fn level(&self) -> &Level {
+        &self.level
+    }
+
     /// Returns the mip levels down to 1×1, largest first. Each is the average of the one before. The first level is the
     /// first one whose sides have at most `limit` texels.
-    pub fn levels(&self, limit: u32) -> Vec<Level> {
+    pub(crate) fn levels(&self, limit: u32) -> Vec<Level> {
         let mut levels = vec![self.level.clone()];
         while let Some(next) = levels.last().and_then(Level::halved) {
-            if next.width.max(next.height) >= limit {
-                levels.clear(); // the one before is too large
+            if levels
+                .last()
+                .is_some_and(|level| level.width.max(level.height) > limit)
+            {
+                levels.clear();
             }
             levels.push(next);
         }

@@ -35,7 +35,11 @@ impl Level {
                 texels.push(sum);
             }
         }
-        Some(Self { width, height, texels })
+        Some(Self {
+            width,
+            height,
+            texels,
+        })
     }
 }
 
@@ -76,9 +80,15 @@ mod tests {
     #[test]
     fn every_level_has_the_average_of_the_picture() {
         for (width, height) in [(1, 1), (2, 2), (5, 3), (7, 1), (1, 9), (16, 6)] {
-            let texels: Vec<_> = (0..width * height).map(|i| Vec3::splat((i * i % 11) as f32)).collect();
+            let texels: Vec<_> = (0..width * height)
+                .map(|i| Vec3::splat((i * i % 11) as f32))
+                .collect();
             let average: Vec3 = texels.iter().sum::<Vec3>() / (width * height) as f32;
-            let mut level = Level { width, height, texels };
+            let mut level = Level {
+                width,
+                height,
+                texels,
+            };
             let mut count = 1;
             while let Some(next) = level.halved() {
                 level = next;

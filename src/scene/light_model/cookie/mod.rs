@@ -14,5 +14,5 @@ mod placing;
 
 pub use component::{Cookie, CookieError};
 pub use image::{CookieImage, CookieImageError};
-pub use levels::Level;
-pub use placing::{Around, CookiePlacing};
+
+pub use placing::{CookiePlacing, Projection};

@@ -12,7 +12,9 @@ pub(super) fn read(text: &str) -> Result<ProfileTable, ProfileError> {
     let mut lines = Lines::new(text);
     lines.skip(2, "the symmetry")?;
     let what = "the symmetry";
-    let symmetry = lines.number(what)?.count(what, 0.0, 4.0, "a whole number from 0 to 4")?;
+    let symmetry = lines
+        .number(what)?
+        .count(what, 0.0, 4.0, "a whole number from 0 to 4")?;
     let what = "the number of C-planes";
     let plane_count = lines.angle_count(what, 1.0, "a whole number from 1 to 7201")?;
     let plane_line = lines.line;
@@ -24,7 +26,9 @@ pub(super) fn read(text: &str) -> Result<ProfileTable, ProfileError> {
     let conversion = lines.number(what)?.within(what, 0.0..=1e30, "at least 0")?;
     lines.skip(1, "the number of sets of lamps")?;
     let what = "the number of sets of lamps";
-    let sets = lines.number(what)?.count(what, 0.0, 20.0, "a whole number from 0 to 20")?;
+    let sets = lines
+        .number(what)?
+        .count(what, 0.0, 20.0, "a whole number from 0 to 20")?;
     let flux = read_lamps(&mut lines, sets)?;
     lines.skip(10, "a C angle")?;
     let plane_angles = lines.list("a C angle", plane_count)?;
@@ -69,13 +73,22 @@ fn read_lamps(lines: &mut Lines, sets: usize) -> Result<f64, ProfileError> {
 /// The planes whose intensities the file lists. The rest of the circle follows from the symmetry.
 fn measured_planes(symmetry: usize, angles: &[f64], line: usize) -> Result<Planes, ProfileError> {
     let planes = angles.len();
-    let refuse = |needed| Err(ProfileFault::Symmetry { planes, symmetry, needed }.at(line));
+    let refuse = |needed| {
+        Err(ProfileFault::Symmetry {
+            planes,
+            symmetry,
+            needed,
+        }
+        .at(line))
+    };
     match symmetry {
         1 => Ok(Planes::new([0.0])),
         2 if planes % 2 == 0 => Ok(Planes::new(angles[..=planes / 2].iter().copied())),
         3 if planes % 4 == 0 => {
             let from = 3 * planes / 4;
-            Ok(Planes::new((from..=from + planes / 2).map(|plane| angles[plane % planes])))
+            Ok(Planes::new(
+                (from..=from + planes / 2).map(|plane| angles[plane % planes]),
+            ))
         }
         4 if planes % 4 == 0 => Ok(Planes::new(angles[..=planes / 4].iter().copied())),
         2 => refuse("an even number"),

@@ -30,7 +30,10 @@ pub(super) fn read(text: &str) -> Result<ProfileTable, ProfileError> {
             numbers.next("the table of tilts")?;
         }
     }
-    let is_2019 = text.lines().next().is_some_and(|line| line.contains("LM-63-2019"));
+    let is_2019 = text
+        .lines()
+        .next()
+        .is_some_and(|line| line.contains("LM-63-2019"));
     let header = Header::read(&mut numbers, is_2019)?;
     let vertical = numbers.list("a vertical angle", header.vertical_count)?;
     let horizontal = numbers.list("a horizontal angle", header.horizontal_count)?;
@@ -91,7 +94,9 @@ impl Header {
             .next(what)?
             .count(what, 1.0, 3.0, "1 for C, 2 for B or 3 for A")?;
         let what = "the type of units";
-        numbers.next(what)?.count(what, 1.0, 2.0, "1 for feet or 2 for metres")?;
+        numbers
+            .next(what)?
+            .count(what, 1.0, 2.0, "1 for feet or 2 for metres")?;
         for what in ["the width", "the length", "the height"] {
             numbers.next(what)?;
         }
@@ -199,11 +204,7 @@ impl Measured {
                 }
             }));
         }
-        let frame = if is_b {
-            Frame::ABOUT_RIGHT
-        } else {
-            Frame::ABOUT_UP
-        };
+        let frame = if is_b { Frame::ABOUT_RIGHT } else { Frame::ABOUT_UP };
         tabulate(frame, &planes, &polar, &columns, self.line)
     }
 
@@ -260,8 +261,7 @@ impl<'a> Numbers<'a> {
             1.0 => "a whole number from 1 to 7201",
             _ => "a whole number from 2 to 7201",
         };
-        self.next(what)?
-            .count(what, least, MOST_ANGLES, allowed)
+        self.next(what)?.count(what, least, MOST_ANGLES, allowed)
     }
 
     fn list(&mut self, what: &'static str, count: usize) -> Result<Vec<Number>, ProfileError> {

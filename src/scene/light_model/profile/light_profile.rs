@@ -88,7 +88,11 @@ impl LightProfile {
         let read = match ending.to_str() {
             Some("ies") => Self::from_ies,
             Some("ldt" | "eul") => Self::from_eulumdat,
-            _ => return Err(LoadProfileError::Ending { path: path.to_owned() }),
+            _ => {
+                return Err(LoadProfileError::Ending {
+                    path: path.to_owned(),
+                });
+            }
         };
         let bytes = std::fs::read(path).map_err(|error| LoadProfileError::Read {
             path: path.to_owned(),

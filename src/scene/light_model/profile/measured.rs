@@ -13,7 +13,10 @@ pub(super) struct Planes {
 impl Planes {
     /// The planes at these angles. The plane at the index `i` has the column `i`.
     pub fn new(angles: impl IntoIterator<Item = f64>) -> Self {
-        let angles = angles.into_iter().enumerate().map(|(index, angle)| (angle, index));
+        let angles = angles
+            .into_iter()
+            .enumerate()
+            .map(|(index, angle)| (angle, index));
         Self {
             angles: angles.collect(),
         }
@@ -81,5 +84,11 @@ pub(super) fn tabulate(
         .map(|candela| (candela / brightest) as f32)
         .collect();
     let azimuth = planes.angles.iter().map(|&(angle, _)| angle).collect();
-    Ok(ProfileTable::new(frame, azimuth, polar.to_vec(), values, brightest))
+    Ok(ProfileTable::new(
+        frame,
+        azimuth,
+        polar.to_vec(),
+        values,
+        brightest,
+    ))
 }

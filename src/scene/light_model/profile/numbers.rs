@@ -71,7 +71,12 @@ pub(super) fn ascending(what: &'static str, angles: &[Number]) -> Result<(), Pro
     for pair in angles.windows(2) {
         let [previous, found] = [pair[0].value, pair[1].value];
         if found <= previous {
-            return Err(ProfileFault::NotAscending { what, previous, found }.at(pair[1].line));
+            return Err(ProfileFault::NotAscending {
+                what,
+                previous,
+                found,
+            }
+            .at(pair[1].line));
         }
     }
     Ok(())

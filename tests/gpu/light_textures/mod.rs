@@ -1,0 +1,8 @@
+//! Cookies and luminaire profiles: at every pixel a light gives what their files say, whatever shadows it.
+
+mod changes;
+mod cookies;
+mod files;
+mod profiles;
+mod properties;
+mod scenes;
