@@ -42,8 +42,8 @@ use crate::techniques::{AddTechnique, Row, Technique, add_row};
 /// app.update();
 ///
 /// let lights = app.world().resource::<FrameLights>();
-/// assert_eq!(lights.lights[0].i.count_ones(..), 1, "the sphere is lit");
-/// assert_eq!(lights.lights[0].s.count_ones(..), 1, "and may cast on itself");
+/// assert_eq!(lights.lights[0].sets.i.count_ones(..), 1, "the sphere is lit");
+/// assert_eq!(lights.lights[0].sets.s.count_ones(..), 1, "and may cast on itself");
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AntumbraPlugin;

@@ -78,12 +78,12 @@ fn frames() -> Vec<String> {
         let mut text = format!("{:?} {:?}", objects.entities, world.resource::<SetWork>());
         text += &format!("{:?}", world.resource::<FrustumSet>().set.as_slice());
         for light in &world.resource::<FrameLights>().lights {
-            for set in [&light.reach, &light.l, &light.i, &light.s] {
+            for set in [&light.sets.reach, &light.sets.l, &light.sets.i, &light.sets.s] {
                 text += &format!("{:x?}", set.as_slice());
             }
             text += &format!(
                 "{:?} {:?} {:?}",
-                light.scissor, light.depth_bounds, light.receiver_hull
+                light.region.scissor, light.region.depth_bounds, light.hulls.receivers
             );
         }
         let work = world.resource::<SetWork>();

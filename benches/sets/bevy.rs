@@ -226,12 +226,12 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
         for &entity in &in_map {
             let reached = objects
                 .index_of(entity)
-                .is_some_and(|object| light.l.contains(object));
+                .is_some_and(|object| light.sets.l.contains(object));
             if !reached && gap_of_box(&place(entity)?, ball.center) < f64::from(ball.radius) {
                 return Err(format!("{entity} is in range of {} and not in L", light.entity));
             }
         }
-        for entity in light.s.ones().map(|object| objects.entities[object]) {
+        for entity in light.sets.s.ones().map(|object| objects.entities[object]) {
             // At the border, either side may round either way. Ours favours the object, by about 0.3 mm at 200 m.
             let beyond = gap_of_oriented_box(&place(entity)?, ball.center) - f64::from(ball.radius);
             if !in_map.contains(&entity) && beyond.abs() > 1e-3 {
@@ -243,7 +243,7 @@ fn compare_sets(world: &mut World) -> Result<Agreement, String> {
         }
         agreement.lights += 1;
         agreement.drawn += in_map.len();
-        agreement.cast += light.s.count_ones(..);
+        agreement.cast += light.sets.s.count_ones(..);
     }
     Ok(agreement)
 }
@@ -264,7 +264,10 @@ fn assert_agrees(world: &mut World) -> Agreement {
 /// Negative control: the comparison finds one extra object in S and one missing from L.
 fn assert_comparison_can_fail(world: &mut World) {
     type Spoil = fn(&mut FrameLight);
-    let spoil: [Spoil; 2] = [|light| light.s.insert_range(..), |light| light.l.clear()];
+    let spoil: [Spoil; 2] = [
+        |light| light.sets.s.insert_range(..),
+        |light| light.sets.l.clear(),
+    ];
     for spoil in spoil {
         let lights = world.resource::<FrameLights>().lights.clone();
         world

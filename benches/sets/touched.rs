@@ -85,7 +85,7 @@ impl Measured {
         };
         time(&mut world, &mut |_| ());
         let frame = world.resource::<FrameLights>();
-        let touched = frame.lights.iter().map(|light| light.l.count_ones(..)).sum();
+        let touched = frame.lights.iter().map(|light| light.sets.l.count_ones(..)).sum();
         let work = *world.resource::<SetWork>();
         let at_rest = time(&mut world, &mut |_| ());
         assert_eq!(

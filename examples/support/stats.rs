@@ -183,7 +183,7 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
     let silhouettes = world.resource::<Silhouettes>();
     let (mut edges, mut loops) = (0, 0);
     if let Some(known) = silhouettes.of_light(light.entity) {
-        for object in light.s.ones() {
+        for object in light.sets.s.ones() {
             if let Some((_, silhouette)) = known.of_object(object) {
                 edges += silhouette.contour.edge_count();
                 loops += loop_count(silhouette);
@@ -201,11 +201,11 @@ fn light_stats(world: &World, renderer: &Renderer, index: usize) -> Value {
     }
     let stats = json!({
         "technique": active.map_or("none", |active| renderer.technique_name(active)),
-        "L": light.l.count_ones(..),
-        "I": light.i.count_ones(..),
-        "S": light.s.count_ones(..),
-        "scissor": light.scissor.map(|s| [s.x, s.y, s.width, s.height]),
-        "depth_bounds": light.depth_bounds.map(|bounds| json!({
+        "L": light.sets.l.count_ones(..),
+        "I": light.sets.i.count_ones(..),
+        "S": light.sets.s.count_ones(..),
+        "scissor": light.region.scissor.map(|s| [s.x, s.y, s.width, s.height]),
+        "depth_bounds": light.region.depth_bounds.map(|bounds| json!({
             "near": bounds.near,
             // JSON cannot represent infinity.
             "far": bounds.far.is_finite().then_some(bounds.far),

@@ -138,7 +138,7 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
             let light = &lights[*index];
             (
                 light.point_world.w != 0.0,
-                light.i.count_ones(..),
+                light.sets.i.count_ones(..),
                 std::cmp::Reverse(*index),
             )
         };
@@ -162,9 +162,9 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
     let sets: [&FixedBitSet; 5] = [
         &world.resource::<FrustumSet>().set,
         &world.resource::<VisibleSet>().set,
-        &light.l,
-        &light.i,
-        &light.s,
+        &light.sets.l,
+        &light.sets.i,
+        &light.sets.s,
     ];
     let size = (bounds.max - bounds.min).max(glam::Vec3::splat(1e-3));
     let scale = (PANEL as f32 - 2.0 * MARGIN) / size.x.max(size.z * 0.5);

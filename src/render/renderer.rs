@@ -313,6 +313,14 @@ impl Renderer {
         if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
             self.masks = Some(MaskTargets::new(context, layouts, targets)?);
         }
+        let mut lights = self.frame.lights.iter();
+        if let (Some(masks), true) = (&mut self.masks, lights.any(|light| light.is_tinted)) {
+            masks.require_factors(context, layouts)?;
+        }
+        if self.stencil_to_mask.is_none() && self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil)
+        {
+            self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
+        }
         if self.front.is_none() && self.frame.has_front_layer() {
             let label = "front depth and stencil";
             self.front = Some(FrameTargets::new(context, layouts, label, targets.size)?);

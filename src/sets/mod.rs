@@ -7,9 +7,9 @@
 //! | --- | --- | --- | --- |
 //! | F [`FrustumSet`] | objects whose bounds touch the view frustum, occluded or not | [`collect_frustum_set`] | may keep too many |
 //! | V [`VisibleSet`] | F without objects that are occluded from the camera | [`collect_visible_set`] | may keep too many |
-//! | L [`FrameLight::l`] | objects within the light's volume ([`FrameLight::reach`], by [`collect_light_sets`]) that are not occluded from the light | [`collect_light_occlusion`] | may keep too many |
-//! | I [`FrameLight::i`] | objects that the light pass draws: V ∩ L, drawn and affected, without objects whose visible part ([`VisibleParts`]) is dark. If I is empty, the light is skipped | [`collect_illumination`] | may keep too many |
-//! | S [`FrameLight::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
+//! | L [`LightSets::l`] | objects within the light's volume ([`LightSets::reach`], by [`collect_light_sets`]) that are not occluded from the light | [`collect_light_occlusion`] | may keep too many |
+//! | I [`LightSets::i`] | objects that the light pass draws: V ∩ L, drawn and affected, without objects whose visible part ([`VisibleParts`]) is dark. If I is empty, the light is skipped | [`collect_illumination`] | may keep too many |
+//! | S [`LightSets::s`] | casters in L that cast for the light and whose shadow can reach a receiver of I | [`collect_shadow_sets`] | may keep too many, never drops one that matters |
 //!
 //! S depends on F and the light's hulls but not on V, because a hidden caster can still throw its shadow into
 //! view (chapter 15, figure 15-2).
@@ -49,10 +49,13 @@ pub use index::clusters::{Clusters, Found};
 pub use index::collect_objects::collect_objects;
 pub use index::objects::Objects;
 pub use light::depth_bounds::{DepthBounds, shadow_depth_range};
-pub use light::frame_lights::{FrameLight, FrameLights, SkippedLight, collect_frame_lights};
+pub use light::frame_light::{FrameLight, LightHulls, LightRegion, LightSets};
+pub use light::frame_lights::{FrameLights, SkippedLight, collect_frame_lights};
 pub use light::illumination::collect_illumination;
 pub use light::light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light::light_volume::LightVolume;
+pub use light::lit_region::LitRegion;
+pub use light::placing::Shining;
 pub use light::reach::collect_light_sets;
 pub use light::scissor::ScissorRect;
 pub use light::shadow::collect_shadow_sets;

@@ -219,7 +219,7 @@ pub fn build_silhouettes(
         let entry = &mut kept[at];
         entry.remap(&objects);
         let mut changed = false;
-        let shadowing = (needed == NeededSilhouettes::Shadowing).then(|| light.s.ones());
+        let shadowing = (needed == NeededSilhouettes::Shadowing).then(|| light.sets.s.ones());
         let reached = (needed == NeededSilhouettes::Reached).then(|| light.reached_casters(&objects));
         for object in shadowing
             .into_iter()
@@ -291,13 +291,13 @@ pub fn build_silhouettes(
             silhouette.source = Some(edges.0.clone());
         }
         let (set, layout) = &mut entry.stacked_of;
-        let same_members = *layout == objects.layout_generation && *set == light.s;
+        let same_members = *layout == objects.layout_generation && *set == light.sets.s;
         // The silhouette of a caster that moves along a directional light stays, but its box does not.
-        if changed || !same_members || !objects.moved.is_disjoint(&light.s) {
-            set.clone_from(&light.s);
+        if changed || !same_members || !objects.moved.is_disjoint(&light.sets.s) {
+            set.clone_from(&light.sets.s);
             *layout = objects.layout_generation;
             boxes.clear();
-            boxes.extend(light.s.ones().filter_map(|object| {
+            boxes.extend(light.sets.s.ones().filter_map(|object| {
                 let (_, silhouette) = entry.of_object(object)?;
                 Some((objects.boxes.get(object), silhouette.stacked))
             }));

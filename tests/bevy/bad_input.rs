@@ -30,7 +30,7 @@ fn add(world: &mut World, mesh: Mesh) -> Entity {
 fn casters(game: &mut Game, camera: Entity) -> usize {
     let mirrors = game.render_world().resource::<Mirrors>();
     let lights = mirrors.get(camera).unwrap().world.resource::<FrameLights>();
-    lights.lights[0].s.count_ones(..)
+    lights.lights[0].sets.s.count_ones(..)
 }
 
 #[test]

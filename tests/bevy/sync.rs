@@ -255,8 +255,8 @@ fn a_steady_frame_changes_nothing() {
     let lights = mirror.world.resource::<FrameLights>();
     assert!(!lights.lights[0].moved, "the light did not move");
     let (i, s) = (
-        lights.lights[0].i.count_ones(..),
-        lights.lights[0].s.count_ones(..),
+        lights.lights[0].sets.i.count_ones(..),
+        lights.lights[0].sets.s.count_ones(..),
     );
     assert_eq!((i, s), (1, 1));
     let work = *mirror.world.resource::<antumbra::sets::SetWork>();
@@ -315,7 +315,7 @@ fn casters_are_among_bevys() {
         .map(|light| {
             (
                 host(light.entity),
-                light.s.ones().map(|i| host(objects.entities[i])).collect(),
+                light.sets.s.ones().map(|i| host(objects.entities[i])).collect(),
             )
         })
         .collect();

@@ -135,9 +135,9 @@ fn occluders_that_move_hide_and_show_again() {
         let in_v = world.resource::<VisibleSet>().set.contains(index);
         [
             in_v,
-            light.l.contains(index),
-            light.i.contains(index),
-            light.s.contains(index),
+            light.sets.l.contains(index),
+            light.sets.i.contains(index),
+            light.sets.s.contains(index),
         ]
     };
     assert_eq!(sets(&mut world), [false; 4], "behind the wall");

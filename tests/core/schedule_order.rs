@@ -149,10 +149,10 @@ fn snapshot(world: &World) -> Snapshot {
     let mut volumes = BTreeMap::new();
     for (index, light) in world.resource::<FrameLights>().lights.iter().enumerate() {
         let own = name(world, light.entity);
-        for (set, bits) in [("L", &light.l), ("I", &light.i), ("S", &light.s)] {
+        for (set, bits) in [("L", &light.sets.l), ("I", &light.sets.i), ("S", &light.sets.s)] {
             sets.insert(format!("{own} {set}"), names(world, bits));
         }
-        rects.insert(own.clone(), (light.scissor, light.depth_bounds));
+        rects.insert(own.clone(), (light.region.scissor, light.region.depth_bounds));
         let known = world.resource::<Silhouettes>().of_light(light.entity);
         let mut casters = Volumes::new();
         for caster in world

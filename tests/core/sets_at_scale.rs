@@ -219,9 +219,12 @@ fn cost_follows_what_moved() {
 fn flat_tests_tell_a_lost_object() {
     let (mut world, _) = run(&large_scene(1, 300));
     let lights = &mut world.resource_mut::<FrameLights>().lights;
-    let light = lights.iter_mut().find(|light| !light.reach.is_clear()).unwrap();
-    let lost = light.reach.ones().next().unwrap();
-    light.reach.remove(lost);
+    let light = lights
+        .iter_mut()
+        .find(|light| !light.sets.reach.is_clear())
+        .unwrap();
+    let lost = light.sets.reach.ones().next().unwrap();
+    light.sets.reach.remove(lost);
     let told = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| assert_flat_tests_agree(&world)));
     assert!(told.is_err());
 }

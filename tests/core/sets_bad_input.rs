@@ -27,7 +27,7 @@ fn a_million_objects_at_one_point() {
         let lights = &world.resource::<FrameLights>().lights;
         for light in lights {
             let count = if light.light.range > 10.0 { 999_999 } else { moved };
-            for set in [&light.l, &light.i, &light.s] {
+            for set in [&light.sets.l, &light.sets.i, &light.sets.s] {
                 assert_eq!(set.count_ones(..), count);
             }
         }

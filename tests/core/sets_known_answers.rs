@@ -36,8 +36,8 @@ fn a_light_that_nobody_receives_is_skipped() {
         vec![far, dark],
     ));
     for light in &world.resource::<FrameLights>().lights {
-        assert!(light.is_skipped() && light.s.is_clear());
-        assert!(light.scissor.is_none() && light.depth_bounds.is_none());
+        assert!(light.is_skipped() && light.sets.s.is_clear());
+        assert!(light.region.scissor.is_none() && light.region.depth_bounds.is_none());
     }
     assert_eq!(world.resource::<SetWork>().shadows, 0);
 }
@@ -54,10 +54,10 @@ fn casters_that_cannot_reach_the_view_are_left_out() {
     let light = (Light::point(Vec3::ONE, 1.0, 30.0), Vec3::new(0.0, 12.0, -10.0));
     let (world, _) = run(&simple(things, vec![light]));
     let light = first_light(&world);
-    assert!(!light.inside_frustum);
-    assert_eq!(ids(&world, &light.s), [0, 1]);
-    assert_eq!(light.l.count_ones(..), 5);
-    assert_eq!(ids(&world, &light.i), [0]);
+    assert!(!light.hulls.inside_frustum);
+    assert_eq!(ids(&world, &light.sets.s), [0, 1]);
+    assert_eq!(light.sets.l.count_ones(..), 5);
+    assert_eq!(ids(&world, &light.sets.i), [0]);
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn spots_and_rectangles_leave_out_what_is_beside_and_behind() {
         } else {
             vec![0, 1, 4]
         };
-        assert_eq!(ids(&world, &light.l), expected, "{:?}", light.light.kind);
+        assert_eq!(ids(&world, &light.sets.l), expected, "{:?}", light.light.kind);
     }
 }
 
@@ -111,8 +111,16 @@ fn masks_are_honoured() {
         let mut scene = simple(things.clone(), vec![lamp()]);
         scene.lights[0].2 = LightSelection { affects, casts_for };
         let (world, _) = run(&scene);
-        assert_eq!(ids(&world, &first_light(&world).i), i, "{affects} {casts_for}");
-        assert_eq!(ids(&world, &first_light(&world).s), s, "{affects} {casts_for}");
+        assert_eq!(
+            ids(&world, &first_light(&world).sets.i),
+            i,
+            "{affects} {casts_for}"
+        );
+        assert_eq!(
+            ids(&world, &first_light(&world).sets.s),
+            s,
+            "{affects} {casts_for}"
+        );
     }
 }
 
@@ -129,7 +137,7 @@ fn scissor_and_depth_are_tight() {
     let lamp = (Light::point(Vec3::ONE, 1.0, 1.0), Vec3::new(0.0, -0.5, -10.0));
     let (world, _) = run(&simple(vec![floor], vec![lamp]));
     let light = first_light(&world);
-    let (scissor, depth) = (light.scissor.unwrap(), light.depth_bounds.unwrap());
+    let (scissor, depth) = (light.region.scissor.unwrap(), light.region.depth_bounds.unwrap());
     // The ball is 2 of the 8.3 m that the picture is high at 10 m: 44 pixels; the floor leaves half of its height.
     assert!(scissor.width <= 46 && scissor.height <= 24, "{scissor:?}");
     assert!(depth.near >= 8.9 && depth.far <= 11.1, "{depth:?}");
@@ -161,7 +169,7 @@ fn lights_at_special_places_lose_nothing() {
 
 fn is_empty(world: &World) -> bool {
     let frame = world.resource::<FrameLights>();
-    let skipped = |light: &FrameLight| light.is_skipped() && light.s.is_clear();
+    let skipped = |light: &FrameLight| light.is_skipped() && light.sets.s.is_clear();
     world.resource::<FrustumSet>().set.is_clear() && frame.lights.iter().all(skipped)
 }
 
@@ -299,9 +307,9 @@ fn bounds_that_are_empty_or_endless() {
     let (world, _) = run(&simple(things, lights));
     assert_eq!(world.resource::<Objects>().left_out, 2);
     for light in &world.resource::<FrameLights>().lights {
-        for set in [&light.l, &light.i, &light.s] {
+        for set in [&light.sets.l, &light.sets.i, &light.sets.s] {
             assert_eq!(ids(&world, set), [0, 3]);
         }
-        assert!(light.scissor.is_some() && light.depth_bounds.is_some());
+        assert!(light.region.scissor.is_some() && light.region.depth_bounds.is_some());
     }
 }

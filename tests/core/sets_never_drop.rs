@@ -70,7 +70,7 @@ fn brute_force_finds_a_caster_that_is_taken_out() {
         let scene = random_scene(seed);
         let (mut world, _) = run(&scene);
         for light in &mut world.resource_mut::<FrameLights>().lights {
-            light.s.clear();
+            light.sets.s.clear();
         }
         let verdict = judge(&scene, &world, seed);
         found += verdict
@@ -93,18 +93,22 @@ fn brute_force_finds_every_other_loss() {
         ("not in F or V", |world| {
             world.resource_mut::<FrustumSet>().set.clear()
         }),
-        ("not in L", |world| each_light(world, |light| light.l.clear())),
-        ("not in I", |world| each_light(world, |light| light.i.clear())),
+        ("not in L", |world| {
+            each_light(world, |light| light.sets.l.clear())
+        }),
+        ("not in I", |world| {
+            each_light(world, |light| light.sets.i.clear())
+        }),
         ("pixel", |world| {
             each_light(world, |light| {
-                if let Some(scissor) = &mut light.scissor {
+                if let Some(scissor) = &mut light.region.scissor {
                     scissor.width = scissor.width.div_ceil(2);
                 }
             })
         }),
         ("depth", |world| {
             each_light(world, |light| {
-                if let Some(depth) = &mut light.depth_bounds {
+                if let Some(depth) = &mut light.region.depth_bounds {
                     depth.depth_min = depth.depth_max.midpoint(depth.depth_min);
                 }
             })
@@ -206,14 +210,19 @@ fn statistics(name: &str, world: &World) -> String {
     };
     let kept_by_first_hull = |light: &FrameLight| {
         let touches = |&i: &usize| {
-            let outside = light.hull.planes.excludes_aabb(&objects.boxes.get(i));
-            if light.inside_frustum {
+            let outside = light.hulls.view.planes.excludes_aabb(&objects.boxes.get(i));
+            if light.hulls.inside_frustum {
                 f.contains(i)
             } else {
                 !outside
             }
         };
-        light.l.intersection(&objects.casters).filter(touches).count()
+        light
+            .sets
+            .l
+            .intersection(&objects.casters)
+            .filter(touches)
+            .count()
     };
     format!(
         "{name}: {} objects, |F| {}, {} of {} lights shine; mean |L| {:.1}, |I| {:.1}, |S| {:.1} ({:.1} by the first hull alone)",
@@ -221,9 +230,9 @@ fn statistics(name: &str, world: &World) -> String {
         f.count_ones(..),
         shining.len(),
         frame.lights.len(),
-        mean(&|light| light.l.count_ones(..)),
-        mean(&|light| light.i.count_ones(..)),
-        mean(&|light| light.s.count_ones(..)),
+        mean(&|light| light.sets.l.count_ones(..)),
+        mean(&|light| light.sets.i.count_ones(..)),
+        mean(&|light| light.sets.s.count_ones(..)),
         mean(&kept_by_first_hull),
     )
 }
@@ -241,7 +250,7 @@ fn rooms_need_a_third_of_the_casters_in_range() {
     );
     let frame = world.resource::<FrameLights>();
     let sum = |size: fn(&FrameLight) -> usize| frame.lights.iter().map(size).sum::<usize>();
-    assert!(sum(|light| light.s.count_ones(..)) * 3 < sum(|light| light.l.count_ones(..)));
+    assert!(sum(|light| light.sets.s.count_ones(..)) * 3 < sum(|light| light.sets.l.count_ones(..)));
     for seed in 0..3 {
         println!("{}", statistics("random", &run(&random_scene(seed)).0));
     }
@@ -277,7 +286,7 @@ fn lights_at_negative_view_depth_shine() {
     let (world, _) = run(&scene);
     for light in &world.resource::<FrameLights>().lights {
         assert!(!light.is_skipped(), "{:?}", light.light);
-        let bounds = light.depth_bounds.unwrap();
+        let bounds = light.region.depth_bounds.unwrap();
         assert!(bounds.near <= -6.0 && bounds.far >= -4.0, "{bounds:?}");
     }
     assert_eq!(world.resource::<FrameLights>().lights.len(), 3);
@@ -285,7 +294,7 @@ fn lights_at_negative_view_depth_shine() {
     let verdict = judge(&scene, &world, 1);
     assert!(verdict.wrong.is_empty() && verdict.looked > 20);
     let mut world = world;
-    each_light(&mut world, |light| light.i.clear());
+    each_light(&mut world, |light| light.sets.i.clear());
     assert!(judge(&scene, &world, 1).wrong.len() > 20);
 }
 

@@ -132,7 +132,7 @@ fn silhouettes_of_casters_out_of_view_are_there_for_those_who_need_them() {
         .resource::<Objects>()
         .index_of(scene.behind)
         .expect("an object");
-    assert!(lights.lights[0].l.contains(index) && !lights.lights[0].s.contains(index));
+    assert!(lights.lights[0].sets.l.contains(index) && !lights.lights[0].sets.s.contains(index));
     assert!(scene.has_silhouette(scene.in_view) && !scene.has_silhouette(scene.behind));
     scene
         .world

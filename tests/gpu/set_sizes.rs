@@ -63,9 +63,9 @@ impl Sums {
         self.pairs += 1;
         self.f += f;
         self.v += v;
-        self.l += light.l.count_ones(..);
-        self.i += light.i.count_ones(..);
-        self.s += light.s.count_ones(..);
+        self.l += light.sets.l.count_ones(..);
+        self.i += light.sets.i.count_ones(..);
+        self.s += light.sets.s.count_ones(..);
     }
 
     fn means(&self) -> Means {

@@ -1,6 +1,6 @@
 //! The constants of each light's model in shaders.
 
-use glam::{DMat3, DVec3, Vec2};
+use glam::{DVec3, Vec2};
 
 use crate::render::pools::gpu_types;
 use crate::scene::{LightDistance, LightShape};
@@ -8,8 +8,9 @@ use crate::sets::FrameLight;
 
 /// Makes the shader's constants of a light's shape and distances. A light without them gets a factor of 1.
 pub fn shape_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::LightShape {
-    let [x, y, z] = light_axes(light).map(|axis| {
-        let offset = axis.dot(eye_world - light.point_world.truncate());
+    let center = light.shining.emitter.point.truncate();
+    let [x, y, z] = light.shining.axes.map(|axis| {
+        let offset = axis.dot(eye_world - center);
         axis.as_vec3().extend(offset as f32).to_array()
     });
     let shape = light.model.shape.unwrap_or_default();
@@ -36,29 +37,11 @@ fn semi_axes(shape: &LightShape) -> [f32; 4] {
 
 /// Distances of directional lights bound nothing, and their depth has no meaning.
 fn edges(light: &FrameLight, distance: &LightDistance) -> [f32; 4] {
-    let bounded = light.point_world.w != 0.0;
+    let bounded = light.shining.emitter.point.w != 0.0;
     if bounded {
         *distance
     } else {
         LightDistance::default()
     }
     .edges()
-}
-
-/// The axes of light space in world space: local X and Y, and the direction in which the light shines. They are
-/// orthonormal, whatever the scale of the light's transform.
-pub fn light_axes(light: &FrameLight) -> [DVec3; 3] {
-    let affine = light.world_from_light.affine();
-    let along = light.direction.as_dvec3().normalize();
-    let across = |axis: glam::Vec3A| {
-        let axis = glam::Vec3::from(axis).as_dvec3();
-        (axis - along * axis.dot(along)).try_normalize()
-    };
-    let up = across(affine.matrix3.y_axis);
-    let right = across(affine.matrix3.x_axis)
-        .or_else(|| up.map(|up| along.cross(up)))
-        .unwrap_or_else(|| along.any_orthonormal_vector());
-    let axes = DMat3::from_cols(right, right.cross(along), along);
-    // A mirrored transform mirrors the doors; the sign of an axis does not change a superellipse.
-    [axes.x_axis, up.unwrap_or(axes.y_axis), axes.z_axis]
 }

@@ -100,7 +100,7 @@ impl LightFunction for LightModelFunction {
         };
         let mut count = 0;
         for light in &world.resource::<FrameLights>().lights {
-            let draws = is_scaled(light) && light.scissor.is_some();
+            let draws = is_scaled(light) && light.region.scissor.is_some();
             self.slots.push(draws.then_some(count));
             if draws {
                 count += 1;

@@ -32,7 +32,7 @@ pub struct Object {
     pub relative_from_local_y: [f32; 4],
     /// Third row of the affine map from local space to world axes with the origin at the eye.
     pub relative_from_local_z: [f32; 4],
-    /// x: sign of the determinant of the object's transform; yzw unused.
+    /// x: sign of the determinant of the object's transform; yzw: weights of ambient, diffuse and specular light.
     pub handedness: [f32; 4],
 }
 
@@ -69,6 +69,12 @@ pub struct Light {
     /// Vector along a rectangle's height with half its length; w: 1 for rectangles and spheres that have an
     /// extent, else 0.
     pub half_up: [f32; 4],
+    /// Weights of ambient, diffuse and specular light; w: darkness of shadows.
+    pub weights: [f32; 4],
+    /// Linear RGB times intensity, in shadows; w unused.
+    pub shadow_emission: [f32; 4],
+    /// Shape and distances of the light.
+    pub shape: LightShape,
 }
 
 /// Mirror of `LightShape` in `shaders/common/light_shape.wgsl`.

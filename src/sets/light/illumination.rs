@@ -3,7 +3,8 @@
 use bevy_ecs::prelude::*;
 
 use super::depth_bounds::DepthBounds;
-use super::frame_lights::{FrameLight, FrameLights, is_dark};
+use super::frame_light::FrameLight;
+use super::frame_lights::{FrameLights, is_dark};
 use super::light_occlusion::LightOcclusion;
 use super::reach::each_light;
 use super::scissor::ScissorRect;
@@ -52,16 +53,16 @@ pub fn collect_illumination(
     occluders: Res<Occluders>,
 ) {
     let lights = &mut frame.lights;
-    let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
+    let pairs = lights.iter().filter(|light| light.progress.stale).count() * objects.boxes.words();
     each_light(lights, &mut work, pairs, |light| {
-        if !light.stale {
+        if !light.progress.stale {
             return;
         }
-        light.work.illuminations += 1;
-        (light.scissor, light.depth_bounds) = (None, None);
-        light.receiver_bounds = Aabb::EMPTY;
-        let dark = light.dark.as_mut_slice();
-        light.touched.ones().for_each(|word| dark[word] = 0);
+        light.progress.work.illuminations += 1;
+        (light.region.scissor, light.region.depth_bounds) = (None, None);
+        light.region.receiver_bounds = Aabb::EMPTY;
+        let dark = light.sets.dark.as_mut_slice();
+        light.scratch.touched.ones().for_each(|word| dark[word] = 0);
         let shines = !is_dark(&light.light);
         let bounds = view.data.as_ref().filter(|_| shines).and_then(|view| {
             intersect(light, &objects, &visible);
@@ -70,26 +71,33 @@ pub fn collect_illumination(
         });
         match bounds {
             Some((scissor, depth_bounds)) => {
-                (light.scissor, light.depth_bounds) = (Some(scissor), Some(depth_bounds));
+                (light.region.scissor, light.region.depth_bounds) = (Some(scissor), Some(depth_bounds));
             }
             None => {
-                let i = light.i.as_mut_slice();
-                light.touched.ones().for_each(|word| i[word] = 0);
+                let i = light.sets.i.as_mut_slice();
+                light.scratch.touched.ones().for_each(|word| i[word] = 0);
             }
         }
     });
 }
 
 fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
-    let (v, l) = (visible.set.as_slice(), light.l.as_slice());
+    let (v, l) = (visible.set.as_slice(), light.sets.l.as_slice());
     let drawn = objects.drawn.as_slice();
-    let i = light.i.as_mut_slice();
-    for word in light.touched.ones() {
+    let i = light.sets.i.as_mut_slice();
+    for word in light.scratch.touched.ones() {
         let candidates = v[word] & l[word] & drawn[word];
         i[word] = selected(objects, word, candidates, light.selection.affects);
+        if light.lit.has_near() {
+            for_bits(i[word], |lane| {
+                if light.lit.is_too_near(&objects.boxes.get(word * WORD + lane)) {
+                    i[word] &= !(1 << lane);
+                }
+            });
+        }
     }
-    let (reach, dark) = (light.reach.as_slice(), light.dark.as_mut_slice());
-    for word in light.touched.ones() {
+    let (reach, dark) = (light.sets.reach.as_slice(), light.sets.dark.as_mut_slice());
+    for word in light.scratch.touched.ones() {
         let candidates = v[word] & reach[word] & !l[word] & drawn[word];
         dark[word] = selected(objects, word, candidates, light.selection.affects);
     }
@@ -101,28 +109,39 @@ fn bound(
     view: &ViewData,
     parts: &VisibleParts,
 ) -> Option<(ScissorRect, DepthBounds)> {
-    let reach = light.volume.aabb();
-    let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
-    let bounds_of = |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.touched, set, &reach);
+    let reach = light.lit.aabb();
+    let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
+    let bounds_of =
+        |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.scratch.touched, set, &reach);
     let lit = bounds_of(&|word| i[word]);
     if lit.is_empty() {
         return None;
     }
     // Usually all objects are receivers, and then one pass also serves S.
-    let all_receive = light.touched.ones().all(|word| i[word] & !receivers[word] == 0);
-    light.receiver_bounds = if all_receive {
+    let all_receive = light
+        .scratch
+        .touched
+        .ones()
+        .all(|word| i[word] & !receivers[word] == 0);
+    light.region.receiver_bounds = if all_receive {
         lit
     } else {
         bounds_of(&|word| i[word] & receivers[word])
     };
     let projector = Projector::new(view);
-    let mut target = light.volume.screen_bounds(&projector);
+    let mut target = light.lit.screen_bounds(&projector);
     if reach.max.is_finite() && reach.min.is_finite() {
         let lit = projector.bounds_of_box(lit.center().as_dvec3(), lit.half_size().as_dvec3());
         target = target.intersection(lit);
     }
-    let (union, projected) = screen_union(&projector, objects, &light.touched, |word| i[word], target);
-    light.work.projected += projected;
+    let (union, projected) = screen_union(
+        &projector,
+        objects,
+        &light.scratch.touched,
+        |word| i[word],
+        target,
+    );
+    light.progress.work.projected += projected;
     let bounds = union.intersection(target);
     let scissor = ScissorRect::around(&bounds, view.viewport)?;
     let depth_bounds = DepthBounds::of_screen(&bounds, view.depth)?;

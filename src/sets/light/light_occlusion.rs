@@ -3,7 +3,8 @@
 use bevy_ecs::prelude::*;
 use bevy_tasks::ComputeTaskPool;
 
-use super::frame_lights::{FrameLight, FrameLights};
+use super::frame_light::FrameLight;
+use super::frame_lights::FrameLights;
 use crate::geometry::Aabb;
 use crate::scene::tasks;
 use crate::sets::index::objects::Objects;
@@ -124,10 +125,15 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
-        wants_occlusion: light.needs().light_occlusion,
+        // What a light does not see it may still light, if its shadows are not black. Pictures of what it sees are
+        // taken from where it shines, which need not be where its shadows come from.
+        wants_occlusion: light.needs().light_occlusion
+            && !light.model.lights_shadows()
+            && light.model.origin.is_none(),
     };
     let pairs = || frame.lights.iter().zip(&*lights);
-    let awake = pairs().filter(|(light, entry)| light.reach_written || is_new(light, entry, &now(light)));
+    let awake =
+        pairs().filter(|(light, entry)| light.progress.reach_written || is_new(light, entry, &now(light)));
     let parallel = awake.take(2).count() > 1;
     let threads = ComputeTaskPool::try_get().map_or(1, |pool| pool.thread_num());
     // A piece is smaller than a thread's share, because neighbouring lights may be the costly ones.
@@ -173,14 +179,14 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         settings,
     } = *scene;
     let anew = is_new(light, entry, &now);
-    if !anew && !light.reach_written {
+    if !anew && !light.progress.reach_written {
         return;
     }
     entry.seen = Some(now);
     if !(settings.from_lights && now.wants_occlusion) {
         entry.viewpoint.clear();
         entry.sightings.forget();
-        light.stale |= anew;
+        light.progress.stale |= anew;
         see_all(light);
         return;
     }
@@ -201,26 +207,26 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         );
         piece.depth_buffers += entry.viewpoint.buffers().len() as u64;
         see_all(light);
-        for object in light.reach.intersection(&occluders.shadeable) {
+        for object in light.sets.reach.intersection(&occluders.shadeable) {
             piece.occlusion_tests += 1;
             if unseen(entry, object) {
-                light.l.remove(object);
+                light.sets.l.remove(object);
             }
         }
         // Even if L is unchanged, the visible parts of its objects may have become lit or dark.
-        light.stale = true;
+        light.progress.stale = true;
         return;
     }
     for word in objects.moved_words.ones() {
         let moved = objects.moved.as_slice()[word];
-        let bits = &mut light.l.as_mut_slice()[word];
-        *bits = *bits & !moved | light.reach.as_slice()[word] & moved;
+        let bits = &mut light.sets.l.as_mut_slice()[word];
+        *bits = *bits & !moved | light.sets.reach.as_slice()[word] & moved;
     }
     for object in objects.moved.intersection(&occluders.shadeable) {
-        if light.l.contains(object) {
+        if light.sets.l.contains(object) {
             piece.occlusion_tests += 1;
             if unseen(entry, object) {
-                light.l.remove(object);
+                light.sets.l.remove(object);
             }
         }
     }
@@ -229,8 +235,12 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
 /// Sets L to the light's reach. Words that the light no longer touches were cleared together with those of
 /// `reach`.
 fn see_all(light: &mut FrameLight) {
-    let (l, reach) = (light.l.as_mut_slice(), light.reach.as_slice());
-    light.touched.ones().for_each(|word| l[word] = reach[word]);
+    let (l, reach) = (light.sets.l.as_mut_slice(), light.sets.reach.as_slice());
+    light
+        .scratch
+        .touched
+        .ones()
+        .for_each(|word| l[word] = reach[word]);
 }
 
 /// Looks through the portals from the light's cells, as far as the light reaches. Directional lights are
@@ -276,7 +286,7 @@ fn occluder_moved(
 ) -> bool {
     occluders.moved.ones().any(|object| {
         hides_from(light, objects, occluders, object)
-            && (light.reach.contains(object) || viewpoint.drawn.contains(object))
+            && (light.sets.reach.contains(object) || viewpoint.drawn.contains(object))
     })
 }
 
@@ -289,14 +299,14 @@ fn draw(
     settings: &OcclusionSettings,
 ) {
     let candidates = || {
-        let within = light.reach.intersection(&occluders.light);
+        let within = light.sets.reach.intersection(&occluders.light);
         within.filter(|&object| hides_from(light, objects, occluders, object))
     };
     if candidates().next().is_none() {
         viewpoint.clear();
         return;
     }
-    let bounds = light.reach.ones().fold(Aabb::EMPTY, |bounds, object| {
+    let bounds = light.sets.reach.ones().fold(Aabb::EMPTY, |bounds, object| {
         bounds.union(objects.boxes.get(object))
     });
     let views = light_views(light, &bounds, settings.light_texels.clamp(16, 1024));

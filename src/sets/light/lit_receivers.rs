@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::frame_lights::FrameLight;
+use super::frame_light::FrameLight;
 use crate::geometry::{Aabb, LightHull};
 use crate::sets::index::objects::{Objects, resize};
 use crate::sets::view::visible_parts::VisibleParts;
@@ -24,11 +24,11 @@ const GRID: usize = 4;
 /// There is one box for each receiver or, if there are many receivers, one for each cell of a grid. No box is
 /// empty.
 pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
-    let mut boxes = std::mem::take(&mut light.lit_receivers);
+    let mut boxes = std::mem::take(&mut light.region.lit_receivers);
     boxes.clear();
-    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    let reach = light.volume.aabb();
-    let receivers = || light.i.intersection(&objects.receivers);
+    let words = light.sets.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    let reach = light.lit.aabb();
+    let receivers = || light.sets.i.intersection(&objects.receivers);
     let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
     let count = receivers().count();
     if count <= FEW || (count <= MANY && count * words <= MAX_TESTS) {
@@ -36,18 +36,19 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
         boxes.reserve(if count <= FEW { FEW } else { MANY });
         boxes.extend(lit.filter(|part| !part.is_empty()));
     } else if parts.in_use() {
-        join(lit, &light.receiver_bounds, &mut boxes);
+        join(lit, &light.region.receiver_bounds, &mut boxes);
     } else {
         // Neighbours share a word, and thus a box.
-        let (i, receivers) = (light.i.as_slice(), objects.receivers.as_slice());
+        let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
         let words = light
+            .scratch
             .touched
             .ones()
             .filter(|&word| i[word] & receivers[word] != 0);
         let lit = words.map(|word| objects.clusters.words.get(word).intersection(reach));
-        join(lit, &light.receiver_bounds, &mut boxes);
+        join(lit, &light.region.receiver_bounds, &mut boxes);
     }
-    light.lit_receivers = boxes;
+    light.region.lit_receivers = boxes;
 }
 
 /// Joins boxes whose centres are in the same cell of a grid over `bounds`.
@@ -71,13 +72,13 @@ fn join(boxes: impl Iterator<Item = Aabb>, bounds: &Aabb, joined: &mut Vec<Aabb>
 /// This happens only if something occludes. In open scenes receivers see the light from all around, and the
 /// hulls cost more than they save.
 pub(in crate::sets) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts, objects: &Objects) {
-    let words = light.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    if !parts.in_use() || light.lit_receivers.len() * words > 4 * MAX_TESTS {
+    let words = light.sets.s.as_slice().iter().filter(|bits| **bits != 0).count();
+    if !parts.in_use() || light.region.lit_receivers.len() * words > 4 * MAX_TESTS {
         return;
     }
-    resize(&mut light.kept, light.s.len());
-    let (s, kept) = (light.s.as_slice(), &mut light.kept);
-    for part in &light.lit_receivers {
+    resize(&mut light.scratch.kept, light.sets.s.len());
+    let (s, kept) = (light.sets.s.as_slice(), &mut light.scratch.kept);
+    for part in &light.region.lit_receivers {
         let hull = LightHull::of_aabb(part, &light.emitter);
         for (word, (s, kept)) in s.iter().zip(kept.as_mut_slice()).enumerate() {
             let open = s & !*kept;
@@ -86,5 +87,5 @@ pub(in crate::sets) fn cut_casters(light: &mut FrameLight, parts: &VisibleParts,
             }
         }
     }
-    light.s.intersect_with(&light.kept);
+    light.sets.s.intersect_with(&light.scratch.kept);
 }

@@ -2,7 +2,8 @@
 
 use bevy_ecs::prelude::*;
 
-use super::frame_lights::{FrameLight, FrameLights, LightWork, Seen};
+use super::frame_light::{FrameLight, LightScratch, Seen};
+use super::frame_lights::FrameLights;
 use crate::scene::tasks;
 use crate::sets::index::objects::{Objects, resize};
 use crate::sets::view::frame_view::View;
@@ -12,7 +13,7 @@ use crate::sets::work::SetWork;
 /// Number of (word, light) pairs to process from which it is worth waking threads.
 const PARALLEL: usize = 4096;
 
-/// Computes [`FrameLight::reach`] of every light: as a whole if the light or the layout changed, otherwise in
+/// Computes [`LightSets::reach`] of every light: as a whole if the light or the layout changed, otherwise in
 /// words in which something moved. Lights are independent and are computed on all threads.
 ///
 /// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. Cost: for each
@@ -37,7 +38,7 @@ pub fn collect_light_sets(
     let lights = &mut frame.lights;
     let busy = lights
         .iter()
-        .filter(|light| any_moved || light.moved || light.seen != Some(now));
+        .filter(|light| any_moved || light.moved || light.progress.seen != Some(now));
     let pairs = busy.count() * objects.boxes.words();
     each_light(lights, &mut work, pairs, |light| {
         collect_reach(light, &objects, now, any_moved)
@@ -63,7 +64,7 @@ pub(in crate::sets) fn each_light(
         lights.iter_mut().for_each(&collect)
     });
     for light in lights {
-        let done = std::mem::take(&mut light.work);
+        let done = std::mem::take(&mut light.progress.work);
         work.light_words += done.words;
         work.objects_projected += done.projected;
         work.illuminations += done.illuminations;
@@ -73,24 +74,24 @@ pub(in crate::sets) fn each_light(
 
 /// Brings `reach` up to date, and marks the light as stale if I must be recomputed.
 fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved: bool) {
-    let new_layout = light.seen.map(|seen| seen.layout) != Some(now.layout);
+    let new_layout = light.progress.seen.map(|seen| seen.layout) != Some(now.layout);
     let everything = light.moved || new_layout;
-    light.stale = everything || light.seen != Some(now);
-    light.reach_written = everything;
-    light.seen = Some(now);
+    light.progress.stale = everything || light.progress.seen != Some(now);
+    light.progress.reach_written = everything;
+    light.progress.seen = Some(now);
     if new_layout {
         let words = objects.boxes.words();
         for set in [
-            &mut light.reach,
-            &mut light.l,
-            &mut light.i,
-            &mut light.s,
-            &mut light.dark,
+            &mut light.sets.reach,
+            &mut light.sets.l,
+            &mut light.sets.i,
+            &mut light.sets.s,
+            &mut light.sets.dark,
         ] {
             resize(set, objects.len());
         }
-        resize(&mut light.touched, words);
-        resize(&mut light.found, words);
+        resize(&mut light.scratch.touched, words);
+        resize(&mut light.scratch.found, words);
     }
     if everything || any_moved {
         find(light, objects, everything);
@@ -100,14 +101,15 @@ fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved
 fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
     let FrameLight {
         volume,
-        reach,
-        touched,
-        found,
-        work: LightWork { words: tested, .. },
+        doors,
+        sets,
+        scratch: LightScratch { touched, found, .. },
+        progress,
         ..
     } = light;
+    let tested = &mut progress.work.words;
     let (present, moved) = (objects.present.as_slice(), objects.moved.as_slice());
-    let reach = reach.as_mut_slice();
+    let reach = sets.reach.as_mut_slice();
     let among = (!everything).then_some(&objects.moved_words);
     let mut changed = false;
     found.clear();
@@ -115,12 +117,15 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
         among,
         |boxes, word, candidates| volume.clusters_touching(boxes, word, candidates),
         |at| {
-            let bits = if at.inside {
+            let mut bits = if at.inside {
                 present[at.word]
             } else {
                 *tested += 1;
                 volume.touching(&objects.boxes, at.word, present[at.word])
             };
+            if bits != 0 && !doors.planes.is_empty() {
+                bits = objects.boxes.touching_planes(at.word, bits, doors);
+            }
             // An object that moved within the reach, out of it or into it changes I or S.
             changed |= (reach[at.word] | bits) & moved[at.word] != 0;
             reach[at.word] = bits;
@@ -131,10 +136,10 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
     );
     // Words that were queried and not found are no longer touched.
     let mut sets = [
-        light.l.as_mut_slice(),
-        light.i.as_mut_slice(),
-        light.s.as_mut_slice(),
-        light.dark.as_mut_slice(),
+        sets.l.as_mut_slice(),
+        sets.i.as_mut_slice(),
+        sets.s.as_mut_slice(),
+        sets.dark.as_mut_slice(),
     ];
     let asked = |block: usize| among.map_or(usize::MAX, |words| words.as_slice()[block]);
     for (block, (touched, found)) in touched
@@ -152,6 +157,6 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
         });
         *touched = (*touched & !left) | found;
     }
-    light.stale |= changed;
-    light.reach_written |= changed;
+    light.progress.stale |= changed;
+    light.progress.reach_written |= changed;
 }

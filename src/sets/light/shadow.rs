@@ -3,7 +3,8 @@
 use bevy_ecs::prelude::*;
 use smallvec::SmallVec;
 
-use super::frame_lights::{FrameLight, FrameLights};
+use super::frame_light::FrameLight;
+use super::frame_lights::FrameLights;
 use super::illumination::selected;
 use super::light_volume::LightVolume;
 use super::lit_receivers::{cut_casters, list_lit_receivers};
@@ -47,20 +48,20 @@ pub fn collect_shadow_sets(
     parts: Res<VisibleParts>,
 ) {
     let lights = &mut frame.lights;
-    let pairs = lights.iter().filter(|light| light.stale).count() * objects.boxes.words();
+    let pairs = lights.iter().filter(|light| light.progress.stale).count() * objects.boxes.words();
     each_light(lights, &mut work, pairs, |light| {
-        if !light.stale {
+        if !light.progress.stale {
             return;
         }
-        light.inside_frustum = false;
+        light.hulls.inside_frustum = false;
         match &view.data {
-            Some(view) if light.scissor.is_some() => {
-                light.work.shadows += 1;
+            Some(view) if light.region.scissor.is_some() => {
+                light.progress.work.shadows += 1;
                 collect(light, &objects, view, &frustum_set, &placed);
                 list_lit_receivers(light, &parts, &objects);
                 if settings.of_shadows {
                     cut_casters(light, &parts, &objects);
-                } else if !light.receiver_bounds.is_empty() {
+                } else if !light.region.receiver_bounds.is_empty() {
                     all_casters(light, &objects);
                 }
             }
@@ -71,17 +72,17 @@ pub fn collect_shadow_sets(
 
 /// Sets S to all casters of L that cast for the light.
 fn all_casters(light: &mut FrameLight, objects: &Objects) {
-    let (l, casters) = (light.l.as_slice(), objects.casters.as_slice());
-    let s = light.s.as_mut_slice();
-    for word in light.touched.ones() {
+    let (l, casters) = (light.sets.l.as_slice(), objects.casters.as_slice());
+    let s = light.sets.s.as_mut_slice();
+    for word in light.scratch.touched.ones() {
         s[word] = selected(objects, word, l[word] & casters[word], light.selection.casts_for);
     }
 }
 
 fn clear(light: &mut FrameLight) {
-    let s = light.s.as_mut_slice();
-    light.touched.ones().for_each(|word| s[word] = 0);
-    light.lit_receivers.clear();
+    let s = light.sets.s.as_mut_slice();
+    light.scratch.touched.ones().for_each(|word| s[word] = 0);
+    light.region.lit_receivers.clear();
 }
 
 /// Local bounds of a caster, and its placement in world space.
@@ -94,31 +95,31 @@ fn collect(
     frustum_set: &FrustumSet,
     placed: &Query<Placed>,
 ) {
-    light.hull = LightHull::of_frustum(&view.frustum, &light.emitter);
-    light.inside_frustum = light.hull.inside;
-    if light.receiver_bounds.is_empty() {
-        light.receiver_hull = LightHull::default();
+    light.hulls.view = LightHull::of_frustum(&view.frustum, &light.emitter);
+    light.hulls.inside_frustum = light.hulls.view.inside;
+    if light.region.receiver_bounds.is_empty() {
+        light.hulls.receivers = LightHull::default();
         clear(light);
         return;
     }
-    light.receiver_hull = LightHull::of_aabb(&light.receiver_bounds, &light.emitter);
+    light.hulls.receivers = LightHull::of_aabb(&light.region.receiver_bounds, &light.emitter);
     // If the light is inside the frustum, F already stands for the planes of the first hull.
-    let view_planes: &[Plane] = if light.inside_frustum {
+    let view_planes: &[Plane] = if light.hulls.inside_frustum {
         &[]
     } else {
-        &light.hull.planes.planes
+        &light.hulls.view.planes.planes
     };
-    let (l, f) = (light.l.as_slice(), frustum_set.set.as_slice());
+    let (l, f) = (light.sets.l.as_slice(), frustum_set.set.as_slice());
     let casters = objects.casters.as_slice();
-    let words = light.s.as_mut_slice();
-    let cutting = &mut light.cutting;
-    for word in light.touched.ones() {
+    let words = light.sets.s.as_mut_slice();
+    let cutting = &mut light.scratch.cutting;
+    for word in light.scratch.touched.ones() {
         let mut s = l[word] & casters[word];
-        if light.inside_frustum {
+        if light.hulls.inside_frustum {
             s &= f[word];
         }
         if s != 0 {
-            let planes = view_planes.iter().chain(&light.receiver_hull.planes.planes);
+            let planes = view_planes.iter().chain(&light.hulls.receivers.planes.planes);
             s = match cut(objects, word, planes, &mut cutting.planes) {
                 false => 0,
                 true if cutting.planes.is_empty() => s,

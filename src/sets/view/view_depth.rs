@@ -118,7 +118,7 @@ pub fn fit_view_depth(
         current.set_depth(depth);
     }
     for light in &mut lights.bypass_change_detection().lights {
-        light.depth_bounds = light.depth_bounds.map(|bounds| bounds.stored_in(depth));
+        light.region.depth_bounds = light.region.depth_bounds.map(|bounds| bounds.stored_in(depth));
     }
 }
 

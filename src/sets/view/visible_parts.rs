@@ -11,7 +11,7 @@ use crate::sets::index::boxes::WORD;
 use crate::sets::index::clusters::for_bits;
 use crate::sets::index::lit_bounds::lit_bounds;
 use crate::sets::index::objects::Objects;
-use crate::sets::light::frame_lights::FrameLight;
+use crate::sets::light::frame_light::FrameLight;
 use crate::sets::occlusion::{Occluders, Viewpoint};
 
 /// Bounds of the part of each object of V that may be visible. Written by
@@ -93,9 +93,9 @@ impl VisibleParts {
         if !self.in_use {
             return;
         }
-        let reach = light.volume.aabb();
-        for word in light.touched.ones() {
-            let mut rest = light.i.as_slice()[word];
+        let reach = light.lit.aabb();
+        for word in light.scratch.touched.ones() {
+            let mut rest = light.sets.i.as_slice()[word];
             while rest != 0 {
                 let object = word * usize::BITS as usize + rest.trailing_zeros() as usize;
                 rest &= rest - 1;
@@ -106,10 +106,10 @@ impl VisibleParts {
                         && viewpoint.is_some_and(|viewpoint| viewpoint.hides_box(center, half))
                 };
                 if part.is_empty() {
-                    light.i.remove(object);
+                    light.sets.i.remove(object);
                 } else if hidden() {
-                    light.dark.insert(object);
-                    light.i.remove(object);
+                    light.sets.dark.insert(object);
+                    light.sets.i.remove(object);
                 }
             }
         }

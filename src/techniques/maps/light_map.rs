@@ -88,9 +88,11 @@ impl LightMap {
             }
             self.request = request;
         }
-        self.active = light.scissor.is_some() && !light.s.is_clear();
-        self.visibility = light.scissor.map_or(0, |scissor| scissor.area());
-        if let (MapResolution::Auto { least, most }, Some(scissor)) = (request.resolution, light.scissor) {
+        self.active = light.region.scissor.is_some() && !light.sets.s.is_clear();
+        self.visibility = light.region.scissor.map_or(0, |scissor| scissor.area());
+        if let (MapResolution::Auto { least, most }, Some(scissor)) =
+            (request.resolution, light.region.scissor)
+        {
             let longest = f64::from(scissor.width.max(scissor.height));
             let ideal = match request.shape {
                 MapShape::Spot => longest,

@@ -11,7 +11,6 @@ use super::frame_scene::Scene;
 use super::light_map::LightMap;
 use super::movers::Movers;
 use super::request::MapShape;
-use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
@@ -25,9 +24,9 @@ pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameL
     let words = casters.as_mut_slice();
     for (word, bits) in words.iter_mut().enumerate() {
         let mut members = if kept {
-            light.l.as_slice()[word] & objects.casters.as_slice()[word]
+            light.sets.l.as_slice()[word] & objects.casters.as_slice()[word]
         } else {
-            light.s.as_slice()[word]
+            light.sets.s.as_slice()[word]
         };
         let mut rest = members;
         while kept && rest != 0 {
@@ -68,12 +67,11 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> Smal
     let near = map.request.near.map_or(scene.near_share * map.reach, f64::from);
     match map.request.shape {
         MapShape::Spot => {
-            let LightKind::Spot { outer_angle, .. } = light.light.kind else {
+            let Some((z, half_angle)) = light.shadow_cone() else {
                 return SmallVec::new();
             };
-            let z = light.direction.as_dvec3().normalize();
             let (x, y) = z.any_orthonormal_pair();
-            let rim = f64::from(outer_angle).tan();
+            let rim = half_angle.tan();
             let resolution = f64::from(map.resolution);
             let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
             let guard = f64::from(GUARD_TEXELS).min(0.25 * resolution);
@@ -94,6 +92,7 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> Smal
 fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
     let cascades = &map.request.cascades;
     let seen_far = light
+        .region
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     // Beyond this depth no surface is distinguished from the sky.

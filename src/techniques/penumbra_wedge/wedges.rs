@@ -208,7 +208,7 @@ pub fn build_penumbra_wedges(
         let Ok((settings, texture)) = components.get(light.entity) else {
             continue;
         };
-        if light.scissor.is_none() {
+        if light.region.scissor.is_none() {
             continue; // no visible surface receives the light
         }
         let first = out.begin_light(index, light, settings, texture, view);
@@ -230,7 +230,7 @@ pub fn build_penumbra_wedges(
                 pyramid: OcclusionPyramid::new(&context.around, part.point_world),
                 finite: FiniteReach::new(view, light, part.point_world),
             };
-            for object in light.s.ones() {
+            for object in light.sets.s.ones() {
                 if let Some((_, silhouette)) = known.of_object(object)
                     && let Ok(caster) = casters.get(objects.entities[object])
                 {
@@ -321,7 +321,7 @@ impl PenumbraWedges {
         let entity = context.objects.entities[object];
         let bounds = context.objects.boxes.get(object);
         // A shadow before the nearest or beyond the farthest surface that the light reaches.
-        let reaches = light.depth_bounds.is_some_and(|reached| {
+        let reaches = light.region.depth_bounds.is_some_and(|reached| {
             shadow_depth_range(view, &bounds, &light.emitter)
                 .is_some_and(|spanned| spanned.intersects(&reached))
         });

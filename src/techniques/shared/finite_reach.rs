@@ -39,7 +39,7 @@ impl FiniteReach {
         let seen = Aabb::from_points(view.frustum.corners.map(|corner| corner.truncate())).padded();
         Some(Self {
             light: point_world,
-            receivers: light.receiver_bounds.intersection(seen),
+            receivers: light.region.receiver_bounds.intersection(seen),
         })
     }
 

@@ -65,7 +65,7 @@ impl<'a> PartCulling<'a> {
         }
         // A volume that ends in front of the nearest surface that the light reaches, or begins behind the
         // farthest, counts to 0 at all of them.
-        let reached = light.depth_bounds?;
+        let reached = light.region.depth_bounds?;
         let spanned = shadow_depth_range(self.view, bounds, &light.emitter)?;
         spanned.intersects(&reached).then_some(volume)
     }
@@ -79,6 +79,7 @@ impl<'a> PartCulling<'a> {
             .fold(f64::INFINITY, f64::min);
         if self
             .light
+            .region
             .depth_bounds
             .is_some_and(|reached| nearest > f64::from(reached.far))
         {

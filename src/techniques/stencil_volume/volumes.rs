@@ -84,7 +84,7 @@ pub fn build_stencil_volumes(
         let Ok(settings) = components.get(light.entity) else {
             continue;
         };
-        if light.scissor.is_none() {
+        if light.region.scissor.is_none() {
             continue; // no visible surface receives the light
         }
         let mut entry = LightVolumes {
@@ -100,7 +100,7 @@ pub fn build_stencil_volumes(
         let parts = PartCulling::new(light, view, &occlusion.viewpoint);
         let finite = FiniteReach::new(view, light, light.point_world);
         if let Some(known) = silhouettes.of_light(light.entity) {
-            for object in light.s.ones() {
+            for object in light.sets.s.ones() {
                 let Some((slot, silhouette)) = known.of_object(object) else {
                     continue;
                 };
@@ -133,7 +133,7 @@ pub fn build_stencil_volumes(
                         light.point_world,
                         light.light.range,
                         &bounds,
-                        &light.lit_receivers,
+                        &light.region.lit_receivers,
                     ),
                     None => Some(TO_INFINITY),
                 };

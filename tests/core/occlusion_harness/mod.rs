@@ -130,7 +130,7 @@ pub fn judge(world: &mut World, seed: u64) -> Verdict {
     }
     let mut random = Random(seed ^ 0x11_6487);
     for light in &world.resource::<FrameLights>().lights {
-        verdict.counts.hidden_from_lights += light.reach.count_ones(..) - light.l.count_ones(..);
+        verdict.counts.hidden_from_lights += light.sets.reach.count_ones(..) - light.sets.l.count_ones(..);
         look_from_light(world, &scene, light, &mut random, &mut verdict);
         look_at_lit(world, &scene, light, &mut verdict);
     }
@@ -229,7 +229,7 @@ fn look_from_light(
         verdict.counts.light_rays += 1;
         walk(scene, &ray, 2e-3, reach, &|_| true, |triangle, t| {
             let index = objects.index_of(triangle.entity.unwrap()).unwrap();
-            if !light.l.contains(index) {
+            if !light.sets.l.contains(index) {
                 let text = format!(
                     "{:?} not in L of {:?}, lit at {}",
                     triangle.entity,
@@ -291,14 +291,14 @@ fn look_at_lit(world: &World, scene: &RayScene, light: &FrameLight, verdict: &mu
         let index = objects.index_of(triangle.entity.unwrap()).unwrap();
         if blocker.is_none() || !shadowed {
             verdict.counts.lit_points += 1;
-            if !light.i.contains(index) {
+            if !light.sets.i.contains(index) {
                 let text = format!(
                     "{:?} not in I of {:?}, lit at {point}",
                     triangle.entity, light.light.kind
                 );
                 verdict.wrong.push(text);
             }
-        } else if light.i.contains(index) {
+        } else if light.sets.i.contains(index) {
             // Dark: some caster on the way must be in S.
             let mut blocked = false;
             walk(
@@ -308,7 +308,10 @@ fn look_at_lit(world: &World, scene: &RayScene, light: &FrameLight, verdict: &mu
                 end,
                 &|other| casts(light, other),
                 |other, _| {
-                    blocked |= light.s.contains(objects.index_of(other.entity.unwrap()).unwrap());
+                    blocked |= light
+                        .sets
+                        .s
+                        .contains(objects.index_of(other.entity.unwrap()).unwrap());
                     blocked
                 },
             );

@@ -57,10 +57,14 @@ pub fn assert_flat_tests_agree(world: &World) {
                     objects.boxes.touching_cone(word, present, cone)
                 }
             };
-            let reach = light.reach.as_slice()[word];
+            let reach = light.sets.reach.as_slice()[word];
             assert_eq!(reach, flat, "{:?}, word {word}", light.volume);
-            assert!(light.l.as_slice()[word] & !reach == 0);
-            assert!((light.i.as_slice()[word] | light.s.as_slice()[word]) & !light.l.as_slice()[word] == 0);
+            assert!(light.sets.l.as_slice()[word] & !reach == 0);
+            assert!(
+                (light.sets.i.as_slice()[word] | light.sets.s.as_slice()[word])
+                    & !light.sets.l.as_slice()[word]
+                    == 0
+            );
         }
         assert_shadow_set(world, light, f);
     }
@@ -69,19 +73,19 @@ pub fn assert_flat_tests_agree(world: &World) {
 /// S has the bits that both hulls leave, box by box.
 pub fn assert_shadow_set(world: &World, light: &FrameLight, f: &[usize]) {
     let objects = world.resource::<Objects>();
-    for (word, &l) in light.l.as_slice().iter().enumerate() {
+    for (word, &l) in light.sets.l.as_slice().iter().enumerate() {
         let mut s = l & objects.casters.as_slice()[word];
-        if light.scissor.is_none() || light.receiver_hull.planes.planes.is_empty() {
+        if light.region.scissor.is_none() || light.hulls.receivers.planes.planes.is_empty() {
             continue;
         }
-        if light.inside_frustum {
+        if light.hulls.inside_frustum {
             s &= f[word];
         } else {
-            s = objects.boxes.touching_planes(word, s, &light.hull.planes);
+            s = objects.boxes.touching_planes(word, s, &light.hulls.view.planes);
         }
         s = objects
             .boxes
-            .touching_planes(word, s, &light.receiver_hull.planes);
+            .touching_planes(word, s, &light.hulls.receivers.planes);
         for bit in 0..WORD {
             let layers = objects.layers.get(word * WORD + bit).copied().unwrap_or_default();
             if layers & light.selection.casts_for == 0 {
@@ -89,7 +93,7 @@ pub fn assert_shadow_set(world: &World, light: &FrameLight, f: &[usize]) {
             }
         }
         assert_eq!(
-            light.s.as_slice()[word],
+            light.sets.s.as_slice()[word],
             s,
             "S of {:?}, word {word}",
             light.volume

@@ -248,7 +248,7 @@ impl Judge<'_> {
         };
         let kind = component.kind;
         let wrong = &mut self.verdict.wrong;
-        if !light.l.contains(self.indices[i]) {
+        if !light.sets.l.contains(self.indices[i]) {
             wrong.push(format!("object {i} not in L of {kind:?}"));
         }
         let Some(seen) = seen else { return };
@@ -256,23 +256,24 @@ impl Judge<'_> {
             return;
         }
         self.verdict.looked += 1;
-        if !light.i.contains(self.indices[i]) {
+        if !light.sets.i.contains(self.indices[i]) {
             wrong.push(format!("object {i} not in I of {kind:?}"));
             return;
         }
         if !light
+            .region
             .scissor
             .is_some_and(|scissor| scissor.contains(seen.x, seen.y))
         {
             wrong.push(format!(
                 "pixel {},{} not in {:?} of {component:?}",
-                seen.x, seen.y, light.scissor
+                seen.x, seen.y, light.region.scissor
             ));
         }
-        if !seen.is_within(light.depth_bounds) {
+        if !seen.is_within(light.region.depth_bounds) {
             wrong.push(format!(
                 "depth {} not in {:?} of {component:?}",
-                seen.depth, light.depth_bounds
+                seen.depth, light.region.depth_bounds
             ));
         }
         if !thing.receiver {
@@ -284,7 +285,7 @@ impl Judge<'_> {
                 continue;
             }
             self.verdict.blocked += 1;
-            if !light.s.contains(self.indices[c]) {
+            if !light.sets.s.contains(self.indices[c]) {
                 wrong.push(format!("caster {c} not in S of {kind:?}, it blocks {point}"));
             }
             let view = self.world.resource::<View>().data.as_ref().unwrap();

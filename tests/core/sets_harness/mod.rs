@@ -353,8 +353,14 @@ pub fn all_sets(world: &World) -> (Ids, Vec<(String, [Ids; 3])>) {
         .iter()
         .map(|light| {
             let place = format!("{:?} {:?}", light.light, light.world_from_light);
-            let bounds = format!("{place} {:?} {:?}", light.scissor, light.depth_bounds);
-            (bounds, [ids(&light.l), ids(&light.i), ids(&light.s)])
+            let bounds = format!(
+                "{place} {:?} {:?}",
+                light.region.scissor, light.region.depth_bounds
+            );
+            (
+                bounds,
+                [ids(&light.sets.l), ids(&light.sets.i), ids(&light.sets.s)],
+            )
         })
         .collect();
     lights.sort();

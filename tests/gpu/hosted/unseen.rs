@@ -48,7 +48,10 @@ fn what_the_light_does_not_see_stays_dark() {
     let mut stage = dark_tiles(&context);
     let [own, hosted] = both(&context, &mut stage, alone(&camera()));
     let lights = stage.world.resource::<FrameLights>();
-    assert!(lights.lights[0].dark.count_ones(..) > 6, "tiles are left out");
+    assert!(
+        lights.lights[0].sets.dark.count_ones(..) > 6,
+        "tiles are left out"
+    );
     let (wrong, judged) = differing(&mut stage, &own, &hosted, 0.0);
     println!("{wrong} of {judged} pixels differ off the edges");
     assert_eq!(wrong, 0);

@@ -112,7 +112,7 @@ fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
             let touches = movers.iter().any(|mover| {
                 objects
                     .index_of(*mover)
-                    .is_some_and(|index| light.l.contains(index))
+                    .is_some_and(|index| light.sets.l.contains(index))
             });
             touched += usize::from(touches);
             drawn += usize::from(*draws > 0);

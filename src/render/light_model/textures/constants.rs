@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::render::light_model::constants::light_axes;
 use crate::render::pools::gpu_types;
 use crate::scene::light_model::cookie::{CookiePlacing, Projection};
 use crate::scene::light_model::profile::UniformTable;
@@ -15,7 +14,7 @@ pub fn texture_constants(
     profile: Option<&UniformTable>,
     eye_world: DVec3,
 ) -> gpu_types::LightTexture {
-    let axes = light_axes(light);
+    let axes = light.shining.axes;
     let place = light.world_from_light.translation().as_dvec3();
     let offset = axes.map(|axis| axis.dot(eye_world - place));
     let mut constants = gpu_types::LightTexture::default();

@@ -119,7 +119,7 @@ impl LightFunction for LightTextureFunction {
         };
         let lights = &world.resource::<FrameLights>().lights;
         for light in lights {
-            let is_drawn = !light.textures.is_empty() && light.scissor.is_some();
+            let is_drawn = !light.textures.is_empty() && light.region.scissor.is_some();
             let draw = is_drawn.then(|| self.prepare_light(light, view.eye, input.gpu));
             self.draws.push(draw.transpose()?);
         }

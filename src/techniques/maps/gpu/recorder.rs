@@ -288,7 +288,7 @@ impl MapNode {
         };
         self.require(input.gpu, lookup)?;
         let lights = world.resource::<FrameLights>();
-        let bounds = lights.lights[map.light].depth_bounds;
+        let bounds = lights.lights[map.light].region.depth_bounds;
         let bounds = bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min));
         self.constants
             .constants

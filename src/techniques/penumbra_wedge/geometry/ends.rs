@@ -66,7 +66,7 @@ fn in_space(plane: DVec4, world_from_b: &DMat4) -> [f32; 4] {
 
 /// Returns the box around the visible receivers of the light in this frame.
 fn receivers(light: &FrameLight) -> Aabb {
-    let boxes = light.lit_receivers.iter().copied();
+    let boxes = light.region.lit_receivers.iter().copied();
     boxes.reduce(Aabb::union).unwrap_or(Aabb {
         min: Vec3::splat(f32::NEG_INFINITY),
         max: Vec3::INFINITY,

@@ -1,0 +1,277 @@
+//! One light of the frame.
+
+use std::any::TypeId;
+
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
+use fixedbitset::FixedBitSet;
+use glam::{DVec3, DVec4, Vec3};
+use smallvec::SmallVec;
+
+use super::depth_bounds::DepthBounds;
+use super::frame_lights::{Candidate, is_dark};
+use super::light_volume::LightVolume;
+use super::lit_region::LitRegion;
+use super::placing::Shining;
+use super::scissor::ScissorRect;
+use super::technique::{LightTechnique, Needs};
+use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
+use crate::scene::{Light, LightKind, LightModel, LightSelection, LightTextures};
+use crate::sets::index::objects::Objects;
+
+/// The widest half-angle of a map of a spot light whose shadows are moved, radians: 80°.
+const WIDEST_MAP: f64 = 80.0 / 180.0 * std::f64::consts::PI;
+
+/// One light of the frame: its place, its sets, and the part of the picture that it can reach.
+#[derive(Clone, Debug)]
+pub struct FrameLight {
+    /// Entity of the light.
+    pub entity: Entity,
+    /// Copy of the entity's [`Light`]. Its range is that of the light's shadows: the distance from their place
+    /// beyond which nothing is lit.
+    pub light: Light,
+    /// Copy of the entity's [`GlobalTransform`].
+    pub world_from_light: GlobalTransform,
+    /// The place from which the light shines. All other places here are those from which its shadows are cast,
+    /// which are the same unless the light's model moves or softens them.
+    pub shining: Shining,
+    /// Place from which shadows are cast, world space: a position with `w = 1`, or the unit direction towards a
+    /// directional light with `w = 0`.
+    pub point_world: DVec4,
+    /// Place and extent from which shadows are cast, world space.
+    pub emitter: Emitter,
+    /// Unit direction in which the light shines, world space. It is −Z for a point or sphere whose transform
+    /// has no direction.
+    pub direction: Vec3,
+    /// Copy of the entity's [`LightSelection`].
+    pub selection: LightSelection,
+    /// The usable parts of the light model that stand beside the entity's [`Light`].
+    pub model: LightModel,
+    /// The usable textures of the light model: cookie and profile.
+    pub textures: LightTextures,
+    /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
+    pub technique: Option<LightTechnique>,
+    /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
+    /// not count, except when the light goes dark or lights up.
+    pub moved: bool,
+    /// The region of space that holds what the light lights and the casters that may shadow it.
+    pub volume: LightVolume,
+    /// Planes of barn doors that bound the same region, beside the volume.
+    pub doors: PlaneSet,
+    /// The region of space that the light lights.
+    pub lit: LitRegion,
+    /// The sets of objects that the light reaches, lights, and lets cast.
+    pub sets: LightSets,
+    /// The convex regions in which casters matter.
+    pub hulls: LightHulls,
+    /// The part of the picture and of the scene that the light can change.
+    pub region: LightRegion,
+    /// What was computed for the light, and what must be computed again.
+    pub(in crate::sets) progress: LightProgress,
+    /// Memory that is kept for its allocation.
+    pub(in crate::sets) scratch: LightScratch,
+}
+
+/// The sets of one light, by dense object index.
+#[derive(Clone, Debug, Default)]
+pub struct LightSets {
+    /// Objects within the light's volume, occluded from the light or not.
+    pub reach: FixedBitSet,
+    /// Set L: objects of `reach` that are not occluded from the light.
+    pub l: FixedBitSet,
+    /// Set I: objects that the light pass draws. If it is empty, the light is skipped.
+    pub i: FixedBitSet,
+    /// Objects of V within reach that were left out of I because the light sees none of their visible points.
+    pub dark: FixedBitSet,
+    /// Set S: casters whose shadow can reach a receiver of I.
+    pub s: FixedBitSet,
+}
+
+/// The convex hulls of one light, world space, from the last frame in which set I was not empty.
+#[derive(Clone, Debug, Default)]
+pub struct LightHulls {
+    /// Convex hull of the light and the view frustum.
+    pub view: LightHull,
+    /// Convex hull of the light and the receivers of I within its volume.
+    pub receivers: LightHull,
+    /// Whether the whole light lies within the view frustum.
+    pub inside_frustum: bool,
+}
+
+/// The part of the picture and of the scene that one light can change.
+#[derive(Clone, Debug)]
+pub struct LightRegion {
+    /// Pixels that the light can reach; `None` if the light is skipped.
+    pub scissor: Option<ScissorRect>,
+    /// View depths that the light can reach; `None` if the light is skipped.
+    pub depth_bounds: Option<DepthBounds>,
+    /// Boxes, none of them empty, that hold every visible point of the receivers of I within the box of the
+    /// volume, world space.
+    pub lit_receivers: Vec<Aabb>,
+    /// Bounds of the receivers of I, each cut by the box of the volume, world space.
+    pub receiver_bounds: Aabb,
+}
+
+impl Default for LightRegion {
+    /// Returns the region of a skipped light.
+    fn default() -> Self {
+        Self {
+            scissor: None,
+            depth_bounds: None,
+            lit_receivers: Vec::new(),
+            receiver_bounds: Aabb::EMPTY,
+        }
+    }
+}
+
+/// What was computed for one light, and what must be computed again.
+#[derive(Clone, Debug)]
+pub(in crate::sets) struct LightProgress {
+    /// Whether I and everything derived from it must be computed in this frame.
+    pub stale: bool,
+    /// Whether the set `reach`, or the place of one of its objects, may have changed in this frame.
+    pub reach_written: bool,
+    /// Generations of what I was last computed from; `None` before the first time.
+    pub seen: Option<Seen>,
+    /// Work that was done for the light in this frame.
+    pub work: LightWork,
+}
+
+/// Memory of one light that is kept for its allocation.
+#[derive(Clone, Debug)]
+pub(in crate::sets) struct LightScratch {
+    /// Words in which `reach`, and therefore L, I or S, may be other than 0.
+    pub touched: FixedBitSet,
+    /// Casters of S that some receiver needs.
+    pub kept: FixedBitSet,
+    /// Words found by the last query.
+    pub found: FixedBitSet,
+    /// Planes by which the last query was cut.
+    pub cutting: PlaneSet,
+}
+
+/// Work for one light. It may have been done on any thread.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::sets) struct LightWork {
+    pub words: u64,
+    pub projected: u64,
+    pub illuminations: u64,
+    pub shadows: u64,
+}
+
+/// Generations of everything that set I of a light depends on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::sets) struct Seen {
+    pub layout: u64,
+    pub flags: u64,
+    pub view: u64,
+    pub visible: u64,
+}
+
+impl FrameLight {
+    /// Whether the light draws nothing in this frame.
+    pub fn is_skipped(&self) -> bool {
+        self.sets.i.is_clear()
+    }
+
+    /// Whether the technique whose component is `T` shadows the light.
+    pub fn is_shadowed_by<T: 'static>(&self) -> bool {
+        self.technique
+            .is_some_and(|technique| technique.component == TypeId::of::<T>())
+    }
+
+    /// Returns the needs of the light's technique; an unshadowed light has none.
+    pub fn needs(&self) -> Needs {
+        self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
+    }
+
+    /// The cone that holds what a spot light lights, as seen from the place of its shadows: the unit axis and the
+    /// half-angle in radians, at most 80° if the place was moved. `None` for lights of other kinds.
+    pub fn shadow_cone(&self) -> Option<(DVec3, f64)> {
+        let LightKind::Spot { outer_angle, .. } = self.light.kind else {
+            return None;
+        };
+        let direction = self.direction.as_dvec3().normalize();
+        let half_angle = match self.lit.volume {
+            LightVolume::Cone(cone) => f64::from(cone.half_angle),
+            _ => f64::from(outer_angle),
+        };
+        let lit = self.lit.aabb();
+        if self.model.origin.is_none() || !(lit.min.is_finite() && lit.max.is_finite()) {
+            return Some((direction, half_angle));
+        }
+        let to_lit = lit.center().as_dvec3() - self.point_world.truncate();
+        let share = f64::from(lit.half_size().length()) / to_lit.length().max(1e-9);
+        let half_angle = share.min(1.0).asin().min(WIDEST_MAP);
+        Some((to_lit.try_normalize().unwrap_or(direction), half_angle))
+    }
+
+    /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
+    /// seen in this frame.
+    pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
+        let casts = |&object: &usize| objects.layers[object] & self.selection.casts_for != 0;
+        self.sets.l.intersection(&objects.casters).filter(casts)
+    }
+
+    pub(super) fn new(candidate: &Candidate) -> Self {
+        Self {
+            entity: candidate.entity,
+            light: candidate.light.clone(),
+            world_from_light: candidate.world_from_light,
+            shining: candidate.placed.shining,
+            point_world: candidate.placed.emitter.point,
+            emitter: candidate.placed.emitter,
+            direction: candidate.placed.direction,
+            selection: candidate.selection,
+            model: candidate.model,
+            textures: candidate.textures.clone(),
+            technique: None,
+            moved: true,
+            volume: candidate.placed.volume,
+            doors: candidate.placed.doors.clone(),
+            lit: candidate.placed.lit,
+            sets: LightSets::default(),
+            hulls: LightHulls::default(),
+            region: LightRegion::default(),
+            progress: LightProgress {
+                stale: true,
+                reach_written: true,
+                seen: None,
+                work: LightWork::default(),
+            },
+            scratch: LightScratch {
+                touched: FixedBitSet::new(),
+                kept: FixedBitSet::new(),
+                found: FixedBitSet::new(),
+                // Two hulls have some ten planes each.
+                cutting: PlaneSet {
+                    planes: SmallVec::with_capacity(32),
+                },
+            },
+        }
+    }
+
+    pub(super) fn refresh(&mut self, candidate: &Candidate) {
+        let (old, new) = (&self.light, &candidate.light);
+        self.moved = old.kind != new.kind
+            || old.range != new.range
+            || is_dark(old) != is_dark(new)
+            || self.world_from_light != candidate.world_from_light
+            || self.selection != candidate.selection
+            || self.model.bounds() != candidate.model.bounds();
+        self.light.clone_from(new);
+        self.model = candidate.model;
+        self.textures.clone_from(&candidate.textures);
+        if self.moved {
+            self.world_from_light = candidate.world_from_light;
+            self.selection = candidate.selection;
+            self.point_world = candidate.placed.emitter.point;
+            self.emitter = candidate.placed.emitter;
+            self.direction = candidate.placed.direction;
+            self.volume = candidate.placed.volume;
+            self.shining = candidate.placed.shining;
+            self.doors.clone_from(&candidate.placed.doors);
+            self.lit = candidate.placed.lit;
+        }
+    }
+}
