@@ -83,6 +83,10 @@ impl Stage {
                 for (index, light) in lights.iter().enumerate() {
                     let parts = light.parts(&shot.techniques)?;
                     let entity = stage.spawn_shadowed(parts.light, parts.transform, parts.shadow.as_ref());
+                    parts
+                        .model
+                        .insert(&mut stage.world, entity, (&loaded, &spawned))
+                        .map_err(|error| format!("lights[{index}].{error}"))?;
                     if let Some(path) = parts.texture {
                         let texture = picture::light_texture(&path)
                             .map_err(|error| format!("lights[{index}].texture: {error}"))?;

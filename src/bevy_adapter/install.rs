@@ -28,8 +28,9 @@ use super::refused::RefusedMeshes;
 use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
-use super::sync::{end_sync, sync_cameras, sync_transforms};
+use super::sync::{end_sync, sync_cameras, sync_texture_memory, sync_transforms};
 use super::sync_lights::sync_lights;
+use super::sync_models;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
@@ -47,6 +48,7 @@ pub fn register(app: &mut App) {
             Last,
             warn_without_renderer.run_if(not(resource_exists::<Installed>)), // no renderer shows shadows
         );
+    sync_models::register(app);
     add_builtin(&mut Reflected(app));
 }
 
@@ -82,6 +84,7 @@ pub fn install(app: &mut App) -> bool {
         );
     add_builtin(app);
     add_waiting(app);
+    sync_models::watch(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
     render_app
@@ -110,7 +113,13 @@ pub fn install(app: &mut App) -> bool {
                     (collect_methods, tell_of_forward).chain(),
                 )
                     .in_set(AntumbraExtractSystems::Collect),
-                (sync_transforms, sync_objects, sync_lights, end_sync)
+                (
+                    sync_transforms,
+                    sync_objects,
+                    sync_lights,
+                    sync_texture_memory,
+                    end_sync,
+                )
                     .chain()
                     .in_set(AntumbraExtractSystems::Sync),
             ),

@@ -46,9 +46,10 @@ pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use light_model::{
-    Cookie, CookieError, CookieImage, CookieImageError, LightDistance, LightModel, LightModelFault,
-    LightModelParts, LightProfile, LightShape, LightTextures, LightWeights, LoadProfileError, ProfileError,
-    ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
+    Cookie, CookieError, CookieImage, CookieImageError, LayerNames, LightDistance, LightModel,
+    LightModelFault, LightModelParts, LightProfile, LightShape, LightTextures, LightWeights,
+    LoadProfileError, ProfileError, ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint,
+    SurfaceWeights, TooManyLayers,
 };
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};

@@ -8,6 +8,7 @@ mod faults;
 mod harness;
 mod hosted;
 mod layout_contract;
+mod light_model;
 mod light_textures;
 mod maps;
 mod mask_contract;

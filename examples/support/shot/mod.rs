@@ -3,7 +3,10 @@
 mod camera;
 mod file;
 mod light;
+mod model;
+mod textures;
 
 pub use camera::ShotCamera;
 pub use file::Shot;
-pub use light::ShotLight;
+pub use light::{ShotEmission, ShotLight};
+pub use model::ShotModel;

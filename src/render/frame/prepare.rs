@@ -221,7 +221,8 @@ fn collect_draws(
     current: &ViewData,
     cull_back_faces: bool,
 ) {
-    let is_hosted = renderer.host.is_some();
+    let (host, host_terms) = (renderer.host, renderer.host_terms);
+    let is_hosted = host.is_some();
     let Renderer {
         frame,
         table,
@@ -279,7 +280,11 @@ fn collect_draws(
             shadow,
             is_scaled: functions.iter().any(|function| function.scales(index))
                 || (is_hosted && shadow.is_some() && shows_selectively(light, objects)),
-            is_tinted: !is_hosted && light.model.lights_shadows(),
+            is_tinted: match host {
+                // A host computes light by itself, so it must weight the terms by itself as well.
+                Some(_) => host_terms && light.model.is_weighted(),
+                None => light.model.lights_shadows(),
+            },
             scissor: frame.viewport.place(if settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {

@@ -120,11 +120,11 @@ impl Renderer {
             }
             None => nodes::light_function::clear(frame, masks, scissor),
         }
-        if light.is_scaled {
+        // In our own frames, surfaces that show no shadow of a tinted light have a shader of their own.
+        let own_shader = light.is_tinted && self.host.is_none();
+        if (light.is_scaled || light.is_tinted) && !own_shader {
             let batches = self.batches(&surfaces.batches(light));
-            if !light.is_tinted {
-                nodes::light_function::record_unshadowed(frame, masks, scissor, batches);
-            }
+            nodes::light_function::record_unshadowed(frame, masks, scissor, batches);
         }
         self.scale_mask(frame, light, &input);
     }

@@ -6,9 +6,9 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 
-use super::cells;
 use super::nodes::GltfNode;
 use super::{Element, GltfError, LoadedGltf};
+use super::{cells, layers};
 use crate::scene::animation::{AnimationClips, SceneNodes};
 use crate::scene::{
     IgnoresScale, MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin,
@@ -44,7 +44,8 @@ impl AsRef<SceneNodes> for SpawnedScene {
 /// the transform of its node.
 ///
 /// # Errors
-/// A scene that does not exist, or a skin whose joints are not all in the scene. Nothing is spawned then.
+/// A scene that does not exist, or a skin whose joints are not all in the scene; nothing is spawned then. Or a name for
+/// which no selection layer is left; the scene is then spawned without the rest of its layers.
 pub fn spawn_scene(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -99,6 +100,7 @@ pub fn spawn_scene(
         spawn_node(world, gltf, index, entity, &mut spawned);
     }
     cells::spawn(world, gltf, &spawned.nodes.nodes, &spawned.nodes.meshes);
+    layers::spawn(world, gltf, &parents, &spawned.nodes.meshes)?;
     world.entity_mut(root).insert(spawned.nodes.clone());
     Ok(spawned)
 }
@@ -162,7 +164,7 @@ fn spawn_node(
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Parent {
+pub(super) enum Parent {
     NotInScene,
     Scene,
     Node(usize),

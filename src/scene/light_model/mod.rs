@@ -17,6 +17,9 @@
 //! | [`ShadowOrigin`] | the place from which shadows are cast, if it is not the light's | the sets, techniques |
 //! | [`ShadowSoftness`] | the extent that shadows are cast with, if it is not the light's | the sets, techniques |
 //!
+//! [`LightSelection`](super::LightSelection) says which objects a light lights, which cast for it, and which show its
+//! shadows. [`LayerNames`] gives names to the layers that its masks select.
+//!
 //! [`LightModel`] gathers the usable parts of one light. The formulas of shapes and distances are here too, as
 //! the twins of `shaders/common/light_shape.wgsl`.
 //!
@@ -25,6 +28,7 @@
 
 pub(crate) mod cookie;
 pub(crate) mod distance;
+pub(crate) mod layer_names;
 pub(crate) mod model;
 pub(crate) mod profile;
 pub(crate) mod shadow;
@@ -34,6 +38,7 @@ pub(crate) mod weights;
 
 pub use cookie::{Cookie, CookieError, CookieImage, CookieImageError};
 pub use distance::LightDistance;
+pub use layer_names::{LayerNames, TooManyLayers};
 pub use model::{LightModel, LightModelFault, LightModelParts};
 pub use profile::{LightProfile, LoadProfileError, ProfileError, ProfileFault, ProfileTable};
 pub use shadow::{ShadowOrigin, ShadowSoftness, ShadowTint};

@@ -56,11 +56,13 @@ pub enum ShadowOrigin {
 }
 
 /// The extent that a light's shadows are cast with, if it is not the light's own: the radius in metres of a sphere
-/// around the light, at least 0. Higher values give wider penumbras. The light shines as before.
+/// around the light, at least 0. Higher values give wider penumbras and cost more. The light shines as before.
 ///
 /// Penumbra wedges take it as the extent of the light: point, spot and sphere lights cast as spheres of this
 /// radius, and rectangles keep their proportions and get this radius around them. Maps take it as the softness of
-/// their filter. Stencil volumes are always hard, and directional lights have no extent in metres: both ignore it.
+/// their filter ([`MapFilter`](crate::techniques::maps::MapFilter)): a share of the distance from the light, or metres
+/// for a directional light. Stencil volumes are always hard and ignore it, and wedges ignore it for directional
+/// lights, which have no extent in metres.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",

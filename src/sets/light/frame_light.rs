@@ -8,8 +8,8 @@ use fixedbitset::FixedBitSet;
 use glam::{DVec3, DVec4, Vec3};
 use smallvec::SmallVec;
 
+use super::candidate::{Candidate, is_dark};
 use super::depth_bounds::DepthBounds;
-use super::frame_lights::{Candidate, is_dark};
 use super::light_volume::LightVolume;
 use super::lit_region::LitRegion;
 use super::placing::Shining;
@@ -183,6 +183,15 @@ impl FrameLight {
     /// Returns the needs of the light's technique; an unshadowed light has none.
     pub fn needs(&self) -> Needs {
         self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
+    }
+
+    /// The factor by which an artist's softness scales the extent of a rectangle, for its shadows.
+    pub fn softened(&self) -> f64 {
+        let radius = self.shining.emitter.bounding_radius();
+        match self.model.softness {
+            Some(softness) if radius > 0.0 => f64::from(softness) / radius,
+            _ => 1.0,
+        }
     }
 
     /// The cone that holds what a spot light lights, as seen from the place of its shadows: the unit axis and the

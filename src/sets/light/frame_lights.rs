@@ -2,10 +2,10 @@
 
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
-use glam::Vec3;
 
+use super::candidate::Candidate;
 use super::frame_light::FrameLight;
-use super::placing::{Placed, place};
+use super::placing::place;
 use crate::scene::{
     Cookie, Light, LightError, LightModel, LightModelFault, LightModelParts, LightProfile, LightSelection,
     LightTextures,
@@ -37,18 +37,6 @@ pub struct SkippedLight {
     pub error: LightError,
 }
 
-/// The state of a light's entity in this frame.
-#[derive(Clone, Debug)]
-pub(super) struct Candidate {
-    pub entity: Entity,
-    pub light: Light,
-    pub world_from_light: GlobalTransform,
-    pub selection: LightSelection,
-    pub model: LightModel,
-    pub textures: LightTextures,
-    pub placed: Placed,
-}
-
 impl FrameLights {
     /// The light of an entity, if it shines in this frame.
     pub fn of_entity(&self, entity: Entity) -> Option<&FrameLight> {
@@ -58,11 +46,6 @@ impl FrameLights {
             .ok()?;
         Some(&self.lights[at])
     }
-}
-
-/// Whether a light gives no light at all.
-pub(in crate::sets) fn is_dark(light: &Light) -> bool {
-    light.intensity == 0.0 || light.color == Vec3::ZERO
 }
 
 /// The components that [`collect_frame_lights`] reads of one light.

@@ -2,9 +2,10 @@
 
 use bevy_ecs::prelude::*;
 
+use super::candidate::is_dark;
 use super::depth_bounds::DepthBounds;
 use super::frame_light::FrameLight;
-use super::frame_lights::{FrameLights, is_dark};
+use super::frame_lights::FrameLights;
 use super::light_occlusion::LightOcclusion;
 use super::reach::each_light;
 use super::scissor::ScissorRect;
@@ -32,6 +33,12 @@ pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mas
         }
     });
     result
+}
+
+/// Bits of those objects of I in a word that show the light's shadows: receivers on the light's layers.
+pub(in crate::sets) fn showing(light: &FrameLight, objects: &Objects, word: usize) -> usize {
+    let receiving = light.sets.i.as_slice()[word] & objects.receivers.as_slice()[word];
+    selected(objects, word, receiving, light.selection.shows_on)
 }
 
 /// Computes I of every light that needs it: I = V ∩ L ∩ drawn ∩ affected, without objects whose visible part
@@ -110,7 +117,8 @@ fn bound(
     parts: &VisibleParts,
 ) -> Option<(ScissorRect, DepthBounds)> {
     let reach = light.lit.aabb();
-    let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
+    let i = light.sets.i.as_slice();
+    let shows = |word: usize| showing(light, objects, word);
     let bounds_of =
         |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.scratch.touched, set, &reach);
     let lit = bounds_of(&|word| i[word]);
@@ -122,11 +130,11 @@ fn bound(
         .scratch
         .touched
         .ones()
-        .all(|word| i[word] & !receivers[word] == 0);
+        .all(|word| i[word] & !shows(word) == 0);
     light.region.receiver_bounds = if all_receive {
         lit
     } else {
-        bounds_of(&|word| i[word] & receivers[word])
+        bounds_of(&|word| shows(word))
     };
     let projector = Projector::new(view);
     let mut target = light.lit.screen_bounds(&projector);

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
 use glam::Vec2;
 
 use super::image::CookieImage;
@@ -26,6 +28,11 @@ use crate::scene::TextureWrap;
 /// Source: Pellacini and Vidimce 2004, "Cinematic Lighting", GPU Gems, chapter 10. There the picture replaces the
 /// colour of the light; here it multiplies it, so intensity stays candela.
 #[derive(Component, Clone, Debug)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(opaque, Component, Debug, Clone, PartialEq)
+)]
 pub struct Cookie {
     /// The picture.
     pub image: Arc<CookieImage>,

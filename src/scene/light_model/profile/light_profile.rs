@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
 
 use super::error::ProfileError;
 use super::table::ProfileTable;
@@ -22,6 +24,11 @@ use super::{eulumdat, ies};
 /// light is dimmed by its cone as well, and a rectangle by its cosine. A directional light has no profile, because all
 /// of its light has one direction.
 #[derive(Component, Clone, Debug)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(opaque, Component, Debug, Clone, PartialEq)
+)]
 pub struct LightProfile {
     table: Arc<ProfileTable>,
 }
