@@ -2,6 +2,7 @@
 
 mod area_lights;
 mod bad_input;
+mod barn_map;
 mod blended_receivers;
 mod cpu_gpu_parity;
 mod faults;

@@ -3,6 +3,9 @@
 //! What is a factor of the light (shape, distances) is multiplied into its mask by one pass for each light, in
 //! frames of our own, of a host and of Bevy ([`function`]). Blended surfaces have no mask of their own behind the
 //! nearest one, so the light pass evaluates the same factor for them.
+//!
+//! Cookies and profiles are multiplied into the same mask by a pass of their own (`textures`), which only lights that
+//! have one pay for.
 
 pub(crate) mod constants;
 pub(crate) mod function;

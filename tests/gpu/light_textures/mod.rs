@@ -2,6 +2,7 @@
 
 mod changes;
 mod cookies;
+mod errors;
 mod files;
 mod profiles;
 mod properties;

@@ -23,7 +23,10 @@ use crate::scene::TextureWrap;
 /// The picture's middle lies on the aim, local −Z, with its upper edge towards local +Y. Seen from the light it is as
 /// its file shows it. It is mip-mapped, so patterns that are smaller than a pixel turn grey and do not flicker.
 ///
-/// Each field may change at any frame, the picture too.
+/// Each field may change at any frame, the picture too. Of the blended surfaces at a pixel only the nearest is lit
+/// through the picture; farther ones are lit as without it.
+///
+/// Costs: one pass over the light's pixels, which a [`LightProfile`](crate::scene::LightProfile) shares.
 ///
 /// Source: Pellacini and Vidimce 2004, "Cinematic Lighting", GPU Gems, chapter 10. There the picture replaces the
 /// colour of the light; here it multiplies it, so intensity stays candela.
