@@ -181,13 +181,18 @@ impl ShotModel {
         if selection != LightSelection::default() {
             entity.insert(selection);
         }
-        self.shape.map(|shape| entity.insert(shape));
-        self.distance.map(|distance| entity.insert(distance));
-        self.weights.map(|weights| entity.insert(weights));
-        self.tint().map(|tint| entity.insert(tint));
-        self.origin().map(|origin| entity.insert(origin));
-        self.shadow_softness
-            .map(|softness| entity.insert(ShadowSoftness(softness)));
+        put(&mut entity, self.shape);
+        put(&mut entity, self.distance);
+        put(&mut entity, self.weights);
+        put(&mut entity, self.tint());
+        put(&mut entity, self.origin());
+        put(&mut entity, self.shadow_softness.map(ShadowSoftness));
         Ok(())
+    }
+}
+
+fn put(light: &mut EntityWorldMut, part: Option<impl Bundle>) {
+    if let Some(part) = part {
+        light.insert(part);
     }
 }

@@ -363,10 +363,18 @@ pub fn spawn(scene: &Scene, order: &[usize]) -> (World, Schedule) {
             origin,
             softness,
         } = scene.model(index);
-        shape.map(|shape| entity.insert(shape));
-        distance.map(|distance| entity.insert(distance));
-        origin.map(|origin| entity.insert(origin));
-        softness.map(|softness| entity.insert(softness));
+        if let Some(shape) = shape {
+            entity.insert(shape);
+        }
+        if let Some(distance) = distance {
+            entity.insert(distance);
+        }
+        if let Some(origin) = origin {
+            entity.insert(origin);
+        }
+        if let Some(softness) = softness {
+            entity.insert(softness);
+        }
     }
     let mut schedule = Schedule::default();
     schedule.add_systems(collect_sets());

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
-use super::{floor_and_ball, hits, inner_pixels, place, relight, render, rgb, stage};
+use super::{floor_and_ball, hits, inner_pixels, place, put, relight, render, rgb, stage};
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
 
@@ -37,8 +37,8 @@ fn compare(
     relight(stage, light.clone(), shadow.clone());
     let whole = render(stage);
     let entity = relight(stage, light.clone(), shadow);
-    shape.map(|shape| stage.world.entity_mut(entity).insert(shape));
-    distance.map(|distance| stage.world.entity_mut(entity).insert(distance));
+    put(stage, entity, shape);
+    put(stage, entity, distance);
     let shaped = render(stage);
     let (scene, hits) = hits(stage);
     let mut edges = 0;

@@ -81,6 +81,13 @@ fn relight(stage: &mut Stage, light: Light, parts: impl Bundle) -> Entity {
     stage.spawn_light(light, place(), Some(parts))
 }
 
+/// Inserts a part of a light's model, if there is one.
+fn put(stage: &mut Stage, light: Entity, part: Option<impl Bundle>) {
+    if let Some(part) = part {
+        stage.world.entity_mut(light).insert(part);
+    }
+}
+
 fn render(stage: &mut Stage) -> Rendered {
     stage.render().expect("the frame renders")
 }

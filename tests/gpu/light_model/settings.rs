@@ -6,7 +6,6 @@ use antumbra::prelude::*;
 use antumbra::scene::{
     LightDistance, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
 };
-use antumbra::sets::ViewportSize;
 use glam::{UVec2, Vec3};
 use proptest::prelude::*;
 
@@ -56,7 +55,7 @@ proptest! {
         (origin, softness) in (vector(), share()),
         (kind, technique, moved, softened) in (0..5usize, 0..4usize, any::<bool>(), any::<bool>()),
     ) {
-        STAGE.with_borrow_mut(|kept| {
+        STAGE.with_borrow_mut(|kept| -> Result<(), TestCaseError> {
             let stage = kept.get_or_insert_with(|| {
                 let mut stage = stage(&strict_context());
                 stage.world.insert_resource(ViewportSize(UVec2::new(24, 14)));

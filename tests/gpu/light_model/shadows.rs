@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
-use super::{floor_and_ball, relight, render, stage};
+use super::{floor_and_ball, put, relight, render, stage};
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
 
@@ -136,7 +136,7 @@ fn softness_is_the_size_of_the_light_that_wedges_cast_with() {
     floor_and_ball(&mut stage);
     let visibility = |stage: &mut Stage, kind, parts: Option<ShadowSoftness>| {
         let entity = relight(stage, light(kind), PenumbraWedge::default());
-        parts.map(|softness| stage.world.entity_mut(entity).insert(softness));
+        put(stage, entity, parts);
         render(stage).visibility.remove(0)
     };
     let soft = visibility(&mut stage, LightKind::Point, Some(ShadowSoftness(0.3)));
@@ -165,7 +165,7 @@ fn softness_is_the_radius_of_a_maps_filter() {
             ..OmniMap::default()
         };
         let entity = relight(&mut stage, light(LightKind::Point), map);
-        softness.map(|softness| stage.world.entity_mut(entity).insert(softness));
+        put(&mut stage, entity, softness);
         render(&mut stage).visibility.remove(0)
     };
     let jittered = |softness| MapFilter::Jittered {
@@ -196,7 +196,7 @@ fn maps_shrink_with_the_doors() {
     };
     let mut angle = |shape: Option<LightShape>| {
         let entity = relight(&mut stage, light(spot), ShadowMap::default());
-        shape.map(|shape| stage.world.entity_mut(entity).insert(shape));
+        put(&mut stage, entity, shape);
         render(&mut stage);
         let (_, angle) = stage.world.resource::<FrameLights>().lights[0]
             .shadow_cone()
