@@ -50,6 +50,8 @@ pub struct Renderer {
     pub(super) table: ObjectTable,
     pub(super) table_generation: Option<u64>,
     pub(super) last_clip_from_world: Option<DMat4>,
+    /// True after a frame that failed: what changed in it has not reached the GPU.
+    pub(super) has_missed_changes: bool,
     pub(super) view_buffer: wgpu::Buffer,
     pub(super) objects: GrowingBuffer,
     pub(super) lights: StridedUniforms<gpu_types::Light>,
@@ -121,6 +123,7 @@ impl Renderer {
             table: ObjectTable::default(),
             table_generation: None,
             last_clip_from_world: None,
+            has_missed_changes: false,
             view_group: bind_view(&gpu, &view_buffer, &objects.buffer),
             light_group: bind_lights(&gpu, &lights),
             instances: GrowingBuffer::new(context, "instances", wgpu::BufferUsages::VERTEX),

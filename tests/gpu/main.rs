@@ -23,6 +23,7 @@ mod reports;
 mod set_sizes;
 mod shader_validation;
 mod simple_scenes;
+mod soak;
 mod steady_frame;
 mod stencil_identity;
 mod technique_changes;

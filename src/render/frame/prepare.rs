@@ -30,7 +30,7 @@ pub fn prepare_objects(
     viewport: Res<ViewportSize>,
     appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
     exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
-    posed: Query<(Entity, &PosedMesh), Changed<PosedMesh>>,
+    posed: Query<(Entity, Ref<PosedMesh>)>,
     places: Query<Placement>,
     (weights, weights_changed): (Query<&SurfaceWeights>, Query<(), Changed<SurfaceWeights>>),
     mut weights_removed: RemovedComponents<SurfaceWeights>,
@@ -38,10 +38,13 @@ pub fn prepare_objects(
     let renderer = renderer.as_mut();
     if let Err(error) = begin_frame(renderer, &view, viewport.0) {
         renderer.failure = Some(error);
+        renderer.has_missed_changes = true;
         return;
     }
-    let rebuilt =
-        renderer.table_generation != Some(objects.flags_generation) || exchanged.iter().next().is_some();
+    let missed = std::mem::take(&mut renderer.has_missed_changes);
+    let rebuilt = missed
+        || renderer.table_generation != Some(objects.flags_generation)
+        || exchanged.iter().next().is_some();
     if rebuilt {
         renderer.table.rebuild(
             &renderer.gpu,
@@ -52,15 +55,16 @@ pub fn prepare_objects(
         );
         renderer.table_generation = Some(objects.flags_generation);
     }
-    for (entity, pose) in &posed {
+    for (entity, pose) in posed.iter().filter(|(_, pose)| missed || pose.is_changed()) {
         if let Some(object) = objects.index_of(entity) {
             let mesh = renderer.table.mesh[object];
             if mesh != NO_MESH {
-                renderer.meshes.write_pose(&renderer.gpu.context, mesh, pose);
+                renderer.meshes.write_pose(&renderer.gpu.context, mesh, &pose);
             }
         }
     }
     let Some(current) = &view.data else {
+        renderer.last_clip_from_world = None; // the next view needs all matrices again
         return;
     };
     renderer.frame.has_view = true;
