@@ -81,11 +81,14 @@ fn every_kind_of_light_shines_through_its_picture() {
     for (name, kind) in kinds() {
         let mut scene = Scene::new(kind);
         let plain = scene.radiance();
+        // No texel is smaller than a pixel: mip-mapping has a test of its own.
+        let scale = if name == "directional" { 8.0 } else { 1.0 };
         for (width, height, size, offset, turn, density) in [
             (8u32, 8u32, 2.0f32, Vec2::ZERO, 0.0f32, 1.0f32),
             (7, 3, 3.1, Vec2::new(0.3, -0.7), 0.7, 0.6),
             (1, 1, 0.5, Vec2::ONE, 3.0, 0.9),
         ] {
+            let size = size * scale;
             let cookie = Cookie {
                 size,
                 offset,
@@ -152,14 +155,14 @@ fn a_picture_that_is_clamped_continues_its_border() {
     let plain = scene.radiance();
     let image = CookieImage::from_linear("two", 2, 1, vec![Vec3::X, Vec3::Y]).expect("a picture");
     let cookie = Cookie {
-        size: 1e-3,
+        size: 0.4,
         wrap: [TextureWrap::Clamp; 2],
         ..Cookie::new(image)
     };
     let scaled = scene.radiance_with(cookie);
     let (error, lit) = largest_error(&scene, &plain, &scaled, |point| {
         let across = point.x / point.z;
-        (across.abs() > 0.05).then_some(if across < 0.0 { Vec3::X } else { Vec3::Y })
+        (across.abs() > 0.12).then_some(if across < 0.0 { Vec3::X } else { Vec3::Y })
     });
     assert!(error < TOLERANCE && lit > 1500, "{error} on {lit} pixels");
 }

@@ -22,7 +22,7 @@ pub fn intensity(symmetry: PlaneSymmetry, c: f64, g: f64) -> f64 {
         PlaneSymmetry::C90 => 0.3 * sin + 0.1 * cos * cos,
         PlaneSymmetry::Four => 0.3 * cos.abs() + 0.1 * sin * sin,
     };
-    let in_plane = 0.6 + 0.4 * (g.to_radians() * 2.0).cos();
+    let in_plane = 1.0 + 0.4 * (g.to_radians() * 2.0).cos();
     700.0 * (in_plane + lobe * g.to_radians().sin())
 }
 
