@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::render::pools::gpu_types;
-use crate::scene::light_model::cookie::{CookiePlacing, Projection};
-use crate::scene::light_model::profile::UniformTable;
+use crate::scene::light_model::cookie::placing::{CookiePlacing, Projection};
+use crate::scene::light_model::profile::table::UniformTable;
 use crate::scene::{Cookie, TextureWrap};
 use crate::sets::FrameLight;
 

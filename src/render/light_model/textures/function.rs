@@ -19,7 +19,7 @@ use crate::render::light_function::{LightFunction, MULTIPLY};
 use crate::render::pools::gpu_types::LightTexture;
 use crate::render::recorder::{PrepareInput, ResolveInput};
 use crate::render::{Gpu, RenderError};
-use crate::scene::light_model::cookie::Projection;
+use crate::scene::light_model::cookie::placing::Projection;
 use crate::sets::{FrameLight, FrameLights, View};
 
 /// All that tells two pipelines of this pass apart.

@@ -9,7 +9,7 @@ use wgpu::util::DeviceExt;
 use crate::render::{Gpu, RenderContext};
 use crate::scene::TextureWrap;
 use crate::scene::light_model::cookie::CookieImage;
-use crate::scene::light_model::profile::{ProfileTable, UniformTable};
+use crate::scene::light_model::profile::table::{ProfileTable, UniformTable};
 
 /// Format of cookies. Halves hold 16-bit pictures and those that are brighter than 1, and are filtered everywhere.
 const COOKIE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;

@@ -177,6 +177,7 @@ impl CookieImage {
 
     /// Returns the mip levels down to 1×1, largest first. Each is the average of the one before. The first level is the
     /// first one whose sides have at most `limit` texels.
+    #[cfg(feature = "render")]
     pub(crate) fn levels(&self, limit: u32) -> Vec<Level> {
         let mut levels = vec![self.level.clone()];
         while let Some(next) = levels.last().and_then(Level::halved) {

@@ -13,6 +13,7 @@ pub struct Level {
     pub texels: Vec<Vec3>,
 }
 
+#[cfg(any(test, feature = "render"))]
 impl Level {
     /// Returns the next level, with half the size, rounded down but at least 1. A texel is the average over the area
     /// that it covers, so odd sizes lose nothing. `None` for a level of one texel.
@@ -44,11 +45,13 @@ impl Level {
 }
 
 /// The up to three texels of the finer level that a texel covers along one axis, and their shares.
+#[cfg(any(test, feature = "render"))]
 struct Cover {
     first: usize,
     shares: [f32; 3],
 }
 
+#[cfg(any(test, feature = "render"))]
 impl Cover {
     /// Texel `at` of `coarse` texels, over `fine` texels.
     fn of(at: u32, fine: u32, coarse: u32) -> Self {

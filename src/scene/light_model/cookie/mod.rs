@@ -10,9 +10,7 @@
 mod component;
 mod image;
 mod levels;
-mod placing;
+pub(crate) mod placing;
 
 pub use component::{Cookie, CookieError};
 pub use image::{CookieImage, CookieImageError};
-
-pub use placing::{CookiePlacing, Projection};

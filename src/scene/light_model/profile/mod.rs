@@ -18,8 +18,8 @@ mod ies;
 mod light_profile;
 mod measured;
 mod numbers;
-mod table;
+pub(crate) mod table;
 
 pub use error::{ProfileError, ProfileFault};
 pub use light_profile::{LightProfile, LoadProfileError};
-pub use table::{ProfileTable, UniformTable};
+pub use table::ProfileTable;

@@ -52,6 +52,7 @@ pub struct ProfileTable {
 }
 
 /// A table with equal steps along each axis, as the GPU reads it.
+#[cfg(feature = "render")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct UniformTable {
     /// Number of polar angles, which is the width of the texture.
@@ -129,7 +130,8 @@ impl ProfileTable {
 
     /// Resamples the table with equal steps. If the angles of the file are multiples of one step, as they nearly
     /// always are, the result says the same as the table.
-    pub fn uniform(&self) -> UniformTable {
+    #[cfg(feature = "render")]
+    pub(crate) fn uniform(&self) -> UniformTable {
         let (polar, azimuth) = (Steps::of(&self.polar), Steps::of(&self.azimuth));
         let mut values = Vec::with_capacity(polar.count * azimuth.count);
         for plane in 0..azimuth.count {
@@ -166,12 +168,14 @@ fn interval(knots: &[f64], x: f64) -> Option<(usize, f64)> {
 }
 
 /// Equal steps that hold ascending angles.
+#[cfg(feature = "render")]
 struct Steps {
     first: f64,
     step: f64,
     count: usize,
 }
 
+#[cfg(feature = "render")]
 impl Steps {
     /// The widest steps that hold every angle, or the narrowest ones that are allowed if there are none.
     fn of(angles: &[f64]) -> Self {
@@ -220,6 +224,7 @@ impl Steps {
     }
 }
 
+#[cfg(feature = "render")]
 fn gcd(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
