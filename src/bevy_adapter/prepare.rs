@@ -209,11 +209,9 @@ fn prepare_lights(
     view.light_draws.clear();
     view.bit_words.clear();
     for (index, light) in frame.lights.iter().enumerate() {
-        let active = renderer
-            .frame()
-            .lights
-            .iter()
-            .find(|active| active.light == index);
+        let drawn = &renderer.frame().lights; // in ascending order of their index
+        let active = drawn.binary_search_by_key(&index, |active| active.light);
+        let active = active.ok().map(|at| &drawn[at]);
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
             let draw = with_model(describe(&host, lights)?, light);

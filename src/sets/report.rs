@@ -35,11 +35,16 @@ fn report_lights(lights: &FrameLights, reports: &mut Reports) {
 fn report_models(lights: &FrameLights, reports: &mut Reports) {
     let mut round = reports.round("light_model");
     for (entity, fault) in &lights.faults {
-        round.state(
-            Some(*entity),
-            fault.code(),
-            format_args!("A part of the light's model has no effect: {fault}. The light shines without it."),
-        );
+        let (entity, code) = (Some(*entity), fault.code());
+        if fault.leaves_out() {
+            let message = format_args!(
+                "A part of the light's model has no effect: {fault}. The light shines without it."
+            );
+            round.state(entity, code, message);
+        } else {
+            let message = format_args!("{fault}. Move it before the light if they should not.");
+            round.state(entity, code, message);
+        }
     }
 }
 

@@ -13,6 +13,7 @@ mod depth;
 mod foreign;
 mod harness;
 mod lifetimes;
+mod light_model;
 mod light_textures;
 mod minimal;
 mod models;

@@ -130,6 +130,10 @@ fn the_marker_brings_what_it_needs() {
         "ShadowMap",
         "OmniMap",
         "LightSelection",
+        "LightShape",
+        "LightDistance",
+        "LightWeights",
+        "ShadowTint",
     ] {
         let registered = registry
             .get_with_short_type_path(name)

@@ -98,12 +98,20 @@ pub enum LightModelFault {
     /// A number of the cookie cannot be used.
     #[error("Cookie: {0}")]
     Cookie(CookieError),
+    /// The shadow's origin lies behind a light that shines to one side. The origin is used.
+    #[error("ShadowOrigin lies behind the light, so that objects behind the light cast shadows, too")]
+    OriginBehind,
     /// The softness is NaN, negative or infinite.
     #[error("ShadowSoftness is {0} m, it must be finite and at least 0")]
     Softness(f32),
 }
 
 impl LightModelFault {
+    /// Returns whether the part is left out. Otherwise it is used, and only looks like a mistake.
+    pub fn leaves_out(&self) -> bool {
+        !matches!(self, Self::OriginBehind)
+    }
+
     /// The number of the fault among the reports of a light.
     pub fn code(&self) -> u32 {
         match self {
@@ -120,7 +128,8 @@ impl LightModelFault {
             Self::Origin(_) => 10,
             Self::OriginKind { .. } => 11,
             Self::Softness(_) => 12,
-            Self::Cookie(_) => 13,
+            Self::Cookie(_) => 15,
+            Self::OriginBehind => 13,
         }
     }
 }

@@ -73,18 +73,23 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
         let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
         let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
         match place(light, world_from_light, &model) {
-            Ok(placed) => frame.candidates.push(Candidate {
-                entity,
-                light: Light {
-                    range: placed.range,
-                    ..light.clone()
-                },
-                world_from_light: *world_from_light,
-                selection: selection.copied().unwrap_or_default(),
-                model,
-                textures,
-                placed,
-            }),
+            Ok(placed) => {
+                if placed.casts_from_behind(light.kind) {
+                    frame.faults.push((entity, LightModelFault::OriginBehind));
+                }
+                frame.candidates.push(Candidate {
+                    entity,
+                    light: Light {
+                        range: placed.range,
+                        ..light.clone()
+                    },
+                    world_from_light: *world_from_light,
+                    selection: selection.copied().unwrap_or_default(),
+                    model,
+                    textures,
+                    placed,
+                });
+            }
             Err(error) => frame.skipped.push(SkippedLight { entity, error }),
         }
     }

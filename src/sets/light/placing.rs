@@ -38,6 +38,15 @@ pub(super) struct Placed {
     pub lit: LitRegion,
 }
 
+impl Placed {
+    /// Whether shadows are cast from behind a light that shines to one side.
+    pub fn casts_from_behind(&self, kind: LightKind) -> bool {
+        let [.., along] = self.shining.axes;
+        let moved = (self.emitter.point - self.shining.emitter.point).truncate();
+        matches!(kind, LightKind::Spot { .. } | LightKind::Rect { .. }) && moved.dot(along) < -1e-4
+    }
+}
+
 /// Places a light.
 pub(super) fn place(
     light: &Light,

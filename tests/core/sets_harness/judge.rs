@@ -158,7 +158,7 @@ fn lit_from(
         let softness = f64::from(softness);
         from = center
             + match light.kind {
-                LightKind::Rect { .. } => (from - center).normalize_or_zero() * softness * 0.0,
+                LightKind::Rect { .. } => DVec3::ZERO, // its middle is on it, whatever its size
                 _ => random.direction() * softness * random.unit(),
             };
     }

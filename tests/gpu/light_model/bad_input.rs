@@ -120,6 +120,32 @@ fn bad_numbers_are_reported_and_the_light_shines() {
 }
 
 #[test]
+fn a_shadow_from_behind_the_light_is_used_and_reported() {
+    let mut stage = stage(&strict_context());
+    floor_and_ball(&mut stage);
+    let spot = Light {
+        kind: LightKind::Spot {
+            inner_angle: 0.4,
+            outer_angle: 0.6,
+        },
+        ..Light::point(Vec3::ONE, 40.0, 20.0)
+    };
+    let behind = ShadowOrigin::Position(super::place().translation * 1.5);
+    let entity = relight(&mut stage, spot, (StencilVolume::default(), behind));
+    let rendered = render(&mut stage);
+    assert!(rendered.radiance.iter().any(|value| *value > 0.1));
+    let reports = stage.world.resource::<Reports>();
+    let messages: Vec<&str> = reports
+        .of_entity(entity)
+        .map(|report| report.message.as_str())
+        .collect();
+    assert!(
+        messages.len() == 1 && messages[0].contains("behind the light"),
+        "{messages:?}"
+    );
+}
+
+#[test]
 fn numbers_at_their_limits_are_no_faults() {
     let mut stage = stage(&strict_context());
     floor_and_ball(&mut stage);

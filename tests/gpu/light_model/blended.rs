@@ -31,8 +31,8 @@ fn panes_outside_of_the_shape_stay_dark() {
         let mut stage = stage(&strict_context());
         panes(&mut stage);
         let shape = LightShape {
-            width: 0.25,
-            height: 0.25,
+            width: 0.35,
+            height: 0.35,
             ..LightShape::default()
         };
         let light = Light::point(Vec3::ONE, 60.0, f32::INFINITY);
@@ -56,8 +56,8 @@ fn panes_outside_of_the_shape_stay_dark() {
                 let local = place().rotation.inverse() * (point - place().translation);
                 let near = |by: f32| {
                     let grown = LightShape {
-                        width: 0.25 + by,
-                        height: 0.25 + by,
+                        width: 0.35 + by,
+                        height: 0.35 + by,
                         ..shape
                     };
                     grown.factor(Vec3::new(local.x, local.y, -local.z))

@@ -8,6 +8,7 @@ mod selection;
 mod settings;
 mod shadows;
 mod shots;
+mod sizes;
 mod terms;
 
 use std::sync::Arc;

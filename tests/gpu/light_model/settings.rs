@@ -7,10 +7,13 @@ use antumbra::scene::{
     LightDistance, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
 };
 use glam::{UVec2, Vec3};
+use proptest::option;
 use proptest::prelude::*;
+use proptest::test_runner::TestRunner;
 
-use super::{floor_and_ball, relight, render, stage};
+use super::{floor_and_ball, put, relight, render, stage};
 use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
 
 /// Numbers of all sizes, the limits among them.
 fn number() -> impl Strategy<Value = f32> {
@@ -38,67 +41,151 @@ fn vector() -> impl Strategy<Value = Vec3> {
     (-4.0f32..4.0, -4.0f32..4.0, -4.0f32..4.0).prop_map(Vec3::from)
 }
 
-thread_local! {
-    /// One stage for all cases: a device takes longer to make than a picture.
-    static STAGE: RefCell<Option<crate::harness::support::stage::Stage>> = const { RefCell::new(None) };
+type Numbers = (f32, f32, f32, f32);
+
+/// Settings of everything at once.
+#[derive(Clone, Debug)]
+struct Case {
+    size: Numbers,
+    round: f32,
+    depth: Numbers,
+    weights: Numbers,
+    color: Vec3,
+    darkness: f32,
+    origin: Option<Vec3>,
+    softness: Option<f32>,
+    kind: usize,
+    technique: usize,
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..Default::default() })]
+fn cases() -> impl Strategy<Value = Case> {
+    let numbers = || (number(), number(), number(), number());
+    let weights = (weight(), weight(), weight(), share());
+    let shadow = (
+        option::of(vector()),
+        option::of(share()),
+        (share(), weight(), weight()),
+    );
+    (
+        numbers(),
+        share(),
+        numbers(),
+        weights,
+        shadow,
+        0..5usize,
+        0..4usize,
+    )
+        .prop_map(
+            |(size, round, depth, weights, (origin, softness, color), kind, technique)| Case {
+                size,
+                round,
+                depth,
+                weights,
+                color: color.into(),
+                darkness: weights.3,
+                origin,
+                softness,
+                kind,
+                technique,
+            },
+        )
+}
 
-    #[test]
-    fn no_setting_gives_nan_or_negative_light(
-        size in (number(), number(), number(), number(), share()),
-        depth in (number(), number(), number(), number()),
-        weights in (weight(), weight(), weight(), weight()),
-        (color, darkness) in ((share(), weight(), weight()), share()),
-        (origin, softness) in (vector(), share()),
-        (kind, technique, moved, softened) in (0..5usize, 0..4usize, any::<bool>(), any::<bool>()),
-    ) {
-        STAGE.with_borrow_mut(|kept| -> Result<(), TestCaseError> {
-            let stage = kept.get_or_insert_with(|| {
-                let mut stage = stage(&strict_context());
-                stage.world.insert_resource(ViewportSize(UVec2::new(24, 14)));
-                let [floor, _] = floor_and_ball(&mut stage);
-                stage.world.entity_mut(floor).insert(SurfaceWeights { ambient: 0.5, diffuse: 2.0, specular: 0.0 });
-                stage
-            });
-            let (kind, is_directional) = match kind {
-                0 => (LightKind::Point, false),
-                1 => (LightKind::Spot { inner_angle: 0.4, outer_angle: 0.8 }, false),
-                2 => (LightKind::Rect { width: 0.5, height: 0.0 }, false),
-                3 => (LightKind::Sphere { radius: 0.1 }, false),
-                _ => (LightKind::Directional, true),
-            };
-            let near = depth.0.min(1e30);
-            let shape = LightShape { width: size.0, height: size.1, width_edge: size.2, height_edge: size.3, round: size.4 };
-            let distance = LightDistance { near, far: near.max(depth.1), near_edge: depth.2, far_edge: depth.3 };
-            let light = Light { kind, ..Light::point(Vec3::new(1.0, 0.5, 0.0), 40.0, 30.0) };
-            let parts = (
-                shape,
-                distance,
-                LightWeights { ambient: weights.0, diffuse: weights.1, specular: weights.2 },
-                ShadowTint { color: color.into(), darkness },
-            );
-            let entity = relight(stage, light, parts);
-            let mut entity = stage.world.entity_mut(entity);
-            match technique {
-                0 => {}
-                1 => { entity.insert(StencilVolume::default()); }
-                2 => { entity.insert(PenumbraWedge::default()); }
-                _ if is_directional => { entity.insert(ShadowMap::default()); }
-                _ => { entity.insert(OmniMap::default()); }
-            }
-            if moved {
-                entity.insert(if is_directional { ShadowOrigin::Direction(origin) } else { ShadowOrigin::Position(origin) });
-            }
-            if softened {
-                entity.insert(ShadowSoftness(softness));
-            }
-            let rendered = render(stage);
-            let wrong = rendered.radiance.iter().filter(|value| !(**value >= 0.0)).count();
-            prop_assert_eq!(wrong, 0, "values are NaN or negative");
-            Ok(())
-        })?;
+impl Case {
+    fn kind(&self) -> LightKind {
+        match self.kind {
+            0 => LightKind::Point,
+            1 => LightKind::Spot {
+                inner_angle: 0.4,
+                outer_angle: 0.8,
+            },
+            2 => LightKind::Rect {
+                width: 0.5,
+                height: 0.0,
+            },
+            3 => LightKind::Sphere { radius: 0.1 },
+            _ => LightKind::Directional,
+        }
+    }
+
+    /// Replaces the light of the stage.
+    fn relight(&self, stage: &mut Stage) {
+        let kind = self.kind();
+        let is_directional = kind == LightKind::Directional;
+        let near = self.depth.0.min(1e30);
+        let shape = LightShape {
+            width: self.size.0,
+            height: self.size.1,
+            width_edge: self.size.2,
+            height_edge: self.size.3,
+            round: self.round,
+        };
+        let distance = LightDistance {
+            near,
+            far: near.max(self.depth.1),
+            near_edge: self.depth.2,
+            far_edge: self.depth.3,
+        };
+        let weights = LightWeights {
+            ambient: self.weights.0,
+            diffuse: self.weights.1,
+            specular: self.weights.2,
+        };
+        let tint = ShadowTint {
+            color: self.color,
+            darkness: self.darkness,
+        };
+        let light = Light {
+            kind,
+            ..Light::point(Vec3::new(1.0, 0.5, 0.0), 40.0, 30.0)
+        };
+        let entity = relight(stage, light, (shape, distance, weights, tint));
+        put(stage, entity, (self.technique == 1).then(StencilVolume::default));
+        put(stage, entity, (self.technique == 2).then(PenumbraWedge::default));
+        put(
+            stage,
+            entity,
+            (self.technique == 3 && is_directional).then(ShadowMap::default),
+        );
+        put(
+            stage,
+            entity,
+            (self.technique == 3 && !is_directional).then(OmniMap::default),
+        );
+        let origin = |at| match is_directional {
+            true => ShadowOrigin::Direction(at),
+            false => ShadowOrigin::Position(at),
+        };
+        put(stage, entity, self.origin.map(origin));
+        put(stage, entity, self.softness.map(ShadowSoftness));
+    }
+}
+
+#[test]
+fn no_setting_gives_nan_or_negative_light() {
+    let mut stage = stage(&strict_context());
+    stage.world.insert_resource(ViewportSize(UVec2::new(24, 14)));
+    let [floor, _] = floor_and_ball(&mut stage);
+    stage.world.entity_mut(floor).insert(SurfaceWeights {
+        ambient: 0.5,
+        diffuse: 2.0,
+        specular: 0.0,
+    });
+    let stage = RefCell::new(stage);
+    let mut runner = TestRunner::new(ProptestConfig {
+        cases: 200,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    });
+    let result = runner.run(&cases(), |case| {
+        let stage = &mut *stage.borrow_mut();
+        case.relight(stage);
+        let rendered = render(stage);
+        let wrong = rendered.radiance.iter().filter(|value| !(**value >= 0.0)).count();
+        prop_assert_eq!(wrong, 0, "values are NaN or negative");
+        Ok(())
+    });
+    if let Err(error) = result {
+        panic!("{error}");
     }
 }
