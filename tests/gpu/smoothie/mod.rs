@@ -56,10 +56,7 @@ fn umbra_is_that_of_the_plain_map() {
             assert_eq!(differs.count(), 0, "{}, {kind:?}", scene.name);
         }
         println!("{kind:?}: {dark} dark pixels, {soft} softened");
-        assert!(
-            dark > 500 && soft > 60,
-            "{kind:?}: {dark} dark, {soft} softened"
-        );
+        assert!(dark > 500 && soft > 60, "{kind:?}: {dark} dark, {soft} softened");
     }
 }
 
