@@ -20,6 +20,7 @@ pub fn bundled(models: &Path) -> Vec<Page> {
         bonsai(models),
         bonsai_maps(models),
         figures_maps(models),
+        figures_smoothies(models),
         figures_perspective(models),
         office(models),
         jack_o_lantern(),
@@ -206,6 +207,22 @@ fn figures_maps(models: &Path) -> Page {
         about: "The same scene as under shadow volumes: a cube of maps, a spot map, and cascades. Edges are a few texels \
                 wide; nothing else is wrong, and no bias is set by hand.",
         techniques: maps(),
+        ..figures(models)
+    }
+}
+
+/// The three figures with shadows by smoothies.
+fn figures_smoothies(models: &Path) -> Page {
+    Page {
+        name: "figures-smoothies",
+        title: "Three figures under smoothies",
+        about: "The same scene once more, with rims drawn along the silhouettes. The umbra is that of a map; around it \
+                shadows are sharp where they touch their caster and soften with the distance. The judge's hard edges are \
+                those of a light without a size, so everything that is soft counts as a difference.",
+        techniques: vec![Settings::of(Smoothie {
+            resolution: MapResolution::Fixed(1024),
+            ..Default::default()
+        })],
         ..figures(models)
     }
 }

@@ -15,6 +15,7 @@ pub mod perspective_map;
 pub(crate) mod registry;
 pub mod shadow_map;
 pub(crate) mod shared;
+pub mod smoothie;
 pub mod stencil_volume;
 
 pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
@@ -32,4 +33,5 @@ pub use shadow_map::ShadowMap;
 pub use shared::texture_memory::{
     Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,
 };
+pub use smoothie::{Smoothie, SmoothieWidth};
 pub use stencil_volume::StencilVolume;

@@ -131,6 +131,10 @@ fn the_marker_brings_what_it_needs() {
         "OmniMap",
         "PerspectiveMap",
         "LightSelection",
+        "LightShape",
+        "LightDistance",
+        "LightWeights",
+        "ShadowTint",
     ] {
         let registered = registry
             .get_with_short_type_path(name)

@@ -164,6 +164,7 @@ impl PerspectiveMap {
             cached: self.cached,
             cascades: Cascades::default(),
             layers: 1,
+            beside: None,
         };
         request.validated(light)
     }
