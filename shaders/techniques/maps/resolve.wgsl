@@ -42,7 +42,12 @@ struct MatrixSite {
     farthest: vec3f,                // the deepest point that a plane may reach within a texel
     side_x: vec3f,                  // sides of the square around the filter's disc
     side_y: vec3f,
+    slack: f32,                     // factor on depth
 }
+
+// Rounding of w as a share of the greatest w. Corners of large casters have that w, and where w is small,
+// their rounding is a larger share of depth.
+const W_ROUNDING: f32 = 2e-7;
 
 var<private> matrix_site: MatrixSite;
 
@@ -101,7 +106,7 @@ fn tap_matrix(site: Site, face: u32, ndc: vec2f) -> f32 {
     let farthest = clip_in_face(face, matrix_site.farthest);
     let deepest = max(farthest.z, 0.0) / max(farthest.w, 1e-37);
     var depth = dot(plane.xyw, vec3f(ndc, 1.0)) * scale + lenient.x + lenient.y;
-    depth = max(depth, deepest) * (1.0 + map_light.bias.y);
+    depth = max(depth, deepest) * matrix_site.slack;
     return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
 }
 
@@ -260,6 +265,7 @@ fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
         receiver.position + ray * (STEEPEST * texel),
         disc_x * radius,
         cross(ray, disc_x) * radius,
+        1.0 + map_light.bias.y + W_ROUNDING / clip.w,
     );
     return filtered(Site(face, clip.xy / clip.w, along, normal, offset, UNKNOWN), pixel);
 }

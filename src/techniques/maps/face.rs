@@ -28,7 +28,8 @@ pub enum FaceProjection {
     /// Projects by a matrix whose centre of projection is the light, so every ray of the light falls on one
     /// point of the picture. The matrix may warp the picture in any way that keeps straight lines straight.
     Matrix {
-        /// Matrix from the face's space to clip space. Its depth, divided by w, falls along every ray.
+        /// Matrix from the face's space to clip space. Its depth, divided by w, falls along every ray. Its w
+        /// is about 1 at the receiver where it is greatest; the slack of comparisons grows where w is less.
         clip_from_face: DMat4,
         /// Whether the rays are parallel to z; otherwise they come from the origin of the face's space.
         parallel: bool,

@@ -35,22 +35,30 @@ pub fn point_face(origin: DVec3, axes: [DVec3; 3], homography: &DMat3, near: f64
 
 /// Makes a face of a directional light.
 ///
-/// `homography` maps (x, y, 1) of the face's space to x, y and w of clip space. The face shows casters with z
-/// between 0 and `length`, metres.
-pub fn parallel_face(origin: DVec3, axes: [DVec3; 3], homography: &DMat3, length: f64) -> MapFace {
+/// `homography` maps (x, y, 1) of the face's space to x, y and w of clip space. The base is the plane
+/// z = `base.x` x + `base.y` y + `base.z` of the face's space. Depth is the distance along the ray from there
+/// towards the light, up to `height` metres, divided by w. A base close under the receivers keeps depth small
+/// where w is small, so that the rounding of w does not show.
+pub fn parallel_face(
+    origin: DVec3,
+    axes: [DVec3; 3],
+    homography: &DMat3,
+    base: DVec3,
+    height: f64,
+) -> MapFace {
     // w at a place `p` is 1 / (homography⁻¹ (p, 1)).z.
     let least_w = rays(homography).map(|ray| ray.z).fold(0.0, f64::max).recip();
-    let scale = least_w / length;
+    let scale = least_w / height;
     let [x, y, one] = [homography.x_axis, homography.y_axis, homography.z_axis];
     MapFace {
         origin,
         axes,
         projection: FaceProjection::Matrix {
             clip_from_face: DMat4::from_cols(
-                DVec4::new(x.x, x.y, 0.0, x.z),
-                DVec4::new(y.x, y.y, 0.0, y.z),
+                DVec4::new(x.x, x.y, scale * base.x, x.z),
+                DVec4::new(y.x, y.y, scale * base.y, y.z),
                 DVec4::Z * -scale,
-                DVec4::new(one.x, one.y, scale * length, one.z),
+                DVec4::new(one.x, one.y, scale * base.z, one.z),
             ),
             parallel: true,
         },
@@ -162,7 +170,13 @@ mod tests {
             );
             let origin = DVec3::new(3.0 * at(3), 4.0, 5.0 * at(8));
             faces.push(point_face(origin, [x, y, z], &homography, 0.01));
-            faces.push(parallel_face(origin, [x, y, z], &homography, 20.0));
+            faces.push(parallel_face(
+                origin,
+                [x, y, z],
+                &homography,
+                DVec3::new(0.3, -0.2, 20.0),
+                30.0,
+            ));
         }
         faces
     }

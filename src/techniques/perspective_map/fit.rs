@@ -17,6 +17,13 @@ use crate::techniques::maps::request::MapFaces;
 /// Ratio between the slides that are tried.
 const SLIDE_STEP: f64 = 4.0;
 
+/// Largest ratio of w between far and near receivers, unless a slide is set. Beyond, the rounding of large
+/// casters' corners shows near the eye.
+const MOST_RATIO: f64 = 256.0;
+
+/// Steepest slope of the plane under the receivers from which depth counts.
+const STEEPEST_BASE: f64 = 100.0;
+
 /// Growth of w over the depth that is seen below which a perspective does not differ from none.
 const FLAT: f64 = 0.1;
 
@@ -220,7 +227,7 @@ fn choose(
     if let Some(slide) = input.settings.slide {
         growths.push((near + f64::from(slide)).recip().min(most));
     } else {
-        let mut growth = most;
+        let mut growth = most.min((MOST_RATIO - 1.0) / (far - near));
         while growth * (far - near) > FLAT && growths.len() < 31 {
             growths.push(growth);
             growth /= SLIDE_STEP;
@@ -291,18 +298,23 @@ fn place_face(
     let face = if light.w == 0.0 {
         let z = -light.truncate().normalize();
         let (x, y) = z.any_orthonormal_pair();
-        let end = points
-            .iter()
-            .map(|point| z.dot(to_world(point)))
-            .fold(f64::MIN, f64::max);
-        let mut start = end;
-        input.for_each_caster(|center, half| start = start.min(z.dot(center) - z.abs().dot(half)));
-        let length = ((end - start) * (1.0 + 1e-3)).max(1e-3);
-        let anchor = to_world(points.first()?);
-        let origin = anchor + z * (start - 1e-4 * length - z.dot(anchor));
+        let axes = [x, y, z];
+        let origin = to_world(points.first()?);
+        let local = |point: &DVec3| {
+            let offset = to_world(point) - origin;
+            DVec3::from_array(axes.map(|axis| axis.dot(offset)))
+        };
+        // Near points have the most pixels, and the least w.
+        let weighted = |point: &DVec3| (local(point), 1.0 / (point.z * point.z).max(1e-12));
+        let base = base_plane(points.iter().map(weighted));
+        let up = x * base.x + y * base.y - z;
+        let mut height: f64 = 1e-3;
+        input.for_each_caster(|center, half| {
+            height = height.max(base.z + up.dot(center - origin) + up.abs().dot(half));
+        });
         let at_origin = column(space.point(origin).extend(1.0));
         let homography = DMat3::from_cols(direction(x), direction(y), at_origin) * scale;
-        parallel_face(origin, [x, y, z], &homography, length * (1.0 + 1e-3))
+        parallel_face(origin, axes, &homography, base, height * (1.0 + 1e-3))
     } else {
         let origin = light.truncate();
         let middle = points.iter().map(to_world).sum::<DVec3>() / points.len() as f64;
@@ -313,6 +325,34 @@ fn place_face(
     };
     let clip = face.clip_from_world();
     (clip.is_finite() && clip.inverse().is_finite()).then_some(face)
+}
+
+/// Returns the plane z = a x + b y + c close to points with weights, as (a, b, c), with no point beyond it: the
+/// plane of least squares, moved along z.
+fn base_plane(points: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
+    let sum = |value: &dyn Fn(DVec3) -> f64| points.clone().map(|(p, weight)| value(p) * weight).sum::<f64>();
+    let total = sum(&|_| 1.0).max(f64::MIN_POSITIVE);
+    let mean = DVec3::new(sum(&|p| p.x), sum(&|p| p.y), sum(&|p| p.z)) / total;
+    let (xx, yy) = (sum(&|p| (p.x - mean.x).powi(2)), sum(&|p| (p.y - mean.y).powi(2)));
+    let xy = sum(&|p| (p.x - mean.x) * (p.y - mean.y));
+    let (xz, yz) = (
+        sum(&|p| (p.x - mean.x) * (p.z - mean.z)),
+        sum(&|p| (p.y - mean.y) * (p.z - mean.z)),
+    );
+    let ridge = 1e-9 * (xx + yy) + f64::MIN_POSITIVE;
+    let (xx, yy) = (xx + ridge, yy + ridge);
+    let determinant = xx * yy - xy * xy;
+    let (a, b) = (
+        (xz * yy - yz * xy) / determinant,
+        (yz * xx - xz * xy) / determinant,
+    );
+    // Receivers along the light have no such plane.
+    let is_steep = !(a.abs().max(b.abs()) < STEEPEST_BASE);
+    let (a, b) = if is_steep { (0.0, 0.0) } else { (a, b) };
+    let beyond = points
+        .map(|(p, _)| p.z - a * p.x - b * p.y)
+        .fold(f64::MIN, f64::max);
+    DVec3::new(a, b, beyond + 1e-6 * (1.0 + beyond.abs()))
 }
 
 /// Distance from a light at a position within which nothing casts, metres.

@@ -28,13 +28,19 @@
 //! the distance from the light, as in plain maps. This is the inverse projection of the source: w has one sign
 //! along the whole ray, also where the ray passes behind the viewer, so casters there are drawn in their order.
 //!
+//! **Depth.** A directional light's depth is the distance above a plane under the receivers. Corners of large
+//! casters have a w hundreds of times that of receivers near the eye, and its rounding is a share of depth: depth
+//! is small where the receivers are, and comparisons allow for the rest.
+//!
 //! **Quality.** No homography serves all views. With the light's direction across the view it is near the
 //! ideal; with the light ahead or behind, a near object and a far one share the middle of the picture, and the
 //! gain over a uniform map shrinks. The slide is chosen by measuring, so a map is not poorer than the uniform
 //! one by that measure.
 //!
 //! **Swim.** The texels follow the view: when the view turns or moves, they fall elsewhere, and edges of
-//! shadows change by up to a texel. [`ShadowMap`](super::ShadowMap) has cascades that stand still. Use
+//! shadows change by up to a texel. In a view of a plain of 4 km that turned by a third of a degree a frame,
+//! 1.4 % of the pixels changed wrongly, and 0.5 % under cascades with as many texels
+//! (`tests/gpu/perspective_map/quality.rs`). [`ShadowMap`](super::ShadowMap) has cascades that stand still. Use
 //! perspective maps for views that stand still or cut, for large plains, and where edges are filtered or texels
 //! are smaller than pixels; use cascades for a view that moves slowly past sharp shadows.
 //!

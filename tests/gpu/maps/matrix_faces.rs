@@ -44,7 +44,7 @@ fn warp_requests(mut requests: ResMut<MapRequests>, lights: Res<FrameLights>, wa
                 );
                 let homography = strip * warp.homography;
                 if light.light.kind == LightKind::Directional {
-                    parallel_face(origin - z * 10.0, [x, y, z], &homography, 30.0)
+                    parallel_face(origin - z * 10.0, [x, y, z], &homography, DVec3::Z * 30.0, 30.0)
                 } else {
                     point_face(origin, [x, y, z], &homography, 1e-3)
                 }

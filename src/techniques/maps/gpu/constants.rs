@@ -41,10 +41,14 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
     let squared = |share: f32| 1.0 - (1.0 - share) * (1.0 - share);
     // Both sides of the comparison round a few times in `f32`. Squares double the relative error.
     let parallel = request.shape == MapShape::Cascades;
-    let length = parallel_length(map);
-    let metres = metres + length.map_or(0.0, |length| 2e-6 * length as f32);
+    let is_sun = map.faces.first().is_some_and(|state| {
+        matches!(
+            state.face.projection,
+            FaceProjection::Matrix { parallel: true, .. }
+        )
+    });
     let (relative, absolute) = match request.format {
-        MapFormat::Depth if length.is_some() => (0.0, 0.0),
+        MapFormat::Depth if is_sun => (4e-6, 0.0),
         MapFormat::Depth if parallel => (0.0, 2e-6),
         // Depth is proportional to 1 / distance.
         MapFormat::Depth => (4e-6 + share / (1.0 - share), 0.0),
@@ -91,18 +95,4 @@ fn face_constants(face: &Face, resolution: u32, eye: DVec3) -> MapFace {
         }
     }
     constants
-}
-
-/// Length of the region in which a map's parallel faces with a matrix see casters, metres; `None` for other
-/// faces.
-fn parallel_length(map: &LightMap) -> Option<f64> {
-    let lengths = map.faces.iter().filter_map(|state| match state.face.projection {
-        // Depth at the middle of the picture is 0 at the far end, and falls by `-z.z` a metre.
-        FaceProjection::Matrix {
-            clip_from_face,
-            parallel: true,
-        } => Some((clip_from_face.w_axis.z / clip_from_face.z_axis.z).abs()),
-        _ => None,
-    });
-    lengths.reduce(f64::max)
 }
