@@ -113,6 +113,12 @@ pub mod insides {
     pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
 
+    /// Records and CPU twins of smoothies.
+    pub mod smoothies {
+        pub use crate::techniques::maps::request::Beside;
+        pub use crate::techniques::smoothie::{expand::*, outline::*, records::*, shade::*};
+    }
+
     /// Constants that shaders define with the same values.
     #[cfg(feature = "render")]
     pub mod constants {
@@ -142,5 +148,7 @@ pub mod prelude {
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
-    pub use super::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+    pub use super::techniques::{
+        AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+    };
 }

@@ -18,5 +18,6 @@ mod sets_harness;
 mod sets_known_answers;
 mod sets_never_drop;
 mod silhouette_closed;
+mod smoothie;
 mod techniques;
 mod texture_memory;
