@@ -8,7 +8,9 @@
 //!
 //! | topic | about | raised by |
 //! | --- | --- | --- |
+//! | `import` | what was left out of glTF files | [`scene`](crate::scene) |
 //! | `light` | lights that cannot shine | [`sets`](crate::sets) |
+//! | `light_model` | parts of a light's model that have no effect | [`sets`](crate::sets) |
 //! | `object` | objects that are neither drawn nor cast shadows | [`sets`](crate::sets) |
 //! | `cell` | cells and portals that hide less than they should | [`sets`](crate::sets) |
 //! | `caster` | meshes that cast no shadow | [`silhouettes`](crate::silhouettes) |

@@ -38,6 +38,7 @@ use super::shared_targets::separate_prepass_textures;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_texture_memory, sync_transforms};
 use super::sync_lights::sync_lights;
+use super::sync_models;
 use super::sync_objects::sync_objects;
 use super::sync_settings::sync_setting;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
@@ -58,6 +59,7 @@ pub fn register(app: &mut App) {
             Last,
             warn_without_renderer.run_if(not(resource_exists::<Installed>)), // no renderer shows shadows
         );
+    sync_models::register(app);
     add_builtin(&mut Reflected(app));
 }
 
@@ -93,6 +95,7 @@ pub fn install(app: &mut App) -> bool {
         );
     add_builtin(app);
     add_waiting(app);
+    sync_models::watch(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
     render_app

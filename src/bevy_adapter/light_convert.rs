@@ -111,6 +111,7 @@ pub fn selection(layers: Option<&RenderLayers>, own: Option<&LightSelection>) ->
     LightSelection {
         affects: own.affects,
         casts_for: own.casts_for & layer_bits(layers),
+        shows_on: own.shows_on,
     }
 }
 

@@ -9,6 +9,7 @@ use bevy::transform::components::GlobalTransform;
 use super::entity_map::EntityMap;
 use super::light_convert::BevyLight;
 use super::ranges::Level;
+use super::sync_models::remove_model;
 use super::view_state::ViewState;
 use crate::geometry::Aabb;
 use crate::scene::{
@@ -161,6 +162,7 @@ impl Mirror {
             for row in techniques.rows() {
                 row.remove(&mut light);
             }
+            remove_model(&mut light);
             light.remove::<(Light, LightSelection, HostLight)>();
         }
     }

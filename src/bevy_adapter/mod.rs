@@ -26,7 +26,9 @@
 //! | `RenderLayers` of a mesh | the mesh blocks a light if they share a layer; layers from 31 on count as one |
 //! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
 //! | `RenderLayers` of a light | work as in Bevy: if the light and a camera share a layer, the light lights everything that the camera sees |
-//! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, and of those that block it |
+//! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, of those that block it, and of those that show its shadows |
+//! | components of the light model on a light ([`LightShape`](crate::scene::LightShape), [`ShadowTint`](crate::scene::ShadowTint) …) | shape what Bevy's functions give on opaque surfaces, with a technique or without one; a light with a model is managed, and has no shadow but that of its technique |
+//! | [`LightWeights::ambient`](crate::scene::LightWeights) of a `RectLight`, [`SurfaceWeights`](crate::scene::SurfaceWeights) | have no effect: Bevy's rectangles give no irradiance to a surface that faces them, and Bevy's G-buffer holds no weights |
 //! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
 //! | `VisibilityRange` | a level of detail that the camera does not draw casts nothing; of two levels that fade into each other the one that is drawn more casts |
 //! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
@@ -98,7 +100,7 @@
 //! | `surfaces`, `cut_outs` | opaque and see-through objects, holes by alpha |
 //! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
-//! | `sync`, `sync_objects`, `sync_lights`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
+//! | `sync`, `sync_objects`, `sync_lights`, `sync_models`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
@@ -128,6 +130,7 @@ pub(crate) mod shared_targets;
 pub(crate) mod surfaces;
 pub(crate) mod sync;
 pub(crate) mod sync_lights;
+pub(crate) mod sync_models;
 pub(crate) mod sync_objects;
 pub(crate) mod sync_settings;
 pub(crate) mod systems;

@@ -90,6 +90,7 @@ pub(super) fn light_view(
             return; // Bevy draws this light
         };
         let visibility = match light.mask {
+            Some(_) if light.factors.is_some() => VisibilitySource::Terms,
             Some(_) if light.is_scaled => VisibilitySource::Scaled,
             Some(_) => VisibilitySource::Mask,
             None => VisibilitySource::Stencil,
@@ -97,7 +98,10 @@ pub(super) fn light_view(
         pass.set_bind_group(0, &*bevy.main, &bevy.main_offsets);
         pass.set_bind_group(1, &*bevy.binding_array, &[]);
         pass.set_bind_group(2, &*light_group, &[slot.offset]);
-        if let Some(mask) = light.mask {
+        if let (Some(mask), Some(factors)) = (light.mask, light.factors) {
+            let group = groups.masks(&device, &cache, &pipelines, [mask, factors]);
+            pass.set_bind_group(3, group, &[]);
+        } else if let Some(mask) = light.mask {
             pass.set_bind_group(3, groups.mask(&device, &cache, &pipelines, mask), &[]);
         }
         let mut draw = |visibility| {

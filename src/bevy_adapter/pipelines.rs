@@ -46,11 +46,14 @@ pub enum VisibilitySource {
     Mask,
     /// The mask holds the visibility as for `Mask`, and it also applies to surfaces that show no shadows.
     Scaled,
+    /// The mask holds the visibility of all surfaces, and a second mask the factors of light functions. Ambient,
+    /// diffuse and specular light are added apart, with their weights and the colour of the shadow.
+    Terms,
 }
 
 /// The pipelines of one kind of light in one view, indexed by [`VisibilitySource`].
 #[derive(Clone, Copy, Debug)]
-pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 4]);
+pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 5]);
 
 impl LightPipelines {
     /// Returns the pipeline for a source of visibility, if it was asked for.
@@ -102,6 +105,8 @@ pub struct AntumbraPipelines {
     pub forward_layout: Option<BindGroupLayoutDescriptor>,
     /// Group 4 of forward meshes in views that are not ready.
     pub(super) forward_neutral: Option<BindGroup>,
+    /// Layout of group 3 of a light whose terms are weighted.
+    pub masks_layout: BindGroupLayoutDescriptor,
     base: HashMap<MeshPipelineKey, CachedRenderPipelineId>,
     lights: HashMap<(MeshPipelineKey, BevyLight, VisibilitySource, TextureFormat), CachedRenderPipelineId>,
 }
@@ -142,6 +147,10 @@ pub(super) fn init_pipelines(
             )
         }),
         forward_neutral: None,
+        masks_layout: layout(
+            "antumbra masks",
+            &BindGroupLayoutEntries::sequential(stage, (float(), float())),
+        ),
         base: HashMap::default(),
         lights: HashMap::default(),
     });
@@ -188,9 +197,12 @@ impl AntumbraPipelines {
             &self.shaders.light,
             &self.light_layout,
         );
-        let is_masked = matches!(visibility, VisibilitySource::Mask | VisibilitySource::Scaled);
-        if is_masked {
-            descriptor.layout.push(self.mask_layout.clone());
+        match visibility {
+            VisibilitySource::Mask | VisibilitySource::Scaled => {
+                descriptor.layout.push(self.mask_layout.clone())
+            }
+            VisibilitySource::Terms => descriptor.layout.push(self.masks_layout.clone()),
+            VisibilitySource::Stencil | VisibilitySource::Unshadowed => {}
         }
         descriptor.depth_stencil = Some(DepthStencilState {
             format: depth_stencil,
@@ -214,6 +226,10 @@ impl AntumbraPipelines {
                 VisibilitySource::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
                 VisibilitySource::Scaled => {
                     let defs = ["VISIBILITY_MASK", "MASK_HOLDS_FOR_ALL"];
+                    fragment.shader_defs.extend(defs.map(ShaderDefVal::from));
+                }
+                VisibilitySource::Terms => {
+                    let defs = ["VISIBILITY_MASK", "MASK_HOLDS_FOR_ALL", "SEPARATE_TERMS"];
                     fragment.shader_defs.extend(defs.map(ShaderDefVal::from));
                 }
                 VisibilitySource::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),

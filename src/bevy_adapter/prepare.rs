@@ -30,7 +30,7 @@ use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed, ViewState};
 use crate::render::frame::hosted::HostView;
 use crate::render::{Gpu, RenderContext, RenderError, Renderer};
 use crate::scene::Camera;
-use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};
+use crate::sets::{FrameLight, FrameLights, Objects, ViewportSize, VisibleSet};
 
 /// Marks a view that this crate lights in this frame. The component is on the view's entity in the render
 /// world.
@@ -221,6 +221,7 @@ fn prepare_view(
     if let Err(error) = renderer.set_host(Some(host)) {
         return mirror.view.fail(error);
     }
+    renderer.set_host_terms(true);
     let depth_stencil = renderer.context().depth_stencil_format();
     mirror.run();
     if mirror.world.resource::<Renderer>().failure().is_some() {
@@ -258,7 +259,7 @@ fn prepare_lights(
     let frame = world.resource::<FrameLights>();
     let (objects, visible) = (world.resource::<Objects>(), world.resource::<VisibleSet>());
     view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
-    let has_functions = world.resource::<Renderer>().has_light_functions();
+    let renderer = world.resource::<Renderer>();
     let mut managed = Managed::zeroed();
     let mut layers = 0;
     view.unkept_lights = 0;
@@ -266,15 +267,25 @@ fn prepare_lights(
     view.draws.clear();
     view.light_draws.clear();
     view.bit_words.clear();
-    for light in &frame.lights {
+    for (index, light) in frame.lights.iter().enumerate() {
+        let drawn = &renderer.frame().lights; // in ascending order of their index
+        let active = drawn.binary_search_by_key(&index, |active| active.light);
+        let active = active.ok().map(|at| &drawn[at]);
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
-            let draw = describe(&host, lights)?;
+            let draw = with_model(describe(&host, lights)?, light);
             let wanted = [
                 (VisibilitySource::Stencil, true),
                 (VisibilitySource::Unshadowed, view.unshadowed_in_view),
                 (VisibilitySource::Mask, true),
-                (VisibilitySource::Scaled, has_functions),
+                (
+                    VisibilitySource::Scaled,
+                    active.is_some_and(|active| active.is_scaled),
+                ),
+                (
+                    VisibilitySource::Terms,
+                    active.is_some_and(|active| active.is_tinted),
+                ),
             ];
             let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
             let layer = (view.keeps_masks && layers < MAX_LAYERS).then_some(layers);
@@ -330,6 +341,22 @@ fn prepare_lights(
         uniform,
         view.light_draws.bytes(),
     );
+}
+
+/// Adds the terms of a light's model. Bevy's uniforms hold the light's colour times its brightness, so the colour of
+/// the shadow is given for a light whose largest component is 1.
+fn with_model(mut draw: LightDraw, light: &FrameLight) -> LightDraw {
+    let largest = light.light.color.max_element();
+    draw.weights = light
+        .model
+        .weights
+        .to_vec3()
+        .extend(light.model.tint.darkness)
+        .to_array();
+    if largest > 0.0 {
+        draw.shadow = (light.model.tint.color / largest).extend(0.0).to_array();
+    }
+    draw
 }
 
 /// Returns the data by which Bevy's shaders know a light; `None` if Bevy has not extracted the light.
@@ -410,7 +437,7 @@ fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    wanted: [(VisibilitySource, bool); 4],
+    wanted: [(VisibilitySource, bool); 5],
     gpu: &mut DrawnWith,
 ) -> Option<LightPipelines> {
     let mut ready = true;

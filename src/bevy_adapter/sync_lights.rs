@@ -1,4 +1,4 @@
-//! Synchronisation of the mirrors' lights with the game's lights that have a technique.
+//! Synchronisation of the mirrors' lights with the game's lights that have a technique or a light model.
 
 use bevy::camera::visibility::{InheritedVisibility, RenderLayers};
 use bevy::ecs::prelude::*;
@@ -10,6 +10,7 @@ use bevy::transform::components::GlobalTransform;
 use super::light_convert::{convert_light, selection};
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::report::LightlessTechniques;
+use super::sync_models::{copy_model, has_model};
 use super::techniques::TouchedLights;
 use crate::scene::{Light, LightSelection};
 use crate::techniques::Techniques;
@@ -48,7 +49,7 @@ pub struct RemovedFromLights<'w, 's> {
     selection: Extract<'w, 's, RemovedComponents<'static, 'static, LightSelection>>,
 }
 
-/// Copies lights that appeared, changed, were hidden or lost their technique to the mirrors.
+/// Copies lights that appeared, changed, were hidden or lost their technique and their light model to the mirrors.
 ///
 /// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only
 /// reads change ticks.
@@ -107,7 +108,7 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
         return;
     };
     let layers = light.get::<RenderLayers>();
-    let shines = techniques.on(light).next().is_some()
+    let shines = (techniques.on(light).next().is_some() || has_model(&light))
         && light
             .get::<InheritedVisibility>()
             .is_none_or(|visibility| visibility.get())
@@ -138,4 +139,5 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     for row in techniques.rows() {
         row.copy(&light, &mut target);
     }
+    copy_model(&light, &mut target);
 }

@@ -47,11 +47,15 @@ pub struct LightDraw {
     pub unindexed: Unindexed,
     /// Bevy's index of a point or spot light in x.
     pub index: [u32; 4],
+    /// Weights of ambient, diffuse and specular light; w: darkness of shadows.
+    pub weights: [f32; 4],
+    /// Colour of shadows, linear RGB, for a light whose largest component is 1; w unused.
+    pub shadow: [f32; 4],
 }
 
 // These are the sizes in the shaders. Naga cannot read those shaders without Bevy's, so no test compares the
 // structs. `tests/bevy/shading.rs` would show a difference in the picture.
-const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 48);
+const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 80);
 
 /// The uniforms and pipelines with which a light of the frame is drawn.
 #[derive(Clone, Copy, Debug)]

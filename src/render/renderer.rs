@@ -15,6 +15,7 @@ use super::gpu::buffers::GrowingBuffer;
 use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
 use super::light_function::LightFunction;
+use super::light_model::function::{LightModelFunction, is_scaled};
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
@@ -32,6 +33,7 @@ use super::recorder::{Leaves, Recorder};
 use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
+use crate::sets::FrameLights;
 
 /// Draws the frames of one view. It is a resource: the systems of the set `PrepareGpu` prepare a frame, and
 /// [`Renderer::record`] records it.
@@ -59,10 +61,12 @@ pub struct Renderer {
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Recorders,
     pub(super) functions: Vec<Box<dyn LightFunction>>,
+    has_light_model: bool,
     pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
+    pub(super) host_terms: bool,
     pub(super) host_depth: Option<HostDepth>,
     pub(super) host_select: Option<HostSelect>,
     pub(super) keep_visibility: Option<KeepVisibility>,
@@ -126,10 +130,12 @@ impl Renderer {
             draw_lists: DrawListBuilder::default(),
             techniques: Recorders::default(),
             functions: Vec::new(),
+            has_light_model: false,
             stencil_to_mask: None,
             targets: None,
             radiance: None,
             host: None,
+            host_terms: false,
             host_depth: None,
             host_select: None,
             keep_visibility: None,
@@ -185,6 +191,17 @@ impl Renderer {
     /// Returns whether any function was added that can scale lights.
     pub fn has_light_functions(&self) -> bool {
         !self.functions.is_empty()
+    }
+
+    /// Adds the function of the light model with the first light that needs it. A renderer whose lights have no
+    /// model makes nothing of it.
+    pub(super) fn require_light_model(&mut self, lights: &FrameLights) -> Result<(), RenderError> {
+        if !self.has_light_model && lights.lights.iter().any(is_scaled) {
+            let function = LightModelFunction::new(&self.gpu)?;
+            self.add_light_function(Box::new(function))?;
+            self.has_light_model = true;
+        }
+        Ok(())
     }
 
     /// The long-lived part that this view shares with others: device, shaders, layouts, pipelines, meshes,
@@ -295,6 +312,14 @@ impl Renderer {
         let Gpu { context, layouts, .. } = &*self.gpu;
         if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
             self.masks = Some(MaskTargets::new(context, layouts, targets)?);
+        }
+        let mut lights = self.frame.lights.iter();
+        if let (Some(masks), true) = (&mut self.masks, lights.any(|light| light.is_tinted)) {
+            masks.require_factors(context, layouts)?;
+        }
+        if self.stencil_to_mask.is_none() && self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil)
+        {
+            self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
         }
         if self.front.is_none() && self.frame.has_front_layer() {
             let label = "front depth and stencil";

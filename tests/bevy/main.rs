@@ -16,6 +16,7 @@ mod foreign;
 mod forward;
 mod harness;
 mod lifetimes;
+mod light_model;
 mod minimal;
 mod models;
 mod reports;

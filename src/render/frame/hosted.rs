@@ -67,6 +67,10 @@ pub struct HostedLight<'a> {
     /// [`LightFunction`](crate::render::LightFunction) scales the light. If false, the host does not apply
     /// the mask to such surfaces.
     pub is_scaled: bool,
+    /// The factors of light functions, for a light whose ambient, diffuse and specular light have weights or whose
+    /// shadow has a colour, if the host adds such terms ([`Renderer::set_host_terms`]). The mask then holds the
+    /// visible share alone, for all surfaces, and the factors scale all terms.
+    pub factors: Option<&'a wgpu::TextureView>,
 }
 
 /// Returns the stencil test of the pixels that a light reaches and affects, and, if the light has no mask,
@@ -109,6 +113,13 @@ impl Renderer {
         }
         self.host = host;
         Ok(())
+    }
+
+    /// Tells whether the host weights ambient, diffuse and specular light, and gives shadows their colour
+    /// ([`LightModel`](crate::scene::LightModel)). A host that does not gets one mask for each light, which scales
+    /// all that the light gives. Default: it does not.
+    pub fn set_host_terms(&mut self, adds_terms: bool) {
+        self.host_terms = adds_terms;
     }
 
     /// Records the prepared frame over the host's picture. It calls `add` once for each light that reaches
@@ -201,6 +212,12 @@ impl Renderer {
             light: light.light,
             scissor: light.scissor,
             is_scaled: light.is_scaled,
+            factors: self
+                .masks
+                .as_ref()
+                .filter(|_| light.is_tinted)
+                .and_then(|masks| masks.factors.as_ref())
+                .map(|factors| &factors.view),
             mask: self
                 .masks
                 .as_ref()

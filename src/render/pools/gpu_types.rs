@@ -32,7 +32,7 @@ pub struct Object {
     pub relative_from_local_y: [f32; 4],
     /// Third row of the affine map from local space to world axes with the origin at the eye.
     pub relative_from_local_z: [f32; 4],
-    /// x: sign of the determinant of the object's transform; yzw unused.
+    /// x: sign of the determinant of the object's transform; yzw: weights of ambient, diffuse and specular light.
     pub handedness: [f32; 4],
 }
 
@@ -69,6 +69,40 @@ pub struct Light {
     /// Vector along a rectangle's height with half its length; w: 1 for rectangles and spheres that have an
     /// extent, else 0.
     pub half_up: [f32; 4],
+    /// Weights of ambient, diffuse and specular light; w: darkness of shadows.
+    pub weights: [f32; 4],
+    /// Linear RGB times intensity, in shadows; w unused.
+    pub shadow_emission: [f32; 4],
+    /// Shape and distances of the light.
+    pub shape: LightShape,
+}
+
+/// Mirror of `LightShape` in `shaders/common/light_shape.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightShape {
+    /// First row of the affine map from eye-relative positions to light space.
+    pub light_from_relative_x: [f32; 4],
+    /// Second row of the affine map from eye-relative positions to light space.
+    pub light_from_relative_y: [f32; 4],
+    /// Third row of the affine map from eye-relative positions to light space: the depth in front of the light.
+    pub light_from_relative_z: [f32; 4],
+    /// Semi-axes of the superellipse: of the region of full intensity in xy, of the whole region in zw.
+    pub semi_axes: [f32; 4],
+    /// Depth at which the light begins to fade in, inverse length of that edge, depth at which it begins to fade
+    /// out, inverse length of that edge.
+    pub distance: [f32; 4],
+    /// Exponent of the superellipse; its inverse; 1 if the light has barn doors, else 0; 1 if the region of full
+    /// intensity has an area, else 0.
+    pub form: [f32; 4],
+}
+
+/// Mirror of `LightModel` in `shaders/passes/light_model.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightModel {
+    /// Shape and distances of the light.
+    pub shape: LightShape,
 }
 
 /// Mirror of `Slot` in `shaders/common/surface.wgsl`.
