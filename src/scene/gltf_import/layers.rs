@@ -2,18 +2,18 @@
 
 use bevy_ecs::prelude::*;
 
-use super::spawn::{Parent, SpawnedScene};
 use super::{Element, GltfError, LoadedGltf};
-use crate::scene::{LayerNames, SelectionLayers};
+use crate::scene::{LayerNames, SceneNodes, SelectionLayers};
 
 /// Puts the meshes of the scene's nodes on the layers that the extras of the nodes and of their ancestors name.
+/// `parent` gives the parent of a node in the scene.
 ///
 /// # Errors
 /// A name for which no layer is left.
 pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
-    parents: &[Parent],
+    parent: impl Fn(usize) -> Option<usize>,
     meshes: &[Option<Entity>],
 ) -> Result<(), GltfError> {
     if gltf.nodes.iter().all(|node| node.visibility.layers.is_none()) {
@@ -32,10 +32,7 @@ pub(super) fn spawn(
                     reason: error.to_string(),
                 })?;
             }
-            at = match parents[node] {
-                Parent::Node(parent) => Some(parent),
-                Parent::Scene | Parent::NotInScene => None,
-            };
+            at = parent(node);
         }
         if bits != 0 {
             put_on(world, mesh, bits);
@@ -49,13 +46,8 @@ pub(super) fn spawn(
 /// some node gave to a layer, or to which no node answers, puts nothing on the layer.
 ///
 /// Returns `None` if neither a node nor a layer has the name, or if no layer is left.
-pub fn layer_of_name(
-    world: &mut World,
-    gltf: &LoadedGltf,
-    spawned: &SpawnedScene,
-    name: &str,
-) -> Option<u32> {
-    let named = |index: &usize| gltf.nodes[*index].name == name && spawned.nodes.nodes[*index].is_some();
+pub fn layer_of_name(world: &mut World, gltf: &LoadedGltf, nodes: &SceneNodes, name: &str) -> Option<u32> {
+    let named = |index: &usize| gltf.nodes[*index].name == name && nodes.nodes[*index].is_some();
     let mut open: Vec<usize> = (0..gltf.nodes.len()).filter(named).collect();
     let mut names = world.get_resource_or_init::<LayerNames>();
     let bit = match names.bit(name) {
@@ -65,7 +57,7 @@ pub fn layer_of_name(
     };
     while let Some(node) = open.pop() {
         open.extend(&gltf.nodes[node].children);
-        if let Some(mesh) = spawned.nodes.meshes[node] {
+        if let Some(mesh) = nodes.meshes[node] {
             put_on(world, mesh, bit);
         }
     }

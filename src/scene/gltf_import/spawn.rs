@@ -100,7 +100,11 @@ pub fn spawn_scene(
         spawn_node(world, gltf, index, entity, &mut spawned);
     }
     cells::spawn(world, gltf, &spawned.nodes.nodes, &spawned.nodes.meshes);
-    layers::spawn(world, gltf, &parents, &spawned.nodes.meshes)?;
+    let parent = |node: usize| match parents[node] {
+        Parent::Node(parent) => Some(parent),
+        Parent::Scene | Parent::NotInScene => None,
+    };
+    layers::spawn(world, gltf, parent, &spawned.nodes.meshes)?;
     world.entity_mut(root).insert(spawned.nodes.clone());
     Ok(spawned)
 }
@@ -164,7 +168,7 @@ fn spawn_node(
 }
 
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Parent {
+enum Parent {
     NotInScene,
     Scene,
     Node(usize),
