@@ -6,3 +6,4 @@ mod gltf_import;
 mod gltf_robustness;
 mod gltf_visibility;
 mod in_the_world;
+mod layers;

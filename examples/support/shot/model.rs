@@ -163,7 +163,7 @@ impl ShotModel {
             let Some(names) = names else { continue };
             *mask = 0;
             for name in names {
-                let bit = layer_of_name(world, loaded, spawned, name);
+                let bit = layer_of_name(world, loaded, &spawned.nodes, name);
                 *mask |=
                     bit.ok_or_else(|| format!("{key}: neither a node nor a layer has the name `{name}`"))?;
             }

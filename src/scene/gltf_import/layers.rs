@@ -2,18 +2,18 @@
 
 use bevy_ecs::prelude::*;
 
-use super::spawn::{Parent, SpawnedScene};
 use super::{Element, GltfError, LoadedGltf};
-use crate::scene::{LayerNames, SelectionLayers};
+use crate::scene::{LayerNames, SceneMesh, SceneNodes, SelectionLayers};
 
 /// Puts the meshes of the scene's nodes on the layers that the extras of the nodes and of their ancestors name.
+/// `parent` gives the parent of a node in the scene.
 ///
 /// # Errors
 /// A name for which no layer is left.
 pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
-    parents: &[Parent],
+    parent: impl Fn(usize) -> Option<usize>,
     drawn: &[(usize, Entity)],
 ) -> Result<(), GltfError> {
     if gltf.nodes.iter().all(|node| node.visibility.layers.is_none()) {
@@ -31,10 +31,7 @@ pub(super) fn spawn(
                     reason: error.to_string(),
                 })?;
             }
-            at = match parents[node] {
-                Parent::Node(parent) => Some(parent),
-                Parent::Scene | Parent::NotInScene => None,
-            };
+            at = parent(node);
         }
         if bits != 0 {
             put_on(world, mesh, bits);
@@ -48,13 +45,8 @@ pub(super) fn spawn(
 /// some node gave to a layer, or to which no node answers, puts nothing on the layer.
 ///
 /// Returns `None` if neither a node nor a layer has the name, or if no layer is left.
-pub fn layer_of_name(
-    world: &mut World,
-    gltf: &LoadedGltf,
-    spawned: &SpawnedScene,
-    name: &str,
-) -> Option<u32> {
-    let named = |index: &usize| gltf.nodes[*index].name == name && spawned.nodes.nodes[*index].is_some();
+pub fn layer_of_name(world: &mut World, gltf: &LoadedGltf, nodes: &SceneNodes, name: &str) -> Option<u32> {
+    let named = |index: &usize| gltf.nodes[*index].name == name && nodes.nodes[*index].is_some();
     let mut open: Vec<usize> = (0..gltf.nodes.len()).filter(named).collect();
     let mut names = world.get_resource_or_init::<LayerNames>();
     let bit = match names.bit(name) {
@@ -64,13 +56,14 @@ pub fn layer_of_name(
     };
     while let Some(node) = open.pop() {
         open.extend(&gltf.nodes[node].children);
-        let (entity, of_node) = (spawned.nodes.nodes[node], spawned.nodes.meshes[node]);
-        for &mesh in &spawned.meshes {
-            // Instances of the node's mesh are children of its entity.
-            let parent = world.get::<ChildOf>(mesh).map(ChildOf::parent);
-            if Some(mesh) == of_node || (entity.is_some() && parent == entity) {
-                put_on(world, mesh, bit);
-            }
+        // Instances of the node's mesh are children of its entity.
+        let children = nodes.nodes[node].and_then(|entity| world.get::<Children>(entity));
+        let instances = children.into_iter().flatten().copied();
+        let mut meshes: Vec<Entity> = instances.collect();
+        meshes.retain(|&child| world.get::<SceneMesh>(child).is_some());
+        meshes.extend(nodes.meshes[node]);
+        for mesh in meshes {
+            put_on(world, mesh, bit);
         }
     }
     Some(bit)

@@ -108,7 +108,11 @@ pub fn spawn_scene(
         drawn.extend(spawned.meshes[before..].iter().map(|&mesh| (index, mesh)));
     }
     cells::spawn(world, gltf, &spawned.nodes.nodes, &drawn);
-    layers::spawn(world, gltf, &parents, &drawn)?;
+    let parent = |node: usize| match parents[node] {
+        Parent::Node(parent) => Some(parent),
+        Parent::Scene | Parent::NotInScene => None,
+    };
+    layers::spawn(world, gltf, parent, &drawn)?;
     world.entity_mut(root).insert(spawned.nodes.clone());
     reports::keep(world, gltf, root);
     Ok(spawned)
@@ -202,7 +206,7 @@ fn hidden_nodes(nodes: &[GltfNode], roots: &[usize]) -> Vec<bool> {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Parent {
+enum Parent {
     NotInScene,
     Scene,
     Node(usize),

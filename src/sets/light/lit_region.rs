@@ -3,7 +3,6 @@
 use glam::{DVec3, DVec4};
 
 use super::light_volume::LightVolume;
-use super::placing::Shining;
 use crate::geometry::{Aabb, Pyramid};
 use crate::scene::LightModel;
 use crate::sets::view::screen::{Projector, ScreenBounds};
@@ -35,14 +34,15 @@ struct Near {
 const SLACK: f64 = 1e-5;
 
 impl LitRegion {
-    /// The region of a light, from its volume, its barn doors and its distances.
+    /// The region of a light, from its volume, its barn doors and its distances. The light stands at `center` and
+    /// shines along the unit vector `along`.
     pub(super) fn new(
         volume: LightVolume,
         doors: Option<&Pyramid>,
         model: &LightModel,
-        shining: &Shining,
+        center: DVec3,
+        along: DVec3,
     ) -> Self {
-        let [.., along] = shining.axes;
         let near = model
             .distance
             .filter(|distance| distance.near > distance.near_edge);
@@ -52,7 +52,7 @@ impl LitRegion {
             aabb: doors.and_then(Pyramid::aabb),
             near: near.map(|distance| Near {
                 depth: f64::from(distance.near - distance.near_edge) * (1.0 - SLACK) - SLACK,
-                center: shining.emitter.point.truncate(),
+                center,
                 along: doors.is_some().then_some(along),
             }),
         }

@@ -125,7 +125,15 @@ fn with_model(light: &Light, shining: &Shining, direction: Vec3, model: &LightMo
         slopes,
         depth: depth.min(f64::from(light.range)),
     });
-    let lit = LitRegion::new(volume_of(extent(&actual)), pyramid.as_ref(), model, shining);
+    let [.., along] = shining.axes;
+    let stands_at = actual.point.truncate();
+    let lit = LitRegion::new(
+        volume_of(extent(&actual)),
+        pyramid.as_ref(),
+        model,
+        stands_at,
+        along,
+    );
 
     let mut emitter = softened(&actual, light.kind, model.softness);
     let mut volume = volume_of(extent(&actual).max(extent(&emitter)));
