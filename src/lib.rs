@@ -142,9 +142,9 @@ pub mod prelude {
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
-        AlphaMode, Camera, Cell, CulledCasters, FaceCulling, InCells, Light, LightKind, LightSelection,
-        Material, MeshData, Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
-        ShadowReceiver,
+        AlphaMode, Camera, Cell, Cookie, CookieImage, CulledCasters, FaceCulling, InCells, Light, LightKind,
+        LightProfile, LightSelection, Material, MeshData, Occluder, Portal, SceneMaterials, SceneMesh,
+        SelectionLayers, ShadowCaster, ShadowReceiver,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};

@@ -189,13 +189,14 @@ impl CutOutCasters {
     }
 }
 
-/// Whether a light of a mirror is shadowed from silhouettes.
+/// Whether a light of a mirror is shadowed from triangles alone. Techniques that need the silhouettes of all
+/// casters that the light reaches draw pictures beside them, which have the holes.
 fn has_light_of_triangles(mirror: &Mirror) -> bool {
     let lights = mirror.world.resource::<FrameLights>();
     let techniques = lights.lights.iter().filter_map(|light| light.technique);
     techniques
         .map(|technique| technique.needs.silhouettes)
-        .any(|needed| needed != NeededSilhouettes::None)
+        .any(|needed| needed == NeededSilhouettes::Shadowing)
 }
 
 /// The cut-outs of the game's materials, and Bevy's textures.

@@ -3,6 +3,7 @@
 pub use super::{AntumbraCamera, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
-    LightDistance, LightSelection, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+    Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights, ShadowOrigin,
+    ShadowSoftness, ShadowTint,
 };
 pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};

@@ -8,14 +8,18 @@ use bevy::render::{ExtractSchedule, RenderApp};
 
 use super::systems::AntumbraExtractSystems;
 use super::techniques::{TouchedLights, collect_touched};
-use crate::scene::{LightDistance, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint};
+use crate::scene::{
+    Cookie, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+};
 
 /// Calls a macro with every component of the light model.
 macro_rules! for_parts {
     ($call:ident) => {
         $call!(
+            Cookie,
             LightShape,
             LightDistance,
+            LightProfile,
             LightWeights,
             ShadowTint,
             ShadowOrigin,
@@ -69,13 +73,13 @@ pub(super) fn remove_model(light: &mut EntityWorldMut) {
     for_parts!(remove);
 }
 
-fn copy_part<T: Component<Mutability = Mutable> + Copy + PartialEq>(
+fn copy_part<T: Component<Mutability = Mutable> + Clone + PartialEq>(
     from: &EntityRef,
     to: &mut EntityWorldMut,
 ) {
     match (from.get::<T>(), to.get::<T>()) {
         (Some(new), old) if old != Some(new) => {
-            to.insert(*new);
+            to.insert(new.clone());
         }
         (None, Some(_)) => {
             to.remove::<T>();

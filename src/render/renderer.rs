@@ -16,6 +16,7 @@ use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
 use super::light_function::LightFunction;
 use super::light_model::function::{LightModelFunction, is_scaled};
+use super::light_model::textures::function::LightTextureFunction;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
@@ -62,6 +63,7 @@ pub struct Renderer {
     pub(super) techniques: Recorders,
     pub(super) functions: Vec<Box<dyn LightFunction>>,
     has_light_model: bool,
+    has_light_textures: bool,
     pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
@@ -131,6 +133,7 @@ impl Renderer {
             techniques: Recorders::default(),
             functions: Vec::new(),
             has_light_model: false,
+            has_light_textures: false,
             stencil_to_mask: None,
             targets: None,
             radiance: None,
@@ -193,13 +196,18 @@ impl Renderer {
         !self.functions.is_empty()
     }
 
-    /// Adds the function of the light model with the first light that needs it. A renderer whose lights have no
+    /// Adds the functions of the light model, each with the first light that needs it. A renderer whose lights have no
     /// model makes nothing of it.
     pub(super) fn require_light_model(&mut self, lights: &FrameLights) -> Result<(), RenderError> {
         if !self.has_light_model && lights.lights.iter().any(is_scaled) {
             let function = LightModelFunction::new(&self.gpu)?;
             self.add_light_function(Box::new(function))?;
             self.has_light_model = true;
+        }
+        if !self.has_light_textures && lights.lights.iter().any(|light| !light.textures.is_empty()) {
+            let function = LightTextureFunction::new(&self.gpu);
+            self.add_light_function(Box::new(function))?;
+            self.has_light_textures = true;
         }
         Ok(())
     }

@@ -8,7 +8,7 @@
 //! | [`SelectionLayers`] | which lights select an entity ([`LightSelection`]) |
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a further component ([`techniques`](crate::techniques)) |
-//! | [`LightShape`], [`LightDistance`], [`LightWeights`], [`ShadowTint`], [`ShadowOrigin`], [`ShadowSoftness`] | the light model (`light_model`): what an artist sets on a light |
+//! | [`LightShape`], [`LightDistance`], [`LightWeights`], [`ShadowTint`], [`ShadowOrigin`], [`ShadowSoftness`], [`Cookie`], [`LightProfile`] | the light model (`light_model`): what an artist sets on a light |
 //! | [`SurfaceWeights`] | how an object answers ambient, diffuse and specular light |
 //! | [`Camera`], [`IgnoresScale`] | the view, and whether it leaves the scale of its transform out |
 //! | [`Skin`], [`MorphWeights`] | how a mesh is posed each frame into [`PosedMesh`] |
@@ -48,8 +48,10 @@ pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use light_model::{
-    LayerNames, LightDistance, LightModel, LightModelFault, LightModelParts, LightShape, LightWeights,
-    ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights, TooManyLayers,
+    Cookie, CookieError, CookieImage, CookieImageError, LayerNames, LightDistance, LightModel,
+    LightModelFault, LightModelParts, LightProfile, LightShape, LightTextures, LightWeights,
+    LoadProfileError, ProfileError, ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint,
+    SurfaceWeights, TooManyLayers,
 };
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};

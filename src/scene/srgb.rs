@@ -24,7 +24,7 @@ impl Encoding {
     fn new() -> Self {
         let mut least = [0.0; 257];
         least[256] = f32::INFINITY;
-        for byte in 1..256 {
+        for (byte, least) in least.iter_mut().enumerate().take(256).skip(1) {
             // Positive numbers are in the order of their bits.
             let (mut low, mut high) = (0, 1.0f32.to_bits());
             while low < high {
@@ -35,7 +35,7 @@ impl Encoding {
                     low = middle + 1;
                 }
             }
-            least[byte] = f32::from_bits(high);
+            *least = f32::from_bits(high);
         }
         let first = (0..=CELLS).map(|cell| encode_by_formula(cell as f32 / CELLS as f32));
         Self {
@@ -46,16 +46,19 @@ impl Encoding {
 }
 
 /// The linear value of a byte, 0..=1.
+#[cfg(any(feature = "gltf", test))]
 pub(crate) fn decode(byte: u8) -> f32 {
     DECODED[usize::from(byte)]
 }
 
 /// The linear values of all bytes, for loops that decode many.
+#[cfg(feature = "render")]
 pub(crate) fn decoded() -> &'static [f32; 256] {
     &DECODED
 }
 
 /// The byte of a linear value. Values outside 0..=1 are clamped.
+#[cfg(any(feature = "gltf", test))]
 pub(crate) fn encode(linear: f32) -> u8 {
     Encoder::default().encode(linear)
 }

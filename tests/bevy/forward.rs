@@ -103,7 +103,8 @@ fn without_casters_forward_meshes_are_bevys_to_the_bit() {
     }
     let shadowed = game.run(3).settled(camera);
     shadowed.save("forward_shadowed");
-    assert!(shadowed.difference(&bevys).channels > 1000);
+    let shadow = shadowed.difference(&bevys).channels;
+    assert!(shadow > 100, "{shadow} channels");
     // There is room for the masks of 16 lights.
     let standing = |game: &mut Game| {
         game.world()

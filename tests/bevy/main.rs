@@ -17,6 +17,7 @@ mod forward;
 mod harness;
 mod lifetimes;
 mod light_model;
+mod light_textures;
 mod minimal;
 mod models;
 mod reports;

@@ -2,6 +2,7 @@
 
 mod area_lights;
 mod bad_input;
+mod barn_map;
 mod blended_receivers;
 mod cpu_gpu_parity;
 mod faults;
@@ -9,6 +10,7 @@ mod harness;
 mod hosted;
 mod layout_contract;
 mod light_model;
+mod light_textures;
 mod maps;
 mod mask_contract;
 mod occlusion_pictures;

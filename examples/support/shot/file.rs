@@ -61,6 +61,10 @@ impl Shot {
         let folder = path.parent().unwrap_or(Path::new(""));
         shot.scene = folder.join(&shot.scene);
         for (index, light) in shot.lights.iter_mut().flatten().enumerate() {
+            light
+                .model
+                .find_files(folder)
+                .map_err(|error| format!("{}: lights[{index}].{error}", path.display()))?;
             if let ShotEmission::Rect {
                 texture: Some(texture),
                 ..

@@ -35,6 +35,7 @@ mod camera;
 mod file;
 mod light;
 mod model;
+mod textures;
 
 pub use camera::ShotCamera;
 pub use file::Shot;

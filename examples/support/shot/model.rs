@@ -1,5 +1,7 @@
 //! The light model of a shot's light: the keys that every kind of light may have.
 
+use std::path::{Path, PathBuf};
+
 use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, layer_of_name};
 use antumbra::scene::{
@@ -9,6 +11,8 @@ use bevy_ecs::prelude::*;
 use glam::Vec3;
 use serde::Deserialize;
 use serde_json::{Map, Value};
+
+use super::textures::{ShotCookie, check_profile, load_profile};
 
 /// The light model of a light. Each key may be left out.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -30,6 +34,10 @@ pub struct ShotModel {
     pub shadow_direction: Option<[f32; 3]>,
     /// Radius of the extent that shadows are cast with, metres.
     pub shadow_softness: Option<f32>,
+    /// Picture before the light.
+    pub cookie: Option<ShotCookie>,
+    /// Path of an IES or EULUMDAT file, relative to the shot file.
+    pub profile: Option<PathBuf>,
     /// Names of the nodes or layers that the light lights. Default: all.
     pub affects: Option<Vec<String>>,
     /// Names of the nodes or layers that block the light. Default: all.
@@ -39,7 +47,7 @@ pub struct ShotModel {
 }
 
 /// The keys of a [`ShotModel`].
-const KEYS: [&str; 11] = [
+const KEYS: [&str; 13] = [
     "shape",
     "distance",
     "weights",
@@ -48,6 +56,8 @@ const KEYS: [&str; 11] = [
     "shadow_origin",
     "shadow_direction",
     "shadow_softness",
+    "cookie",
+    "profile",
     "affects",
     "casts_for",
     "shows_on",
@@ -89,7 +99,30 @@ impl ShotModel {
         LightModel::of(parts, light.kind, |fault| {
             first.get_or_insert(fault);
         });
+        if let Some(cookie) = &self.cookie {
+            cookie.check(light.kind)?;
+        }
+        if self.profile.is_some() {
+            check_profile(light.kind)?;
+        }
         first.map_or(Ok(()), |fault| Err(fault.to_string()))
+    }
+
+    /// Makes the paths relative to the current folder. The files are read here only to report errors with the shot
+    /// file's name, and again when the light is spawned.
+    ///
+    /// # Errors
+    /// Names the key and the file.
+    pub fn find_files(&mut self, folder: &Path) -> Result<(), String> {
+        if let Some(cookie) = &mut self.cookie {
+            cookie.path = folder.join(&cookie.path);
+            cookie.load(LightKind::Point)?;
+        }
+        if let Some(profile) = &mut self.profile {
+            *profile = folder.join(&*profile);
+            load_profile(profile)?;
+        }
+        Ok(())
     }
 
     fn tint(&self) -> Option<ShadowTint> {
@@ -114,7 +147,7 @@ impl ShotModel {
     /// Inserts the components into a light of a scene.
     ///
     /// # Errors
-    /// A name that neither a node nor a layer of the scene has.
+    /// A name that neither a node nor a layer of the scene has, or a file that cannot be read.
     pub fn insert(
         &self,
         world: &mut World,
@@ -135,7 +168,16 @@ impl ShotModel {
                     bit.ok_or_else(|| format!("{key}: neither a node nor a layer has the name `{name}`"))?;
             }
         }
+        let kind = world
+            .get::<Light>(light)
+            .map_or(LightKind::Point, |light| light.kind);
         let mut entity = world.entity_mut(light);
+        if let Some(cookie) = &self.cookie {
+            entity.insert(cookie.load(kind)?);
+        }
+        if let Some(profile) = &self.profile {
+            entity.insert(load_profile(profile)?);
+        }
         if selection != LightSelection::default() {
             entity.insert(selection);
         }

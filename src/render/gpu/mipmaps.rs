@@ -4,8 +4,9 @@
 //! works on bands of rows: of the first level, which is the largest, only the rows that a band needs are decoded, so
 //! that it never exists as numbers. Between levels nothing is rounded to bytes.
 //!
-//! FlightHelmet's 15 textures, 41 million texels, take 0.6 s of two threads in the profile of the tests, where one
-//! thread and the resampling of the `image` crate took 10 s; the results are the same bit for bit.
+//! To decode ten pictures of 2048 × 2048, 42 million texels, to make their mipmaps and to draw them takes `examples/render`
+//! 1.0 s of CPU time in all, in the profile of the tests. The results are those of the resampling in the `image` crate,
+//! bit for bit.
 
 use glam::Vec4;
 

@@ -105,6 +105,36 @@ pub struct LightModel {
     pub shape: LightShape,
 }
 
+/// Mirror of `LightTexture` in `shaders/common/light_texture.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightTexture {
+    /// First row of the affine map from eye-relative positions to light space: to the right, seen from the light.
+    pub light_from_relative_x: [f32; 4],
+    /// Second row of the affine map from eye-relative positions to light space: upwards.
+    pub light_from_relative_y: [f32; 4],
+    /// Third row of the affine map from eye-relative positions to light space: the depth before the light.
+    pub light_from_relative_z: [f32; 4],
+    /// Columns of the linear map from coordinates on the surface of the cookie's picture to texture coordinates.
+    pub uv_matrix: [f32; 4],
+    /// Texture coordinates of the surface's origin.
+    pub uv_origin: [f32; 2],
+    /// Density of the cookie, 0 to 1.
+    pub density: f32,
+    /// Unused padding.
+    pub unused: f32,
+    /// Direction of the profile's polar angle 0, in light space; w: first polar angle, radians.
+    pub profile_axes_pole: [f32; 4],
+    /// Direction of the profile's azimuth 0, in light space; w: first azimuth, radians.
+    pub profile_axes_zero: [f32; 4],
+    /// Direction of the profile's azimuth of 90 degrees, in light space; w unused.
+    pub profile_axes_quarter: [f32; 4],
+    /// Steps of the profile's table in a radian: of the polar angle, of the azimuth.
+    pub profile_steps: [f32; 2],
+    /// Last index of the profile's table: of polar angles, of azimuths.
+    pub profile_last: [f32; 2],
+}
+
 /// Mirror of `Slot` in `shaders/common/surface.wgsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]

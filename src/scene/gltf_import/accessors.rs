@@ -32,6 +32,7 @@ pub(super) struct Accessors<'a> {
 }
 
 /// The elements of an accessor that a compressed primitive holds.
+#[cfg_attr(not(feature = "gltf-draco"), allow(dead_code, reason = "nothing is decoded"))]
 pub(super) struct DecodedAccessor {
     /// The elements one after the other, little-endian.
     pub bytes: Vec<u8>,
@@ -81,6 +82,7 @@ impl<'a> Accessors<'a> {
     }
 
     /// Gives an accessor the elements of a compressed primitive. From now on it reads them.
+    #[cfg(feature = "gltf-draco")]
     pub fn decode(&mut self, accessor: usize, elements: DecodedAccessor) {
         self.decoded.insert(accessor, elements);
     }

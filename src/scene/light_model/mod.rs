@@ -11,6 +11,8 @@
 //! | [`LightShape`] | barn doors: the superellipse in which the light shines | the light function, the volume |
 //! | [`LightDistance`] | the depths between which the light shines | the light function, the volume |
 //! | [`LightWeights`], [`SurfaceWeights`] | weights of ambient, diffuse and specular light | the light pass |
+//! | [`Cookie`] | a picture before the light, which colours and shapes it | the light textures |
+//! | [`LightProfile`] | intensity by direction, as measured (IES, EULUMDAT) | the light textures |
 //! | [`ShadowTint`] | colour and darkness of the light's shadows | the light pass |
 //! | [`ShadowOrigin`] | the place from which shadows are cast, if it is not the light's | the sets, techniques |
 //! | [`ShadowSoftness`] | the extent that shadows are cast with, if it is not the light's | the sets, techniques |
@@ -24,16 +26,22 @@
 //! Source: Pellacini & Vidimce 2004, "Cinematic Lighting", GPU Gems ch. 10, after Barzel 1997, "Lighting
 //! Controls for Computer Cinematography".
 
+pub(crate) mod cookie;
 pub(crate) mod distance;
 pub(crate) mod layer_names;
 pub(crate) mod model;
+pub(crate) mod profile;
 pub(crate) mod shadow;
 pub(crate) mod shape;
+pub(crate) mod textures;
 pub(crate) mod weights;
 
+pub use cookie::{Cookie, CookieError, CookieImage, CookieImageError};
 pub use distance::LightDistance;
 pub use layer_names::{LayerNames, TooManyLayers};
 pub use model::{LightModel, LightModelFault, LightModelParts};
+pub use profile::{LightProfile, LoadProfileError, ProfileError, ProfileFault, ProfileTable};
 pub use shadow::{ShadowOrigin, ShadowSoftness, ShadowTint};
 pub use shape::LightShape;
+pub use textures::LightTextures;
 pub use weights::{LightWeights, SurfaceWeights};

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::cookie::CookieError;
 use super::distance::LightDistance;
 use super::shadow::{ShadowOrigin, ShadowSoftness, ShadowTint};
 use super::shape::LightShape;
@@ -94,6 +95,9 @@ pub enum LightModelFault {
         /// What the light needs.
         needs: &'static str,
     },
+    /// A number of the cookie cannot be used.
+    #[error("Cookie: {0}")]
+    Cookie(CookieError),
     /// The shadow's origin lies behind a light that shines to one side. The origin is used.
     #[error("ShadowOrigin lies behind the light, so that objects behind the light cast shadows, too")]
     OriginBehind,
@@ -116,6 +120,7 @@ impl LightModelFault {
             Self::Distance { .. } => 3,
             Self::NearBeyondFar { .. } => 4,
             Self::Directional("LightShape") => 5,
+            Self::Directional("LightProfile") => 14,
             Self::Directional(_) => 6,
             Self::Weight { .. } => 7,
             Self::ShadowColor(_) => 8,
@@ -123,6 +128,7 @@ impl LightModelFault {
             Self::Origin(_) => 10,
             Self::OriginKind { .. } => 11,
             Self::Softness(_) => 12,
+            Self::Cookie(_) => 15,
             Self::OriginBehind => 13,
         }
     }

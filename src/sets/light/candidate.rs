@@ -5,7 +5,7 @@ use bevy_transform::prelude::GlobalTransform;
 use glam::Vec3;
 
 use super::placing::Placed;
-use crate::scene::{Light, LightModel, LightSelection};
+use crate::scene::{Light, LightModel, LightSelection, LightTextures};
 
 /// The state of a light's entity in this frame.
 #[derive(Clone, Debug)]
@@ -15,6 +15,7 @@ pub(super) struct Candidate {
     pub world_from_light: GlobalTransform,
     pub selection: LightSelection,
     pub model: LightModel,
+    pub textures: LightTextures,
     pub placed: Placed,
 }
 

@@ -16,7 +16,7 @@ use super::placing::Shining;
 use super::scissor::ScissorRect;
 use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
-use crate::scene::{Light, LightKind, LightModel, LightSelection};
+use crate::scene::{Light, LightKind, LightModel, LightSelection, LightTextures};
 use crate::sets::index::objects::Objects;
 
 /// The widest half-angle of a map of a spot light whose shadows are moved, radians: 80°.
@@ -47,6 +47,8 @@ pub struct FrameLight {
     pub selection: LightSelection,
     /// The usable parts of the light model that stand beside the entity's [`Light`].
     pub model: LightModel,
+    /// The usable textures of the light model: cookie and profile.
+    pub textures: LightTextures,
     /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
     pub technique: Option<LightTechnique>,
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
@@ -231,6 +233,7 @@ impl FrameLight {
             direction: candidate.placed.direction,
             selection: candidate.selection,
             model: candidate.model,
+            textures: candidate.textures.clone(),
             technique: None,
             moved: true,
             volume: candidate.placed.volume,
@@ -267,6 +270,7 @@ impl FrameLight {
             || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
         self.model = candidate.model;
+        self.textures.clone_from(&candidate.textures);
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;

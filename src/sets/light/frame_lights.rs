@@ -6,7 +6,10 @@ use bevy_transform::prelude::GlobalTransform;
 use super::candidate::Candidate;
 use super::frame_light::FrameLight;
 use super::placing::place;
-use crate::scene::{Light, LightError, LightModel, LightModelFault, LightModelParts, LightSelection};
+use crate::scene::{
+    Cookie, Light, LightError, LightModel, LightModelFault, LightModelParts, LightProfile, LightSelection,
+    LightTextures,
+};
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
 #[derive(Resource, Clone, Debug, Default)]
@@ -52,6 +55,8 @@ type LightItem<'a> = (
     &'a GlobalTransform,
     Option<&'a LightSelection>,
     LightModelParts<'a>,
+    Option<&'a Cookie>,
+    Option<&'a LightProfile>,
 );
 
 /// Lists the usable lights and compares each with the frame before.
@@ -63,9 +68,10 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     frame.candidates.clear();
     frame.skipped.clear();
     frame.faults.clear();
-    for (entity, light, world_from_light, selection, parts) in &lights {
+    for (entity, light, world_from_light, selection, parts, cookie, profile) in &lights {
         let faults = &mut frame.faults;
         let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
+        let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
         match place(light, world_from_light, &model) {
             Ok(placed) => {
                 if placed.casts_from_behind(light.kind) {
@@ -80,6 +86,7 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
                     world_from_light: *world_from_light,
                     selection: selection.copied().unwrap_or_default(),
                     model,
+                    textures,
                     placed,
                 });
             }

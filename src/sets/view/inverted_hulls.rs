@@ -106,14 +106,19 @@ fn is_inverted_hull(mesh: &MeshData) -> bool {
     if !volume.is_some_and(|volume| volume < 0.0) {
         return false;
     }
+    // Turned around it is an ordinary closed mesh; as it is, its pieces count as open.
+    let turned: Vec<u32> = mesh
+        .indices
+        .as_chunks::<3>()
+        .0
+        .iter()
+        .flat_map(|&[a, b, c]| [a, c, b])
+        .collect();
     let edges = EdgeMesh::build(EdgeMeshInput {
         positions: &mesh.positions,
-        indices: &mesh.indices,
+        indices: &turned,
         pose_keys: None,
         weld_epsilon: None,
     });
-    edges.is_ok_and(|edges| {
-        let turned: Vec<[u32; 3]> = edges.corners().iter().map(|&[a, b, c]| [a, c, b]).collect();
-        edges.is_closed() && is_outside_out(&mesh.positions, &turned)
-    })
+    edges.is_ok_and(|edges| edges.is_closed() && is_outside_out(&mesh.positions, edges.corners()))
 }

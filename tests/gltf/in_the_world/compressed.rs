@@ -312,11 +312,8 @@ mod meshopt_views {
             let data = &gltf.meshes[0].data;
             let positions: Vec<[f32; 3]> = data.positions.iter().map(|p| p.to_array()).collect();
             assert_eq!(bytes_of(&positions), bytes_of(&sheet.positions), "{name}");
-            for vertex in 0..positions.len() {
-                assert!(
-                    data.normals[vertex].distance(sheet.normals[vertex].into()) < 1e-3,
-                    "{name}"
-                );
+            for (vertex, normal) in data.normals.iter().enumerate() {
+                assert!(normal.distance(sheet.normals[vertex].into()) < 1e-3, "{name}");
                 assert!(
                     data.uv0[vertex].distance(sheet.uv[vertex].into()) < 1e-3,
                     "{name}"
@@ -337,7 +334,7 @@ mod meshopt_views {
             ("mode", json!("POINTS"), "mode \"POINTS\""),
             ("filter", json!("BLUR"), "filter \"BLUR\""),
             ("byteStride", json!(13), "13 bytes"),
-            ("count", json!(5), "the view has 972"),
+            ("count", json!(5), "broken"),
             ("count", json!("many"), "count is not"),
             ("byteLength", json!(20), "broken"),
             ("byteLength", json!(1 << 20), "runs past the end"),

@@ -2,7 +2,6 @@
 
 use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{SkipKind, spawn_scene};
-use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{Quat, Vec3};
 use serde_json::json;

@@ -22,7 +22,7 @@ fn umbra_is_that_of_the_plain_map() {
     let context = strict_context();
     for kind in [SPOT, LightKind::Directional, LightKind::Point] {
         let (mut dark, mut soft) = (0, 0);
-        for scene in all().iter().take(8) {
+        for scene in all().iter().take(5) {
             let (mut stage, _) = scene.stage(&context);
             let (light, place) = scene.light(kind);
             let entity = stage.spawn_light(light, place, None::<Smoothie>);
@@ -56,10 +56,7 @@ fn umbra_is_that_of_the_plain_map() {
             assert_eq!(differs.count(), 0, "{}, {kind:?}", scene.name);
         }
         println!("{kind:?}: {dark} dark pixels, {soft} softened");
-        assert!(
-            dark > 3_000 && soft > 300,
-            "{kind:?}: {dark} dark, {soft} softened"
-        );
+        assert!(dark > 500 && soft > 60, "{kind:?}: {dark} dark, {soft} softened");
     }
 }
 
@@ -112,7 +109,7 @@ fn overlapping_blockers_leave_the_least_visibility() {
         }
         println!("{kind:?}: {overlaps} pixels in both penumbrae, {off:.3} off in sum");
         assert!(off <= 0.02 * overlaps as f64, "{kind:?}: {off}");
-        assert!(overlaps > 20, "{kind:?}: {overlaps}");
+        assert!(overlaps > 8, "{kind:?}: {overlaps}");
     }
 }
 
