@@ -163,8 +163,8 @@ impl PerspectiveMap {
             near: self.near,
             cached: self.cached,
             cascades: Cascades::default(),
-            layers: 1,
             beside: None,
+            layers: 1,
         };
         request.validated(light)
     }

@@ -10,7 +10,7 @@ use super::projection::Projection;
 use super::receivers::{corners, push_cut};
 use super::texels::{Sample, collect_samples, mean_texel_side};
 use super::view_space::ViewSpace;
-use crate::sets::{FrameLight, LightVolume, Objects, ViewData};
+use crate::sets::{FrameLight, Objects, ViewData};
 use crate::techniques::maps::matrix_faces::{parallel_face, point_face};
 use crate::techniques::maps::request::MapFaces;
 
@@ -84,9 +84,9 @@ impl FitInput<'_> {
     /// Half-spaces, in view coordinates, of what the view shows and the light lights.
     fn half_spaces(&self, space: &ViewSpace) -> SmallVec<[DVec4; 12]> {
         let mut half_spaces: SmallVec<[DVec4; 12]> = space.half_spaces.iter().copied().collect();
-        if let LightVolume::Cone(cone) | LightVolume::HalfBall(cone) = &self.light.volume {
-            let (apex, axis) = (self.light.point_world.truncate(), self.light.direction.as_dvec3());
-            let angle = f64::from(cone.half_angle) + 1e-5;
+        let apex = self.light.point_world.truncate();
+        if let Some((axis, half_angle)) = self.light.shadow_cone() {
+            let angle = half_angle + 1e-5;
             half_spaces.push(space.half_space(axis, apex));
             if angle < std::f64::consts::FRAC_PI_2 {
                 let (x, y) = axis.any_orthonormal_pair();
