@@ -42,6 +42,7 @@
 //! points; slivers and soft places are ours.
 
 mod assemble;
+pub(crate) mod build_wedges;
 mod chunks;
 pub(crate) mod component;
 pub(crate) mod geometry;
