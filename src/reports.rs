@@ -15,6 +15,7 @@
 //! | `mesh` | meshes that the device cannot hold, or whose data the host cannot give | [`render`](crate::render), the adapter |
 //! | `renderer` | a frame or a view that is not drawn | [`render`](crate::render), the adapter |
 //! | `technique` | a shadow technique without a light, or several on one light | [`techniques`](crate::techniques), the adapter |
+//! | `texture_memory` | lights with poorer shadows, or none, because memory for textures is short | [`techniques`](crate::techniques) |
 //! | a technique's name | lights whose shadow is refused or reduced by the technique | [`techniques`](crate::techniques) |
 
 use std::cmp::Ordering;

@@ -16,6 +16,7 @@ use crate::sets::view::seen_into;
 use crate::silhouettes::report::{RefusedCasters, report_casters};
 use crate::silhouettes::{CasterMeshes, LightClearance, Silhouettes, cache, casters};
 use crate::techniques::registry::report::report_techniques;
+use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
 
 /// The stages of a frame as system sets, chained in this order. Each set says what is true after it.
@@ -81,6 +82,7 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<LightClearance>();
     world.init_resource::<SetTimes>();
     world.init_resource::<Reports>();
+    world.init_resource::<TextureMemory>();
     world.init_resource::<Techniques>();
     for row in world.resource::<Techniques>().rows().to_vec() {
         row.init(world);
@@ -150,6 +152,7 @@ pub fn add_systems(schedule: &mut Schedule) {
         sets::fit_view_depth.in_set(prepare),
     ));
     schedule.configure_sets(TechniqueSystems.in_set(techniques));
+    texture_memory::systems::add(schedule, TechniqueSystems);
     for row in Techniques::default().rows() {
         row.add_systems(schedule);
     }
@@ -196,6 +199,7 @@ pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
         casters.update_archetypes(world);
         report_casters(world, casters, reports);
         report_techniques(world, reports);
+        report_texture_memory(world, reports);
         #[cfg(feature = "render")]
         crate::render::report::report_renderer(world, reports);
     });

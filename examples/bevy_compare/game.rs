@@ -140,6 +140,7 @@ impl Game {
             app.add_plugins(AntumbraPlugin);
             app.insert_resource(AntumbraSettings {
                 immediate_triangles: usize::MAX,
+                ..default()
             });
         }
         let world = app.world_mut();

@@ -5,7 +5,7 @@ use antumbra::reports::{Report, Reports};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
 use antumbra::sets::{FrustumSet, Objects, VisibleSet};
 use antumbra::silhouettes::{Silhouette, Silhouettes, link_loops};
-use antumbra::techniques::{Statistic, Statistics, Techniques};
+use antumbra::techniques::{Statistic, Statistics, Techniques, TextureMemory};
 use bevy_ecs::prelude::{Name, World};
 use serde_json::{Map, Value, json};
 
@@ -86,6 +86,11 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
         gpu.insert(pass.label.clone(), json!(total + pass.milliseconds));
     }
     let mut of_techniques = Statistics::default();
+    let memory = world.resource::<TextureMemory>();
+    let short = memory.shortages().iter();
+    let shortages: Vec<String> = short.map(|short| short.shortage.to_string()).collect();
+    of_techniques.set("texture_bytes", memory.bytes());
+    of_techniques.set("texture_shortages", shortages);
     for row in world.resource::<Techniques>().rows() {
         row.frame_statistics(world, &mut of_techniques);
     }

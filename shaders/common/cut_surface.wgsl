@@ -19,16 +19,16 @@ fn clip_polygon(polygon: Polygon, plane: vec4f) -> Polygon {
     var kept: Polygon;
     kept.turn = polygon.turn;
     for (var i = 0u; i < all.count; i++) {
-        let from = all.corners[(i + all.count - 1u) % all.count];
-        let to = all.corners[i];
-        let at_from = dot(plane.xyz, from) + plane.w;
-        let at_to = dot(plane.xyz, to) + plane.w;
-        if (at_from >= 0.0) != (at_to >= 0.0) && kept.count < 6u {
-            kept.corners[kept.count] = mix(from, to, at_from / (at_from - at_to));
+        let last = all.corners[(i + all.count - 1u) % all.count];
+        let next = all.corners[i];
+        let at_last = dot(plane.xyz, last) + plane.w;
+        let at_next = dot(plane.xyz, next) + plane.w;
+        if (at_last >= 0.0) != (at_next >= 0.0) && kept.count < 6u {
+            kept.corners[kept.count] = mix(last, next, at_last / (at_last - at_next));
             kept.count += 1u;
         }
-        if at_to >= 0.0 && kept.count < 6u {
-            kept.corners[kept.count] = to;
+        if at_next >= 0.0 && kept.count < 6u {
+            kept.corners[kept.count] = next;
             kept.count += 1u;
         }
     }

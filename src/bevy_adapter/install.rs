@@ -28,7 +28,7 @@ use super::refused::RefusedMeshes;
 use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
 use super::surfaces::{Surfaces, collect_surfaces};
-use super::sync::{end_sync, sync_cameras, sync_transforms};
+use super::sync::{end_sync, sync_cameras, sync_texture_memory, sync_transforms};
 use super::sync_lights::sync_lights;
 use super::sync_objects::sync_objects;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
@@ -110,7 +110,13 @@ pub fn install(app: &mut App) -> bool {
                     (collect_methods, tell_of_forward).chain(),
                 )
                     .in_set(AntumbraExtractSystems::Collect),
-                (sync_transforms, sync_objects, sync_lights, end_sync)
+                (
+                    sync_transforms,
+                    sync_objects,
+                    sync_lights,
+                    sync_texture_memory,
+                    end_sync,
+                )
                     .chain()
                     .in_set(AntumbraExtractSystems::Sync),
             ),

@@ -2,6 +2,8 @@
 
 use bevy::ecs::prelude::*;
 
+use crate::techniques::TextureMemory;
+
 /// Settings of the adapter. Insert the resource before or after the plugin, or change it at any time.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraSettings {
@@ -10,12 +12,17 @@ pub struct AntumbraSettings {
     /// no shadow. Higher values make shadows appear sooner, but lengthen frames in which meshes appear.
     /// `usize::MAX` waits for all meshes, which makes frames repeatable. Default: 2048.
     pub immediate_triangles: usize,
+    /// Limit on the memory of the textures of all shadow techniques, bytes, for each camera with shadows. Beyond it, the
+    /// least visible lights get coarser shadows first, then lose their textures; the log names them. Higher values keep
+    /// shadows sharp with many lights. Default: 256 MiB.
+    pub texture_memory: u64,
 }
 
 impl Default for AntumbraSettings {
     fn default() -> Self {
         Self {
             immediate_triangles: 2048, // about a millisecond's work; by eye
+            texture_memory: TextureMemory::default().limit,
         }
     }
 }

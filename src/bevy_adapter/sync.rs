@@ -8,7 +8,8 @@ use bevy::transform::components::GlobalTransform;
 
 use super::camera::AntumbraCamera;
 use super::mirror::{Mirror, Mirrors};
-use crate::techniques::Techniques;
+use super::settings::AntumbraSettings;
+use crate::techniques::{Techniques, TextureMemory};
 
 /// Gives every marked camera a mirror, and removes the mirrors of other cameras. A camera whose layers
 /// changed gets a new mirror.
@@ -55,6 +56,21 @@ pub(super) fn sync_transforms(
         for (entity, transform) in &moved {
             mirror.place(entity, transform);
         }
+    }
+}
+
+/// Copies the limit on the memory of textures to the mirrors.
+///
+/// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync).
+pub(super) fn sync_texture_memory(
+    mut mirrors: ResMut<Mirrors>,
+    settings: Extract<Option<Res<AntumbraSettings>>>,
+) {
+    let Some(settings) = settings.as_ref() else {
+        return;
+    };
+    for mirror in mirrors.iter_mut() {
+        mirror.world.resource_mut::<TextureMemory>().limit = settings.texture_memory;
     }
 }
 

@@ -144,7 +144,10 @@ impl RenderContext {
         }
         // With sums of 64 bytes for a pixel, penumbra wedges place more samples on the light.
         let bytes_per_pixel = if requested.float_blend {
-            adapter.limits().max_color_attachment_bytes_per_sample.clamp(32, 64)
+            adapter
+                .limits()
+                .max_color_attachment_bytes_per_sample
+                .clamp(32, 64)
         } else {
             32
         };

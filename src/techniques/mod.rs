@@ -27,4 +27,7 @@ pub use registry::{
     add_builtin, add_row, choose_techniques,
 };
 pub use shadow_map::ShadowMap;
+pub use shared::texture_memory::{
+    Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,
+};
 pub use stencil_volume::StencilVolume;

@@ -42,6 +42,7 @@ fn complete(mut app: App) -> App {
 fn at_once(mut app: App) -> App {
     app.insert_resource(AntumbraSettings {
         immediate_triangles: usize::MAX,
+        ..default()
     });
     app
 }

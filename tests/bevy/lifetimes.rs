@@ -90,6 +90,7 @@ fn meshes_are_made_ready_on_other_threads() {
     let mut app = harness::antumbra();
     app.insert_resource(AntumbraSettings {
         immediate_triangles: 0,
+        ..default()
     });
     let camera = scene(&mut app);
     let mut game = Game::start(app);

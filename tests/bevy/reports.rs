@@ -4,7 +4,7 @@ use antumbra::bevy_adapter::Mirrors;
 use antumbra::bevy_adapter::prelude::*;
 use antumbra::render::Renderer;
 use antumbra::reports::Reports;
-use antumbra::techniques::maps::{MapFilter, MapResolution, MapSettings};
+use antumbra::techniques::maps::{MapFilter, MapResolution};
 use antumbra::techniques::penumbra_wedge::WedgeOverflow;
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::{CameraProjection, SubCameraView};
@@ -247,7 +247,7 @@ fn views_that_show_no_shadows_are_logged() {
 
 #[test]
 fn maps_that_are_short_of_memory_are_logged() {
-    let (mut game, cameras) = game("short");
+    let (mut game, _) = game("short");
     let map = ShadowMap {
         resolution: MapResolution::Fixed(256),
         ..default()
@@ -256,21 +256,27 @@ fn maps_that_are_short_of_memory_are_logged() {
     game.run(2);
     assert_eq!(lines("mapped"), Vec::<String>::new());
     let limit = |game: &mut Game, bytes: u64| {
-        for camera in cameras {
-            let mut mirrors = game.render_world().resource_mut::<Mirrors>();
-            let world = &mut mirrors.get_mut(camera).unwrap().world;
-            world.resource_mut::<MapSettings>().memory_limit = bytes;
-        }
+        game.world().resource_mut::<AntumbraSettings>().texture_memory = bytes;
     };
     limit(&mut game, 0);
     expect(
         &mut game,
         "mapped",
         1,
-        &["shadow_map:", "not kept", "memory_limit"],
+        &[
+            "texture_memory:",
+            "shadow_map",
+            "not kept",
+            "TextureMemory::limit",
+        ],
     );
     limit(&mut game, 200_000);
-    expect(&mut game, "mapped", 2, &["memory for maps is short", "became"]);
+    expect(
+        &mut game,
+        "mapped",
+        2,
+        &["memory for textures is short", "became"],
+    );
     limit(&mut game, 1 << 28);
     game.run(3);
     assert_eq!(standing(&mut game), 0);

@@ -18,3 +18,4 @@ mod sets_known_answers;
 mod sets_never_drop;
 mod silhouette_closed;
 mod techniques;
+mod texture_memory;

@@ -7,6 +7,7 @@ use antumbra::prelude::*;
 use antumbra::reports::{Report, Reports};
 use antumbra::scene::WorldBounds;
 use antumbra::schedule::{init_resources, standalone_schedule};
+use antumbra::techniques::TextureMemory;
 use antumbra::techniques::maps::{MapFilter, MapResolution, MapSettings};
 use antumbra::techniques::penumbra_wedge::WedgeOverflow;
 use bevy_ecs::prelude::*;
@@ -390,14 +391,14 @@ fn maps_that_are_refused_or_short() {
     };
     scene.world.entity_mut(light).insert(fixed);
     assert!(scene.frame().is_empty());
-    let limit = |world: &mut World, bytes: u64| world.resource_mut::<MapSettings>().memory_limit = bytes;
-    let enough = scene.world.resource::<MapSettings>().memory_limit;
+    let limit = |world: &mut World, bytes: u64| world.resource_mut::<TextureMemory>().limit = bytes;
+    let enough = scene.world.resource::<TextureMemory>().limit;
     limit(&mut scene.world, 200_000);
-    let text = ["poorer", "256 became", "MapSettings::memory_limit"];
-    scene.expect("shadow_map", light, &text, |world| limit(world, enough));
+    let text = ["shadow_map is poorer", "256 became", "TextureMemory::limit"];
+    scene.expect("texture_memory", light, &text, |world| limit(world, enough));
     limit(&mut scene.world, 0);
-    let text = ["poorer", "not kept", "fewer maps"];
-    scene.expect("shadow_map", light, &text, |world| limit(world, enough));
+    let text = ["shadow_map is poorer", "not kept", "fewer lights"];
+    scene.expect("texture_memory", light, &text, |world| limit(world, enough));
     scene.world.resource_mut::<MapSettings>().largest = 128;
     let text = ["resolution 256 is beyond the limit of 128 texels"];
     scene.expect("shadow_map", light, &text, |world| {

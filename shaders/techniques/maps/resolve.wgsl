@@ -9,6 +9,7 @@
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
+#import antumbra::map_matrix::{NO_FACE, clip_in_face, plane_in_face, ray_at, showing, texel_side}
 
 @group(2) @binding(1) var compare: sampler_comparison;
 @group(2) @binding(2) var jitter: texture_3d<f32>;
@@ -27,6 +28,7 @@ const ADAPTIVE: u32 = 5u;           // mirror: techniques::maps::MapFilter::Jitt
 const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
 const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
 const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
+const MATRICES: u32 = 3u;           // mirror: techniques::maps::request::MapShape::Matrices
 
 override FILTER: u32 = 0u;
 override SHAPE: u32 = 0u;
@@ -55,8 +57,18 @@ struct Site {
     ndc: vec2f,
     along: f32,                     // z in the face's space
     normal: vec3f,                  // of the receiver's plane, relative space
-    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin)
+    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin; matrix: relative)
 }
+
+// More of a receiver as seen in a face with a matrix.
+struct MatrixSite {
+    position: vec3f,                // relative
+    farthest: vec3f,                // the deepest point that a plane may reach within a texel
+    side_x: vec3f,                  // sides of the square around the filter's disc
+    side_y: vec3f,
+}
+
+var<private> matrix_site: MatrixSite;
 
 fn in_face(face: u32, vector: vec3f) -> vec3f {
     let map_face = map_light.faces[face];
@@ -149,8 +161,40 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     return mix(top, bottom, between.y);
 }
 
+// One tap in a face with a matrix. Its depth on a plane is linear in NDC.
+fn tap_matrix(site: Site, face: u32, ndc: vec2f) -> f32 {
+    taps += 1.0;
+    let place = (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
+    let between = fract(place - 0.5);
+    let plane = plane_in_face(face, site.normal, site.offset);
+    let scale = -1.0 / max(plane.z, 1e-37);
+    let slope = plane.xy * vec2f(2.0, -2.0) * (scale * map_light.size.y);
+    let lenient = max(slope * (1.0 - between), -slope * between);
+    let farthest = clip_in_face(face, matrix_site.farthest);
+    let deepest = max(farthest.z, 0.0) / max(farthest.w, 1e-37);
+    var depth = dot(plane.xyw, vec3f(ndc, 1.0)) * scale + lenient.x + lenient.y;
+    depth = max(depth, deepest) * (1.0 + map_light.bias.y);
+    return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
+}
+
+// A tap at an offset from the pixel's own place, in texels; in units of the disc if the filter has one. The
+// disc may reach into other faces.
+fn tap_matrices(site: Site, offset: vec2f) -> f32 {
+    if FILTER == JITTERED || FILTER == ADAPTIVE || FILTER == SOFT {
+        let beside = matrix_site.position + matrix_site.side_x * offset.x + matrix_site.side_y * offset.y;
+        let shown = showing(beside);
+        let face = select(shown, site.face, shown == NO_FACE);
+        let clip = clip_in_face(face, beside);
+        return tap_matrix(site, face, clip.xy / max(clip.w, 1e-37));
+    }
+    return tap_matrix(site, site.face, site.ndc + offset * vec2f(2.0, -2.0) * map_light.size.y);
+}
+
 // A tap at an offset in texels from the pixel's own place. On a cube it may be in another face.
 fn tap(site: Site, texels: vec2f) -> f32 {
+    if SHAPE == MATRICES {
+        return tap_matrices(site, texels);
+    }
     let ndc = site.ndc + texels * vec2f(2.0, -2.0) * map_light.size.y;
     if SHAPE == CUBE {
         let map_face = map_light.faces[site.face];
@@ -216,7 +260,7 @@ fn jittered(site: Site, pixel: vec2u, radius: f32) -> f32 {
 
 fn filtered(site: Site, pixel: vec2u) -> f32 {
     let texel = map_light.faces[site.face].projection.z;
-    let radius = map_light.size.z / texel;
+    let radius = select(map_light.size.z / texel, 1.0, SHAPE == MATRICES);
     if FILTER == BRUTE {
         return brute(site);
     }
@@ -328,6 +372,45 @@ fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
     return visibility;
 }
 
+fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
+    let face = showing(receiver.position);
+    if face == NO_FACE {
+        return 1.0;                 // out of all faces
+    }
+    let clip = clip_in_face(face, receiver.position);
+    let ray = ray_at(face, receiver.position);
+    // A receiver without a plane is assumed to face the light.
+    let unknown = dot(receiver.normal, receiver.normal) == 0.0;
+    let normal = select(receiver.normal, -ray, unknown);
+    var offset = select(receiver.offset, dot(normal, receiver.position), unknown);
+    let height = plane_in_face(face, normal, offset).z;
+    if height <= 0.0 {
+        return 0.0;                 // it faces away
+    }
+    let side_x = texel_side(face, 0u, receiver.position, clip.w, ray);
+    let side_y = texel_side(face, 1u, receiver.position, clip.w, ray);
+    let texel = max(length(side_x), length(side_y));
+    // Parallel rays come from a light at no distance: its homogeneous point has w = 0.
+    let light = map_light.faces[face].relative_from_clip[2];
+    let is_point = light.w != 0.0;
+    let light_w = select(1.0, light.w, is_point);
+    let distance = select(1.0, length(receiver.position - light.xyz / light_w), is_point);
+    let radius = map_light.size.z * distance;
+    let along = select(0.0, distance, is_point);
+    let raise = raised(receiver, texel + 0.5 * radius, along, max(dot(normal, -ray), 0.0));
+    offset += select(raise, min(raise, 0.5 * height / light_w), is_point);
+    let across = select(map_light.faces[face].row_x.xyz, map_light.faces[face].row_y.xyz,
+        abs(dot(ray, map_light.faces[face].row_x.xyz)) > 0.7);
+    let disc_x = normalize(across - ray * dot(across, ray));
+    matrix_site = MatrixSite(
+        receiver.position,
+        receiver.position + ray * (STEEPEST * texel),
+        disc_x * radius,
+        cross(ray, disc_x) * radius,
+    );
+    return filtered(Site(face, clip.xy / clip.w, along, normal, offset), pixel);
+}
+
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let receiver = receiver_at(position.xy);
@@ -339,6 +422,8 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var visibility: f32;
     if SHAPE == CASCADES {
         visibility = from_afar(receiver, pixel);
+    } else if SHAPE == MATRICES {
+        visibility = from_matrices(receiver, pixel);
     } else {
         visibility = from_point(receiver, pixel);
     }

@@ -80,7 +80,7 @@ override IS_DENSE: bool = false;
 // either hidden or not.
 override IS_DEEP: bool = false;
 
-// Triangles that cut the light are drawn.
+// Triangles that cut the light are drawn. Otherwise their fragments are discarded.
 override DRAWS_CUTS: bool = false;
 
 struct Corner {
@@ -164,7 +164,7 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
 // Vertices of two triangles over the whole picture, at infinity. They are one triangle seen from both sides, of which
 // culling leaves one. All other triangles of the shell are degenerate.
 fn over_all(vertex: u32) -> vec4f {
-    let corner = select(0u, vertex + 1u - FIRST_RIM, DRAWS_CUTS && (vertex == FIRST_RIM || vertex == FIRST_RIM + 1u));
+    let corner = select(0u, vertex + 1u - FIRST_RIM, vertex == FIRST_RIM || vertex == FIRST_RIM + 1u);
     return vec4f(f32(corner & 1u) * 4.0 - 1.0, f32(corner >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
@@ -361,6 +361,10 @@ fn doubled_less(soft: Value, hard: Value) -> Value {
     return Value(2.0 * soft.sums - hard.sums, 2.0 * soft.more);
 }
 
+fn is_left_out(in: Corner) -> bool {
+    return (in.flags & CUT) != 0u && !DRAWS_CUTS;
+}
+
 fn hard_value(in: Corner, front_facing: bool) -> Layers {
     return layered(in.hard * whole(in.position_clip.xy) * (FACE_SIGN * select(-1.0, 1.0, front_facing)), in.flags >> LAYERS_SHIFT);
 }
@@ -399,6 +403,9 @@ fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Targets {
 
 @fragment
 fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> Targets {
+    if is_left_out(in) {
+        discard;
+    }
     return targets(hard_value(in, front_facing));
 }
 
@@ -444,6 +451,9 @@ fn separator_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Spl
 
 @fragment
 fn hard_side_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
+    if is_left_out(in) {
+        discard;
+    }
     return split(hard_value(in, front_facing));
 }
 
@@ -459,6 +469,9 @@ fn cap_split(@builtin(position) position: vec4f, @builtin(front_facing) front_fa
 
 @fragment
 fn debug(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    if is_left_out(in) {
+        discard;
+    }
     return select(vec4f(0.02, 0.0, 0.02, 0.0), vec4f(0.0, 0.02, 0.02, 0.0), in.soft > 0.0)
         * select(0.5, 1.0, front_facing);
 }

@@ -10,32 +10,22 @@ use bevy_ecs::prelude::*;
 
 use super::face_state::{FaceState, Stale};
 use super::frame_scene::Scene;
-use super::light_map::LightMap;
+use super::light_map::{LightMap, asker};
 use super::members::{expected_faces, farthest, fill_casters, lit_faces, split_members};
 use super::movers::{Movers, Remap};
-use super::plan::{Grant, Want, share_out, total_bytes};
-use super::request::{MapRequests, MapShape};
-use super::settings::{MapError, MapResolution, MapSettings};
-use crate::scene::{SceneMaterials, SceneMesh};
+use super::request::MapShape;
+use super::settings::{MapReport, MapSettings};
 use crate::sets::{FrameLights, Objects, View};
 use crate::silhouettes::LightClearance;
+use crate::techniques::shared::texture_memory::TextureMemory;
 
-/// A problem with a light's map.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MapReport {
-    /// The light.
-    pub entity: Entity,
-    /// The problem.
-    pub error: MapError,
-}
-
-/// The maps of this frame. Written by [`build_maps`].
+/// The maps of this frame. Written by [`ask_for_maps`](super::ask_for_maps()) and [`build_maps`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Maps {
     /// All lights with a usable map, ascending by light. They include lights out of view, because their maps
     /// are kept.
     pub lights: Vec<LightMap>,
-    /// Lights whose map is less than was asked for; ascending by light.
+    /// Lights whose map is less than was asked for, though memory is not short; ascending by light.
     pub reports: Vec<MapReport>,
     /// Memory of the maps that are kept, bytes.
     pub bytes: u64,
@@ -43,13 +33,10 @@ pub struct Maps {
     pub updated_faces: usize,
     /// Number of faces that changed but wait, because [`MapSettings::face_updates`] is used up.
     pub waiting_faces: usize,
-    movers: Movers,
-    frame: u64,
+    pub(super) movers: Movers,
+    pub(super) frame: u64,
+    pub(super) previous: Vec<LightMap>,
     revision: u64,
-    previous: Vec<LightMap>,
-    wants: Vec<Want>,
-    grants: Vec<Grant>,
-    order: Vec<usize>,
     candidates: Vec<Candidate>,
 }
 
@@ -73,78 +60,23 @@ impl Maps {
         Some(&self.lights[at]).filter(|map| map.active)
     }
 
-    /// Lists the lights, each with its state of the last frame.
-    fn collect_lights(&mut self, lights: &FrameLights, requests: &mut MapRequests) {
-        std::mem::swap(&mut self.lights, &mut self.previous);
-        self.lights.clear();
-        self.reports.clear();
-        let mut old = self.previous.drain(..).peekable();
-        for (index, request) in requests.drain() {
-            let light = &lights.lights[index];
-            while old.next_if(|map| map.entity < light.entity).is_some() {}
-            let known = old.next_if(|map| map.entity == light.entity);
-            let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
-            map.begin(index, light, request);
-            self.lights.push(map);
-        }
-    }
-
-    /// Determines the resolution of every map and whether it is kept.
-    fn share_memory(&mut self, settings: &MapSettings) {
-        self.wants.clear();
+    /// Takes over the resolution of every map, and whether it is kept.
+    fn take_grants(&mut self, lights: &FrameLights, memory: &TextureMemory) {
+        self.bytes = 0;
         for map in &mut self.lights {
-            let mut wanted = map.wanted_resolution();
-            if wanted > settings.largest {
-                let error = MapError::Largest {
-                    wanted,
-                    limit: settings.largest,
-                };
-                self.reports.push(MapReport {
-                    entity: map.entity,
-                    error,
-                });
-                wanted = settings.largest.max(1);
-            }
-            let least = match map.request.resolution {
-                MapResolution::Fixed(_) => 64,
-                MapResolution::Auto { least, .. } => least,
+            // Every map has asked, and gets shared textures if there is no room for its own.
+            let Some(grant) = memory.grant(map.light, asker(&lights.lights[map.light])) else {
+                map.active = false;
+                continue;
             };
-            self.wants.push(Want {
-                bytes_per_square: 4 * u64::from(map.request.face_count()) * map.texture_count(),
-                resolution: wanted,
-                least: least.min(wanted),
-                cached: map.request.cached,
-                // Visibility goes in steps, so that small moves of the view do not replace maps.
-                visibility: u64::from(map.visibility.checked_ilog2().map_or(0, |log| log + 1)),
-            });
-        }
-        share_out(
-            &self.wants,
-            settings.memory_limit,
-            &mut self.grants,
-            &mut self.order,
-        );
-        self.bytes = total_bytes(&self.wants, &self.grants);
-        for ((map, want), grant) in self.lights.iter_mut().zip(&self.wants).zip(&self.grants) {
-            if (map.resolution, map.cached) != (grant.resolution, grant.cached) {
+            if (map.resolution, map.cached) != (grant.resolution, grant.is_own) {
                 map.forget();
-                (map.resolution, map.cached) = (grant.resolution, grant.cached);
+                (map.resolution, map.cached) = (grant.resolution, grant.is_own);
             }
-            let given = grant.resolution;
-            let error = match (want.cached, grant.cached) {
-                (true, false) => MapError::Uncached { given },
-                _ if given < want.resolution => MapError::Coarser {
-                    wanted: want.resolution,
-                    given,
-                },
-                _ => continue,
-            };
-            self.reports.push(MapReport {
-                entity: map.entity,
-                error,
-            });
+            if map.cached {
+                self.bytes += map.bytes_per_square() * u64::from(map.resolution).pow(2);
+            }
         }
-        self.reports.sort_by_key(|report| report.entity);
     }
 
     /// Lists the faces whose picture is out of date.
@@ -191,7 +123,8 @@ impl Maps {
             }
             let mut push = |face: Option<usize>, revision: u64| {
                 self.candidates.push(Candidate {
-                    may_wait: map.cached && revision != 0,
+                    // Faces that follow the view may show nothing of what a late picture has.
+                    may_wait: map.cached && revision != 0 && map.request.shape != MapShape::Matrices,
                     hidden: u64::MAX - map.visibility.saturating_mul(1 + map.waited),
                     light: index,
                     face,
@@ -242,7 +175,7 @@ impl Maps {
     }
 
     /// Applies a change of the dense indices.
-    fn remap(&mut self, remap: &Remap) {
+    pub(super) fn remap(&mut self, remap: &Remap) {
         for map in &mut self.lights {
             map.settled_at = None;
             map.casters = remap.apply(&map.casters).0;
@@ -251,38 +184,25 @@ impl Maps {
     }
 }
 
-/// Shares the memory for maps among the lights, finds what each face shows, and selects the faces to draw
-/// again.
+/// Finds what each face shows, and selects the faces to draw again.
 ///
-/// Set: `BuildTechniques`. Reads `MapRequests`, [`FrameLights`], [`Objects`] and [`View`]; writes [`Maps`].
-/// Cost: O(lights) comparisons if nothing changed; O(casters × faces) for a light whose casters changed.
+/// Set: `BuildTechniques`, in [`TextureMemorySystems::Build`](crate::techniques::TextureMemorySystems::Build). Reads
+/// [`FrameLights`], [`Objects`], [`View`] and [`TextureMemory`]; writes [`Maps`]. Cost: O(lights) comparisons if nothing
+/// changed; O(casters × faces) for a light whose casters changed.
 pub fn build_maps(
     mut maps: ResMut<Maps>,
-    mut requests: ResMut<MapRequests>,
+    memory: Res<TextureMemory>,
     settings: Res<MapSettings>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
     clearance: Res<LightClearance>,
-    exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
 ) {
     let maps = &mut *maps;
-    maps.frame += 1;
-    let exchanged = exchanged.iter().filter_map(|entity| objects.index_of(entity));
-    let remap = maps
-        .movers
-        .update(&objects, exchanged, maps.frame, settings.still_after);
-    if let Some(remap) = remap {
-        maps.remap(&remap);
-    }
-    maps.collect_lights(&lights, &mut requests);
     let Some(data) = &view.data else {
-        for map in &mut maps.lights {
-            map.active = false;
-        }
         return;
     };
-    maps.share_memory(&settings);
+    maps.take_grants(&lights, &memory);
     let scene = Scene {
         objects: &objects,
         view: data,

@@ -6,7 +6,7 @@ use glam::{DVec3, DVec4};
 
 use super::face_state::FaceState;
 use super::frame_scene::Scene;
-use super::request::{MapRequest, MapShape};
+use super::request::{LightRequest, MapFaces, MapRequest, MapShape};
 use super::settings::MapResolution;
 use crate::sets::FrameLight;
 
@@ -41,6 +41,11 @@ pub struct LightMap {
     pub(super) settled_at: Option<u64>,
     /// The key for which the faces were made.
     pub(super) key: Option<FaceKey>,
+    /// The faces that the technique handed over in this frame; empty unless the shape is
+    /// [`MapShape::Matrices`].
+    pub(super) handed_over: MapFaces,
+    /// Number of frames in which other faces were handed over than in the frame before.
+    hand_overs: u64,
 }
 
 /// Everything on which faces depend, besides the casters.
@@ -52,12 +57,17 @@ pub(super) struct FaceKey {
     pub direction: DVec3,
     /// Reach of the map, metres.
     pub reach: f64,
-    /// Generation of the view, for cascades.
+    /// Generation of the view, for cascades; number of changes of faces that were handed over.
     pub view: u64,
     /// What the light asked for.
     pub request: MapRequest,
     /// Texels along a side.
     pub resolution: u32,
+}
+
+/// Returns the name of the technique for which a light has a map; empty for a light without a technique, which has none.
+pub(super) fn asker(light: &FrameLight) -> &'static str {
+    light.technique.map_or("", |technique| technique.name)
 }
 
 impl LightMap {
@@ -77,11 +87,18 @@ impl LightMap {
             waited: 0,
             settled_at: None,
             key: None,
+            handed_over: MapFaces::new(),
+            hand_overs: 0,
         }
     }
 
-    pub(super) fn begin(&mut self, index: usize, light: &FrameLight, request: MapRequest) {
-        self.light = index;
+    pub(super) fn begin(&mut self, asked: LightRequest, light: &FrameLight) {
+        let request = asked.request;
+        self.light = asked.light;
+        if self.handed_over != asked.faces {
+            self.handed_over = asked.faces;
+            self.hand_overs += 1;
+        }
         if self.request != request {
             if self.request.face_count() != request.face_count() || self.request.shape != request.shape {
                 self.forget();
@@ -95,7 +112,7 @@ impl LightMap {
         {
             let longest = f64::from(scissor.width.max(scissor.height));
             let ideal = match request.shape {
-                MapShape::Spot => longest,
+                MapShape::Spot | MapShape::Matrices => longest,
                 MapShape::Cube => 0.5 * longest, // a face shows a quarter of a full turn
                 MapShape::Cascades => f64::from(most),
             };
@@ -121,6 +138,11 @@ impl LightMap {
         1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
     }
 
+    /// Returns the memory of the map's textures as bytes for each squared resolution.
+    pub fn bytes_per_square(&self) -> u64 {
+        4 * u64::from(self.request.face_count()) * self.texture_count()
+    }
+
     /// Returns the casters of all faces, by dense object index.
     pub fn casters(&self) -> &FixedBitSet {
         &self.casters
@@ -139,12 +161,15 @@ impl LightMap {
     }
 
     pub(super) fn face_key(&self, light: &FrameLight, scene: &Scene, reach: f64) -> FaceKey {
-        let cascades = self.request.shape == MapShape::Cascades;
         FaceKey {
             point_world: light.point_world,
             direction: light.direction.as_dvec3(),
             reach,
-            view: if cascades { scene.view_generation } else { 0 },
+            view: match self.request.shape {
+                MapShape::Spot | MapShape::Cube => 0,
+                MapShape::Cascades => scene.view_generation,
+                MapShape::Matrices => self.hand_overs,
+            },
             request: self.request,
             resolution: self.resolution,
         }

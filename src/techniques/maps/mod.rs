@@ -11,12 +11,13 @@
 //! | `settings` | filters, formats, resolutions, biases; limits of all maps; errors |
 //! | `request` | what a light asks for, and what is refused |
 //! | `systems` | what all techniques with maps bring into the frame |
-//! | `plan` | how the memory is shared |
 //! | `face` | one picture: position, projection, what it can see |
+//! | `matrix_faces` | faces with a matrix: which shows a point, texel sizes, depths of planes; twin of the shader |
 //! | `movers` | which casters move, and since when they stand still |
 //! | `cube`, `cascades` | the six faces around a light; the boxes that a directional light's maps show |
 //! | `members` | the faces of a light, and the casters of each |
 //! | `light_map`, `face_state` | the map of one light, and what each of its faces shows |
+//! | `ask_for_maps` | the lights of the frame, and the textures that their maps need |
 //! | `build_maps` | the frame's [`Maps`]: which faces are drawn again |
 //! | `packing` | the packings of squared distance into bytes; twin of the shader |
 //! | `jitter` | the texture of jittered discs |
@@ -29,6 +30,7 @@
 //! Source: Kozlov 2004, GPU Gems ch. 14, §14.2.3, for the bias in world space scaled by the texel; Isidoro
 //! 2006, "Shadow Mapping: GPU-based Tips and Techniques", for the receiver's plane.
 
+pub(crate) mod ask_for_maps;
 pub(crate) mod build_maps;
 pub(crate) mod cascades;
 pub(crate) mod cube;
@@ -40,19 +42,20 @@ pub(crate) mod gpu;
 #[cfg(feature = "render")]
 pub(crate) mod jitter;
 pub(crate) mod light_map;
+pub(crate) mod matrix_faces;
 pub(crate) mod members;
 pub(crate) mod movers;
 pub(crate) mod packing;
-pub(crate) mod plan;
 pub(crate) mod request;
 pub(crate) mod settings;
 pub(crate) mod systems;
 
-pub use build_maps::{MapReport, Maps, build_maps};
+pub use ask_for_maps::ask_for_maps;
+pub use build_maps::{Maps, build_maps};
 pub use face::{FaceProjection, MapFace};
 pub use light_map::LightMap;
 pub use settings::{
-    Cascades, MapBias, MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface,
+    Cascades, MapBias, MapError, MapFilter, MapFormat, MapReport, MapResolution, MapSettings, MapSurface,
 };
 
 use crate::sets::Needs;

@@ -248,12 +248,9 @@ impl Default for Cascades {
     }
 }
 
-/// Limits of all maps together.
+/// Limits of all maps together. The limit on their memory is [`TextureMemory::limit`](crate::techniques::TextureMemory::limit).
 #[derive(Resource, Clone, Copy, Debug, PartialEq)]
 pub struct MapSettings {
-    /// Limit on the memory of maps that are kept, bytes. Beyond it, the least visible lights lose resolution
-    /// first, then their kept map. Higher values keep shadows sharp with many lights. Default: 256 MiB.
-    pub memory_limit: u64,
     /// Number of faces of kept maps that are drawn again in a frame, those of the most visible lights first.
     /// The others show their last picture for another frame. Lower values bound the time of a frame; shadows
     /// of moving casters then lag. A face without a picture is drawn in any case. Default: 32.
@@ -273,7 +270,6 @@ pub struct MapSettings {
 impl Default for MapSettings {
     fn default() -> Self {
         Self {
-            memory_limit: 256 << 20,
             face_updates: 32,
             still_after: 8,
             largest: 8192,
@@ -282,7 +278,7 @@ impl Default for MapSettings {
     }
 }
 
-/// The reason why a light's map is poorer than asked for.
+/// The reason why a light's map is poorer than asked for, though memory is not short.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MapError {
@@ -295,18 +291,13 @@ pub enum MapError {
         /// Largest resolution, texels.
         limit: u32,
     },
-    /// Memory is short, so the shadow is coarser.
-    #[error("memory for maps is short: resolution {wanted} became {given}")]
-    Coarser {
-        /// Resolution that was asked for, texels.
-        wanted: u32,
-        /// Resolution that the map has, texels.
-        given: u32,
-    },
-    /// Memory is short, so the map is not kept and is drawn every frame.
-    #[error("memory for maps is short: the map is not kept, and drawn every frame at resolution {given}")]
-    Uncached {
-        /// Resolution that the map has, texels.
-        given: u32,
-    },
+}
+
+/// A problem with a light's map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapReport {
+    /// The light.
+    pub entity: Entity,
+    /// The problem.
+    pub error: MapError,
 }

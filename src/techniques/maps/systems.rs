@@ -2,12 +2,14 @@
 
 use bevy_ecs::prelude::*;
 
+use super::ask_for_maps::ask_for_maps;
 use super::build_maps::{Maps, build_maps};
 use super::request::{MapRequests, MapSystems};
 use super::settings::{MapError, MapSettings};
 use crate::reports::Round;
 use crate::sets::FrameLights;
 use crate::techniques::registry::{Statistics, TechniqueSystems};
+use crate::techniques::shared::texture_memory::TextureMemorySystems;
 
 /// Inserts the missing ones of the resources of maps.
 pub fn init(world: &mut World) {
@@ -22,19 +24,23 @@ pub fn add(schedule: &mut Schedule) {
         return;
     }
     schedule.configure_sets((
-        (MapSystems::Request, MapSystems::Build)
-            .chain()
-            .in_set(TechniqueSystems),
-        // The order does not matter: each system lists its own lights, and `build_maps` sorts the requests.
+        MapSystems::Request
+            .in_set(TechniqueSystems)
+            .before(TextureMemorySystems::Ask),
+        MapSystems::Build.in_set(TextureMemorySystems::Build),
+        // The order does not matter: each system lists its own lights, and `ask_for_maps` sorts the requests.
         MapSystems::Request.ambiguous_with(MapSystems::Request),
     ));
-    schedule.add_systems(build_maps.in_set(MapSystems::Build));
+    schedule.add_systems((
+        ask_for_maps.in_set(TextureMemorySystems::Ask),
+        build_maps.in_set(MapSystems::Build),
+    ));
     #[cfg(feature = "render")]
     schedule.add_systems(
         super::gpu::limit_to_device
             .run_if(resource_exists::<crate::render::Renderer>)
-            .before(MapSystems::Build)
-            .in_set(TechniqueSystems),
+            .in_set(TechniqueSystems)
+            .before(TextureMemorySystems::Ask),
     );
 }
 
@@ -73,11 +79,6 @@ pub fn report<T: 'static>(world: &World, round: &mut Round) {
                 8,
                 "Ask for less, or raise `MapSettings::largest` if the device allows.",
             ),
-            MapError::Coarser { .. } => (
-                9,
-                "Raise `MapSettings::memory_limit`, or ask for lower resolutions.",
-            ),
-            MapError::Uncached { .. } => (10, "Raise `MapSettings::memory_limit`, or use fewer maps."),
         };
         round.raise(Some(report.entity), code, || {
             format!(

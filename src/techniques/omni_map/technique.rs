@@ -18,7 +18,7 @@ use crate::techniques::registry::{Refusal, Statistics, Technique};
 
 /// Lists the map requests of the lights that an [`OmniMap`] shadows.
 ///
-/// Set: `BuildTechniques`, before `build_maps`. Reads [`FrameLights`]; writes [`MapRequests`].
+/// Set: `BuildTechniques`, before `ask_for_maps`. Reads [`FrameLights`]; writes [`MapRequests`].
 pub fn request_omni_maps(mut requests: ResMut<MapRequests>, lights: Res<FrameLights>, maps: Query<&OmniMap>) {
     requests.list::<OmniMap>(&lights, &maps, OmniMap::request);
 }

@@ -14,7 +14,9 @@ use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
 use crate::silhouettes::cache::light_is_within;
-use crate::silhouettes::{CasterShape, CasterShapeItem, LightClearance, Silhouette, Silhouettes};
+use crate::silhouettes::{
+    CasterShape, CasterShapeItem, KEPT_FRAMES, LightClearance, Silhouette, Silhouettes,
+};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, include_points, include_rays};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
@@ -23,9 +25,6 @@ use crate::techniques::shared::near_caps::NearCaps;
 /// Factor on the largest distance of a receiver from the light, which gives the length of a shell's rays. The
 /// triangles between rays that are less than 172° apart then pass beyond all receivers.
 const RAY_SHARE: f64 = 16.0;
-
-/// Frames that a chunk is kept after its last use, as for silhouettes.
-const KEPT_FRAMES: u64 = 120;
 
 /// Makes the wedges of every caster of every light with a [`PenumbraWedge`] where none are known or the known
 /// ones are stale, and lists what the frame draws.
@@ -213,7 +212,8 @@ impl PenumbraWedges {
             bounds: settings.bounds,
             by_patch: settings.overlap == Overlap::Paper,
             silhouette: settings.used_silhouette(),
-            touches: light_is_within(&bounds, point, cutting_distance(part.part.shape, metres)).then_some(metres),
+            touches: light_is_within(&bounds, point, cutting_distance(part.part.shape, metres))
+                .then_some(metres),
         };
         let chunks = chunks_of(&mut self.kept, light.entity, self.frame);
         let at = chunks

@@ -15,7 +15,8 @@ use crate::conventions::CLUSTER_TRIANGLES;
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{
-    CapMode, CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed, find_turning,
+    CapMode, CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed,
+    find_turning,
 };
 
 /// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
@@ -212,14 +213,7 @@ impl Chunk {
             turning,
             grazed,
         };
-        extract_layers(
-            &edges.0.edges,
-            positions,
-            facets,
-            mode,
-            by_patch,
-            contour,
-        );
+        extract_layers(&edges.0.edges, positions, facets, mode, by_patch, contour);
         self.light_local = light_local.to_array();
         let mirrored = light_from_local.determinant() < 0.0;
         let shape = if light.point_world.w == 0.0 {

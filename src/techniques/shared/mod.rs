@@ -1,5 +1,5 @@
-//! Geometry that several techniques share: extrusion, near caps, the reach of finite volumes, contours on the
-//! GPU.
+//! What several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, and the memory
+//! for textures.
 
 pub(crate) mod extrude;
 pub(crate) mod finite_reach;
@@ -7,3 +7,4 @@ pub(crate) mod finite_reach;
 pub(crate) mod gpu;
 pub(crate) mod inside_test;
 pub(crate) mod near_caps;
+pub(crate) mod texture_memory;

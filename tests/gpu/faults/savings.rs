@@ -16,12 +16,19 @@ use crate::harness::support::stage::Stage;
 fn volumes(stage: &mut Stage) -> Vec<CasterVolume> {
     stage.schedule.run(&mut stage.world);
     let volumes = stage.world.resource::<StencilVolumes>();
-    volumes.lights.iter().flat_map(|light| light.casters.clone()).collect()
+    volumes
+        .lights
+        .iter()
+        .flat_map(|light| light.casters.clone())
+        .collect()
 }
 
 fn box_at(stage: &mut Stage, at: Vec3) -> Entity {
     let mesh = MeshData::cuboid(Vec3::new(0.3, 0.2, 0.25));
-    stage.world.spawn(object(mesh, Transform::from_translation(at))).id()
+    stage
+        .world
+        .spawn(object(mesh, Transform::from_translation(at)))
+        .id()
 }
 
 fn sun(stage: &mut Stage, volume: StencilVolume) -> Entity {
@@ -38,7 +45,10 @@ fn sun(stage: &mut Stage, volume: StencilVolume) -> Entity {
 /// The only volume that is not the ground's.
 fn only(stage: &mut Stage, entity: Entity) -> Option<CasterVolume> {
     let all = volumes(stage);
-    let object = stage.world.resource::<antumbra::sets::Objects>().index_of(entity)?;
+    let object = stage
+        .world
+        .resource::<antumbra::sets::Objects>()
+        .index_of(entity)?;
     all.into_iter().find(|volume| volume.object as usize == object)
 }
 
@@ -69,7 +79,10 @@ fn parts_of_volumes_out_of_view_are_left_out() {
         ..StencilVolume::default()
     });
     let towards = only(&mut stage, caster).expect("it shadows the view");
-    assert!(towards.depth_pass && towards.sides && !towards.near_cap && !towards.far_cap, "{towards:?}");
+    assert!(
+        towards.depth_pass && towards.sides && !towards.near_cap && !towards.far_cap,
+        "{towards:?}"
+    );
 }
 
 #[test]
@@ -91,7 +104,10 @@ fn sides_of_directional_volumes_are_triangles_without_a_far_cap() {
     let light = lamp(&mut stage, LightKind::Point, Vec3::new(0.0, 5.0, 0.0), 30.0);
     stage.world.entity_mut(light).insert(StencilVolume::default());
     let caster = box_at(&mut stage, Vec3::new(0.0, 1.0, 0.0));
-    assert_eq!(only(&mut stage, caster).map(|volume| volume.corners_per_edge()), Some(4));
+    assert_eq!(
+        only(&mut stage, caster).map(|volume| volume.corners_per_edge()),
+        Some(4)
+    );
 }
 
 #[test]
@@ -122,7 +138,9 @@ fn equal_volumes_are_one_draw() {
         draw(stage);
         let renderer = stage.world.resource::<Renderer>();
         let lights = renderer.frame().lights.iter();
-        lights.map(|light| renderer.shadow_batch_count(light)).sum::<usize>()
+        lights
+            .map(|light| renderer.shadow_batch_count(light))
+            .sum::<usize>()
     };
     let add = |stage: &mut Stage, count: usize| {
         for i in 0..count {
@@ -136,7 +154,10 @@ fn equal_volumes_are_one_draw() {
     add(&mut stage, 32);
     // Casters counted either way, with and without caps, are draws of their own.
     let many = batches(&mut stage);
-    assert!(one >= 1 && many <= one + 6, "{one} draws of one box, {many} of 33");
+    assert!(
+        one >= 1 && many <= one + 6,
+        "{one} draws of one box, {many} of 33"
+    );
 }
 
 #[test]
@@ -155,9 +176,17 @@ fn wedges_end_below_the_ground_and_are_tight() {
         };
         stage.world.entity_mut(light).insert(settings);
         stage.schedule.run(&mut stage.world);
-        let object = stage.world.resource::<antumbra::sets::Objects>().index_of(caster).unwrap();
+        let object = stage
+            .world
+            .resource::<antumbra::sets::Objects>()
+            .index_of(caster)
+            .unwrap();
         let wedges = stage.world.resource::<PenumbraWedges>();
-        let at = wedges.casters.iter().position(|draw| draw.object as usize == object).unwrap();
+        let at = wedges
+            .casters
+            .iter()
+            .position(|draw| draw.object as usize == object)
+            .unwrap();
         // One plane ends all rays of the caster, just below the ground.
         let [x, y, z, w] = wedges.caster_records[at].end_local;
         assert_eq!([x, y, z], [0.0, -1.0, 0.0]);

@@ -136,7 +136,9 @@ fn stacks_that_cannot_be_counted_are_reported() {
         let sheets = stack(&mut stage, count, true);
         stage.schedule.run(&mut stage.world);
         let reported = reports_of(&stage, light);
-        let is_said = reported.iter().any(|message| message.contains("one behind the other"));
+        let is_said = reported
+            .iter()
+            .any(|message| message.contains("one behind the other"));
         assert_eq!(is_said, is_reported, "{count}: {reported:?}");
         for sheet in sheets {
             stage.world.despawn(sheet);
@@ -149,7 +151,10 @@ fn stacks_that_cannot_be_counted_are_reported() {
         let (mut positions, mut indices) = (Vec::new(), Vec::new());
         for i in 0..count {
             indices.extend(sheet.indices.iter().map(|index| index + positions.len() as u32));
-            let raised = sheet.positions.iter().map(|at| *at + Vec3::Y * (1.0 + 0.005 * i as f32));
+            let raised = sheet
+                .positions
+                .iter()
+                .map(|at| *at + Vec3::Y * (1.0 + 0.005 * i as f32));
             positions.extend(raised);
         }
         let mesh = MeshData::from_triangles("sheets", positions, indices);
@@ -174,7 +179,10 @@ fn stacked_casters_are_counted_again_when_others_take_their_place_or_they_move()
     let light = stage.spawn_light(light, down, Some(StencilVolume::default()));
     let mesh = Arc::new(MeshData::cuboid(Vec3::new(0.2, 0.01, 0.2)));
     let sheet = |stage: &mut Stage, at: Vec3| {
-        let id = stage.world.spawn(object(MeshData::default(), Transform::from_translation(at))).id();
+        let id = stage
+            .world
+            .spawn(object(MeshData::default(), Transform::from_translation(at)))
+            .id();
         stage.world.entity_mut(id).insert(SceneMesh(mesh.clone()));
         id
     };
@@ -195,7 +203,10 @@ fn stacked_casters_are_counted_again_when_others_take_their_place_or_they_move()
     // Both sets S have as many members, and their silhouettes are known from the second frame on.
     let over_pile = counted(&mut stage, -30.0);
     let over_row = counted(&mut stage, 31.75);
-    assert!(over_pile.0 == over_row.0 && over_pile.0 >= 8, "{over_pile:?} {over_row:?}");
+    assert!(
+        over_pile.0 == over_row.0 && over_pile.0 >= 8,
+        "{over_pile:?} {over_row:?}"
+    );
     assert!(over_pile.1 >= 8 && over_row.1 <= 3, "{over_pile:?} {over_row:?}");
     assert_eq!(counted(&mut stage, -30.0), over_pile);
     // Under a directional light, the silhouette of a caster that moves stays.

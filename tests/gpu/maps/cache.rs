@@ -5,9 +5,8 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::reports::Reports;
-use antumbra::techniques::maps::{
-    MapError, MapFilter, MapFormat, MapResolution, MapSettings, MapSurface, Maps,
-};
+use antumbra::techniques::maps::{MapFilter, MapFormat, MapResolution, MapSettings, MapSurface, Maps};
+use antumbra::techniques::{Shortage, TextureMemory};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -281,19 +280,21 @@ fn short_memory_costs_resolution_then_the_cache_and_is_reported() {
     };
     let all = dark(&mut stage);
     let wanted = stage.world.resource::<Maps>().bytes;
-    assert!(stage.world.resource::<Maps>().reports.is_empty());
+    assert!(stage.world.resource::<TextureMemory>().shortages().is_empty());
     let face = u64::from(least) * u64::from(least) * 24;
     for limit in [wanted - 1, 6 * face, 3 * face, 0] {
-        stage.world.resource_mut::<MapSettings>().memory_limit = limit;
+        stage.world.resource_mut::<TextureMemory>().limit = limit;
         let now = dark(&mut stage);
         let maps = stage.world.resource::<Maps>();
+        let memory = stage.world.resource::<TextureMemory>();
+        assert_eq!(maps.bytes, memory.bytes());
         assert!(maps.bytes <= limit);
         let [mut coarser, mut uncached] = [0, 0];
-        for report in &maps.reports {
-            match report.error {
-                MapError::Coarser { .. } => coarser += 1,
-                MapError::Uncached { .. } => uncached += 1,
-                other => panic!("{other}"),
+        for short in memory.shortages() {
+            match short.shortage {
+                Shortage::Coarser { .. } => coarser += 1,
+                Shortage::Shared { .. } => uncached += 1,
+                Shortage::Nothing => panic!("every map has a picture"),
             }
         }
         println!(
@@ -309,5 +310,5 @@ fn short_memory_costs_resolution_then_the_cache_and_is_reported() {
         stage.schedule.run(&mut stage.world);
         assert_eq!(newly(&mut stage), 0, "it is said once");
     }
-    assert_eq!(stage.world.resource::<Maps>().reports.len(), 6);
+    assert_eq!(stage.world.resource::<TextureMemory>().shortages().len(), 6);
 }

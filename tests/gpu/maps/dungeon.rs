@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::sets::Objects;
+use antumbra::techniques::TextureMemory;
 use antumbra::techniques::maps::{MapSettings, Maps};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
@@ -69,7 +70,7 @@ fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
         "64 lights, {looked_up} with a shadow in view; {} objects; maps: {:.1} MiB of {} MiB; draws by frame {warm_up:?}",
         stage.world.resource::<Objects>().len(),
         maps.bytes as f64 / f64::from(1 << 20),
-        stage.world.resource::<MapSettings>().memory_limit >> 20,
+        stage.world.resource::<TextureMemory>().limit >> 20,
     );
     assert!(looked_up >= 48, "{looked_up}");
     assert!(warm_up[0] > 0);

@@ -8,6 +8,7 @@ mod dungeon;
 mod faint;
 mod filters;
 mod holes;
+mod matrix_faces;
 mod models;
 mod refusals;
 mod scenes;

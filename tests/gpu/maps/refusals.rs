@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::reports::Reports;
+use antumbra::techniques::TextureMemory;
 use antumbra::techniques::maps::{MapBias, MapError, MapFilter, MapReport, MapResolution, MapSettings, Maps};
 use antumbra::techniques::shadow_map::Cascades;
 use bevy_ecs::prelude::*;
@@ -356,17 +357,16 @@ fn maps_beyond_the_limit_are_as_large_as_it_allows_and_reported() {
             limit: 128
         }
     );
-    let settings = &mut *stage.world.resource_mut::<MapSettings>();
-    (settings.largest, settings.memory_limit) = (u32::MAX, 16 << 20);
+    stage.world.resource_mut::<MapSettings>().largest = u32::MAX;
+    stage.world.resource_mut::<TextureMemory>().limit = 16 << 20;
     let (dark, reports) = render(&mut stage, light(LightKind::Point, 20.0), omni);
     assert!(dark > 20, "{dark}");
     let limit = context.device.limits().max_texture_dimension_2d;
     assert_eq!(stage.world.resource::<MapSettings>().largest, limit);
-    assert_eq!(
-        reports.len(),
-        2,
-        "beyond the device, and beyond the memory: {reports:?}"
-    );
+    assert_eq!(reports.len(), 1, "beyond the device: {reports:?}");
+    let short = stage.world.resource::<TextureMemory>().shortages();
+    assert_eq!(short.len(), 1, "beyond the memory");
+    assert_eq!((short[0].entity, short[0].asker), (reports[0].entity, "omni_map"));
 }
 
 #[test]

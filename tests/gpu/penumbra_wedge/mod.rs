@@ -6,7 +6,7 @@ mod flicker;
 mod models;
 mod overlap;
 mod properties;
-pub mod scenes;
+mod scenes;
 mod texture;
 
 use crate::harness::strict_context;

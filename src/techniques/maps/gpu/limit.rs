@@ -7,7 +7,7 @@ use crate::techniques::maps::MapSettings;
 
 /// Lowers [`MapSettings::largest`] to the largest texture that the device allows.
 ///
-/// Set: `BuildTechniques`, before `build_maps`.
+/// Set: `BuildTechniques`, before `ask_for_maps`.
 pub fn limit_to_device(renderer: Res<Renderer>, mut settings: ResMut<MapSettings>) {
     let limit = renderer.context().device.limits().max_texture_dimension_2d;
     if settings.largest > limit {

@@ -225,7 +225,13 @@ impl MapNode {
             // reach.
             let (far, length) = match state.face.projection {
                 FaceProjection::Perspective { near, .. } => (near / map.reach, 0.5),
-                FaceProjection::Parallel { .. } => (0.0, 1.0),
+                FaceProjection::Matrix { parallel: false, .. } => {
+                    let [x, y, z] = state.face.axes;
+                    let clip = state.face.clip_from_relative(state.face.origin);
+                    let far = clip * (z * map.reach + (x + y) * 1e-9).extend(1.0);
+                    (far.z / far.w, 0.5)
+                }
+                FaceProjection::Parallel { .. } | FaceProjection::Matrix { .. } => (0.0, 1.0),
             };
             let cut =
                 DMat4::from_translation(DVec3::Z * far) * DMat4::from_scale(DVec3::new(1.0, 1.0, length));

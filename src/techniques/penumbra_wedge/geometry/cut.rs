@@ -61,7 +61,10 @@ pub fn effect_of(corners: [DVec3; 3], shape: PartShape, clearance: f64) -> Effec
     let PartShape::Rect { half } = shape else {
         return Effect::Cuts;
     };
-    let lowest = corners.iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min);
+    let lowest = corners
+        .iter()
+        .map(|corner| corner.z)
+        .fold(f64::INFINITY, f64::min);
     if lowest >= -clearance {
         return Effect::Nothing; // behind the rectangle, or in its plane
     }
@@ -108,7 +111,10 @@ pub fn find_cuts(
     cuts.clear();
     for (index, (cluster, word)) in mesh.clusters().iter().zip(words.iter_mut()).enumerate() {
         let corners = &mesh.corners()[cluster.triangles()];
-        for lane in (0..corners.len()).filter(|lane| *word >> lane & 1 != 0).collect::<SmallVec<[usize; 64]>>() {
+        for lane in (0..corners.len())
+            .filter(|lane| *word >> lane & 1 != 0)
+            .collect::<SmallVec<[usize; 64]>>()
+        {
             let corners = in_light(corners[lane], positions, light_from_local);
             match effect_of(corners, shape, clearance) {
                 Effect::Usual => *word &= !(1 << lane),
@@ -164,14 +170,29 @@ mod tests {
     #[test]
     fn a_rectangle_is_cut_by_what_crosses_it() {
         // A wall across it.
-        assert_eq!(effect([[0.1, -1.0, -1.0], [0.1, 1.0, -1.0], [0.1, 0.0, 1.0]]), Effect::Cuts);
+        assert_eq!(
+            effect([[0.1, -1.0, -1.0], [0.1, 1.0, -1.0], [0.1, 0.0, 1.0]]),
+            Effect::Cuts
+        );
         // A wall beside it, which crosses its plane.
-        assert_eq!(effect([[0.6, -1.0, -1.0], [0.6, 1.0, -1.0], [0.6, 0.0, 1.0]]), Effect::Usual);
+        assert_eq!(
+            effect([[0.6, -1.0, -1.0], [0.6, 1.0, -1.0], [0.6, 0.0, 1.0]]),
+            Effect::Usual
+        );
         // A board before it.
-        assert_eq!(effect([[-0.1, -0.1, -0.1], [0.1, -0.1, -0.1], [0.0, 0.1, -0.1]]), Effect::Usual);
+        assert_eq!(
+            effect([[-0.1, -0.1, -0.1], [0.1, -0.1, -0.1], [0.0, 0.1, -0.1]]),
+            Effect::Usual
+        );
         // What lies behind it, and the ceiling in which it is.
-        assert_eq!(effect([[-1.0, -1.0, 0.3], [1.0, -1.0, 0.3], [0.0, 1.0, 0.1]]), Effect::Nothing);
-        assert_eq!(effect([[-9.0, -9.0, -1e-5], [9.0, -9.0, 1e-5], [0.0, 9.0, 0.0]]), Effect::Nothing);
+        assert_eq!(
+            effect([[-1.0, -1.0, 0.3], [1.0, -1.0, 0.3], [0.0, 1.0, 0.1]]),
+            Effect::Nothing
+        );
+        assert_eq!(
+            effect([[-9.0, -9.0, -1e-5], [9.0, -9.0, 1e-5], [0.0, 9.0, 0.0]]),
+            Effect::Nothing
+        );
     }
 
     #[test]

@@ -148,7 +148,9 @@ impl ShadowCone {
     /// Whether two shadows may meet.
     pub fn meets(&self, other: &Self) -> bool {
         let everywhere = std::f32::consts::PI;
-        self.angle >= everywhere || other.angle >= everywhere || self.axis.angle_between(other.axis) <= self.angle + other.angle
+        self.angle >= everywhere
+            || other.angle >= everywhere
+            || self.axis.angle_between(other.axis) <= self.angle + other.angle
     }
 }
 
@@ -210,7 +212,9 @@ mod tests {
 
     #[test]
     fn sums_do_not_depend_on_the_order_of_casters() {
-        let cones: Vec<_> = (0..40).map(|i| cone(3.0 * i as f32, 20.0 + (i * 7 % 5) as f32)).collect();
+        let cones: Vec<_> = (0..40)
+            .map(|i| cone(3.0 * i as f32, 20.0 + (i * 7 % 5) as f32))
+            .collect();
         let (mut order, mut sums) = (Vec::new(), Vec::new());
         assert_eq!(share_sums(&cones, &mut order, &mut sums), MAX_SUMS as u32);
         let turned: Vec<_> = cones.iter().rev().copied().collect();

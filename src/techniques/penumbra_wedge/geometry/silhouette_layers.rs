@@ -10,8 +10,8 @@
 
 use glam::Vec3;
 
-use super::layer_split::{Split, push_irregular};
 pub use super::layer_split::{AVERTED, FACING, Facets, Side};
+use super::layer_split::{Split, push_irregular};
 use super::patches::Patches;
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::edge_mesh::{EdgeMesh, LaneSide};

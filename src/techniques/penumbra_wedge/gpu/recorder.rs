@@ -27,7 +27,7 @@ use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::gpu::strided::StridedUniforms;
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
-use crate::render::{Gpu, RenderContext, RenderError};
+use crate::render::{Gpu, RenderError};
 use crate::sets::View;
 use crate::techniques::penumbra_wedge::component::MOST_IN_STEPS;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
@@ -173,7 +173,11 @@ impl PenumbraWedgeNode {
             (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
             (VisibilityBuffer::Float, Overlap::Sampled) => {
                 let is_deep = light.stacked > MOST_IN_STEPS;
-                Form::Sampled(Sampled::dense_if_allowed(light.is_layered, is_deep, self.bytes_per_pixel))
+                Form::Sampled(Sampled::dense_if_allowed(
+                    light.is_layered,
+                    is_deep,
+                    self.bytes_per_pixel,
+                ))
             }
             (VisibilityBuffer::Float, Overlap::Additive | Overlap::Paper) => Form::Float,
         }
