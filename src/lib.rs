@@ -106,9 +106,9 @@ pub mod insides {
     pub use crate::techniques::maps::request::{
         LightRequest, MapFaces, MapRequest, MapRequests, MapShape, MapSystems,
     };
+    pub use crate::techniques::penumbra_wedge::build_wedges::build_penumbra_wedges;
     pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;
     pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
-    pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;
     #[cfg(feature = "render")]
     pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;

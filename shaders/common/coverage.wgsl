@@ -47,12 +47,15 @@ fn cut_between(a: vec3f, b: vec3f) -> Seen {
 // projects to H / w; H and w are linear along the edge. Only points between `p` and the light count, with w
 // in 0..1.
 fn see_on_rect(p: vec3f, start: vec3f, end: vec3f, half_size: vec2f) -> Seen {
-    let w = (vec2f(start.z, end.z) - p.z) / -p.z;
-    let a = (start.xy - p.xy * (1.0 - w.x)) / half_size;
-    let b = (end.xy - p.xy * (1.0 - w.y)) / half_size;
-    var seen = cut_between(vec3f(a, w.x), vec3f(b, w.y));
+    var seen = cut_between(place_on_rect(p, start, half_size), place_on_rect(p, end, half_size));
     seen.is_there = seen.is_there && p.z < 0.0;
     return seen;
+}
+
+// The homogeneous place on the light to which a point projects.
+fn place_on_rect(p: vec3f, point: vec3f, half_size: vec2f) -> vec3f {
+    let w = (point.z - p.z) / -p.z;
+    return vec3f((point.xy - p.xy * (1.0 - w)) / half_size, w);
 }
 
 fn project_to_rect(seen: Seen) -> Projected {
@@ -107,14 +110,15 @@ fn disc_frame(p: vec3f) -> DiscFrame {
 }
 
 fn see_on_disc(p: vec3f, start: vec3f, end: vec3f, radius: f32) -> Seen {
+    return cut_between(place_on_disc(p, start, radius), place_on_disc(p, end, radius));
+}
+
+// The homogeneous place on the disc to which a point projects.
+fn place_on_disc(p: vec3f, point: vec3f, radius: f32) -> vec3f {
     let distance = max(length(p), 1e-20);
     let frame = disc_frame(p);
-    let a = start - p;
-    let b = end - p;
-    return cut_between(
-        vec3f(vec2f(dot(a, frame.across), dot(a, frame.up)) / radius, dot(a, frame.axis) / distance),
-        vec3f(vec2f(dot(b, frame.across), dot(b, frame.up)) / radius, dot(b, frame.axis) / distance),
-    );
+    let a = point - p;
+    return vec3f(vec2f(dot(a, frame.across), dot(a, frame.up)) / radius, dot(a, frame.axis) / distance);
 }
 
 // The paper clips the edge at the cone by a quadratic. Here the line of the projected edge comes first, as

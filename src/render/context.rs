@@ -142,11 +142,23 @@ impl RenderContext {
         if requested.timestamps {
             features |= wgpu::Features::TIMESTAMP_QUERY;
         }
+        // With sums of 64 bytes for a pixel, penumbra wedges place more samples on the light.
+        let bytes_per_pixel = if requested.float_blend {
+            adapter
+                .limits()
+                .max_color_attachment_bytes_per_sample
+                .clamp(32, 64)
+        } else {
+            32
+        };
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
                 label: Some("antumbra"),
                 required_features: features & adapter.features(),
-                required_limits: wgpu::Limits::default(),
+                required_limits: wgpu::Limits {
+                    max_color_attachment_bytes_per_sample: bytes_per_pixel,
+                    ..wgpu::Limits::default()
+                },
                 ..Default::default()
             })
             .await

@@ -8,6 +8,10 @@
 //! Volumes and wedges leave out whole triangles ([`find_grazed`]). That gives the same shadows outside of a closed solid,
 //! because a segment that enters it through such a triangle leaves it through another one. Maps put their near plane at
 //! the clearance, and the ray caster ends its rays there.
+//!
+//! An area light has points on both sides of a surface on which it lies. Techniques that cast from its extent leave out
+//! nothing but what is nearer than the clearance to each point. So a light that a surface cuts lights by the part that is
+//! outside. Those that cast from its centre treat it as a point.
 
 use bevy_ecs::prelude::*;
 #[cfg(feature = "bevy")]

@@ -368,6 +368,7 @@ fn mirrored_constants() -> Vec<Constant> {
             ("ONLY_OUTER", f64::from(records::ONLY_OUTER)),
             ("ONLY_INNER", f64::from(records::ONLY_INNER)),
             ("CLOSED", f64::from(records::CLOSED)),
+            ("CUT", f64::from(records::CUT)),
             ("LAYERS_SHIFT", f64::from(records::LAYERS_SHIFT)),
             ("SOFT_LAYERS_SHIFT", f64::from(records::SOFT_LAYERS_SHIFT)),
             ("FACING", f64::from(silhouette_layers::FACING)),

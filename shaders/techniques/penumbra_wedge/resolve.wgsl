@@ -3,14 +3,14 @@
 // Host    src/techniques/penumbra_wedge/gpu/recorder.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW, SPLIT_STEPS}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, Places, Sampling, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW, SPLIT_STEPS}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // with IS_SPLIT: the bytes that were added
-@group(3) @binding(1) var facing_subtracted: texture_2d<f32>;
+@group(3) @binding(1) var facing_second: texture_2d<f32>;       // with IS_SPLIT: bytes that were subtracted; with IS_DENSE: further places
 @group(3) @binding(2) var combined: texture_2d<f32>;            // coverage of the groups before this one
 @group(3) @binding(3) var<storage, read_write> overflow: atomic<u32>;
 @group(3) @binding(4) var averted_sums: texture_2d<f32>;
-@group(3) @binding(5) var averted_subtracted: texture_2d<f32>;
+@group(3) @binding(5) var averted_second: texture_2d<f32>;
 
 // The light is a sphere; otherwise it is a rectangle.
 override IS_SPHERE: bool = false;
@@ -22,6 +22,8 @@ override IS_SPLIT: bool = false;
 override IS_SCALAR: bool = false;
 // Besides the sum, the channels count hard shadows and places on the light.
 override IS_SAMPLED: bool = false;
+// Twenty-one places are counted instead of nine.
+override IS_DENSE: bool = false;
 // More casters may lie one behind the other than the digits of places have room for in steps, so places are
 // either hidden or not.
 override IS_DEEP: bool = false;
@@ -47,8 +49,8 @@ struct Covered {
 }
 
 fn summed(pixel: vec2u, over: vec4f) -> Covered {
-    let facing = joined(textureLoad(facing_sums, pixel, 0), textureLoad(facing_subtracted, pixel, 0));
-    let averted = joined(textureLoad(averted_sums, pixel, 0), textureLoad(averted_subtracted, pixel, 0));
+    let facing = joined(textureLoad(facing_sums, pixel, 0), textureLoad(facing_second, pixel, 0));
+    let averted = joined(textureLoad(averted_sums, pixel, 0), textureLoad(averted_second, pixel, 0));
     return Covered(clamp(-facing, vec4f(0.0), over), clamp(-averted, vec4f(0.0), over));
 }
 
@@ -81,27 +83,61 @@ fn within_256(times: f32) -> f32 {
 // How often the places on the light are hidden in one layer.
 struct Counts {
     covered: f32,                   // sum of coverages; each overlap counts again
-    hidden: mat3x3f,
+    hidden: Places,
 }
 
-fn counts(sums: vec4f, over: f32, is_above: mat3x3f) -> Counts {
+fn counts(sums: vec4f, more: vec4f, over: f32, is_above: Places) -> Counts {
     let one = select(HARD_SHADOW, DEEP_HARD_SHADOW, IS_DEEP);
     let hard = -round(sums.r / one);
-    let hidden = mat3x3f(
-        times_hidden(hard, sums.g) * is_above[0],
-        times_hidden(hard, sums.b) * is_above[1],
-        times_hidden(hard, sums.a) * is_above[2],
+    var hidden: Places;
+    hidden.first = mat3x3f(
+        times_hidden(hard, sums.g) * is_above.first[0],
+        times_hidden(hard, sums.b) * is_above.first[1],
+        times_hidden(hard, sums.a) * is_above.first[2],
     );
+    if IS_DENSE {
+        hidden.more = mat4x3f(
+            times_hidden(hard, more.r) * is_above.more[0],
+            times_hidden(hard, more.g) * is_above.more[1],
+            times_hidden(hard, more.b) * is_above.more[2],
+            times_hidden(hard, more.a) * is_above.more[3],
+        );
+    }
     return Counts(hard * over - (sums.r + hard * one), hidden);
 }
 
 // Sum over all places.
-fn sum_of(values: mat3x3f) -> f32 {
-    return dot(values[0] + values[1] + values[2], vec3f(1.0));
+fn sum_of(values: Places) -> f32 {
+    let first = values.first[0] + values.first[1] + values.first[2];
+    return dot(first + values.more[0] + values.more[1] + values.more[2] + values.more[3], vec3f(1.0));
 }
 
-fn product(a: mat3x3f, b: mat3x3f) -> mat3x3f {
-    return mat3x3f(a[0] * b[0], a[1] * b[1], a[2] * b[2]);
+fn product(a: Places, b: Places) -> Places {
+    return Places(
+        mat3x3f(a.first[0] * b.first[0], a.first[1] * b.first[1], a.first[2] * b.first[2]),
+        mat4x3f(a.more[0] * b.more[0], a.more[1] * b.more[1], a.more[2] * b.more[2], a.more[3] * b.more[3]),
+    );
+}
+
+// The larger of two counts at each place, but at most `limit`.
+fn at_most(a: vec3f, b: vec3f, limit: vec3f) -> vec3f {
+    return clamp(max(a, b), vec3f(0.0), limit);
+}
+
+fn hidden_in_any(a: Places, b: Places, limit: Places) -> Places {
+    return Places(
+        mat3x3f(
+            at_most(a.first[0], b.first[0], limit.first[0]),
+            at_most(a.first[1], b.first[1], limit.first[1]),
+            at_most(a.first[2], b.first[2], limit.first[2]),
+        ),
+        mat4x3f(
+            at_most(a.more[0], b.more[0], limit.more[0]),
+            at_most(a.more[1], b.more[1], limit.more[1]),
+            at_most(a.more[2], b.more[2], limit.more[2]),
+            at_most(a.more[3], b.more[3], limit.more[3]),
+        ),
+    );
 }
 
 // A layer's estimate of the hidden share, and how well its counts fit the hidden places.
@@ -110,7 +146,7 @@ struct Account {
     fit: f32,
 }
 
-// Estimates the hidden share from nine samples, corrected by the exact sum of coverages (a control variate).
+// Estimates the hidden share from the samples, corrected by the exact sum of coverages (a control variate).
 // The correction is weighted by how well sample counts correlate with being hidden. Where nothing overlaps,
 // sum and samples agree and the sum is the answer. Where everything is hidden twice, the sum says nothing.
 //
@@ -120,18 +156,18 @@ struct Account {
 //
 // Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples",
 // 8.9.
-fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
+fn account(layer: Counts, is_hidden: Places) -> Account {
     // Share of the light that lies on one side of a line and holds no place, with a margin for thin casters. By eye.
     const UNSEEN = 0.15;
-    const COUNT = 9.0;
+    let count = select(9.0, 21.0, IS_DENSE);
     // Weight of the prior slope (`believed`), which decides where all places have equal counts. By trial over
     // the models.
     const BELIEF = 0.25;
-    let mean = sum_of(is_hidden) / COUNT;
-    let mean_count = sum_of(layer.hidden) / COUNT;
-    let together = sum_of(product(is_hidden, layer.hidden)) - COUNT * mean * mean_count;
-    let spread = max(sum_of(product(layer.hidden, layer.hidden)) - COUNT * mean_count * mean_count, 0.0);
-    let own_spread = COUNT * mean * (1.0 - mean);
+    let mean = sum_of(is_hidden) / count;
+    let mean_count = sum_of(layer.hidden) / count;
+    let together = sum_of(product(is_hidden, layer.hidden)) - count * mean * mean_count;
+    let spread = max(sum_of(product(layer.hidden, layer.hidden)) - count * mean_count * mean_count, 0.0);
+    let own_spread = count * mean * (1.0 - mean);
     let believed = select(1.0, clamp(mean / max(mean_count, 1e-6), 0.0, 1.0), mean_count > 0.05);
     let slope = clamp((together + BELIEF * believed) / (spread + BELIEF), 0.0, 1.0);
     let fit = (together * together + BELIEF * believed) / (spread * own_spread + BELIEF);
@@ -143,14 +179,10 @@ fn account(layer: Counts, is_hidden: mat3x3f) -> Account {
 const FIT_WIDTH: f32 = 0.4;
 
 fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
-    let is_above = places_above(horizon, IS_SPHERE);
-    let facing = counts(textureLoad(facing_sums, pixel, 0), over, is_above);
-    let averted = counts(textureLoad(averted_sums, pixel, 0), over, is_above);
-    let is_hidden = mat3x3f(
-        clamp(max(facing.hidden[0], averted.hidden[0]), vec3f(0.0), is_above[0]),
-        clamp(max(facing.hidden[1], averted.hidden[1]), vec3f(0.0), is_above[1]),
-        clamp(max(facing.hidden[2], averted.hidden[2]), vec3f(0.0), is_above[2]),
-    );
+    let is_above = places_above(horizon, Sampling(IS_SPHERE, IS_DENSE, PLACE_STEPS));
+    let facing = counts(textureLoad(facing_sums, pixel, 0), textureLoad(facing_second, pixel, 0), over, is_above);
+    let averted = counts(textureLoad(averted_sums, pixel, 0), textureLoad(averted_second, pixel, 0), over, is_above);
+    let is_hidden = hidden_in_any(facing.hidden, averted.hidden, is_above);
     let by_facing = account(facing, is_hidden);
     let by_averted = account(averted, is_hidden);
     let to_averted = clamp(0.5 + (by_averted.fit - by_facing.fit) / FIT_WIDTH, 0.0, 1.0);

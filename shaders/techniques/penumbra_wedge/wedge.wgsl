@@ -5,7 +5,8 @@
 //         Infinity is w = 0, depth 0. In orthographic views everything ends before it.
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, HARD_SHADOW, DEEP_HARD_SHADOW, PLACE_STEPS, SPLIT_STEPS}
+#import antumbra::cut_surface::{cut_polygon, polygon_share, polygon_places}
+#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, Sampling, HARD_SHADOW, DEEP_HARD_SHADOW, PLACE_STEPS, SPLIT_STEPS}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::geometry::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -20,7 +21,7 @@ struct Wedge {                      // mirror: techniques::penumbra_wedge::geome
     start_local: vec3f,
     caster: u32,
     end_local: vec3f,
-    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on, ONLY_*, CLOSED
+    flags: u32,                     // HARD, PIECE, SOFT; hard layers from bit 3 on, soft layers from bit 5 on, ONLY_*, CLOSED, CUT
     start_light: vec3f,
     padding_a: u32,
     end_light: vec3f,
@@ -40,6 +41,8 @@ const ONLY_OUTER: u32 = 128u;       // mirror: techniques::penumbra_wedge::geome
 const ONLY_INNER: u32 = 256u;       // mirror: techniques::penumbra_wedge::geometry::records::ONLY_INNER
 // Both layers are the averted triangles.
 const CLOSED: u32 = 512u;           // mirror: techniques::penumbra_wedge::geometry::records::CLOSED
+// A triangle that cuts the light; its corners are the start, the end and the first rim.
+const CUT: u32 = 1024u;             // mirror: techniques::penumbra_wedge::geometry::records::CUT
 const LAYERS_SHIFT: u32 = 3u;       // mirror: techniques::penumbra_wedge::geometry::records::LAYERS_SHIFT
 const SOFT_LAYERS_SHIFT: u32 = 5u;  // mirror: techniques::penumbra_wedge::geometry::records::SOFT_LAYERS_SHIFT
 
@@ -69,11 +72,16 @@ override IS_TEXTURED: bool = false;
 override CAP_LAYERS: u32 = 3u;
 // Number of coverage steps in 1. Sums of their multiples are exact, so the order of blending does not show.
 override STEPS: f32 = 16384.0;
-// Besides the share, hard shadows and nine places on the light are counted.
+// Besides the share, hard shadows and places on the light are counted.
 override IS_SAMPLED: bool = false;
+// Twenty-one places are counted instead of nine, in one more texture for each layer.
+override IS_DENSE: bool = false;
 // More casters may lie one behind the other than the digits of places have room for in steps, so places are
 // either hidden or not.
 override IS_DEEP: bool = false;
+
+// Triangles that cut the light are drawn. Otherwise their fragments are discarded.
+override DRAWS_CUTS: bool = false;
 
 struct Corner {
     @builtin(position) @invariant position_clip: vec4f,
@@ -84,6 +92,7 @@ struct Corner {
     @location(4) @interpolate(flat) flags: u32,
     @location(5) @interpolate(flat) side: vec4f,
     @location(6) @interpolate(flat) other_side: vec4f,
+    @location(7) @interpolate(flat) third_light: vec3f, // third corner of a triangle that cuts the light
 }
 
 // The homogeneous point where a ray meets the plane at which it ends; at infinity without a plane.
@@ -143,14 +152,27 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     out.flags = flags;
     out.side = wedges[instance].sides[0];
     out.other_side = wedges[instance].sides[1];
+    if (flags & CUT) != 0u {
+        out.position_clip = over_all(vertex);
+        out.third_light = wedges[instance].rims[0].xyz;
+        out.soft = -1.0; // it hides
+        out.hard = 0.0;
+    }
     return out;
+}
+
+// Vertices of two triangles over the whole picture, at infinity. They are one triangle seen from both sides, of which
+// culling leaves one. All other triangles of the shell are degenerate.
+fn over_all(vertex: u32) -> vec4f {
+    let corner = select(0u, vertex + 1u - FIRST_RIM, vertex == FIRST_RIM || vertex == FIRST_RIM + 1u);
+    return vec4f(f32(corner & 1u) * 4.0 - 1.0, f32(corner >> 1u) * 4.0 - 1.0, 0.0, 1.0);
 }
 
 // Vertices of the separator; all in one point, which draws nothing, where there is no separator.
 @vertex
 fn separator_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> Corner {
     var out = wedge_corner(vertex, instance);
-    if (wedges[instance].flags & (ONLY_OUTER | ONLY_INNER)) != 0u {
+    if (wedges[instance].flags & (ONLY_OUTER | ONLY_INNER | CUT)) != 0u {
         out.position_clip = vec4f(0.0, 0.0, 0.0, 1.0);
     }
     return out;
@@ -224,13 +246,42 @@ fn faces(plane: vec4f, foot: Foot) -> vec2f {
 
 // A value in the facing and in the averted layer.
 struct Layers {
-    @location(0) facing: vec4f,
-    @location(1) averted: vec4f,
+    facing: Value,
+    averted: Value,
+}
+
+// What is added to the sums of a layer.
+struct Value {
+    sums: vec4f,
+    more: vec4f,                    // further places; 0 unless dense
+}
+
+// The targets of sums. Without dense sums there are up to two: facing, averted. With dense sums there are up to four:
+// facing and its further places, averted and its further places. Casters whose layers are the same have the first half.
+struct Targets {
+    @location(0) a: vec4f,
+    @location(1) b: vec4f,
+    @location(2) c: vec4f,
+    @location(3) d: vec4f,
+}
+
+fn targets(value: Layers) -> Targets {
+    if IS_DENSE {
+        return Targets(value.facing.sums, value.facing.more, value.averted.sums, value.averted.more);
+    }
+    return Targets(value.facing.sums, value.averted.sums, vec4f(0.0), vec4f(0.0));
+}
+
+fn times(value: Value, factor: f32) -> Value {
+    return Value(value.sums * factor, value.more * factor);
 }
 
 fn layered(value: vec4f, layers: u32) -> Layers {
-    return Layers(value * f32(layers & FACING), value * f32((layers & AVERTED) >> 1u));
+    let both = Value(value, vec4f(0.0));
+    return Layers(times(both, f32(layers & FACING)), times(both, f32((layers & AVERTED) >> 1u)));
 }
+
+const NOTHING = Layers();
 
 // Coverage of an edge at the surface that the pixel shows: the share of the part behind the edge, with the
 // places if sampled, times the multiplicity with which the edge is a silhouette edge from there.
@@ -240,28 +291,57 @@ fn layered(value: vec4f, layers: u32) -> Layers {
 fn coverage(in: Corner) -> Layers {
     let receiver = receiver_at(in.position_clip.xy);
     let position_light = in_light(in_plane(receiver));
+    if (in.flags & CUT) != 0u {
+        return cut_coverage(in, receiver, position_light);
+    }
     let seen = see(position_light, in.start_light, in.end_light, IS_SPHERE);
     if in.soft == 0.0 || receiver.depth <= 0.0 || misses(seen, IS_SPHERE) {
-        return Layers(vec4f(0.0), vec4f(0.0));
+        return NOTHING;
     }
     let foot = foot_of(receiver, position_light);
     let by_layer = faces(in.side, foot) - faces(in.other_side, foot);
     let is_closed = (in.flags & CLOSED) != 0u;
-    let times = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> SOFT_LAYERS_SHIFT & 1u), f32(in.flags >> (SOFT_LAYERS_SHIFT + 1u) & 1u));
-    if all(times == vec2f(0.0)) {
-        return Layers(vec4f(0.0), vec4f(0.0));
+    let factors = select(by_layer, by_layer.yy, is_closed) * vec2f(f32(in.flags >> SOFT_LAYERS_SHIFT & 1u), f32(in.flags >> (SOFT_LAYERS_SHIFT + 1u) & 1u));
+    if all(factors == vec2f(0.0)) {
+        return NOTHING;
     }
     let own_seat = seat(receiver, IS_SPHERE);
     let share = covered(own_seat.horizon, seen, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
     // The comparisons also reject NaN.
     let is_usable = share.a >= 0.0 && share.a < 1.0;
-    var value = rounded(share);
-    if IS_SAMPLED {
-        let places = places_behind(seen, IS_SPHERE, select(PLACE_STEPS, 1.0, IS_DEEP));
-        value = vec4f(value.a, DIGITS * places);
+    if !is_usable {
+        return NOTHING;
     }
-    value = select(vec4f(0.0), value, is_usable);
-    return Layers(value * times.x, value * times.y);
+    var value = Value(rounded(share), vec4f(0.0));
+    if IS_SAMPLED {
+        let sampling = Sampling(IS_SPHERE, IS_DENSE, select(PLACE_STEPS, 1.0, IS_DEEP));
+        let places = places_behind(seen, sampling);
+        value = Value(vec4f(value.sums.a, DIGITS * places.first), DIGITS * places.more);
+    }
+    return Layers(times(value, factors.x), times(value, factors.y));
+}
+
+// Coverage of a triangle that cuts the light, in the layer to which it belongs as seen from the surface. A triangle hides
+// nothing from points in its own plane.
+fn cut_coverage(in: Corner, receiver: Receiver, position_light: vec3f) -> Layers {
+    let foot = foot_of(receiver, position_light);
+    let height = dot(in.side.xyz, position_light) + in.side.w;
+    if receiver.depth <= 0.0 || abs(height) < foot.rounding {
+        return NOTHING;
+    }
+    let polygon = cut_polygon(position_light, array<vec3f, 3>(in.start_light, in.end_light, in.third_light), IS_SPHERE);
+    if polygon.count < 3u {
+        return NOTHING;
+    }
+    let own_seat = seat(receiver, IS_SPHERE);
+    let share = polygon_share(polygon, own_seat.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
+    var value = Value(rounded(share), vec4f(0.0));
+    if IS_SAMPLED {
+        let places = polygon_places(polygon, Sampling(IS_SPHERE, IS_DENSE, select(PLACE_STEPS, 1.0, IS_DEEP)));
+        value = Value(vec4f(value.sums.a, DIGITS * places.first), DIGITS * places.more);
+    }
+    let is_front = f32(height < 0.0);
+    return Layers(times(value, is_front), times(value, 1.0 - is_front));
 }
 
 // Values that the faces add. Behind the surface, the front of a hard shadow's face adds 1 to visibility and
@@ -273,8 +353,16 @@ fn shell_value(in: Corner) -> Layers {
 fn separator_value(in: Corner, front_facing: bool) -> Layers {
     let hard = layered(select(vec4f(0.0), whole(in.position_clip.xy), in.hard > 0.0), in.flags >> LAYERS_SHIFT);
     let soft = coverage(in);
-    let sum = Layers(2.0 * soft.facing - hard.facing, 2.0 * soft.averted - hard.averted);
+    let sum = Layers(doubled_less(soft.facing, hard.facing), doubled_less(soft.averted, hard.averted));
     return scaled(sum, FACE_SIGN * select(1.0, -1.0, front_facing));
+}
+
+fn doubled_less(soft: Value, hard: Value) -> Value {
+    return Value(2.0 * soft.sums - hard.sums, 2.0 * soft.more);
+}
+
+fn is_left_out(in: Corner) -> bool {
+    return (in.flags & CUT) != 0u && !DRAWS_CUTS;
 }
 
 fn hard_value(in: Corner, front_facing: bool) -> Layers {
@@ -286,45 +374,49 @@ fn cap_value(position: vec4f, front_facing: bool) -> Layers {
 }
 
 fn scaled(value: Layers, factor: f32) -> Layers {
-    return Layers(value.facing * factor, value.averted * factor);
+    return Layers(times(value.facing, factor), times(value.averted, factor));
 }
 
 fn is_nothing(value: Layers) -> bool {
-    return all(value.facing == vec4f(0.0)) && all(value.averted == vec4f(0.0));
+    let facing = all(value.facing.sums == vec4f(0.0)) && all(value.facing.more == vec4f(0.0));
+    return facing && all(value.averted.sums == vec4f(0.0)) && all(value.averted.more == vec4f(0.0));
 }
 
 // Discards fragments that add nothing, which saves the blending.
 @fragment
-fn shell(in: Corner) -> Layers {
+fn shell(in: Corner) -> Targets {
     let value = shell_value(in);
     if is_nothing(value) {
         discard;
     }
-    return value;
+    return targets(value);
 }
 
 @fragment
-fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
+fn separator(in: Corner, @builtin(front_facing) front_facing: bool) -> Targets {
     let value = separator_value(in, front_facing);
     if is_nothing(value) {
         discard;
     }
-    return value;
+    return targets(value);
 }
 
 @fragment
-fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> Layers {
-    return hard_value(in, front_facing);
+fn hard_side(in: Corner, @builtin(front_facing) front_facing: bool) -> Targets {
+    if is_left_out(in) {
+        discard;
+    }
+    return targets(hard_value(in, front_facing));
 }
 
 @fragment
-fn half(in: Corner) -> Layers {
-    return scaled(coverage(in), HALF_SIGN);
+fn half(in: Corner) -> Targets {
+    return targets(scaled(coverage(in), HALF_SIGN));
 }
 
 @fragment
-fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Layers {
-    return cap_value(position, front_facing);
+fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Targets {
+    return targets(cap_value(position, front_facing));
 }
 
 // Twelve bits over four bytes, three in each; the upper five bits of a byte are for carries. What is added
@@ -342,8 +434,8 @@ fn digits(value: f32) -> vec4f {
 }
 
 fn split(value: Layers) -> Split {
-    let facing = value.facing.r;
-    let averted = value.averted.r;
+    let facing = value.facing.sums.r;
+    let averted = value.averted.sums.r;
     return Split(digits(facing), digits(-facing), digits(averted), digits(-averted));
 }
 
@@ -359,6 +451,9 @@ fn separator_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Spl
 
 @fragment
 fn hard_side_split(in: Corner, @builtin(front_facing) front_facing: bool) -> Split {
+    if is_left_out(in) {
+        discard;
+    }
     return split(hard_value(in, front_facing));
 }
 
@@ -374,6 +469,9 @@ fn cap_split(@builtin(position) position: vec4f, @builtin(front_facing) front_fa
 
 @fragment
 fn debug(in: Corner, @builtin(front_facing) front_facing: bool) -> @location(0) vec4f {
+    if is_left_out(in) {
+        discard;
+    }
     return select(vec4f(0.02, 0.0, 0.02, 0.0), vec4f(0.0, 0.02, 0.02, 0.0), in.soft > 0.0)
         * select(0.5, 1.0, front_facing);
 }

@@ -30,6 +30,7 @@ impl PenumbraWedges {
             part_groups,
             entries,
             cones,
+            order,
             sums,
             ..
         } = scratch;
@@ -75,7 +76,7 @@ impl PenumbraWedges {
                     }
                 }
                 let sum_count = if light.settings.overlap == Overlap::Paper {
-                    share_sums(cones, sums)
+                    share_sums(cones, order, sums)
                 } else {
                     sums.clear();
                     sums.resize(entries.len(), 0);

@@ -6,14 +6,17 @@ use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
 use super::component::{WedgeBounds, WedgeSilhouette};
+use super::geometry::cut::{can_be_cut, cut_record, cutting_distance, find_cuts, in_light};
 use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, push_edge, side_plane};
 use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
 use super::light_parts::{LightPart, PartShape};
+use crate::conventions::CLUSTER_TRIANGLES;
 use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{
-    CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed, find_turning,
+    CapMode, CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed,
+    find_turning,
 };
 
 /// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
@@ -26,8 +29,9 @@ pub(super) struct ChunkKey {
     /// Whether the chunk is divided into patches.
     pub(super) by_patch: bool,
     pub(super) silhouette: WedgeSilhouette,
-    /// Metres from the part's centre within which surfaces do not block it; 0 if the caster is farther away than that.
-    pub(super) clearance: f64,
+    /// Metres from a point of light within which surfaces do not block it; `None` if the caster is so far away that it
+    /// neither touches nor cuts the part.
+    pub(super) touches: Option<f64>,
 }
 
 /// Buffers that are reused for every chunk.
@@ -36,6 +40,7 @@ pub(super) struct ChunkScratch {
     bits: FacingBits,
     turning: Vec<u64>,
     grazed: Vec<u64>,
+    cuts: Vec<(u32, f64)>,
     contour: LayeredContour,
 }
 
@@ -60,6 +65,10 @@ pub(super) struct Chunk {
     pub(super) patches: Vec<ChunkPatch>,
     /// Whether the two [layers](super::geometry::silhouette_layers) differ.
     pub(super) is_layered: bool,
+    /// Whether the caster [cuts](super::geometry::cut) the part.
+    pub(super) is_cutting: bool,
+    /// Number of triangles that cut the part but are left out.
+    pub(super) cuts_left_out: u32,
     pub(super) last_used: u64,
 }
 
@@ -111,6 +120,15 @@ fn extent_local(shape: PartShape, local_from_light: &DMat4) -> Option<LightExten
     }
 }
 
+/// Light space as one caster is transformed to it.
+#[derive(Clone, Copy)]
+struct LightSpace<'a> {
+    light_from_local: &'a DMat4,
+    shape: PartShape,
+    is_directional: bool,
+    mirrored: bool,
+}
+
 impl Chunk {
     pub(super) fn empty(entity: Entity, part: u32, key: ChunkKey) -> Self {
         Self {
@@ -122,6 +140,8 @@ impl Chunk {
             caps: Vec::new(),
             patches: Vec::new(),
             is_layered: false,
+            is_cutting: false,
+            cuts_left_out: 0,
             last_used: 0,
         }
     }
@@ -140,6 +160,7 @@ impl Chunk {
             bits,
             turning,
             grazed,
+            cuts,
             contour,
         } = scratch;
         self.wedges.clear();
@@ -159,16 +180,30 @@ impl Chunk {
         {
             find_turning(&edges.0.edges, planes, light_local.truncate(), &extent, turning);
         }
+        let shape = part.shape;
+        let mut mode = silhouette.mode;
+        (self.is_cutting, self.cuts_left_out) = (false, 0);
         grazed.clear();
-        if self.key.clearance > 0.0 {
+        cuts.clear();
+        if let Some(clearance) = self.key.touches {
             let grazing = GrazingLight {
                 light_world: part.point_world,
                 light_local,
                 world_from_local,
-                clearance: self.key.clearance,
+                clearance: cutting_distance(shape, clearance),
             };
             find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
-            // A triangle that blocks nothing has no edge that turns.
+            if can_be_cut(shape, clearance) {
+                let part = (shape, clearance);
+                self.cuts_left_out =
+                    find_cuts(&edges.0.edges, positions, light_from_local, part, grazed, cuts);
+                self.is_cutting = !cuts.is_empty();
+            }
+            if self.is_cutting {
+                // Points of the light may be within the caster, where only fronts hide them.
+                mode = CapMode::AllTriangles;
+            }
+            // A triangle that blocks nothing, or cuts, has no edge that turns.
             for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
                 *turning &= !grazed;
             }
@@ -178,22 +213,15 @@ impl Chunk {
             turning,
             grazed,
         };
-        extract_layers(
-            &edges.0.edges,
-            positions,
-            facets,
-            silhouette.mode,
-            by_patch,
-            contour,
-        );
+        extract_layers(&edges.0.edges, positions, facets, mode, by_patch, contour);
         self.light_local = light_local.to_array();
         let mirrored = light_from_local.determinant() < 0.0;
         let shape = if light.point_world.w == 0.0 {
             PartShape::Point
         } else {
-            part.shape
+            shape
         };
-        self.is_layered = !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
+        self.is_layered = self.is_cutting || !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
         if by_patch {
             // The sort is stable, so within a patch the order stays that of the mesh.
             contour.edges.sort_by_key(|edge| edge.patch);
@@ -213,6 +241,45 @@ impl Chunk {
             };
             [x, y, z, offset]
         };
+        let space = LightSpace {
+            light_from_local,
+            shape,
+            is_directional: light.point_world.w == 0.0,
+            mirrored,
+        };
+        self.push_patches(contour, by_patch, &space, plane_light);
+        let corners = edges.0.edges.corners();
+        let first = self.wedges.len();
+        for &(slot, _) in cuts.iter() {
+            let cluster = &edges.0.edges.clusters()[slot as usize / CLUSTER_TRIANGLES];
+            let triangle = corners[cluster.triangles()][slot as usize % CLUSTER_TRIANGLES];
+            let corners = in_light(triangle, positions, light_from_local);
+            self.wedges.push(cut_record(corners, plane_light(slot)));
+        }
+        if self.is_cutting {
+            let end = self.caps.len();
+            self.patches.push(ChunkPatch {
+                wedges: first..self.wedges.len(),
+                caps: std::array::from_fn(|_| end..end),
+                cone: ShadowCone::ALL,
+            });
+        }
+    }
+
+    /// Appends wedges, caps and patches of a contour.
+    fn push_patches(
+        &mut self,
+        contour: &LayeredContour,
+        by_patch: bool,
+        space: &LightSpace,
+        plane_light: impl Fn(u32) -> [f32; 4],
+    ) {
+        let LightSpace {
+            light_from_local,
+            shape,
+            is_directional,
+            mirrored,
+        } = *space;
         let mut edges = contour.edges.iter().peekable();
         let mut first_of = [0; 3];
         for patch in 0..if by_patch { contour.patches.count() } else { 1 } {
@@ -222,7 +289,7 @@ impl Chunk {
                 push_edge(
                     edge,
                     if mirrored { [b, a] } else { [a, b] },
-                    edge.sides.map(|side| side_plane(side, plane_light)),
+                    edge.sides.map(|side| side_plane(side, &plane_light)),
                     light_from_local,
                     shape,
                     self.key.bounds,
@@ -248,10 +315,10 @@ impl Chunk {
                 .iter()
                 .flat_map(|wedge| [wedge.start_light, wedge.end_light])
                 .map(Vec3::from);
-            let cone = if by_patch && light.point_world.w != 0.0 {
-                ShadowCone::around(points, part.shape.radius() as f32)
+            let cone = if by_patch && !is_directional {
+                ShadowCone::around(points, shape.radius() as f32)
             } else {
-                ShadowCone::ALL
+                ShadowCone::everywhere(points)
             };
             self.patches.push(ChunkPatch {
                 wedges: first_wedge..self.wedges.len(),

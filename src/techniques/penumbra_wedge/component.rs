@@ -67,7 +67,7 @@ impl Default for PenumbraWedge {
 pub const MOST_IN_STEPS: u32 = 30;
 
 /// The greatest number of casters that may lie one behind the other in a light with [`Overlap::Sampled`]. With more,
-/// shadows may be too light. [`LightSilhouettes::stacked`](crate::silhouettes::LightSilhouettes::stacked) is the number
+/// shadows may be too light, which is reported. [`LightSilhouettes::stacked`](crate::silhouettes::LightSilhouettes::stacked) is the number
 /// that a light has.
 pub const MOST_STACKED: u32 = 254;
 
@@ -129,12 +129,13 @@ pub enum WedgeSilhouette {
     serde(rename_all = "snake_case")
 )]
 pub enum Overlap {
-    /// Estimates how much of the light is hidden from nine soft samples on the light, corrected by the exact
+    /// Estimates how much of the light is hidden from 21 soft samples on the light, corrected by the exact
     /// sum of coverages (a control variate). Takes one pass. Up to 254 casters may lie one behind the other
     /// ([`MOST_STACKED`]); from 31 on the samples are hard, so shadows jump a little when the light moves.
     ///
-    /// The error is at most 0.03 where nothing overlaps. Where much overlaps, it is that of nine samples
-    /// and the sum. The samples are soft, so none jumps when the light moves.
+    /// The error is at most 0.03 where nothing overlaps. Where much overlaps, it is that of the samples
+    /// and the sum. The samples are soft, so none jumps when the light moves. Where open meshes cast, there are nine
+    /// samples on a device whose `max_color_attachment_bytes_per_sample` is less than 64. WebGPU guarantees 32.
     ///
     /// Needs a device that blends 32-bit floats, [`VisibilityBuffer::Float`] and a light without texture.
     /// Otherwise [`Overlap::Additive`] is used.
@@ -144,7 +145,8 @@ pub enum Overlap {
     /// overlapping ones darken too much. Takes one pass.
     Additive,
     /// Combines the coverage of one silhouette loop of all casters after the other, halfway between the
-    /// extremes of no and full overlap: `c = max + ½ min`. Section 5.1, equation 1.
+    /// extremes of no and full overlap: `c = max + ½ min`. Section 5.1, equation 1. For more than two loops it is half
+    /// of the sum and half of the largest, so their order does not matter.
     ///
     /// A loop is summed first with its holes and the patch of triangles that they bound. Patches whose
     /// shadows cannot meet share a sum; beyond 16 sums, others share too. Takes a pass for each sum. Use it

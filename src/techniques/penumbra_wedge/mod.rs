@@ -27,9 +27,12 @@
 //! caster would darken itself under the silhouette from the centre.
 //!
 //! The sum counts every overlap again. Therefore the same faces, with the same
-//! signs, also count how often each of nine places on the light is hidden. An edge adds 1 where it hides a
+//! signs, also count how often each of 9 or 21 places on the light is hidden. An edge adds 1 where it hides a
 //! place, 0 where it does not, and an intermediate step where it passes close. From both, the resolve
 //! estimates how much is hidden at all ([`Overlap::Sampled`]).
+//!
+//! A triangle that reaches into the light has no edges that could be counted. It is clipped to what is before the light
+//! and counted by itself, at every pixel ([`cut`](geometry::cut)).
 //!
 //! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm
 //! with Real-Time Performance". In substance, the formula with `w` and sectors and equation 1
@@ -42,6 +45,7 @@
 //! points; slivers and soft places are ours.
 
 mod assemble;
+pub(crate) mod build_wedges;
 mod chunks;
 pub(crate) mod component;
 pub(crate) mod geometry;

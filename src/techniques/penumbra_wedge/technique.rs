@@ -2,11 +2,13 @@
 
 use bevy_ecs::prelude::*;
 
-use super::component::{MAX_SPLIT, PenumbraWedge};
+use super::build_wedges::build_penumbra_wedges;
+use super::component::{MAX_SPLIT, MOST_STACKED, Overlap, PenumbraWedge};
+use super::geometry::cut::MOST_CUTS;
 #[cfg(feature = "render")]
 use super::gpu::recorder::PenumbraWedgeNode;
 use super::overflow::{SPLIT_CAPACITY, WedgeOverflow};
-use super::wedges::{PenumbraWedges, build_penumbra_wedges};
+use super::wedges::PenumbraWedges;
 #[cfg(feature = "render")]
 use crate::render::shaders::{ShaderFile, shader_files};
 #[cfg(feature = "render")]
@@ -62,6 +64,27 @@ impl Technique for PenumbraWedge {
                 });
             }
         }
+        for light in &world.resource::<PenumbraWedges>().lights {
+            let counts = light.settings.overlap == Overlap::Sampled && light.texture.is_none();
+            if counts && light.stacked > MOST_STACKED {
+                round.raise(Some(light.entity), 3, || {
+                    format!(
+                        "Up to {} surfaces lie one behind the other in this light. PenumbraWedge counts {MOST_STACKED}, \
+                         so shadows may be too light. Use `Overlap::Additive`, or take ShadowCaster off what is hidden.",
+                        light.stacked
+                    )
+                });
+            }
+            if light.cuts_left_out > 0 {
+                round.raise(Some(light.entity), 4, || {
+                    format!(
+                        "{} triangles that reach into this light block nothing: at most {MOST_CUTS} of a caster are drawn, \
+                         the nearest. Make the light smaller than the lamp around it, or take ShadowCaster off the bulb.",
+                        light.cuts_left_out
+                    )
+                });
+            }
+        }
         let pixels = world.resource::<WedgeOverflow>().pixels();
         if pixels > 0 {
             let view = world.resource::<View>().data.as_ref();
@@ -89,6 +112,7 @@ impl Technique for PenumbraWedge {
     const SHADERS: &'static [ShaderFile] = shader_files![
         "common/coverage.wgsl",
         "common/wedge_light.wgsl",
+        "common/cut_surface.wgsl",
         "techniques/penumbra_wedge/wedge.wgsl",
         "techniques/penumbra_wedge/resolve.wgsl",
     ];

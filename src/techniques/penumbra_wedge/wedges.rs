@@ -3,25 +3,14 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use glam::DVec3;
 
-use super::chunks::{Chunk, ChunkKey, ChunkScratch, LightChunks, chunks_of, light_from_local};
-use super::component::{Overlap, PenumbraWedge, WedgeCulling};
+use super::chunks::{ChunkScratch, LightChunks};
+use super::component::PenumbraWedge;
 use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, WedgeCaster};
-use super::light_parts::{LightPart, PartShape, push_parts};
+use super::light_parts::LightPart;
 use super::tables::texture::EmitterTexture;
-use crate::geometry::Aabb;
-use crate::scene::placement::Placement;
-use crate::sets::light::depth_bounds::shadow_depth_range;
-use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
-use crate::silhouettes::KEPT_FRAMES;
-use crate::silhouettes::cache::light_is_within;
-use crate::silhouettes::{CasterShape, CasterShapeItem, LightClearance, Silhouette, Silhouettes};
-use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
-use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points, include_rays};
-use crate::techniques::shared::inside_test::OcclusionPyramid;
-use crate::techniques::shared::near_caps::NearCaps;
+use crate::techniques::shared::finite_reach::NearestSurfaces;
 
 /// The wedges of this frame, for each light with a [`PenumbraWedge`] that lights something. Written by
 /// `build_penumbra_wedges`.
@@ -48,8 +37,8 @@ pub struct PenumbraWedges {
     pub casters_generation: u64,
     pub(super) kept: Vec<LightChunks>,
     pub(super) scratch: Scratch,
-    surfaces: NearestSurfaces,
-    frame: u64,
+    pub(super) surfaces: NearestSurfaces,
+    pub(super) frame: u64,
 }
 
 /// One light with wedges.
@@ -69,6 +58,8 @@ pub struct LightWedges {
     pub is_layered: bool,
     /// Number of casters that lie one behind the other, estimated from bounding boxes.
     pub stacked: u32,
+    /// Number of triangles that cut the light but are left out, because one caster has too many of them.
+    pub cuts_left_out: u32,
 }
 
 /// One part of a light.
@@ -115,17 +106,18 @@ pub struct CasterDraw {
 
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
-    chunk: ChunkScratch,
-    parts: Vec<LightPart>,
+    pub(super) chunk: ChunkScratch,
+    pub(super) parts: Vec<LightPart>,
     /// What the flat arrays contain; `last_layout` has it for the last frame.
     pub(super) layout: Vec<Placed>,
-    last_layout: Vec<Placed>,
+    pub(super) last_layout: Vec<Placed>,
     /// Groups of each part, for which the flat arrays were made.
     pub(super) part_groups: Vec<Range<usize>>,
     /// Patches of one part: index into `layout` and number within the chunk. `cones` are the directions of
-    /// their shadows, `sums` their sums.
+    /// their shadows, `order` the order in which they get sums, `sums` their sums.
     pub(super) entries: Vec<(usize, usize)>,
     pub(super) cones: Vec<ShadowCone>,
+    pub(super) order: Vec<u32>,
     pub(super) sums: Vec<u32>,
 }
 
@@ -144,10 +136,6 @@ pub(super) struct Placed {
     pub(super) extrusion: u32,
 }
 
-/// Factor on the largest distance of a receiver from the light, which gives the length of a shell's rays. The
-/// triangles between rays that are less than 172° apart then pass beyond all receivers.
-const RAY_SHARE: f64 = 16.0;
-
 impl PenumbraWedges {
     /// Returns the wedges of a light of [`FrameLights`].
     pub fn of_light(&self, light: usize) -> Option<&LightWedges> {
@@ -156,264 +144,5 @@ impl PenumbraWedges {
             .binary_search_by_key(&light, |entry| entry.light)
             .ok()?;
         Some(&self.lights[at])
-    }
-}
-
-/// Makes the wedges of every caster of every light with a [`PenumbraWedge`] where none are known or the known
-/// ones are stale, and lists what the frame draws.
-///
-/// Set: `BuildTechniques`. Reads [`FrameLights`], [`Objects`], [`View`], [`Silhouettes`] and what hides near
-/// caps; writes [`PenumbraWedges`] and, in an orthographic view, extends [`DepthReach`] to the wedges. Cost:
-/// a matrix inverse for each caster of S, and the edges of what moved.
-pub fn build_penumbra_wedges(
-    mut wedges: ResMut<PenumbraWedges>,
-    depth_reach: Res<DepthReach>,
-    lights: Res<FrameLights>,
-    objects: Res<Objects>,
-    view: Res<View>,
-    silhouettes: Res<Silhouettes>,
-    near_caps: NearCaps,
-    clearance: Res<LightClearance>,
-    components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
-    casters: Query<CasterShape>,
-    places: Query<Placement>,
-) {
-    let out = &mut *wedges;
-    out.frame += 1;
-    let frame = out.frame;
-    out.lights.clear();
-    out.parts.clear();
-    out.surfaces.begin_frame();
-    std::mem::swap(&mut out.scratch.layout, &mut out.scratch.last_layout);
-    out.scratch.layout.clear();
-    let Some(view) = &view.data else {
-        return;
-    };
-    let near = &view.near_corners;
-    let context = Context {
-        view,
-        around: [near[0], near[1], near[3], near[2]],
-        objects: &objects,
-        depth_reach: &depth_reach,
-        near_caps: &near_caps,
-        clearance: &clearance,
-    };
-    let mut rebuilt = false;
-    for (index, light) in lights.lights.iter().enumerate() {
-        if !light.is_shadowed_by::<PenumbraWedge>() {
-            continue;
-        }
-        let Ok((settings, texture)) = components.get(light.entity) else {
-            continue;
-        };
-        if light.region.scissor.is_none() {
-            continue; // no visible surface receives the light
-        }
-        let first = out.begin_light(index, light, settings, texture, view);
-        let Some(known) = silhouettes.of_light(light.entity) else {
-            continue;
-        };
-        if let Some(this) = out.lights.last_mut() {
-            this.stacked = known.stacked;
-        }
-        for number in 0..out.scratch.parts.len() {
-            let part = out.scratch.parts[number];
-            let part = PartContext {
-                light,
-                settings,
-                part: &part,
-                number: number as u32,
-                first: first as u32,
-                reach: out.parts[first + number].reach,
-                pyramid: OcclusionPyramid::new(&context.around, part.point_world),
-                finite: FiniteReach::new(view, light, part.point_world),
-            };
-            for object in light.sets.s.ones() {
-                if let Some((_, silhouette)) = known.of_object(object)
-                    && let Ok(caster) = casters.get(objects.entities[object])
-                {
-                    rebuilt |= out.place(&context, &part, object, silhouette, &caster);
-                }
-            }
-        }
-        chunks_of(&mut out.kept, light.entity, frame).retain(|chunk| chunk.last_used + KEPT_FRAMES >= frame);
-    }
-    out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
-    let same_layout = out.scratch.layout == out.scratch.last_layout;
-    out.assemble(rebuilt || !same_layout);
-    out.end(&lights, &objects, &places);
-}
-
-/// What all lights of the frame have in common.
-struct Context<'a, 'w> {
-    view: &'a ViewData,
-    /// The corners of the near plane, in their order around it.
-    around: [DVec3; 4],
-    objects: &'a Objects,
-    depth_reach: &'a DepthReach,
-    near_caps: &'a NearCaps<'w>,
-    clearance: &'a LightClearance,
-}
-
-/// One part of one light.
-struct PartContext<'a> {
-    light: &'a FrameLight,
-    settings: &'a PenumbraWedge,
-    part: &'a LightPart,
-    /// Among the parts of the light.
-    number: u32,
-    /// The light's first among the parts of the frame.
-    first: u32,
-    reach: f32,
-    pyramid: OcclusionPyramid,
-    finite: Option<FiniteReach>,
-}
-
-impl PenumbraWedges {
-    /// Lists a light and its parts; the index of the first of these.
-    fn begin_light(
-        &mut self,
-        index: usize,
-        light: &FrameLight,
-        settings: &PenumbraWedge,
-        texture: Option<&EmitterTexture>,
-        view: &ViewData,
-    ) -> usize {
-        let first = self.parts.len();
-        let parts = &mut self.scratch.parts;
-        parts.clear();
-        push_parts(light, settings, parts);
-        self.parts.extend(parts.iter().map(|part| {
-            PartWedges {
-                part: *part,
-                reach: FiniteReach::new(view, light, part.point_world)
-                    .filter(|_| part.point_world.w != 0.0)
-                    .map_or(0.0, |finite| (finite.distance().max(0.0) * RAY_SHARE) as f32),
-                groups: 0..0,
-            }
-        }));
-        let is_rect = matches!(parts[0].shape, PartShape::Rect { .. });
-        self.lights.push(LightWedges {
-            light: index,
-            entity: light.entity,
-            settings: *settings,
-            texture: texture.filter(|_| is_rect).cloned(),
-            parts: first..self.parts.len(),
-            is_layered: false,
-            stacked: 0,
-        });
-        first
-    }
-
-    /// Adds a caster to a part of the light that was listed last, if its shadow reaches what the light lights in view;
-    /// whether wedges were made anew.
-    fn place(
-        &mut self,
-        context: &Context,
-        part: &PartContext,
-        object: usize,
-        silhouette: &Silhouette,
-        caster: &CasterShapeItem,
-    ) -> bool {
-        let (light, settings, view) = (part.light, part.settings, context.view);
-        let entity = context.objects.entities[object];
-        let bounds = context.objects.boxes.get(object);
-        // A shadow before the nearest or beyond the farthest surface that the light reaches.
-        let reaches = light.region.depth_bounds.is_some_and(|reached| {
-            shadow_depth_range(view, &bounds, &light.emitter)
-                .is_some_and(|spanned| spanned.intersects(&reached))
-        });
-        if !reaches {
-            return false;
-        }
-        let Some(world_from_local) = caster.world_from_local() else {
-            return false;
-        };
-        let Some(light_from_local) = light_from_local(part.part, &world_from_local) else {
-            return false;
-        };
-        let Some(extrusion) = self.extrusion(context, part, (entity, &bounds), silhouette, caster) else {
-            return false; // beyond all that receives the light
-        };
-        let point = part.part.point_world;
-        let metres = context.clearance.metres(point, light.light.range, &bounds);
-        let key = ChunkKey {
-            revision: silhouette.revision,
-            light_from_local: light_from_local.as_mat4(),
-            shape: part.part.shape,
-            bounds: settings.bounds,
-            by_patch: settings.overlap == Overlap::Paper,
-            silhouette: settings.used_silhouette(),
-            clearance: if light_is_within(&bounds, point, metres) {
-                metres
-            } else {
-                0.0
-            },
-        };
-        let chunks = chunks_of(&mut self.kept, light.entity, self.frame);
-        let at = chunks
-            .binary_search_by_key(&(entity, part.number), |chunk| (chunk.entity, chunk.part))
-            .unwrap_or_else(|at| {
-                chunks.insert(at, Chunk::empty(entity, part.number, key));
-                at
-            });
-        let chunk = &mut chunks[at];
-        let stale = chunk.last_used == 0 || chunk.key != key;
-        chunk.last_used = self.frame;
-        if stale {
-            chunk.key = key;
-            let scratch = &mut self.scratch.chunk;
-            let placed = (caster, &world_from_local);
-            chunk.build(light, part.part, &light_from_local, silhouette, placed, scratch);
-        }
-        if let Some(this) = self.lights.last_mut() {
-            this.is_layered |= chunk.is_layered;
-        }
-        if chunk.wedges.is_empty() && chunk.caps.is_empty() {
-            return stale;
-        }
-        let shows_fronts_alone = || caster.edges.0.shows_fronts_alone;
-        let hides_cap = context
-            .near_caps
-            .are_hidden(context.objects, object, shows_fronts_alone);
-        // From elsewhere on the light than its centre, the pyramid is within the light's radius of that from the centre.
-        let radius = part.part.shape.radius() as f32;
-        let around = Aabb {
-            min: bounds.min - radius,
-            max: bounds.max + radius,
-        };
-        self.scratch.layout.push(Placed {
-            light: light.entity,
-            part: part.number,
-            index: part.first + part.number,
-            caster: entity,
-            object: object as u32,
-            towards: settings.culling == WedgeCulling::Depth && hides_cap && part.pyramid.excludes(&around),
-            extrusion: extrusion.to_bits(),
-        });
-        stale
-    }
-
-    /// How far a caster's shadow is pushed; `None` if it is beyond all that receives the light.
-    fn extrusion(
-        &mut self,
-        context: &Context,
-        part: &PartContext,
-        (entity, bounds): (Entity, &Aabb),
-        silhouette: &Silhouette,
-        caster: &CasterShapeItem,
-    ) -> Option<f32> {
-        let Some(finite) = part.finite else {
-            return Some(TO_INFINITY);
-        };
-        let point = part.part.point_world;
-        let extrusion = finite.extrusion(bounds, || {
-            let key = (part.light.entity, part.number, entity);
-            self.surfaces.get(key, silhouette.revision, point, caster)
-        })?;
-        let corners = volume_corners(point, extrusion, bounds);
-        include_points(context.depth_reach, context.view, corners);
-        include_rays(context.depth_reach, context.view, bounds, part.reach);
-        Some(extrusion)
     }
 }

@@ -2,6 +2,8 @@
 
 use glam::Vec4;
 
+use crate::techniques::shared::extrude::TO_INFINITY;
+
 /// The shadow volume of one caster in one light: the parts that are drawn, and how they are counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CasterVolume {
@@ -24,4 +26,16 @@ pub struct CasterVolume {
     pub near_cap: bool,
     /// Whether the far cap of the volume is drawn.
     pub far_cap: bool,
+}
+
+impl CasterVolume {
+    /// Returns the number of corners of a side: three where all far corners are one point, which is so for a directional
+    /// light to infinity, and four otherwise.
+    pub fn corners_per_edge(&self) -> u32 {
+        if self.light_local.w == 0.0 && self.extrusion == TO_INFINITY {
+            3
+        } else {
+            4
+        }
+    }
 }

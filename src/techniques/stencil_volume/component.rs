@@ -10,8 +10,9 @@ use bevy_reflect::prelude::ReflectDefault;
 ///
 /// Shadows are exact for any triangle mesh, open or closed. Alpha-tested surfaces cast whole.
 ///
-/// The stencil counts to 127. At most 127 sheets of one caster may lie one behind the other. For a closed caster
-/// the limit is 63 while the light or the camera is within its bounds, because then fronts and backs both count.
+/// The stencil counts to 127. At most 127 sheets of one caster may lie one behind the other; a caster that may have
+/// more is reported ([`Reports`](crate::reports::Reports)). For a closed caster the limit is 63 while the light or the
+/// camera is within its bounds, because then fronts and backs both count.
 /// There may be any number of casters: from 127 sheets on they are counted in rounds of [`MOST_STACKED`], each of
 /// which costs one cheap pass over the light's pixels.
 /// [`Silhouette::stacked`](crate::silhouettes::Silhouette::stacked) is the number of sheets of a caster, estimated

@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use super::component::StencilVolume;
+use super::component::{MOST_STACKED, StencilVolume};
 #[cfg(feature = "render")]
 use super::gpu::recorder::StencilVolumeNode;
 use super::volumes::{StencilVolumes, build_stencil_volumes};
@@ -10,7 +10,9 @@ use super::volumes::{StencilVolumes, build_stencil_volumes};
 use crate::render::shaders::{ShaderFile, shader_files};
 #[cfg(feature = "render")]
 use crate::render::{Gpu, RenderError};
-use crate::sets::{NeededSilhouettes, Needs};
+use crate::reports::Round;
+use crate::sets::{FrameLights, NeededSilhouettes, Needs};
+use crate::silhouettes::Silhouettes;
 use crate::techniques::registry::{Statistics, Technique, TechniqueSystems};
 
 impl Technique for StencilVolume {
@@ -27,6 +29,29 @@ impl Technique for StencilVolume {
 
     fn add_systems(schedule: &mut Schedule) {
         schedule.add_systems(build_stencil_volumes.in_set(TechniqueSystems));
+    }
+
+    fn report(world: &World, round: &mut Round) {
+        let silhouettes = world.resource::<Silhouettes>();
+        for light in &world.resource::<FrameLights>().lights {
+            let known = light
+                .is_shadowed_by::<Self>()
+                .then(|| silhouettes.of_light(light.entity))
+                .flatten();
+            let Some(known) = known.filter(|known| known.stacked > MOST_STACKED) else {
+                continue;
+            };
+            let casters = light.sets.s.ones().filter_map(|object| known.of_object(object));
+            for (_, caster) in casters.filter(|(_, caster)| caster.stacked > MOST_STACKED) {
+                round.raise(Some(caster.entity), 1, || {
+                    format!(
+                        "Up to {} sheets of this mesh lie one behind the other in a light. StencilVolume counts \
+                         {MOST_STACKED} of one mesh, so pixels behind more may be lit. Split the mesh.",
+                        caster.stacked
+                    )
+                });
+            }
+        }
     }
 
     fn statistics(world: &World, light: usize, out: &mut Statistics) {

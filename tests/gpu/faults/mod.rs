@@ -1,6 +1,8 @@
 //! Faults that other test suites and bug reports found. Each test covers all cases of its fault.
 
+mod light_cut;
 mod light_on_surface;
+mod savings;
 mod scenes;
 mod stacks;
 mod transforms;

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::reference::{LightSource, RayScene, primary_hits, soft_visibility};
+use antumbra::reports::Reports;
 use antumbra::scene::Skin;
+use antumbra::sets::FrameLights;
 use antumbra::silhouettes::Silhouettes;
 use antumbra::techniques::PenumbraWedge;
 use antumbra::techniques::penumbra_wedge::{MOST_STACKED as MOST_UNDER_WEDGES, Overlap};
@@ -117,6 +119,102 @@ fn penumbrae_of_stacks_are_those_of_rays() {
     stack(&mut stage, 300, false);
     draw(&mut stage);
     assert!(stacked(&stage, light) > MOST_UNDER_WEDGES);
+}
+
+fn reports_of(stage: &Stage, entity: Entity) -> Vec<String> {
+    let reports = stage.world.resource::<Reports>().of_entity(entity);
+    reports.map(|report| report.message.clone()).collect()
+}
+
+#[test]
+fn stacks_that_cannot_be_counted_are_reported() {
+    let mut stage = ground();
+    let kind = LightKind::Sphere { radius: 0.5 };
+    let light = lamp(&mut stage, kind, Vec3::new(0.2, 4.0, 0.3), 30.0);
+    set_technique(&mut stage, light, "wedges");
+    for (count, is_reported) in [(250, false), (255, true), (300, true)] {
+        let sheets = stack(&mut stage, count, true);
+        stage.schedule.run(&mut stage.world);
+        let reported = reports_of(&stage, light);
+        let is_said = reported
+            .iter()
+            .any(|message| message.contains("one behind the other"));
+        assert_eq!(is_said, is_reported, "{count}: {reported:?}");
+        for sheet in sheets {
+            stage.world.despawn(sheet);
+        }
+    }
+    // One mesh of many sheets, which no round of counting can divide.
+    set_technique(&mut stage, light, "stencil");
+    for (count, is_reported) in [(127u32, false), (128, true)] {
+        let sheet = MeshData::cuboid(Vec3::new(0.5, 0.002, 0.4));
+        let (mut positions, mut indices) = (Vec::new(), Vec::new());
+        for i in 0..count {
+            indices.extend(sheet.indices.iter().map(|index| index + positions.len() as u32));
+            let raised = sheet
+                .positions
+                .iter()
+                .map(|at| *at + Vec3::Y * (1.0 + 0.005 * i as f32));
+            positions.extend(raised);
+        }
+        let mesh = MeshData::from_triangles("sheets", positions, indices);
+        let caster = stage.world.spawn(object(mesh, Transform::IDENTITY)).id();
+        stage.schedule.run(&mut stage.world);
+        let reported = reports_of(&stage, caster);
+        assert_eq!(!reported.is_empty(), is_reported, "{count}: {reported:?}");
+        stage.world.despawn(caster);
+    }
+}
+
+#[test]
+fn stacked_casters_are_counted_again_when_others_take_their_place_or_they_move() {
+    let mut stage = ground();
+    let light = Light {
+        kind: LightKind::Directional,
+        color: Vec3::ONE,
+        intensity: 3.0,
+        range: f32::INFINITY,
+    };
+    let down = Transform::default().looking_to(Vec3::NEG_Y, Vec3::X);
+    let light = stage.spawn_light(light, down, Some(StencilVolume::default()));
+    let mesh = Arc::new(MeshData::cuboid(Vec3::new(0.2, 0.01, 0.2)));
+    let sheet = |stage: &mut Stage, at: Vec3| {
+        let id = stage
+            .world
+            .spawn(object(MeshData::default(), Transform::from_translation(at)))
+            .id();
+        stage.world.entity_mut(id).insert(SceneMesh(mesh.clone()));
+        id
+    };
+    let piled: Vec<Entity> = (0..8)
+        .map(|i| sheet(&mut stage, Vec3::new(-30.0, 0.5 + 0.1 * i as f32, 0.0)))
+        .collect();
+    for i in 0..8 {
+        sheet(&mut stage, Vec3::new(30.0 + 0.5 * i as f32, 0.5, 0.0));
+    }
+    let camera = stage.camera;
+    let counted = |stage: &mut Stage, x: f32| {
+        let above = Transform::from_xyz(x, 12.0, 0.0).looking_to(Vec3::NEG_Y, Vec3::X);
+        stage.world.entity_mut(camera).insert(above);
+        stage.schedule.run(&mut stage.world);
+        let lights = &stage.world.resource::<FrameLights>().lights;
+        (lights[0].sets.s.count_ones(..), stacked(stage, light))
+    };
+    // Both sets S have as many members, and their silhouettes are known from the second frame on.
+    let over_pile = counted(&mut stage, -30.0);
+    let over_row = counted(&mut stage, 31.75);
+    assert!(
+        over_pile.0 == over_row.0 && over_pile.0 >= 8,
+        "{over_pile:?} {over_row:?}"
+    );
+    assert!(over_pile.1 >= 8 && over_row.1 <= 3, "{over_pile:?} {over_row:?}");
+    assert_eq!(counted(&mut stage, -30.0), over_pile);
+    // Under a directional light, the silhouette of a caster that moves stays.
+    for (i, &sheet) in piled.iter().enumerate() {
+        let beside = Transform::from_xyz(-30.0 + 0.5 * i as f32, 0.5, 0.0);
+        stage.world.entity_mut(sheet).insert(beside);
+    }
+    assert!(counted(&mut stage, -28.25).1 <= 3);
 }
 
 /// One closed piece of which the far end is turned inside out: its volume is that of the near end.

@@ -1,7 +1,9 @@
 //! From the silhouette of one caster to wedges. These are pure functions on flat arrays.
 
 pub(crate) mod clip;
+pub(crate) mod cut;
 pub(crate) mod ends;
+mod layer_split;
 pub(crate) mod patches;
 pub mod records;
 pub(crate) mod shell;

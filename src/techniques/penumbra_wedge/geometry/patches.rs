@@ -94,7 +94,7 @@ fn root(parents: &mut [u32], mut slot: u32) -> u32 {
 /// The directions from a light's centre in which a shadow with its penumbra lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowCone {
-    /// Unit vector, light space.
+    /// Unit vector, light space; any vector if the cone has all directions.
     pub axis: Vec3,
     /// Half angle, radians.
     pub angle: f32,
@@ -126,9 +126,31 @@ impl ShadowCone {
         Self { axis, angle }
     }
 
+    /// Orders cones by angle, the widest first, and then by axis.
+    fn compare(&self, other: &Self) -> std::cmp::Ordering {
+        let axes = self.axis.to_array().into_iter().zip(other.axis.to_array());
+        let by_axis = axes.map(|(a, b)| a.total_cmp(&b));
+        other
+            .angle
+            .total_cmp(&self.angle)
+            .then(by_axis.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then))
+    }
+
+    /// Returns the cone of all directions for shadows of edges between `points`. Its axis is the mean of the points.
+    pub fn everywhere(points: impl Iterator<Item = Vec3>) -> Self {
+        let (sum, count) = points.fold((Vec3::ZERO, 0u32), |(sum, count), point| (sum + point, count + 1));
+        Self {
+            axis: sum / count.max(1) as f32,
+            ..Self::ALL
+        }
+    }
+
     /// Whether two shadows may meet.
     pub fn meets(&self, other: &Self) -> bool {
-        self.axis.angle_between(other.axis) <= self.angle + other.angle
+        let everywhere = std::f32::consts::PI;
+        self.angle >= everywhere
+            || other.angle >= everywhere
+            || self.axis.angle_between(other.axis) <= self.angle + other.angle
     }
 }
 
@@ -137,16 +159,24 @@ impl ShadowCone {
 pub const MAX_SUMS: usize = 16;
 
 /// Gives every shadow a sum such that shadows of one sum do not meet, as far as [`MAX_SUMS`] allows. Returns
-/// the number of sums. Greedy, in order; O(n²).
-pub fn share_sums(cones: &[ShadowCone], sums: &mut Vec<u32>) -> u32 {
+/// the number of sums. Greedy, O(n²).
+///
+/// Shadows are considered by width and direction, so sums do not depend on the order in which casters were made. `order`
+/// is scratch space.
+pub fn share_sums(cones: &[ShadowCone], order: &mut Vec<u32>, sums: &mut Vec<u32>) -> u32 {
+    order.clear();
+    order.extend(0..cones.len() as u32);
+    order.sort_unstable_by(|&a, &b| cones[a as usize].compare(&cones[b as usize]).then(a.cmp(&b)));
     sums.clear();
-    for (index, cone) in cones.iter().enumerate() {
+    sums.resize(cones.len(), 0);
+    for (at, &index) in order.iter().enumerate() {
+        let cone = &cones[index as usize];
         let mut met = [0u32; MAX_SUMS];
-        for (other, &sum) in cones[..index].iter().zip(sums.iter()) {
-            met[sum as usize] += u32::from(other.meets(cone));
+        for &other in &order[..at] {
+            met[sums[other as usize] as usize] += u32::from(cones[other as usize].meets(cone));
         }
         let best = (0..MAX_SUMS).min_by_key(|&sum| met[sum]).unwrap_or(0);
-        sums.push(best as u32);
+        sums[index as usize] = best as u32;
     }
     sums.iter().max().map_or(0, |last| last + 1)
 }
@@ -166,17 +196,32 @@ mod tests {
     #[test]
     fn shadows_that_meet_have_sums_of_their_own() {
         let cones = [cone(0.0, 5.0), cone(20.0, 5.0), cone(8.0, 5.0), cone(10.0, 40.0)];
-        let mut sums = Vec::new();
-        assert_eq!(share_sums(&cones, &mut sums), 3);
-        assert_eq!(sums, [0, 0, 1, 2]);
+        let (mut order, mut sums) = (Vec::new(), Vec::new());
+        assert_eq!(share_sums(&cones, &mut order, &mut sums), 3);
+        // The widest comes first, then those of 0 and 8 degrees, which meet.
+        assert_eq!(sums, [1, 1, 2, 0]);
     }
 
     #[test]
     fn more_than_there_are_sums_share_them() {
         let cones = vec![cone(0.0, 10.0); MAX_SUMS + 3];
-        let mut sums = Vec::new();
-        assert_eq!(share_sums(&cones, &mut sums), MAX_SUMS as u32);
+        let (mut order, mut sums) = (Vec::new(), Vec::new());
+        assert_eq!(share_sums(&cones, &mut order, &mut sums), MAX_SUMS as u32);
         assert_eq!(sums[MAX_SUMS..], [0, 1, 2]);
+    }
+
+    #[test]
+    fn sums_do_not_depend_on_the_order_of_casters() {
+        let cones: Vec<_> = (0..40)
+            .map(|i| cone(3.0 * i as f32, 20.0 + (i * 7 % 5) as f32))
+            .collect();
+        let (mut order, mut sums) = (Vec::new(), Vec::new());
+        assert_eq!(share_sums(&cones, &mut order, &mut sums), MAX_SUMS as u32);
+        let turned: Vec<_> = cones.iter().rev().copied().collect();
+        let mut turned_sums = Vec::new();
+        share_sums(&turned, &mut order, &mut turned_sums);
+        turned_sums.reverse();
+        assert_eq!(sums, turned_sums);
     }
 
     #[test]

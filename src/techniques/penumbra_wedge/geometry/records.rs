@@ -23,7 +23,7 @@ pub struct Wedge {
     /// End of the edge, in the caster's space.
     pub end_local: [f32; 3],
     /// Bits: [`HARD`], [`PIECE`], [`SOFT`], layers of the hard shadow from [`LAYERS_SHIFT`] on, layers of the
-    /// penumbra from [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`], [`ONLY_INNER`] and [`CLOSED`].
+    /// penumbra from [`SOFT_LAYERS_SHIFT`] on, [`ONLY_OUTER`], [`ONLY_INNER`], [`CLOSED`] and [`CUT`].
     pub flags: u32,
     /// Start of the edge or piece, in light space.
     pub start_light: [f32; 3],
@@ -34,7 +34,7 @@ pub struct Wedge {
     /// Unused.
     pub padding_b: u32,
     /// Rims of the outer and inner half: xyz is a direction in light space; w is 0 where the ray leaves from
-    /// the start of the edge, 1 from its end. All zero without a shell.
+    /// the start of the edge, 1 from its end. All zero without a shell. Of a [`CUT`], the first is the third corner.
     pub rims: [[f32; 4]; 2 * RIM],
     /// Planes of the triangles beside the edge, in light space: `dot(xyz, p) + w` is negative where `p` sees
     /// the light through the triangle's front. See [`side_plane`].
@@ -78,6 +78,9 @@ pub const ONLY_INNER: u32 = 256;
 
 /// Flag: both layers are the averted triangles of a closed piece.
 pub const CLOSED: u32 = 512;
+
+/// Flag: the record is a triangle that [cuts](super::cut) the light. Start and end are two of its corners.
+pub const CUT: u32 = 1024;
 
 /// One caster of one part of a light.
 #[repr(C)]

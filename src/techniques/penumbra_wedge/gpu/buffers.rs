@@ -127,9 +127,8 @@ impl SumTextures {
         let Some(combined) = &self.combined else {
             return Ok(());
         };
-        // A form with one layer is read as both layers. A form with one texture per layer has no second
-        // texture.
-        let (averted, second) = (views.len() / 2, usize::from(views.len() > 2));
+        // A form with one layer is read as both layers.
+        let (averted, second) = form.averted_and_second();
         let groups = [0, 1].map(|source: usize| {
             let texture = |binding, view| wgpu::BindGroupEntry {
                 binding,

@@ -6,4 +6,5 @@ mod passes;
 pub(crate) mod pipelines;
 mod plans;
 pub(crate) mod recorder;
+mod upload;
 mod windows;

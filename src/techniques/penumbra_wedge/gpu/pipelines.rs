@@ -118,11 +118,22 @@ pub fn describe(gpu: &Gpu, wedges: &wgpu::BindGroupLayout, key: Key) -> Pipeline
     .with_constants([
         ("IS_SPHERE", f64::from(key.is_sphere)),
         ("HALF_SIGN", if key.part == Part::OuterHalf { -1.0 } else { 1.0 }),
+        (
+            "DRAWS_CUTS",
+            f64::from(matches!(
+                key.part,
+                Part::Shell | Part::ShellEverywhere | Part::OuterHalf
+            )),
+        ),
         ("FACE_SIGN", if key.towards { -1.0 } else { 1.0 }),
         ("CAP_LAYERS", layers),
         ("LOOKS_UP", f64::from(key.looks_up)),
         ("IS_TEXTURED", f64::from(key.form.is_textured())),
-        ("IS_SAMPLED", f64::from(key.form.is_sampled())),
+        ("IS_SAMPLED", f64::from(key.form.sampled().is_some())),
+        (
+            "IS_DENSE",
+            f64::from(key.form.sampled().is_some_and(|sampled| sampled.is_dense)),
+        ),
         ("IS_DEEP", f64::from(key.form.is_deep())),
         // A larger count of hard shadows leaves less room for the digits after the point.
         ("STEPS", if key.form.is_deep() { 1024.0 } else { 16384.0 }),
@@ -206,7 +217,11 @@ pub fn describe_resolve(
         ("IS_SPLIT", f64::from(key.form == Form::Split8)),
         ("IS_SPHERE", f64::from(key.is_sphere)),
         ("IS_TEXTURED", f64::from(key.form.is_textured())),
-        ("IS_SAMPLED", f64::from(key.form.is_sampled())),
+        ("IS_SAMPLED", f64::from(key.form.sampled().is_some())),
+        (
+            "IS_DENSE",
+            f64::from(key.form.sampled().is_some_and(|sampled| sampled.is_dense)),
+        ),
         ("IS_DEEP", f64::from(key.form.is_deep())),
         ("IS_SCALAR", f64::from(is_scalar)),
         ("IS_COMBINED", f64::from(key.is_combined)),

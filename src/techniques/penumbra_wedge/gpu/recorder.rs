@@ -17,17 +17,18 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 
 use super::buffers::SumTextures;
-use super::form::Form;
-use super::pipelines::{FILES, Key, Part, ResolveKey, describe, describe_resolve};
-use super::plans::{CapDraw, LightPlan, PartPlan, counts_towards, light_record, passes};
-use super::windows::{Shared, WedgeWindows};
+use super::form::{Form, Sampled};
+use super::pipelines::{FILES, Key, Part, ResolveKey};
+use super::plans::{CapDraw, LightPlan, PartPlan};
+use super::upload::shared;
+use super::windows::WedgeWindows;
 use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::gpu::strided::StridedUniforms;
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
-use crate::render::{Gpu, RenderContext, RenderError};
-use crate::sets::{View, ViewData};
+use crate::render::{Gpu, RenderError};
+use crate::sets::View;
 use crate::techniques::penumbra_wedge::component::MOST_IN_STEPS;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap, VisibilityBuffer, WedgeCulling};
 use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeCaster, WedgeLight};
@@ -79,14 +80,14 @@ pub struct PenumbraWedgeNode {
     pub(in crate::techniques::penumbra_wedge) resolves: Variants<ResolveKey>,
     pub(in crate::techniques::penumbra_wedge) long_lived: Arc<LongLived>,
     pub(in crate::techniques::penumbra_wedge) textures: SumTextures,
-    casters: GrowingBuffer,
+    pub(super) casters: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) wedges: WedgeWindows,
-    lights: StridedUniforms<WedgeLight>,
-    table_buffer: GrowingBuffer,
+    pub(super) lights: StridedUniforms<WedgeLight>,
+    pub(super) table_buffer: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) tables: Tables,
     pub(in crate::techniques::penumbra_wedge) caps: GrowingBuffer,
     pub(in crate::techniques::penumbra_wedge) generation: u64,
-    casters_generation: u64,
+    pub(super) casters_generation: u64,
     pub(in crate::techniques::penumbra_wedge) light_records: Vec<WedgeLight>,
     pub(in crate::techniques::penumbra_wedge) plans: Vec<LightPlan>,
     pub(in crate::techniques::penumbra_wedge) parts: Vec<PartPlan>,
@@ -94,6 +95,8 @@ pub struct PenumbraWedgeNode {
     pub(in crate::techniques::penumbra_wedge) cap_draws: Vec<CapDraw>,
     pub(in crate::techniques::penumbra_wedge) mirrored: bool,
     pub(in crate::techniques::penumbra_wedge) blends_floats: bool,
+    /// The device's limit on the bytes of a pixel in all targets of a pass.
+    bytes_per_pixel: u32,
 }
 
 impl PenumbraWedgeNode {
@@ -133,6 +136,7 @@ impl PenumbraWedgeNode {
                 .device
                 .features()
                 .contains(wgpu::Features::FLOAT32_BLENDABLE),
+            bytes_per_pixel: context.device.limits().max_color_attachment_bytes_per_sample,
         })
     }
 
@@ -168,112 +172,15 @@ impl PenumbraWedgeNode {
             (VisibilityBuffer::Half, _) => Form::Half,
             (VisibilityBuffer::Float, _) if !self.blends_floats => Form::Split8,
             (VisibilityBuffer::Float, Overlap::Sampled) => {
-                match (light.is_layered, light.stacked > MOST_IN_STEPS) {
-                    (true, false) => Form::SampledLayers,
-                    (false, false) => Form::Sampled,
-                    (true, true) => Form::DeepLayers,
-                    (false, true) => Form::Deep,
-                }
+                let is_deep = light.stacked > MOST_IN_STEPS;
+                Form::Sampled(Sampled::dense_if_allowed(
+                    light.is_layered,
+                    is_deep,
+                    self.bytes_per_pixel,
+                ))
             }
             (VisibilityBuffer::Float, Overlap::Additive | Overlap::Paper) => Form::Float,
         }
-    }
-
-    /// Uploads the data that changed.
-    fn upload(&mut self, context: &RenderContext, world: &PenumbraWedges, view: &ViewData) {
-        self.light_records.clear();
-        self.light_records
-            .extend(world.parts.iter().map(|part| light_record(part, view)));
-        let mut rebind = self.tables.place(world, &mut self.light_records)
-            && self
-                .table_buffer
-                .write(context, bytemuck::cast_slice(self.tables.entries()));
-        self.lights.constants.clear();
-        for record in &self.light_records {
-            self.lights.constants.push(record);
-        }
-        rebind |= self.lights.write(context);
-        if self.casters_generation != world.casters_generation {
-            self.casters_generation = world.casters_generation;
-            rebind |= self
-                .casters
-                .write(context, bytemuck::cast_slice(&world.caster_records));
-        }
-        if self.generation != world.generation {
-            self.generation = world.generation;
-            let shared = shared(&self.casters, &self.lights, &self.table_buffer);
-            self.wedges
-                .write(context, &self.long_lived.wedge_layout, &world.wedges, shared);
-            self.caps.write(context, bytemuck::cast_slice(&world.caps));
-        }
-        if rebind {
-            let shared = shared(&self.casters, &self.lights, &self.table_buffer);
-            self.wedges.rebind(context, &self.long_lived.wedge_layout, shared);
-        }
-    }
-
-    /// Requests the pipelines that a light needs.
-    fn require(&mut self, gpu: &Gpu, plan: &LightPlan, debug: bool) -> Result<(), RenderError> {
-        let wedges = &self.long_lived.wedge_layout;
-        let mirrored = self.mirrored;
-        let looks_up = plan.settings.maths == CoverageMaths::Tables;
-        for part in &self.parts[plan.parts.clone()] {
-            let mut require_turned = |part_of_wedge, towards, turned: bool| {
-                let key = Key {
-                    part: part_of_wedge,
-                    form: plan.form,
-                    is_sphere: part.is_sphere,
-                    looks_up,
-                    towards,
-                    mirrored: mirrored != turned,
-                };
-                gpu.require(&mut self.pipelines, key, |gpu| describe(gpu, wedges, key))
-            };
-            for (layers, turned) in (1..=3).flat_map(|layers| [(layers, false), (layers, true)]) {
-                require_turned(Part::NearCap(layers), false, turned)?;
-                require_turned(Part::FarCap(layers), false, turned)?;
-            }
-            let mut require = |part_of_wedge, towards| require_turned(part_of_wedge, towards, false);
-            for kind in passes(plan.settings.culling, part.has_extent) {
-                require(*kind, false)?;
-                if counts_towards(*kind) {
-                    require(*kind, true)?;
-                }
-            }
-            if debug {
-                require(Part::Show, false)?;
-            }
-        }
-        let is_sphere = self.parts[plan.parts.clone()].iter().any(|part| part.is_sphere);
-        let is_combined = plan.settings.overlap == Overlap::Paper;
-        let mut require = |combines, is_combined| {
-            let key = ResolveKey {
-                form: plan.form,
-                is_sphere,
-                combines,
-                is_combined,
-            };
-            let sums = self.textures.layout();
-            let describe = |gpu: &Gpu| describe_resolve(gpu, wedges, sums, key);
-            gpu.require(&mut self.resolves, key, describe)
-        };
-        require(false, is_combined)?;
-        if is_combined {
-            require(true, false)?;
-        }
-        Ok(())
-    }
-}
-
-fn shared<'a>(
-    casters: &'a GrowingBuffer,
-    lights: &'a StridedUniforms<WedgeLight>,
-    tables: &'a GrowingBuffer,
-) -> Shared<'a> {
-    Shared {
-        casters,
-        lights: lights.buffer(),
-        tables,
     }
 }
 

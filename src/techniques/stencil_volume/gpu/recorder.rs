@@ -31,7 +31,6 @@ use crate::render::recorder::{Leaves, Mark, PrepareInput, RecordInput, Recorder}
 use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::FrameLights;
 use crate::silhouettes::{CapMode, LightSilhouettes, Silhouettes};
-use crate::techniques::shared::extrude::TO_INFINITY;
 use crate::techniques::shared::gpu::contour_pool::{ContourPool, PooledContour};
 use crate::techniques::stencil_volume::caster_volume::CasterVolume;
 use crate::techniques::stencil_volume::component::MOST_STACKED;
@@ -262,13 +261,14 @@ impl StencilVolumeNode {
     fn push_draws(&mut self, volume: &CasterVolume, pooled: PooledContour, round: u32, input: &PrepareInput) {
         let object = volume.object as usize;
         let mirrored = (input.table.handedness[object] < 0.0) != input.mirrored_view;
-        let is_directional = volume.light_local.w == 0.0 && volume.extrusion == TO_INFINITY;
+        let corners_per_edge = volume.corners_per_edge();
+        let is_directional = corners_per_edge < CORNERS;
         let caster = self.caster_constants.len() as u32;
         self.caster_constants.push(Caster {
             light_local: volume.light_local.to_array(),
             object: volume.object,
             extrusion: volume.extrusion,
-            corners_per_edge: if is_directional { 3 } else { CORNERS },
+            corners_per_edge,
             first_edge: pooled.first_edge,
             single_count: pooled.single_count,
             ..Default::default()
