@@ -51,7 +51,9 @@
 //! | feature | default | gives |
 //! | --- | --- | --- |
 //! | `render` | yes | the wgpu renderer |
-//! | `gltf` | yes | import of glTF 2.0 scenes |
+//! | `gltf` | yes | import of glTF 2.0 scenes; [`scene::gltf_import`] lists what is supported |
+//! | `gltf-draco`, `gltf-webp` | yes | compressed meshes and WebP pictures in glTF files |
+//! | `gltf-meshopt`, `gltf-basisu` | no | compressed buffer views (needs a C++ compiler) and KTX2 pictures in glTF files |
 //! | `reference` | no | ray-cast reference visibility on the CPU |
 //! | `serde` | no | reading of techniques' settings from files |
 //! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |
@@ -111,6 +113,12 @@ pub mod insides {
     pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
 
+    /// Records and CPU twins of smoothies.
+    pub mod smoothies {
+        pub use crate::techniques::maps::request::Beside;
+        pub use crate::techniques::smoothie::{expand::*, outline::*, records::*, shade::*};
+    }
+
     /// Constants that shaders define with the same values.
     #[cfg(feature = "render")]
     pub mod constants {
@@ -134,10 +142,13 @@ pub mod prelude {
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
-        AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
-        Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+        AlphaMode, Camera, Cell, CulledCasters, FaceCulling, InCells, Light, LightKind, LightSelection,
+        Material, MeshData, Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
+        ShadowReceiver,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
-    pub use super::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+    pub use super::techniques::{
+        AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+    };
 }

@@ -206,12 +206,21 @@ fn is_out_of_reach(surface: PbrInput) -> bool {
     return out_of_reach;
 }
 
+// The place of a pixel in the whole viewport, where Bevy's functions expect it. An upscaler lets the main pass
+// draw into a part of the viewport.
+fn in_viewport(pixel: vec2<f32>) -> vec2<f32> {
+    let whole = view.viewport;
+    let part = view.main_pass_viewport.zw;
+    if all(whole.zw == part) { return pixel; }
+    return whole.xy + (pixel - whole.xy) * (whole.zw / part);
+}
+
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let texel = vec2<i32>(position.xy);
     if textureLoad(pass_id, texel, 0).x != #{DEFERRED_PASS_ID}u { discard; }
     let gbuffer = textureLoad(deferred_prepass_texture, texel, 0);
-    let frag_coord = vec4<f32>(position.xy, prepass_utils::prepass_depth(position, 0u), 0.0);
+    let frag_coord = vec4<f32>(in_viewport(position.xy), prepass_utils::prepass_depth(position, 0u), 0.0);
     let surface = pbr_input_from_deferred_gbuffer(frag_coord, gbuffer);
     if (surface.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u { discard; }
     let shows_shadows = (surface.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;

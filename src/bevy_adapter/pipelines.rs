@@ -17,16 +17,18 @@ use bevy::pbr::MeshPipelineKey;
 use bevy::pbr::deferred::{DEFAULT_PBR_DEFERRED_LIGHTING_PASS_ID, DeferredLightingLayout};
 use bevy::platform::collections::HashMap;
 use bevy::render::render_resource::binding_types::{
-    storage_buffer_read_only_sized, texture_2d, uniform_buffer_sized,
+    storage_buffer_read_only_sized, texture_2d, texture_2d_array, uniform_buffer_sized,
 };
 use bevy::render::render_resource::{
-    BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor, BlendOperation,
-    BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
+    BindGroup, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor,
+    BlendOperation, BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
     DepthStencilState, PipelineCache, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
     TextureFormat, TextureSampleType, VertexState,
 };
+use bevy::render::renderer::RenderDevice;
 use bevy::shader::{Shader, ShaderDefVal};
 
+use super::forward_views::MASK_GROUP;
 use super::light_convert::BevyLight;
 use super::view_state::LightDraw;
 use crate::render::Gpu;
@@ -99,6 +101,10 @@ pub struct AntumbraPipelines {
     pub light_layout: BindGroupLayoutDescriptor,
     /// Layout of group 3 of a light with a mask.
     pub mask_layout: BindGroupLayoutDescriptor,
+    /// Layout of group 4 of forward meshes; `None` if the device allows four groups only.
+    pub forward_layout: Option<BindGroupLayoutDescriptor>,
+    /// Group 4 of forward meshes in views that are not ready.
+    pub(super) forward_neutral: Option<BindGroup>,
     /// Layout of group 3 of a light whose terms are weighted.
     pub masks_layout: BindGroupLayoutDescriptor,
     base: HashMap<MeshPipelineKey, CachedRenderPipelineId>,
@@ -112,6 +118,7 @@ pub(super) fn init_pipelines(
     mut commands: Commands,
     shaders: Res<AntumbraShaders>,
     fullscreen: Res<FullscreenShader>,
+    device: Res<RenderDevice>,
 ) {
     let uint = || texture_2d(TextureSampleType::Uint);
     let float = || texture_2d(TextureSampleType::Float { filterable: false });
@@ -132,6 +139,14 @@ pub(super) fn init_pipelines(
             &BindGroupLayoutEntries::sequential(stage, (draw, uint())),
         ),
         mask_layout: layout("antumbra mask", &BindGroupLayoutEntries::single(stage, float())),
+        forward_layout: (device.limits().max_bind_groups as usize > MASK_GROUP).then(|| {
+            let masks = texture_2d_array(TextureSampleType::Float { filterable: false });
+            layout(
+                "antumbra forward masks",
+                &BindGroupLayoutEntries::sequential(stage, (storage(), storage(), masks)),
+            )
+        }),
+        forward_neutral: None,
         masks_layout: layout(
             "antumbra masks",
             &BindGroupLayoutEntries::sequential(stage, (float(), float())),

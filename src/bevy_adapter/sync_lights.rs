@@ -35,6 +35,9 @@ type LightChanged = (
     )>,
 );
 
+/// Filter of rectangles that moved: their size depends on their transform's scale.
+type RectMoved = (With<RectLight>, Changed<GlobalTransform>);
+
 /// Removed components that force a light to be synchronised again.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct RemovedFromLights<'w, 's> {
@@ -57,6 +60,7 @@ pub(super) fn sync_lights(
     mut touched: ResMut<TouchedLights>,
     mut lightless: ResMut<LightlessTechniques>,
     changed: Extract<Query<Entity, LightChanged>>,
+    moved: Extract<Query<Entity, RectMoved>>,
     all: Extract<
         Query<
             Entity,
@@ -72,6 +76,7 @@ pub(super) fn sync_lights(
 ) {
     let dirty = &mut touched.lights;
     dirty.extend(changed.iter());
+    dirty.extend(moved.iter());
     dirty.extend(removed.point.read());
     dirty.extend(removed.spot.read());
     dirty.extend(removed.directional.read());

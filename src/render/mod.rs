@@ -39,6 +39,7 @@ pub use gpu::timings::{PassTime, Timings};
 pub use light_function::{LightFunction, MULTIPLY};
 pub use nodes::pipelines::{SURFACE_BUFFERS, VISIBILITY_FORMAT};
 pub use nodes::surfaces::SurfaceResources;
+pub use pools::materials::HostTexture;
 pub use pools::meshes::OversizedMesh;
 pub use recorder::{
     Leaves, Mark, PictureInput, PrepareInput, Receivers, RecordInput, Recorder, Resolve, ResolveInput,

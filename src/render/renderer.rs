@@ -19,6 +19,7 @@ use super::light_model::function::{LightModelFunction, is_scaled};
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
+use super::nodes::keep_visibility::KeepVisibility;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::light_function::StencilToMask;
 use super::nodes::pipelines::SurfacePipelines;
@@ -68,6 +69,7 @@ pub struct Renderer {
     pub(super) host_terms: bool,
     pub(super) host_depth: Option<HostDepth>,
     pub(super) host_select: Option<HostSelect>,
+    pub(super) keep_visibility: Option<KeepVisibility>,
     pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
     pub(super) depth_copy: DepthCopy,
@@ -136,6 +138,7 @@ impl Renderer {
             host_terms: false,
             host_depth: None,
             host_select: None,
+            keep_visibility: None,
             front: None,
             masks: None,
             depth_copy: DepthCopy::new(&gpu)?,

@@ -35,13 +35,15 @@ pub(crate) mod occluder;
 pub(crate) mod placement;
 pub(crate) mod pose;
 mod pose_components;
+#[cfg(any(feature = "gltf", feature = "render"))]
+pub(crate) mod srgb;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{update_local_bounds, update_world_bounds};
 pub use bounds_components::{LocalBounds, WorldBounds};
 pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
-pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use caster::{CulledCasters, FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};

@@ -9,8 +9,11 @@ mod core_harness;
 
 mod bad_input;
 mod cameras;
+mod cut_outs;
 mod depth;
+mod drawn;
 mod foreign;
+mod forward;
 mod harness;
 mod lifetimes;
 mod light_model;
@@ -26,3 +29,5 @@ mod shadows;
 mod shared;
 mod stripes;
 mod sync;
+mod targets;
+mod transforms;

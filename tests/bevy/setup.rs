@@ -129,6 +129,7 @@ fn the_marker_brings_what_it_needs() {
         "PenumbraWedge",
         "ShadowMap",
         "OmniMap",
+        "PerspectiveMap",
         "LightSelection",
         "LightShape",
         "LightDistance",

@@ -5,4 +5,5 @@ mod gltf_builder;
 mod gltf_import;
 mod gltf_robustness;
 mod gltf_visibility;
+mod in_the_world;
 mod layers;

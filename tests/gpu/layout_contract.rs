@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use antumbra::conventions;
 use antumbra::insides::constants as mirrored;
-use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers};
+use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers, smoothies};
 use antumbra::techniques::maps::{MapFilter, MapFormat, MapSurface};
 use wgpu::naga;
 
@@ -93,6 +93,10 @@ fn mirrors() -> Vec<Mirror> {
         } in "passes/ambient.wgsl", array: false),
         mirror!(MapFace { row_x, row_y, row_z, projection, clip_from_relative, relative_from_clip } in "techniques/maps/resolve.wgsl", array: true),
         mirror!(MapLight { faces, size, bias, limits } in "techniques/maps/resolve.wgsl", array: false),
+        mirror!(smoothies, SmoothieEdge { start, width_start, end, width_end, next, kind }
+            in "techniques/smoothie/edge.wgsl", array: true),
+        mirror!(smoothies, SmoothieFace { row_x, row_y, row_z, projection, limits }
+            in "techniques/smoothie/edge.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
@@ -279,13 +283,18 @@ fn mirrored_constants() -> Vec<Constant> {
             ("JITTERED", jittered(false)),
             ("SOFT", filter(MapFilter::Soft4 { softness: 0.0 })),
             ("ADAPTIVE", jittered(true)),
+            ("TILE", f64::from(mirrored::TILE)),
+            ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
+            ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
+        ],
+    );
+    of(
+        "common/map_site.wgsl",
+        &[
             ("SPOT", f64::from(MapShape::Spot as u32)),
             ("CUBE", f64::from(MapShape::Cube as u32)),
             ("CASCADES", f64::from(MapShape::Cascades as u32)),
             ("MATRICES", f64::from(MapShape::Matrices as u32)),
-            ("TILE", f64::from(mirrored::TILE)),
-            ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
-            ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
         ],
     );
     of(
@@ -315,6 +324,25 @@ fn mirrored_constants() -> Vec<Constant> {
             ("SECTOR_STEPS", mirrored::SECTOR_STEPS as f64),
             ("BORDER_STEPS", mirrored::BORDER_STEPS as f64),
             ("NODES", mirrored::NODES as f64),
+        ],
+    );
+    of(
+        "techniques/smoothie/edge.wgsl",
+        &[
+            ("SECTOR", f64::from(smoothies::SECTOR)),
+            ("DISC", f64::from(smoothies::DISC)),
+            ("DISC_ALONE", f64::from(smoothies::DISC_ALONE)),
+            ("CORNER_TRIANGLES", f64::from(smoothies::CORNER_TRIANGLES)),
+            ("OVERLAP", f64::from(smoothies::OVERLAP)),
+            ("HALF_TURN", f64::from(smoothies::HALF_TURN)),
+            ("INSIDE_TEXELS", f64::from(smoothies::INSIDE_TEXELS)),
+        ],
+    );
+    of(
+        "common/smoothie.wgsl",
+        &[
+            ("LEAST", f64::from(smoothies::LEAST)),
+            ("FARTHEST", f64::from(smoothies::FARTHEST)),
         ],
     );
     of(

@@ -1,14 +1,12 @@
 // Visibility of each pixel, looked up in a map and written into the mask.
 // Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 view, 1 receiver, 2 map and jitter, 3 textures
-// Spaces  as in common/map.wgsl
-//
-// A pixel is compared with the plane of its own triangle, traced along each texel's ray: on a flat surface,
-// the texel's depth and the plane's depth belong to one point. The plane is raised by a share of a texel for
-// surfaces that are not flat.
+// Spaces  as in common/map.wgsl; the sites of receivers are those of common/map_site.wgsl
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
+#import antumbra::map_site::{Site, in_face, cube_face, plane_along, plane_depth, raised, STEEPEST, UNKNOWN}
+#import antumbra::map_site::{site_from_point, site_in_cascade, choose_cascades, CUBE, CASCADES, MATRICES}
 #import antumbra::map_matrix::{NO_FACE, clip_in_face, plane_in_face, ray_at, showing, texel_side}
 
 @group(2) @binding(1) var compare: sampler_comparison;
@@ -24,12 +22,6 @@ const JITTERED: u32 = 3u;           // mirror: techniques::maps::MapFilter::Jitt
 const SOFT: u32 = 4u;               // mirror: techniques::maps::MapFilter::Soft4
 const ADAPTIVE: u32 = 5u;           // mirror: techniques::maps::MapFilter::Jittered, adaptive
 
-// Values of SHAPE: techniques::maps::request::MapShape in its order.
-const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
-const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
-const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
-const MATRICES: u32 = 3u;           // mirror: techniques::maps::request::MapShape::Matrices
-
 override FILTER: u32 = 0u;
 override SHAPE: u32 = 0u;
 override FORMAT: u32 = 0u;
@@ -42,23 +34,7 @@ const TILE: u32 = 16u;              // mirror: techniques::maps::jitter::TILE
 const RIM_TEXELS: i32 = 4;          // mirror: techniques::maps::jitter::RIM / 2
 const JITTER_TEXELS: i32 = 32;      // mirror: techniques::maps::jitter::DEPTH
 
-// Texels of depth, per texel sideways, by which a plane may recede from the light. Beyond, it counts as
-// edge-on. By eye.
-const STEEPEST: f32 = 32.0;
-
-// Rounding of positions and planes in f32, as a share of their distance from eye and light.
-const ROUNDING: f32 = 2e-6;
-
 var<private> taps: f32 = 0.0;
-
-// A receiver as seen in a face.
-struct Site {
-    face: u32,
-    ndc: vec2f,
-    along: f32,                     // z in the face's space
-    normal: vec3f,                  // of the receiver's plane, relative space
-    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin; matrix: relative)
-}
 
 // More of a receiver as seen in a face with a matrix.
 struct MatrixSite {
@@ -69,30 +45,6 @@ struct MatrixSite {
 }
 
 var<private> matrix_site: MatrixSite;
-
-fn in_face(face: u32, vector: vec3f) -> vec3f {
-    let map_face = map_light.faces[face];
-    return vec3f(
-        dot(map_face.row_x.xyz, vector),
-        dot(map_face.row_y.xyz, vector),
-        dot(map_face.row_z.xyz, vector),
-    );
-}
-
-fn position_in_face(face: u32, position: vec3f) -> vec3f {
-    let map_face = map_light.faces[face];
-    return in_face(face, position) + vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w);
-}
-
-// The face of a cube into which a direction points: techniques::omni_map::cube::DIRECTIONS.
-fn cube_face(direction: vec3f) -> u32 {
-    let size = abs(direction);
-    let z_face = select(4u, 5u, direction.z < 0.0);
-    let y_face = select(2u, 3u, direction.y < 0.0);
-    let x_face = select(0u, 1u, direction.x < 0.0);
-    let yz = select(z_face, y_face, size.y >= size.z);
-    return select(yz, x_face, size.x >= size.y && size.x >= size.z);
-}
 
 fn unpacked(texel: vec4f) -> f32 {
     if FORMAT == FORMAT_FLOAT {
@@ -110,10 +62,7 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     let ndc = vec2f(2.0, -2.0) * ((vec2f(inside) + 0.5) * map_light.size.y) + vec2f(-1.0, 1.0);
     let projection = map_light.faces[face].projection;
     let direction = vec3f(ndc * projection.x, 1.0);
-    let towards = dot(in_face(face, site.normal), direction);
-    let farthest = site.along * (1.0 + STEEPEST * projection.z);
-    let hit = site.offset / min(towards, -1e-30);
-    let along = select(farthest, min(hit, farthest), towards < 0.0);
+    let along = plane_along(site, face, direction);
     let share = along * along * dot(direction, direction) * map_light.limits.z;
     return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
 }
@@ -128,28 +77,7 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     let corner = place - 0.5;
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
-        let normal_face = in_face(face, site.normal);
-        let projection = map_light.faces[face].projection;
-        var depth: f32;
-        var slope: vec2f;           // of depth, one texel to the right and one down
-        var deepest: f32;
-        if SHAPE == CASCADES {
-            let steep = min(normal_face.z, -1e-6);
-            let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
-            depth = 1.0 - along / projection.y;
-            slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
-            deepest = 1.0 - (site.along + STEEPEST * projection.z) / projection.y;
-        } else {
-            let scale = projection.y / site.offset;
-            depth = dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale;
-            slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
-            deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
-        }
-        let lenient = max(slope * (1.0 - between), -slope * between);
-        // Nothing is drawn where the plane leaves the far end of a parallel box, so no caster is nearer
-        // there.
-        depth = max(max(depth + lenient.x + lenient.y, deepest), 0.0);
-        depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
+        let depth = plane_depth(site, face, ndc, between, SHAPE == CASCADES);
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }
     if FILTER == JITTERED || FILTER == ADAPTIVE {
@@ -276,98 +204,23 @@ fn filtered(site: Site, pixel: vec2u) -> f32 {
     return tap(site, vec2f(0.0));
 }
 
-// Distance by which a plane is raised, metres.
-fn raised(receiver: Receiver, texel: f32, along: f32, facing: f32) -> f32 {
-    return map_light.bias.x * texel + map_light.bias.w * facing
-        + ROUNDING * (length(receiver.position) + abs(along));
-}
-
-fn from_point(receiver: Receiver, pixel: vec2u) -> f32 {
-    let first = map_light.faces[0];
-    var face = 0u;
-    var position_face = position_in_face(0u, receiver.position);
-    if SHAPE == CUBE {
-        let from_light = first.row_x.xyz * position_face.x + first.row_y.xyz * position_face.y
-            + first.row_z.xyz * position_face.z;
-        face = cube_face(from_light);
-        position_face = position_in_face(face, receiver.position);
+// Visibility at a site.
+fn at_site(site: Site, pixel: vec2u) -> f32 {
+    if site.known != UNKNOWN {
+        return site.known;
     }
-    let map_face = map_light.faces[face];
-    var normal = receiver.normal;
-    let normal_face = in_face(face, normal);
-    let origin = vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w);
-    var offset = receiver.offset + dot(normal_face, origin);
-    if dot(normal, normal) == 0.0 {
-        // A receiver without a plane is assumed to face the light.
-        let towards = -position_face / max(length(position_face), 1e-30);
-        normal = map_face.row_x.xyz * towards.x + map_face.row_y.xyz * towards.y
-            + map_face.row_z.xyz * towards.z;
-        offset = dot(towards, position_face);
-    }
-    if offset >= 0.0 {
-        return 0.0;                 // it faces away
-    }
-    if position_face.z <= map_face.projection.y {
-        return 1.0;                 // in front of the near plane
-    }
-    let raise = raised(
-        receiver,
-        map_face.projection.z * position_face.z,
-        length(position_face),
-        -offset / max(length(position_face), 1e-30),
-    );
-    offset += min(raise, -0.5 * offset);
-    let ndc = position_face.xy / (position_face.z * map_face.projection.x);
-    if SHAPE == SPOT && max(abs(ndc.x), abs(ndc.y)) > 1.0 {
-        return 1.0;                 // out of the cone
-    }
-    return filtered(Site(face, ndc, position_face.z, normal, offset), pixel);
-}
-
-// Visibility in one cascade.
-fn from_cascade(face: u32, receiver: Receiver, pixel: vec2u) -> f32 {
-    let map_face = map_light.faces[face];
-    let position_face = position_in_face(face, receiver.position);
-    var normal = receiver.normal;
-    let unknown = dot(normal, normal) == 0.0;
-    normal = select(normal, -map_face.row_z.xyz, unknown);
-    let normal_face = in_face(face, normal);
-    if normal_face.z >= 0.0 {
-        return 0.0;                 // it faces away
-    }
-    var offset = select(
-        receiver.offset + dot(normal_face, vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w)),
-        dot(normal_face, position_face),
-        unknown,
-    );
-    offset += raised(receiver, map_face.projection.z, position_face.z, -normal_face.z);
-    return filtered(Site(face, position_face.xy / map_face.projection.x, position_face.z, normal, offset), pixel);
+    return filtered(site, pixel);
 }
 
 // Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
-// Cascades are chosen before any is looked up, at most two, so that all pixels take the lookup together.
 fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
-    var finest = CASCADE_COUNT;
-    var next = CASCADE_COUNT;
-    var weight = 1.0;
-    for (var face = 0u; face < CASCADE_COUNT; face++) {
-        let map_face = map_light.faces[face];
-        let position_face = position_in_face(face, receiver.position);
-        // The filter's taps stay inside the cascade.
-        let reach = map_light.size.z + 3.0 * map_face.projection.z;
-        let room = map_face.projection.x - reach - max(abs(position_face.x), abs(position_face.y));
-        let shows = room > 0.0 && position_face.z < map_face.projection.y;
-        let width = max(map_light.limits.w * map_face.projection.x, 1e-6);
-        next = select(next, face, shows && finest < face && next == CASCADE_COUNT);
-        weight = select(weight, clamp(room / width, 0.0, 1.0), shows && finest == CASCADE_COUNT);
-        finest = select(finest, face, shows && finest == CASCADE_COUNT);
-    }
-    if finest == CASCADE_COUNT {
+    let chosen = choose_cascades(receiver, CASCADE_COUNT);
+    if chosen.finest == CASCADE_COUNT {
         return 1.0;                 // beyond the last cascade
     }
-    var visibility = from_cascade(finest, receiver, pixel);
-    if weight < 1.0 && next < CASCADE_COUNT {
-        visibility = mix(from_cascade(next, receiver, pixel), visibility, weight);
+    var visibility = at_site(site_in_cascade(chosen.finest, receiver), pixel);
+    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
+        visibility = mix(at_site(site_in_cascade(chosen.next, receiver), pixel), visibility, chosen.weight);
     }
     return visibility;
 }
@@ -408,7 +261,7 @@ fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
         disc_x * radius,
         cross(ray, disc_x) * radius,
     );
-    return filtered(Site(face, clip.xy / clip.w, along, normal, offset), pixel);
+    return filtered(Site(face, clip.xy / clip.w, along, normal, offset, UNKNOWN), pixel);
 }
 
 @fragment
@@ -425,7 +278,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     } else if SHAPE == MATRICES {
         visibility = from_matrices(receiver, pixel);
     } else {
-        visibility = from_point(receiver, pixel);
+        visibility = at_site(site_from_point(receiver, SHAPE), pixel);
     }
     if SHOW_TAPS {
         return vec4f(vec3f(taps / 64.0), visibility);

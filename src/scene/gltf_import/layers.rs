@@ -3,10 +3,10 @@
 use bevy_ecs::prelude::*;
 
 use super::{Element, GltfError, LoadedGltf};
-use crate::scene::{LayerNames, SceneNodes, SelectionLayers};
+use crate::scene::{LayerNames, SceneMesh, SceneNodes, SelectionLayers};
 
 /// Puts the meshes of the scene's nodes on the layers that the extras of the nodes and of their ancestors name.
-/// `parent` gives the parent of a node in the scene.
+/// `parent` gives the parent of a node in the scene, and `drawn` the meshes with their nodes.
 ///
 /// # Errors
 /// A name for which no layer is left.
@@ -14,13 +14,12 @@ pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
     parent: impl Fn(usize) -> Option<usize>,
-    meshes: &[Option<Entity>],
+    drawn: &[(usize, Entity)],
 ) -> Result<(), GltfError> {
     if gltf.nodes.iter().all(|node| node.visibility.layers.is_none()) {
         return Ok(());
     }
-    for (index, mesh) in meshes.iter().enumerate() {
-        let Some(mesh) = *mesh else { continue };
+    for &(index, mesh) in drawn {
         let mut bits = 0;
         let mut at = Some(index);
         while let Some(node) = at {
@@ -57,8 +56,14 @@ pub fn layer_of_name(world: &mut World, gltf: &LoadedGltf, nodes: &SceneNodes, n
     };
     while let Some(node) = open.pop() {
         open.extend(&gltf.nodes[node].children);
-        if let Some(mesh) = nodes.meshes[node] {
-            put_on(world, mesh, bit);
+        // Instances of the node's mesh are children of its entity.
+        let below = nodes.nodes[node].and_then(|entity| world.get::<Children>(entity));
+        let mut meshes: Vec<Entity> = below.into_iter().flat_map(|below| below.iter()).collect();
+        meshes.extend(nodes.meshes[node]);
+        for mesh in meshes {
+            if world.get::<SceneMesh>(mesh).is_some() {
+                put_on(world, mesh, bit);
+            }
         }
     }
     Some(bit)

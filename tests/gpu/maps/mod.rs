@@ -11,5 +11,5 @@ mod holes;
 mod matrix_faces;
 mod models;
 mod refusals;
-mod scenes;
+pub mod scenes;
 mod surfaces;
