@@ -6,7 +6,7 @@ use super::{Element, GltfError, LoadedGltf};
 use crate::scene::{LayerNames, SceneMesh, SceneNodes, SelectionLayers};
 
 /// Puts the meshes of the scene's nodes on the layers that the extras of the nodes and of their ancestors name.
-/// `parent` gives the parent of a node in the scene.
+/// `parent` gives the parent of a node in the scene, and `drawn` the meshes with their nodes.
 ///
 /// # Errors
 /// A name for which no layer is left.
@@ -57,13 +57,13 @@ pub fn layer_of_name(world: &mut World, gltf: &LoadedGltf, nodes: &SceneNodes, n
     while let Some(node) = open.pop() {
         open.extend(&gltf.nodes[node].children);
         // Instances of the node's mesh are children of its entity.
-        let children = nodes.nodes[node].and_then(|entity| world.get::<Children>(entity));
-        let instances = children.into_iter().flatten().copied();
-        let mut meshes: Vec<Entity> = instances.collect();
-        meshes.retain(|&child| world.get::<SceneMesh>(child).is_some());
+        let below = nodes.nodes[node].and_then(|entity| world.get::<Children>(entity));
+        let mut meshes: Vec<Entity> = below.into_iter().flat_map(|below| below.iter()).collect();
         meshes.extend(nodes.meshes[node]);
         for mesh in meshes {
-            put_on(world, mesh, bit);
+            if world.get::<SceneMesh>(mesh).is_some() {
+                put_on(world, mesh, bit);
+            }
         }
     }
     Some(bit)
