@@ -95,7 +95,11 @@ pub mod insides {
         pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
     }
     pub use crate::sets::index::boxes::WORD;
-    pub use crate::techniques::maps::cascades::split_depths;
+    pub use crate::techniques::maps::cascades::{DepthRange, split_depths};
+    #[cfg(feature = "render")]
+    pub use crate::techniques::maps::gpu::constants::map_constants;
+    #[cfg(feature = "render")]
+    pub use crate::techniques::maps::jitter::disc;
     pub use crate::techniques::maps::packing::*;
     pub use crate::techniques::maps::request::{MapRequest, MapShape};
     pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;

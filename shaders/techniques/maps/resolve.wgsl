@@ -47,6 +47,12 @@ const STEEPEST: f32 = 32.0;
 // Rounding of positions and planes in f32, as a share of their distance from eye and light.
 const ROUNDING: f32 = 2e-6;
 
+// Texels of depth, per texel sideways, by which two surfaces may differ beyond the crease where they meet. By eye.
+const STEEPEST_CREASE: f32 = 16.0;
+
+// Share of its slope by which a surface may bend from one texel to the next, to be extrapolated. By eye.
+const BENT: f32 = 0.25;
+
 var<private> taps: f32 = 0.0;
 
 // A receiver as seen in a face.
@@ -91,11 +97,125 @@ fn unpacked(texel: vec4f) -> f32 {
     return select(share, NOTHING, texel.r >= 1.0);
 }
 
+// The receiver's plane as depth of a face, which is linear in place: at one place, its change from one texel to the
+// next (right, down), and the least depth that a tap may compare with.
+struct PlaneDepth {
+    depth: f32,
+    slope: vec2f,
+    deepest: f32,
+}
+
+fn plane_depth(site: Site, face: u32, ndc: vec2f) -> PlaneDepth {
+    let normal_face = in_face(face, site.normal);
+    let projection = map_light.faces[face].projection;
+    var plane: PlaneDepth;
+    if SHAPE == CASCADES {
+        let steep = min(normal_face.z, -1e-6);
+        let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
+        plane.depth = 1.0 - along / projection.y;
+        plane.slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
+        plane.deepest = 1.0 - (site.along + STEEPEST * projection.z) / projection.y;
+    } else {
+        let scale = projection.y / site.offset;
+        plane.depth = dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale;
+        plane.slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
+        plane.deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
+    }
+    return plane;
+}
+
+fn ndc_of(texel: vec2i) -> vec2f {
+    return vec2f(2.0, -2.0) * ((vec2f(texel) + 0.5) * map_light.size.y) + vec2f(-1.0, 1.0);
+}
+
+fn place_of(ndc: vec2f) -> vec2f {
+    return (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
+}
+
+fn clamped(texel: vec2i) -> vec2i {
+    return clamp(texel, vec2i(0), vec2i(i32(map_light.size.x) - 1));
+}
+
+// Depth of the casters in a texel, whatever the format.
+fn depth_at(face: u32, texel: vec2i) -> f32 {
+    let inside = clamped(texel);
+    if FORMAT == FORMAT_DEPTH {
+        return textureLoad(depth_map, inside, face, 0);
+    }
+    let projection = map_light.faces[face].projection;
+    let direction = vec3f(ndc_of(inside) * projection.x, 1.0);
+    let share = unpacked(textureLoad(distance_map, inside, face, 0));
+    return projection.y * sqrt(dot(direction, direction) * map_light.limits.z / max(share, 1e-30));
+}
+
+// Change of depth from a texel to the next one, and how much it differs over one texel more. A face may end there.
+fn slope_towards(face: u32, texel: vec2i, step: vec2i, depth: f32) -> vec2f {
+    let next = depth_at(face, texel + step);
+    let after = texel + 2 * step;
+    let bend = abs(depth_at(face, after) - next - (next - depth));
+    return vec2f(next - depth, select(0.0, bend, all(after == clamped(after))));
+}
+
+// Change of depth per texel along an axis, of the surface in a texel: on the side away from the receiver or, where the
+// surface ends there, on the other one. y is 1 if it ends on both sides.
+fn surface_slope(face: u32, texel: vec2i, axis: vec2i, depth: f32, away: f32) -> vec2f {
+    let side = select(-1, 1, away >= 0.0);
+    let rounding = 2e-6 * select(depth, 1.0, SHAPE == CASCADES);
+    let first = slope_towards(face, texel, axis * side, depth);
+    if first.y <= BENT * abs(first.x) + rounding {
+        return vec2f(first.x * f32(side), 0.0);
+    }
+    let second = slope_towards(face, texel, -axis * side, depth);
+    let ends = second.y > BENT * abs(second.x) + rounding;
+    return vec2f(-second.x * f32(side), select(0.0, 1.0, ends));
+}
+
+// Whether the surface in a texel, which is nearer to the light than the receiver's plane there, meets that plane in a
+// concave crease between the receiver and the texel: it then does not shadow the receiver. Depth is linear over a plane,
+// so the surface is extrapolated to the receiver's own ray, and it must be there all the way to the crease.
+fn is_beyond_crease(site: Site, face: u32, texel: vec2i, depth: f32, plane: PlaneDepth, ndc: vec2f) -> bool {
+    var own_ndc = site.ndc;
+    if SHAPE == CUBE && face != site.face {
+        let own = map_light.faces[site.face];
+        let direction = own.row_x.xyz * (own_ndc.x * own.projection.x)
+            + own.row_y.xyz * (own_ndc.y * own.projection.x) + own.row_z.xyz;
+        let direction_face = in_face(face, direction);
+        own_ndc = direction_face.xy / (max(direction_face.z, 1e-6) * map_light.faces[face].projection.x);
+    }
+    let receiver = place_of(own_ndc);
+    let apart = vec2f(texel) + 0.5 - receiver;
+    let receiver_depth = plane.depth + dot(plane.slope, receiver - place_of(ndc));
+    let above = depth - (receiver_depth + dot(plane.slope, apart));
+    let projection = map_light.faces[face].projection;
+    let texel_depth = select(receiver_depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
+    if above > STEEPEST_CREASE * texel_depth * (1.0 + length(apart)) {
+        return false;
+    }
+    let x = surface_slope(face, texel, vec2i(1, 0), depth, apart.x);
+    let y = surface_slope(face, texel, vec2i(0, 1), depth, apart.y);
+    let slope = vec2f(x.x, y.x);
+    let at_receiver = depth - dot(slope, apart) - receiver_depth;
+    if at_receiver > 0.0 || x.y + y.y > 0.0 {
+        return false;
+    }
+    // One texel beyond the crease the surface must be there already. Otherwise it hangs above the receiver.
+    let crease = at_receiver / min(at_receiver - above, -1e-30);
+    let beyond = crease + 1.0 / max(length(apart), 1e-6);
+    if beyond >= 1.0 {
+        return true;
+    }
+    let probe = vec2i(floor(receiver + apart * beyond));
+    let probe_apart = vec2f(probe) + 0.5 - receiver;
+    let surface = depth + dot(slope, probe_apart - apart);
+    let lower = receiver_depth + dot(plane.slope, probe_apart);
+    return abs(depth_at(face, probe) - surface) <= 0.5 * abs(surface - lower);
+}
+
 // 1 where the plane is nearer to the light than the squared distance in a texel, else 0.
 fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
-    let inside = clamp(texel, vec2i(0), vec2i(i32(map_light.size.x) - 1));
+    let inside = clamped(texel);
     let stored = unpacked(textureLoad(distance_map, inside, face, 0));
-    let ndc = vec2f(2.0, -2.0) * ((vec2f(inside) + 0.5) * map_light.size.y) + vec2f(-1.0, 1.0);
+    let ndc = ndc_of(inside);
     let projection = map_light.faces[face].projection;
     let direction = vec3f(ndc * projection.x, 1.0);
     let towards = dot(in_face(face, site.normal), direction);
@@ -103,7 +223,28 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     let hit = site.offset / min(towards, -1e-30);
     let along = select(farthest, min(hit, farthest), towards < 0.0);
     let share = along * along * dot(direction, direction) * map_light.limits.z;
-    return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
+    if share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored {
+        return 1.0;
+    }
+    let plane = plane_depth(site, face, ndc);
+    return select(0.0, 1.0, is_beyond_crease(site, face, inside, depth_at(face, inside), plane, ndc));
+}
+
+// The weight of those of a tap's four texels that are darker than the depth and lie beyond a crease.
+fn beyond_creases(site: Site, face: u32, ndc: vec2f, plane: PlaneDepth, depth: f32) -> f32 {
+    let corner = place_of(ndc) - 0.5;
+    let between = fract(corner);
+    var weight = 0.0;
+    for (var i = 0; i < 4; i++) {
+        let at = vec2i(i & 1, i >> 1);
+        let texel = clamped(vec2i(floor(corner)) + at);
+        let stored = depth_at(face, texel);
+        if stored > depth && is_beyond_crease(site, face, texel, stored, plane, ndc) {
+            let weights = select(1.0 - between, between, at == vec2i(1));
+            weight += weights.x * weights.y;
+        }
+    }
+    return weight;
 }
 
 // One tap: compares the four texels around a place of a face, weighted by the position between them. Hardware
@@ -111,34 +252,31 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
 // light.
 fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     taps += 1.0;
-    let size = map_light.size.x;
-    let place = (ndc * vec2f(0.5, -0.5) + 0.5) * size;
+    let place = place_of(ndc);
     let corner = place - 0.5;
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
-        let normal_face = in_face(face, site.normal);
-        let projection = map_light.faces[face].projection;
-        var depth: f32;
-        var slope: vec2f;           // of depth, one texel to the right and one down
-        var deepest: f32;
-        if SHAPE == CASCADES {
-            let steep = min(normal_face.z, -1e-6);
-            let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
-            depth = 1.0 - along / projection.y;
-            slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
-            deepest = 1.0 - (site.along + STEEPEST * projection.z) / projection.y;
-        } else {
-            let scale = projection.y / site.offset;
-            depth = dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale;
-            slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
-            deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
-        }
-        let lenient = max(slope * (1.0 - between), -slope * between);
+        let plane = plane_depth(site, face, ndc);
+        let lenient = max(plane.slope * (1.0 - between), -plane.slope * between);
         // Nothing is drawn where the plane leaves the far end of a parallel box, so no caster is nearer
         // there.
-        depth = max(max(depth + lenient.x + lenient.y, deepest), 0.0);
+        var depth = max(max(plane.depth + lenient.x + lenient.y, plane.deepest), 0.0);
         depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
-        return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
+        let uv = place * map_light.size.y;
+        let lit = textureSampleCompareLevel(depth_map, compare, uv, face, depth);
+        if lit == 1.0 {
+            return lit;
+        }
+        // What is much nearer to the light than the plane meets it in no crease.
+        let projection = map_light.faces[face].projection;
+        let texel_depth = select(depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
+        let offset = length(place - place_of(site.ndc));
+        let apart = select(offset, 4.0 + map_light.size.z / projection.z, face != site.face);
+        let reach = STEEPEST_CREASE * texel_depth * (3.0 + apart);
+        if textureSampleCompareLevel(depth_map, compare, uv, face, depth + reach) == lit {
+            return lit;
+        }
+        return min(lit + beyond_creases(site, face, ndc, plane, depth), 1.0);
     }
     if FILTER == JITTERED || FILTER == ADAPTIVE {
         return is_lit(site, face, vec2i(floor(place)));

@@ -191,7 +191,8 @@ pub enum MapResolution {
     /// A fixed number of texels, greater than 0. [`MapSettings::largest`] limits it, and so does a shortage
     /// of memory, down to 64.
     Fixed(u32),
-    /// A power of two that follows the light's size on the screen; cascades take `most`.
+    /// A power of two with which a texel is no larger than a pixel at three of four points of the visible receivers; cascades
+    /// take `most`.
     Auto {
         /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.
         least: u32,
@@ -290,6 +291,12 @@ pub enum MapError {
         wanted: u32,
         /// Largest resolution, texels.
         limit: u32,
+    },
+    /// The shadow is much coarser than the picture.
+    #[error("near the camera a texel of the map covers {pixels} pixels along a side")]
+    Coarse {
+        /// Number of pixels along a side that a texel covers where the nearest receivers are.
+        pixels: u32,
     },
 }
 

@@ -4,6 +4,7 @@
 mod cache;
 mod cascades;
 mod contacts;
+mod creases;
 mod dungeon;
 mod faint;
 mod filters;
