@@ -101,7 +101,13 @@ pub mod insides {
     #[cfg(feature = "render")]
     pub use crate::techniques::maps::jitter::disc;
     pub use crate::techniques::maps::packing::*;
-    pub use crate::techniques::maps::request::{MapRequest, MapShape};
+    /// Faces of maps with a matrix.
+    pub mod matrix_faces {
+        pub use crate::techniques::maps::matrix_faces::*;
+    }
+    pub use crate::techniques::maps::request::{
+        LightRequest, MapFaces, MapRequest, MapRequests, MapShape, MapSystems,
+    };
     pub use crate::techniques::penumbra_wedge::component::MAX_SPLIT;
     pub use crate::techniques::penumbra_wedge::geometry::{records, silhouette_layers};
     pub use crate::techniques::penumbra_wedge::wedges::build_penumbra_wedges;

@@ -11,11 +11,13 @@ struct MapFace {                    // mirror: render::pools::gpu_types::MapFace
     row_y: vec4f,
     row_z: vec4f,
     projection: vec4f,              // half side at distance 1, near, texel at distance 1; parallel: half side, length, texel
+    clip_from_relative: mat4x4f,    // of a face with a matrix; 0 for other faces
+    relative_from_clip: mat4x4f,    // its inverse
 }
 
 struct MapLight {                   // mirror: render::pools::gpu_types::MapLight
     faces: array<MapFace, 6>,
-    size: vec4f,                    // texels along a side, 1 / texels, filter radius (at distance 1; parallel: metres), unused
+    size: vec4f,                    // texels along a side, 1 / texels, filter radius (at distance 1; parallel: metres), number of faces
     bias: vec4f,                    // share of a texel along the normal, relative and absolute slack, metres to the light
     limits: vec4f,                  // nearest and farthest depth, 1 / reach², share of a cascade that passes into the next
 }

@@ -21,7 +21,8 @@
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
 //! | `casters` | edge meshes of casters, planes of posed casters |
-//! | `cache` | silhouettes of (light, caster) pairs, kept between frames |
+//! | `light_silhouettes` | silhouettes by light and caster, in slots |
+//! | `cache` | the extraction of those that are not known yet or are stale |
 
 pub(crate) mod cache;
 mod caps;
@@ -31,13 +32,13 @@ mod contour;
 mod edges;
 mod facing;
 pub(crate) mod grazed;
+pub(crate) mod light_silhouettes;
 mod loops;
 mod planes;
 pub(crate) mod report;
 pub(crate) mod stacks;
 mod turning;
 
-pub use cache::{LightSilhouettes, Silhouette, Silhouettes};
 pub use caps::{extract_caps, extract_contour};
 pub use caster_shape::{CasterShape, CasterShapeItem};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCaster};
@@ -45,6 +46,7 @@ pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
 pub use grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
+pub use light_silhouettes::{KEPT_FRAMES, LightSilhouettes, Silhouette, Silhouettes};
 pub use loops::{LoopError, Loops, link_loops};
 pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};
 pub use turning::{LightExtent, find_turning};

@@ -72,7 +72,7 @@ fn mirrors() -> Vec<Mirror> {
             occlusion_slot,
             emissive_slot,
         } in "passes/ambient.wgsl", array: false),
-        mirror!(MapFace { row_x, row_y, row_z, projection } in "techniques/maps/resolve.wgsl", array: true),
+        mirror!(MapFace { row_x, row_y, row_z, projection, clip_from_relative, relative_from_clip } in "techniques/maps/resolve.wgsl", array: true),
         mirror!(MapLight { faces, size, bias, limits } in "techniques/maps/resolve.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
@@ -263,6 +263,7 @@ fn mirrored_constants() -> Vec<Constant> {
             ("SPOT", f64::from(MapShape::Spot as u32)),
             ("CUBE", f64::from(MapShape::Cube as u32)),
             ("CASCADES", f64::from(MapShape::Cascades as u32)),
+            ("MATRICES", f64::from(MapShape::Matrices as u32)),
             ("TILE", f64::from(mirrored::TILE)),
             ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
             ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::harness::radiance::judge_radiance;
 use crate::harness::support::stage::Stage;
 use crate::harness::{judge, own_context, strict_context};
 use antumbra::prelude::*;
@@ -29,8 +30,12 @@ fn stage(context: &RenderContext) -> Stage {
     let (camera, view) = camera(Vec3::new(3.0, 3.0, 6.0), Vec3::ZERO);
     let mut stage = Stage::empty(SIZE, camera, view);
     stage.world.insert_resource(FaceCulling::None);
+    let settings = RenderSettings {
+        ambient: Vec3::ZERO, // what is not lit is black
+        ..RenderSettings::default()
+    };
     stage
-        .add_renderer(context.clone(), RenderSettings::default())
+        .add_renderer(context.clone(), settings)
         .expect("shaders compose");
     stage
 }
@@ -73,6 +78,8 @@ fn boxes_and_spheres(context: &RenderContext) -> Stage {
 fn judged(stage: &mut Stage) -> HardError {
     let rendered = stage.render().expect("the frame renders");
     let scene = RayScene::from_world(&mut stage.world);
+    let shown = judge_radiance(stage, &scene, &rendered.radiance);
+    assert_eq!(shown.wrong_inner, 0, "radiance: {shown:?}");
     judge(stage, &scene, 0, &rendered.visibility[0])
 }
 

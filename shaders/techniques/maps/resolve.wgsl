@@ -9,6 +9,7 @@
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
+#import antumbra::map_matrix::{NO_FACE, clip_in_face, plane_in_face, ray_at, showing, texel_side}
 
 @group(2) @binding(1) var compare: sampler_comparison;
 @group(2) @binding(2) var jitter: texture_3d<f32>;
@@ -27,6 +28,7 @@ const ADAPTIVE: u32 = 5u;           // mirror: techniques::maps::MapFilter::Jitt
 const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
 const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
 const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
+const MATRICES: u32 = 3u;           // mirror: techniques::maps::request::MapShape::Matrices
 
 override FILTER: u32 = 0u;
 override SHAPE: u32 = 0u;
@@ -53,7 +55,14 @@ const STEEPEST_CREASE: f32 = 16.0;
 // Share of its slope by which a surface may bend from one texel to the next, to be extrapolated. By eye.
 const BENT: f32 = 0.25;
 
+// Largest number of surfaces that meet the receiver's plane in creases: two, in the corner of a room.
+const MOST_CREASES: u32 = 2u;
+
 var<private> taps: f32 = 0.0;
+
+// Planes of those surfaces, raised: normal and offset, as in a site. The nearest to the light of all planes counts.
+var<private> creases: array<vec4f, 2>;
+var<private> crease_count: u32 = 0u;
 
 // A receiver as seen in a face.
 struct Site {
@@ -61,7 +70,31 @@ struct Site {
     ndc: vec2f,
     along: f32,                     // z in the face's space
     normal: vec3f,                  // of the receiver's plane, relative space
-    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin)
+    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin; matrix: relative)
+    raise: f32,                     // by which the plane is raised, metres
+}
+
+// More of a receiver as seen in a face with a matrix.
+struct MatrixSite {
+    position: vec3f,                // relative
+    farthest: vec3f,                // the deepest point that a plane may reach within a texel
+    side_x: vec3f,                  // sides of the square around the filter's disc
+    side_y: vec3f,
+}
+
+var<private> matrix_site: MatrixSite;
+
+// Plane 0 is the receiver's, the others are those of creases.
+fn plane_of(site: Site, index: u32) -> vec4f {
+    if index == 0u {
+        return vec4f(site.normal, site.offset);
+    }
+    return creases[index - 1u];
+}
+
+// A place in a face, texels.
+fn place_of(ndc: vec2f) -> vec2f {
+    return (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
 }
 
 fn in_face(face: u32, vector: vec3f) -> vec3f {
@@ -97,39 +130,29 @@ fn unpacked(texel: vec4f) -> f32 {
     return select(share, NOTHING, texel.r >= 1.0);
 }
 
-// The receiver's plane as depth of a face, which is linear in place: at one place, its change from one texel to the
-// next (right, down), and the least depth that a tap may compare with.
+// A plane as depth of a face, which is linear in place: at one place, and its change from one texel to the next (right,
+// down).
 struct PlaneDepth {
     depth: f32,
     slope: vec2f,
-    deepest: f32,
 }
 
-fn plane_depth(site: Site, face: u32, ndc: vec2f) -> PlaneDepth {
-    let normal_face = in_face(face, site.normal);
+fn plane_depth(plane: vec4f, face: u32, ndc: vec2f) -> PlaneDepth {
+    let normal_face = in_face(face, plane.xyz);
     let projection = map_light.faces[face].projection;
-    var plane: PlaneDepth;
     if SHAPE == CASCADES {
         let steep = min(normal_face.z, -1e-6);
-        let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
-        plane.depth = 1.0 - along / projection.y;
-        plane.slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
-        plane.deepest = 1.0 - (site.along + STEEPEST * projection.z) / projection.y;
-    } else {
-        let scale = projection.y / site.offset;
-        plane.depth = dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale;
-        plane.slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
-        plane.deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
+        let along = (plane.w - dot(normal_face.xy, ndc) * projection.x) / steep;
+        let slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
+        return PlaneDepth(1.0 - along / projection.y, slope);
     }
-    return plane;
+    let scale = projection.y / plane.w;
+    let slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
+    return PlaneDepth(dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale, slope);
 }
 
 fn ndc_of(texel: vec2i) -> vec2f {
     return vec2f(2.0, -2.0) * ((vec2f(texel) + 0.5) * map_light.size.y) + vec2f(-1.0, 1.0);
-}
-
-fn place_of(ndc: vec2f) -> vec2f {
-    return (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
 }
 
 fn clamped(texel: vec2i) -> vec2i {
@@ -148,103 +171,103 @@ fn depth_at(face: u32, texel: vec2i) -> f32 {
     return projection.y * sqrt(dot(direction, direction) * map_light.limits.z / max(share, 1e-30));
 }
 
-// Change of depth from a texel to the next one, and how much it differs over one texel more. A face may end there.
-fn slope_towards(face: u32, texel: vec2i, step: vec2i, depth: f32) -> vec2f {
-    let next = depth_at(face, texel + step);
-    let after = texel + 2 * step;
-    let bend = abs(depth_at(face, after) - next - (next - depth));
-    return vec2f(next - depth, select(0.0, bend, all(after == clamped(after))));
-}
-
-// Change of depth per texel along an axis, of the surface in a texel: on the side away from the receiver or, where the
-// surface ends there, on the other one. y is 1 if it ends on both sides.
+// Change of depth from a texel to the next one, of the surface in that texel: on the side away from the receiver or, where
+// the surface ends there, on the other one. y is 1 if it ends on both sides.
 fn surface_slope(face: u32, texel: vec2i, axis: vec2i, depth: f32, away: f32) -> vec2f {
-    let side = select(-1, 1, away >= 0.0);
     let rounding = 2e-6 * select(depth, 1.0, SHAPE == CASCADES);
-    let first = slope_towards(face, texel, axis * side, depth);
-    if first.y <= BENT * abs(first.x) + rounding {
-        return vec2f(first.x * f32(side), 0.0);
+    for (var side = 0; side < 2; side++) {
+        let step = axis * select(-1, 1, (away >= 0.0) == (side == 0));
+        let slope = depth_at(face, texel + step) - depth;
+        let after = texel + 2 * step;
+        let bend = abs(depth_at(face, after) - depth - 2.0 * slope);
+        if bend <= BENT * abs(slope) + rounding || any(after != clamped(after)) {
+            return vec2f(slope * f32(step.x + step.y), 0.0);
+        }
     }
-    let second = slope_towards(face, texel, -axis * side, depth);
-    let ends = second.y > BENT * abs(second.x) + rounding;
-    return vec2f(-second.x * f32(side), select(0.0, 1.0, ends));
+    return vec2f(0.0, 1.0);
 }
 
-// Whether the surface in a texel, which is nearer to the light than the receiver's plane there, meets that plane in a
+// Looks whether the surface in a texel, which is nearer to the light than the receiver's plane there, meets that plane in a
 // concave crease between the receiver and the texel: it then does not shadow the receiver. Depth is linear over a plane,
-// so the surface is extrapolated to the receiver's own ray, and it must be there all the way to the crease.
-fn is_beyond_crease(site: Site, face: u32, texel: vec2i, depth: f32, plane: PlaneDepth, ndc: vec2f) -> bool {
-    var own_ndc = site.ndc;
-    if SHAPE == CUBE && face != site.face {
-        let own = map_light.faces[site.face];
-        let direction = own.row_x.xyz * (own_ndc.x * own.projection.x)
-            + own.row_y.xyz * (own_ndc.y * own.projection.x) + own.row_z.xyz;
-        let direction_face = in_face(face, direction);
-        own_ndc = direction_face.xy / (max(direction_face.z, 1e-6) * map_light.faces[face].projection.x);
-    }
-    let receiver = place_of(own_ndc);
-    let apart = vec2f(texel) + 0.5 - receiver;
-    let receiver_depth = plane.depth + dot(plane.slope, receiver - place_of(ndc));
-    let above = depth - (receiver_depth + dot(plane.slope, apart));
-    let projection = map_light.faces[face].projection;
-    let texel_depth = select(receiver_depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
+// so the surface is extrapolated to the receiver's own ray, and it must be there all the way to the crease. Adds the
+// surface's plane to the creases if so.
+fn try_crease(site: Site, own: PlaneDepth, texel: vec2i, depth: f32, apart: vec2f) {
+    let above = depth - own.depth - dot(own.slope, apart);
+    let projection = map_light.faces[site.face].projection;
+    let texel_depth = select(own.depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
     if above > STEEPEST_CREASE * texel_depth * (1.0 + length(apart)) {
-        return false;
+        return;
     }
-    let x = surface_slope(face, texel, vec2i(1, 0), depth, apart.x);
-    let y = surface_slope(face, texel, vec2i(0, 1), depth, apart.y);
+    let x = surface_slope(site.face, texel, vec2i(1, 0), depth, apart.x);
+    let y = surface_slope(site.face, texel, vec2i(0, 1), depth, apart.y);
     let slope = vec2f(x.x, y.x);
-    let at_receiver = depth - dot(slope, apart) - receiver_depth;
+    let at_receiver = depth - dot(slope, apart) - own.depth;
     if at_receiver > 0.0 || x.y + y.y > 0.0 {
-        return false;
+        return;
     }
     // One texel beyond the crease the surface must be there already. Otherwise it hangs above the receiver.
-    let crease = at_receiver / min(at_receiver - above, -1e-30);
-    let beyond = crease + 1.0 / max(length(apart), 1e-6);
-    if beyond >= 1.0 {
-        return true;
-    }
-    let probe = vec2i(floor(receiver + apart * beyond));
-    let probe_apart = vec2f(probe) + 0.5 - receiver;
+    let beyond = at_receiver / min(at_receiver - above, -1e-30) + 1.0 / max(length(apart), 1e-6);
+    let probe = vec2i(floor(place_of(site.ndc) + apart * min(beyond, 1.0)));
+    let probe_apart = vec2f(probe) + 0.5 - place_of(site.ndc);
     let surface = depth + dot(slope, probe_apart - apart);
-    let lower = receiver_depth + dot(plane.slope, probe_apart);
-    return abs(depth_at(face, probe) - surface) <= 0.5 * abs(surface - lower);
+    let lower = own.depth + dot(own.slope, probe_apart);
+    if beyond < 1.0 && abs(depth_at(site.face, probe) - surface) > 0.5 * abs(surface - lower) {
+        return;
+    }
+    // The plane of the surface, from its depth as a function of NDC.
+    let per_ndc = slope * vec2f(0.5, -0.5) * map_light.size.x;
+    let at_center = depth - dot(per_ndc, ndc_of(texel));
+    var normal_face = vec3f(-per_ndc / projection.x, -at_center);
+    var offset = -projection.y;
+    if SHAPE == CASCADES {
+        normal_face = vec3f(-per_ndc * (projection.y / projection.x), -1.0);
+        offset = -projection.y * (1.0 - at_center);
+    }
+    let map_face = map_light.faces[site.face];
+    let normal = map_face.row_x.xyz * normal_face.x + map_face.row_y.xyz * normal_face.y
+        + map_face.row_z.xyz * normal_face.z;
+    let size = max(length(normal), 1e-30);
+    creases[crease_count] = vec4f(normal, offset) / size + vec4f(0.0, 0.0, 0.0, site.raise);
+    crease_count += 1u;
 }
 
-// 1 where the plane is nearer to the light than the squared distance in a texel, else 0.
+// Finds the planes that meet the receiver's in concave creases: in the four texels around it and, if the filter reaches
+// further, in eight directions.
+fn find_creases(site: Site, reach: f32, count: i32) {
+    let receiver = place_of(site.ndc);
+    let own = plane_depth(vec4f(site.normal, site.offset), site.face, site.ndc);
+    for (var i = 0; i < count && crease_count < MOST_CREASES; i++) {
+        let angle = (f32(i) * 2.0 + 1.0) * 0.39269908;
+        let beside = vec2f(cos(angle), sin(angle)) * (reach * select(1.0, 0.5, i < 12));
+        let around = vec2f(vec2i(i & 1, (i >> 1) & 1)) - 0.5;
+        let texel = clamped(vec2i(floor(receiver + select(beside, around, i < 4))));
+        let depth = depth_at(site.face, texel);
+        let apart = vec2f(texel) + 0.5 - receiver;
+        var known = own.depth + dot(own.slope, apart);
+        for (var crease = 0u; crease < crease_count; crease++) {
+            known = max(known, plane_depth(creases[crease], site.face, ndc_of(texel)).depth);
+        }
+        if depth > known * (1.0 + map_light.bias.y) + map_light.bias.z {
+            try_crease(site, own, texel, depth, apart);
+        }
+    }
+}
+
+// 1 where a plane is nearer to the light than the squared distance in a texel, else 0.
 fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     let inside = clamped(texel);
     let stored = unpacked(textureLoad(distance_map, inside, face, 0));
-    let ndc = ndc_of(inside);
     let projection = map_light.faces[face].projection;
-    let direction = vec3f(ndc * projection.x, 1.0);
-    let towards = dot(in_face(face, site.normal), direction);
-    let farthest = site.along * (1.0 + STEEPEST * projection.z);
-    let hit = site.offset / min(towards, -1e-30);
-    let along = select(farthest, min(hit, farthest), towards < 0.0);
+    let direction = vec3f(ndc_of(inside) * projection.x, 1.0);
+    var along = site.along * (1.0 + STEEPEST * projection.z);
+    for (var i = 0u; i <= crease_count; i++) {
+        let plane = plane_of(site, i);
+        let towards = dot(in_face(face, plane.xyz), direction);
+        let hit = plane.w / min(towards, -1e-30);
+        along = select(along, min(hit, along), towards < 0.0);
+    }
     let share = along * along * dot(direction, direction) * map_light.limits.z;
-    if share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored {
-        return 1.0;
-    }
-    let plane = plane_depth(site, face, ndc);
-    return select(0.0, 1.0, is_beyond_crease(site, face, inside, depth_at(face, inside), plane, ndc));
-}
-
-// The weight of those of a tap's four texels that are darker than the depth and lie beyond a crease.
-fn beyond_creases(site: Site, face: u32, ndc: vec2f, plane: PlaneDepth, depth: f32) -> f32 {
-    let corner = place_of(ndc) - 0.5;
-    let between = fract(corner);
-    var weight = 0.0;
-    for (var i = 0; i < 4; i++) {
-        let at = vec2i(i & 1, i >> 1);
-        let texel = clamped(vec2i(floor(corner)) + at);
-        let stored = depth_at(face, texel);
-        if stored > depth && is_beyond_crease(site, face, texel, stored, plane, ndc) {
-            let weights = select(1.0 - between, between, at == vec2i(1));
-            weight += weights.x * weights.y;
-        }
-    }
-    return weight;
+    return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
 }
 
 // One tap: compares the four texels around a place of a face, weighted by the position between them. Hardware
@@ -256,27 +279,20 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     let corner = place - 0.5;
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
-        let plane = plane_depth(site, face, ndc);
-        let lenient = max(plane.slope * (1.0 - between), -plane.slope * between);
+        let projection = map_light.faces[face].projection;
         // Nothing is drawn where the plane leaves the far end of a parallel box, so no caster is nearer
         // there.
-        var depth = max(max(plane.depth + lenient.x + lenient.y, plane.deepest), 0.0);
+        var depth = max(projection.y / (site.along * (1.0 + STEEPEST * projection.z)), 0.0);
+        if SHAPE == CASCADES {
+            depth = max(1.0 - (site.along + STEEPEST * projection.z) / projection.y, 0.0);
+        }
+        for (var i = 0u; i <= crease_count; i++) {
+            let plane = plane_depth(plane_of(site, i), face, ndc);
+            let lenient = max(plane.slope * (1.0 - between), -plane.slope * between);
+            depth = max(depth, plane.depth + lenient.x + lenient.y);
+        }
         depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
-        let uv = place * map_light.size.y;
-        let lit = textureSampleCompareLevel(depth_map, compare, uv, face, depth);
-        if lit == 1.0 {
-            return lit;
-        }
-        // What is much nearer to the light than the plane meets it in no crease.
-        let projection = map_light.faces[face].projection;
-        let texel_depth = select(depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
-        let offset = length(place - place_of(site.ndc));
-        let apart = select(offset, 4.0 + map_light.size.z / projection.z, face != site.face);
-        let reach = STEEPEST_CREASE * texel_depth * (3.0 + apart);
-        if textureSampleCompareLevel(depth_map, compare, uv, face, depth + reach) == lit {
-            return lit;
-        }
-        return min(lit + beyond_creases(site, face, ndc, plane, depth), 1.0);
+        return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }
     if FILTER == JITTERED || FILTER == ADAPTIVE {
         return is_lit(site, face, vec2i(floor(place)));
@@ -287,8 +303,40 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     return mix(top, bottom, between.y);
 }
 
+// One tap in a face with a matrix. Its depth on a plane is linear in NDC.
+fn tap_matrix(site: Site, face: u32, ndc: vec2f) -> f32 {
+    taps += 1.0;
+    let place = (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
+    let between = fract(place - 0.5);
+    let plane = plane_in_face(face, site.normal, site.offset);
+    let scale = -1.0 / max(plane.z, 1e-37);
+    let slope = plane.xy * vec2f(2.0, -2.0) * (scale * map_light.size.y);
+    let lenient = max(slope * (1.0 - between), -slope * between);
+    let farthest = clip_in_face(face, matrix_site.farthest);
+    let deepest = max(farthest.z, 0.0) / max(farthest.w, 1e-37);
+    var depth = dot(plane.xyw, vec3f(ndc, 1.0)) * scale + lenient.x + lenient.y;
+    depth = max(depth, deepest) * (1.0 + map_light.bias.y);
+    return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
+}
+
+// A tap at an offset from the pixel's own place, in texels; in units of the disc if the filter has one. The
+// disc may reach into other faces.
+fn tap_matrices(site: Site, offset: vec2f) -> f32 {
+    if FILTER == JITTERED || FILTER == ADAPTIVE || FILTER == SOFT {
+        let beside = matrix_site.position + matrix_site.side_x * offset.x + matrix_site.side_y * offset.y;
+        let shown = showing(beside);
+        let face = select(shown, site.face, shown == NO_FACE);
+        let clip = clip_in_face(face, beside);
+        return tap_matrix(site, face, clip.xy / max(clip.w, 1e-37));
+    }
+    return tap_matrix(site, site.face, site.ndc + offset * vec2f(2.0, -2.0) * map_light.size.y);
+}
+
 // A tap at an offset in texels from the pixel's own place. On a cube it may be in another face.
 fn tap(site: Site, texels: vec2f) -> f32 {
+    if SHAPE == MATRICES {
+        return tap_matrices(site, texels);
+    }
     let ndc = site.ndc + texels * vec2f(2.0, -2.0) * map_light.size.y;
     if SHAPE == CUBE {
         let map_face = map_light.faces[site.face];
@@ -352,9 +400,7 @@ fn jittered(site: Site, pixel: vec2u, radius: f32) -> f32 {
     return sum / (f32(JITTER_TEXELS) * 2.0);
 }
 
-fn filtered(site: Site, pixel: vec2u) -> f32 {
-    let texel = map_light.faces[site.face].projection.z;
-    let radius = map_light.size.z / texel;
+fn filtered_once(site: Site, pixel: vec2u, radius: f32) -> f32 {
     if FILTER == BRUTE {
         return brute(site);
     }
@@ -368,6 +414,27 @@ fn filtered(site: Site, pixel: vec2u) -> f32 {
         return jittered(site, pixel, radius);
     }
     return tap(site, vec2f(0.0));
+}
+
+// The filter is applied again where a surface darkens the receiver that only meets it in a crease. Some tap of such a pixel
+// is lit: the taps surround it, and it is on its own side of the crease. So what is wholly dark is searched but little.
+fn filtered(site: Site, pixel: vec2u) -> f32 {
+    let texel = map_light.faces[site.face].projection.z;
+    let radius = select(map_light.size.z / texel, 1.0, SHAPE == MATRICES);
+    crease_count = 0u;
+    var visibility = 1.0;
+    for (var turn = 0; turn < 2; turn++) {
+        visibility = filtered_once(site, pixel, radius);
+        if SHAPE == MATRICES || turn == 1 || visibility == 1.0 {
+            break;
+        }
+        let is_wide = FILTER != BILINEAR && visibility > 0.0;
+        find_creases(site, select(radius + 1.0, 3.0, FILTER == BRUTE || FILTER == DITHERED), select(4, 20, is_wide));
+        if crease_count == 0u {
+            break;
+        }
+    }
+    return visibility;
 }
 
 // Distance by which a plane is raised, metres.
@@ -410,12 +477,13 @@ fn from_point(receiver: Receiver, pixel: vec2u) -> f32 {
         length(position_face),
         -offset / max(length(position_face), 1e-30),
     );
-    offset += min(raise, -0.5 * offset);
+    let lift = min(raise, -0.5 * offset);
+    offset += lift;
     let ndc = position_face.xy / (position_face.z * map_face.projection.x);
     if SHAPE == SPOT && max(abs(ndc.x), abs(ndc.y)) > 1.0 {
         return 1.0;                 // out of the cone
     }
-    return filtered(Site(face, ndc, position_face.z, normal, offset), pixel);
+    return filtered(Site(face, ndc, position_face.z, normal, offset, lift), pixel);
 }
 
 // Visibility in one cascade.
@@ -434,8 +502,10 @@ fn from_cascade(face: u32, receiver: Receiver, pixel: vec2u) -> f32 {
         dot(normal_face, position_face),
         unknown,
     );
-    offset += raised(receiver, map_face.projection.z, position_face.z, -normal_face.z);
-    return filtered(Site(face, position_face.xy / map_face.projection.x, position_face.z, normal, offset), pixel);
+    let lift = raised(receiver, map_face.projection.z, position_face.z, -normal_face.z);
+    offset += lift;
+    let ndc = position_face.xy / map_face.projection.x;
+    return filtered(Site(face, ndc, position_face.z, normal, offset, lift), pixel);
 }
 
 // Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
@@ -466,6 +536,45 @@ fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
     return visibility;
 }
 
+fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
+    let face = showing(receiver.position);
+    if face == NO_FACE {
+        return 1.0;                 // out of all faces
+    }
+    let clip = clip_in_face(face, receiver.position);
+    let ray = ray_at(face, receiver.position);
+    // A receiver without a plane is assumed to face the light.
+    let unknown = dot(receiver.normal, receiver.normal) == 0.0;
+    let normal = select(receiver.normal, -ray, unknown);
+    var offset = select(receiver.offset, dot(normal, receiver.position), unknown);
+    let height = plane_in_face(face, normal, offset).z;
+    if height <= 0.0 {
+        return 0.0;                 // it faces away
+    }
+    let side_x = texel_side(face, 0u, receiver.position, clip.w, ray);
+    let side_y = texel_side(face, 1u, receiver.position, clip.w, ray);
+    let texel = max(length(side_x), length(side_y));
+    // Parallel rays come from a light at no distance: its homogeneous point has w = 0.
+    let light = map_light.faces[face].relative_from_clip[2];
+    let is_point = light.w != 0.0;
+    let light_w = select(1.0, light.w, is_point);
+    let distance = select(1.0, length(receiver.position - light.xyz / light_w), is_point);
+    let radius = map_light.size.z * distance;
+    let along = select(0.0, distance, is_point);
+    let raise = raised(receiver, texel + 0.5 * radius, along, max(dot(normal, -ray), 0.0));
+    offset += select(raise, min(raise, 0.5 * height / light_w), is_point);
+    let across = select(map_light.faces[face].row_x.xyz, map_light.faces[face].row_y.xyz,
+        abs(dot(ray, map_light.faces[face].row_x.xyz)) > 0.7);
+    let disc_x = normalize(across - ray * dot(across, ray));
+    matrix_site = MatrixSite(
+        receiver.position,
+        receiver.position + ray * (STEEPEST * texel),
+        disc_x * radius,
+        cross(ray, disc_x) * radius,
+    );
+    return filtered(Site(face, clip.xy / clip.w, along, normal, offset, 0.0), pixel);
+}
+
 @fragment
 fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let receiver = receiver_at(position.xy);
@@ -477,6 +586,8 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     var visibility: f32;
     if SHAPE == CASCADES {
         visibility = from_afar(receiver, pixel);
+    } else if SHAPE == MATRICES {
+        visibility = from_matrices(receiver, pixel);
     } else {
         visibility = from_point(receiver, pixel);
     }

@@ -64,11 +64,14 @@ pub struct StridedUniforms<T> {
 }
 
 impl<T: Pod> StridedUniforms<T> {
-    /// Makes a uniform buffer without constants.
+    /// Makes a uniform buffer without constants. It has room for one, because a buffer without room cannot be
+    /// bound.
     pub fn new(context: &RenderContext, label: &'static str) -> Self {
+        let mut buffer = GrowingBuffer::new(context, label, wgpu::BufferUsages::UNIFORM);
+        buffer.reserve(context, Strided::<T>::STRIDE as u64, false);
         Self {
             constants: Strided::default(),
-            buffer: GrowingBuffer::new(context, label, wgpu::BufferUsages::UNIFORM),
+            buffer,
         }
     }
 

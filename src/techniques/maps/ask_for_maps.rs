@@ -17,12 +17,12 @@ impl Maps {
         self.lights.clear();
         self.reports.clear();
         let mut old = self.previous.drain(..).peekable();
-        for (index, request) in requests.drain() {
-            let light = &lights.lights[index];
+        for asked in requests.drain() {
+            let light = &lights.lights[asked.light];
             while old.next_if(|map| map.entity < light.entity).is_some() {}
             let known = old.next_if(|map| map.entity == light.entity);
-            let mut map = known.unwrap_or_else(|| LightMap::new(light, request));
-            map.begin(index, light, view, request);
+            let mut map = known.unwrap_or_else(|| LightMap::new(light, asked.request));
+            map.begin(asked, light, view);
             self.lights.push(map);
         }
     }

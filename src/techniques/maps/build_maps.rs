@@ -136,7 +136,8 @@ impl Maps {
             }
             let mut push = |face: Option<usize>, revision: u64| {
                 self.candidates.push(Candidate {
-                    may_wait: map.cached && revision != 0,
+                    // Faces that follow the view may show nothing of what a late picture has.
+                    may_wait: map.cached && revision != 0 && map.request.shape != MapShape::Matrices,
                     hidden: u64::MAX - map.visibility.saturating_mul(1 + map.waited),
                     light: index,
                     face,

@@ -25,6 +25,14 @@ pub enum FaceProjection {
         /// Length of the box along z, metres.
         length: f64,
     },
+    /// Projects by a matrix whose centre of projection is the light, so every ray of the light falls on one
+    /// point of the picture. The matrix may warp the picture in any way that keeps straight lines straight.
+    Matrix {
+        /// Matrix from the face's space to clip space. Its depth, divided by w, falls along every ray.
+        clip_from_face: DMat4,
+        /// Whether the rays are parallel to z; otherwise they come from the origin of the face's space.
+        parallel: bool,
+    },
 }
 
 /// One picture of the casters from a light.
@@ -47,8 +55,30 @@ impl MapFace {
             FaceProjection::Parallel { half, length } => {
                 [x / half, y / half, DVec4::W - z / length, DVec4::W]
             }
+            FaceProjection::Matrix { clip_from_face, .. } => {
+                return clip_from_face * DMat4::from_cols(x, y, z, DVec4::W).transpose();
+            }
         };
         DMat4::from_cols(rows[0], rows[1], rows[2], rows[3]).transpose()
+    }
+
+    /// Returns the matrix to the clip space of the face from world axes with the origin at the eye.
+    pub fn clip_from_relative(&self, eye: DVec3) -> DMat4 {
+        let at_eye = Self {
+            origin: self.origin - eye,
+            ..*self
+        };
+        at_eye.clip_from_world()
+    }
+
+    /// Returns the face with its picture shrunk about the middle, so that a border shows more than before.
+    /// Only faces with a matrix change.
+    pub fn with_border(mut self, share_inside: f64) -> Self {
+        if let FaceProjection::Matrix { clip_from_face, .. } = &mut self.projection {
+            let shrink = DVec4::new(share_inside, share_inside, 1.0, 1.0);
+            *clip_from_face = DMat4::from_diagonal(shrink) * *clip_from_face;
+        }
+        self
     }
 
     /// Returns the rows of the transform to the face's space from world axes with the origin at the eye.
@@ -58,11 +88,13 @@ impl MapFace {
     }
 
     /// Returns the side of a texel, metres: at distance 1 for a perspective face, anywhere for a parallel
-    /// one.
+    /// one. A face with a matrix has texels of many sizes, and 0 is returned;
+    /// [`matrix_faces::texel_at`](super::matrix_faces::texel_at) measures them.
     pub fn texel_metres(&self, resolution: u32) -> f64 {
         let half = match self.projection {
             FaceProjection::Perspective { tangent, .. } => tangent,
             FaceProjection::Parallel { half, .. } => half,
+            FaceProjection::Matrix { .. } => 0.0,
         };
         2.0 * half / f64::from(resolution)
     }
@@ -90,6 +122,14 @@ impl MapFace {
                     && reaches(-z, length)
                     && [x, -x, y, -y].iter().all(|&axis| reaches(axis, side))
             }
+            FaceProjection::Matrix { .. } => {
+                let rows = self.clip_from_relative(self.origin).transpose();
+                let (x, y, z, w) = (rows.x_axis, rows.y_axis, rows.z_axis, rows.w_axis);
+                [w + x, w - x, w + y, w - y, z, w - z].iter().all(|side| {
+                    let length = side.truncate().length().max(f64::MIN_POSITIVE);
+                    reaches(side.truncate() / length, side.w / length)
+                })
+            }
         }
     }
 }
@@ -99,7 +139,7 @@ mod tests {
     use super::*;
     use glam::Vec3;
 
-    fn faces() -> [MapFace; 2] {
+    fn faces() -> [MapFace; 4] {
         let z = DVec3::new(0.3, -0.9, 0.2).normalize();
         let (x, y) = z.any_orthonormal_pair();
         let face = |projection| MapFace {
@@ -115,6 +155,24 @@ mod tests {
             face(FaceProjection::Parallel {
                 half: 2.0,
                 length: 9.0,
+            }),
+            face(FaceProjection::Matrix {
+                clip_from_face: DMat4::from_cols(
+                    DVec4::new(1.5, 0.1, 0.0, 0.2),
+                    DVec4::new(-0.2, 1.1, 0.0, -0.3),
+                    DVec4::new(0.3, -0.1, 0.0, 1.0),
+                    DVec4::Z * 0.01,
+                ),
+                parallel: false,
+            }),
+            face(FaceProjection::Matrix {
+                clip_from_face: DMat4::from_cols(
+                    DVec4::new(0.5, 0.1, 0.0, 0.1),
+                    DVec4::new(-0.1, 0.4, 0.0, -0.05),
+                    DVec4::Z * -0.05,
+                    DVec4::new(0.1, -0.1, 0.5, 1.0),
+                ),
+                parallel: true,
             }),
         ]
     }

@@ -8,7 +8,7 @@ use super::cascades::DepthRange;
 use super::face_state::FaceState;
 use super::frame_scene::Scene;
 use super::needed_resolution::needed_resolution;
-use super::request::{MapRequest, MapShape};
+use super::request::{LightRequest, MapFaces, MapRequest, MapShape};
 use super::settings::MapResolution;
 use crate::sets::{FrameLight, ViewData};
 
@@ -49,6 +49,11 @@ pub struct LightMap {
     pub(super) settled_at: Option<u64>,
     /// The key for which the faces were made.
     pub(super) key: Option<FaceKey>,
+    /// The faces that the technique handed over in this frame; empty unless the shape is
+    /// [`MapShape::Matrices`].
+    pub(super) handed_over: MapFaces,
+    /// Number of frames in which other faces were handed over than in the frame before.
+    hand_overs: u64,
 }
 
 /// Everything on which faces depend, besides the casters.
@@ -60,7 +65,7 @@ pub(super) struct FaceKey {
     pub direction: DVec3,
     /// Reach of the map, metres.
     pub reach: f64,
-    /// Generation of the view, for cascades.
+    /// Generation of the view, for cascades; number of changes of faces that were handed over.
     pub view: u64,
     /// What the light asked for.
     pub request: MapRequest,
@@ -93,17 +98,18 @@ impl LightMap {
             waited: 0,
             settled_at: None,
             key: None,
+            handed_over: MapFaces::new(),
+            hand_overs: 0,
         }
     }
 
-    pub(super) fn begin(
-        &mut self,
-        index: usize,
-        light: &FrameLight,
-        view: Option<&ViewData>,
-        request: MapRequest,
-    ) {
-        self.light = index;
+    pub(super) fn begin(&mut self, asked: LightRequest, light: &FrameLight, view: Option<&ViewData>) {
+        let request = asked.request;
+        self.light = asked.light;
+        if self.handed_over != asked.faces {
+            self.handed_over = asked.faces;
+            self.hand_overs += 1;
+        }
         if self.request != request {
             if self.request.face_count() != request.face_count() || self.request.shape != request.shape {
                 self.forget();
@@ -119,13 +125,19 @@ impl LightMap {
 
     /// Brings the wanted resolution up to date with what the visible receivers need.
     fn follow_receivers(&mut self, light: &FrameLight, view: Option<&ViewData>, least: u32, most: u32) {
-        if self.request.shape == MapShape::Cascades {
-            self.wanted = most;
-        } else if let Some(view) = view
+        let shape = self.request.shape;
+        if let (Some(view), Some(scissor)) = (view, light.region.scissor)
             && self.active
             && (light.is_recomputed() || self.wanted == 0)
         {
-            self.needed = needed_resolution(self.request.shape, light, view).unwrap_or(self.needed);
+            self.needed = match shape {
+                MapShape::Cascades => f64::from(most),
+                // The faces of a handed-over map show about what the view shows.
+                MapShape::Matrices => f64::from(scissor.width.max(scissor.height)),
+                MapShape::Spot | MapShape::Cube => {
+                    needed_resolution(shape, light, view).unwrap_or(self.needed)
+                }
+            };
             // The limits are far enough apart that a light at rest in a moving view keeps its map.
             let current = f64::from(self.wanted);
             if !(0.4 * current..=1.1 * current).contains(&self.needed) {
@@ -172,12 +184,15 @@ impl LightMap {
     }
 
     pub(super) fn face_key(&self, light: &FrameLight, scene: &Scene, reach: f64) -> FaceKey {
-        let cascades = self.request.shape == MapShape::Cascades;
         FaceKey {
             point_world: light.point_world,
             direction: light.direction.as_dvec3(),
             reach,
-            view: if cascades { scene.view_generation } else { 0 },
+            view: match self.request.shape {
+                MapShape::Spot | MapShape::Cube => 0,
+                MapShape::Cascades => scene.view_generation,
+                MapShape::Matrices => self.hand_overs,
+            },
             request: self.request,
             resolution: self.resolution,
         }

@@ -10,7 +10,8 @@ use super::face::{FaceProjection, MapFace};
 use super::frame_scene::Scene;
 use super::light_map::LightMap;
 use super::movers::Movers;
-use super::request::MapShape;
+use super::request::{MapFaces, MapShape};
+use super::settings::MapFilter;
 use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
@@ -106,7 +107,7 @@ pub fn near_plane(
 }
 
 /// Returns the faces that the map should have.
-pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
+pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapFaces {
     let origin = light.point_world.truncate();
     let near = map.near;
     match map.request.shape {
@@ -131,6 +132,17 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> Smal
         }
         MapShape::Cube => cube_faces(origin, near, map.resolution).into_iter().collect(),
         MapShape::Cascades => cascade_faces(map, light, scene),
+        MapShape::Matrices => {
+            let taps = match map.request.filter {
+                MapFilter::Brute4x4 | MapFilter::Dithered4 => 2,
+                MapFilter::Bilinear | MapFilter::Jittered { .. } | MapFilter::Soft4 { .. } => 0,
+            };
+            let resolution = f64::from(map.resolution);
+            let guard = f64::from(GUARD_TEXELS + taps).min(0.25 * resolution);
+            let inside = (resolution - 2.0 * guard) / resolution;
+            let faces = map.handed_over.iter().take(map.request.layers as usize);
+            faces.map(|face| face.with_border(inside)).collect()
+        }
     }
 }
 

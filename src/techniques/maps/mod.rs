@@ -12,6 +12,7 @@
 //! | `request` | what a light asks for, and what is refused |
 //! | `systems` | what all techniques with maps bring into the frame |
 //! | `face` | one picture: position, projection, what it can see |
+//! | `matrix_faces` | faces with a matrix: which shows a point, texel sizes, depths of planes; twin of the shader |
 //! | `movers` | which casters move, and since when they stand still |
 //! | `cube`, `cascades` | the six faces around a light; the boxes that a directional light's maps show |
 //! | `cascade_range` | the view depths that those boxes share out |
@@ -44,6 +45,7 @@ pub(crate) mod gpu;
 #[cfg(feature = "render")]
 pub(crate) mod jitter;
 pub(crate) mod light_map;
+pub(crate) mod matrix_faces;
 pub(crate) mod members;
 pub(crate) mod movers;
 pub(crate) mod needed_resolution;

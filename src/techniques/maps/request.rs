@@ -1,10 +1,12 @@
 //! The map that a light asks for, whatever its technique. Requests that cannot be drawn are refused.
 
 use bevy_ecs::prelude::*;
+use smallvec::SmallVec;
 
 use super::cascades::MOST_CASCADES;
+use super::face::MapFace;
 use super::settings::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
-use crate::scene::Light;
+use crate::scene::{Light, LightKind};
 use crate::sets::FrameLights;
 use crate::techniques::registry::Refusal;
 
@@ -17,12 +19,25 @@ pub enum MapSystems {
     Build,
 }
 
+/// The faces of one map.
+pub type MapFaces = SmallVec<[MapFace; 6]>;
+
 /// The maps that the lights of this frame ask for. Each technique with maps writes its lights' requests in
 /// the set [`MapSystems::Request`].
 #[derive(Resource, Clone, Debug, Default)]
 pub struct MapRequests {
-    /// Index of a light in [`FrameLights`], and the light's request.
-    requests: Vec<(usize, MapRequest)>,
+    requests: Vec<LightRequest>,
+}
+
+/// What one light asks for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightRequest {
+    /// Index of the light in [`FrameLights`].
+    pub light: usize,
+    /// The map that the light asks for.
+    pub request: MapRequest,
+    /// The faces of [`MapShape::Matrices`] in this frame; empty for other shapes, whose faces are computed.
+    pub faces: MapFaces,
 }
 
 impl MapRequests {
@@ -40,14 +55,23 @@ impl MapRequests {
             // A refused light has no technique in this frame, so it does not get here.
             let asked = components.get(light.entity).map(|map| request(map, &light.light));
             if let Ok(Ok(request)) = asked {
-                self.requests.push((index, request));
+                self.push(LightRequest {
+                    light: index,
+                    request,
+                    faces: MapFaces::new(),
+                });
             }
         }
     }
 
+    /// Adds the request of one light.
+    pub fn push(&mut self, request: LightRequest) {
+        self.requests.push(request);
+    }
+
     /// Removes all requests and yields them in ascending order of their light's index.
-    pub fn drain(&mut self) -> impl Iterator<Item = (usize, MapRequest)> + '_ {
-        self.requests.sort_unstable_by_key(|(light, _)| *light);
+    pub fn drain(&mut self) -> impl Iterator<Item = LightRequest> + '_ {
+        self.requests.sort_unstable_by_key(|request| request.light);
         self.requests.drain(..)
     }
 }
@@ -69,6 +93,9 @@ pub enum MapShape {
     Cube,
     /// Boxes of a directional light, one for each of consecutive parts of the view depth.
     Cascades,
+    /// Faces with a matrix each ([`FaceProjection::Matrix`](super::FaceProjection::Matrix)), which the
+    /// technique hands over with its request in every frame.
+    Matrices,
 }
 
 /// The map that a light asks for.
@@ -93,6 +120,8 @@ pub struct MapRequest {
     pub cached: bool,
     /// Cascades of a directional light. Other shapes ignore them.
     pub cascades: Cascades,
+    /// Number of layers of the texture of [`MapShape::Matrices`], 1 to 6. Other shapes ignore it.
+    pub layers: u32,
 }
 
 impl MapRequest {
@@ -135,7 +164,8 @@ impl MapRequest {
             return self.validated_cascades();
         }
         let range = light.range;
-        if let Some(near) = self.near
+        if light.kind != LightKind::Directional
+            && let Some(near) = self.near
             && !(near > 0.0 && near < range)
         {
             return Err(Refusal::Setting {
@@ -193,6 +223,7 @@ impl MapRequest {
             MapShape::Spot => 1,
             MapShape::Cube => 6,
             MapShape::Cascades => self.cascades.count,
+            MapShape::Matrices => self.layers,
         }
     }
 

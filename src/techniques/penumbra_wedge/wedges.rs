@@ -15,6 +15,7 @@ use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
 use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
+use crate::silhouettes::KEPT_FRAMES;
 use crate::silhouettes::cache::light_is_within;
 use crate::silhouettes::{CasterShape, CasterShapeItem, LightClearance, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
@@ -146,9 +147,6 @@ pub(super) struct Placed {
 /// Factor on the largest distance of a receiver from the light, which gives the length of a shell's rays. The
 /// triangles between rays that are less than 172° apart then pass beyond all receivers.
 const RAY_SHARE: f64 = 16.0;
-
-/// Frames that a chunk is kept after its last use, as for silhouettes.
-const KEPT_FRAMES: u64 = 120;
 
 impl PenumbraWedges {
     /// Returns the wedges of a light of [`FrameLights`].

@@ -93,6 +93,7 @@ impl ShadowMap {
             near: self.near,
             cached: self.cached,
             cascades: self.cascades,
+            layers: 0,
         };
         request.validated(light)
     }

@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3, DVec4, Vec4};
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
 use crate::sets::{DepthReach, FrameLight, Projector, ViewData};
-use crate::silhouettes::CasterShapeItem;
+use crate::silhouettes::{CasterShapeItem, KEPT_FRAMES};
 
 /// The receivers that the volumes of a light must reach beyond.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,9 +126,6 @@ struct Known {
     distance: f64,
     last_used: u64,
 }
-
-/// The number of frames that a distance is kept after its last use. It is the same as for silhouettes.
-const KEPT_FRAMES: u64 = 120;
 
 impl NearestSurfaces {
     /// Begins another frame.

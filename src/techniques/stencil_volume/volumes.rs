@@ -4,12 +4,14 @@
 //! Source: McGuire 2004, GPU Gems ch. 9, sections 9.5.1 to 9.6.1.
 
 use bevy_ecs::prelude::*;
+use glam::Vec4;
 
 use super::caster_volume::CasterVolume;
 use super::component::{Counting, Extent, StencilVolume};
 use super::volume_parts::PartCulling;
-use crate::sets::{CameraOcclusion, DepthReach, FrameLights, Objects, View};
-use crate::silhouettes::{CasterShape, Silhouettes};
+use crate::geometry::Aabb;
+use crate::sets::{CameraOcclusion, DepthReach, FrameLight, FrameLights, Objects, View};
+use crate::silhouettes::{CasterShape, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, finite_extrusion, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, NearestSurfaces, include_points};
 use crate::techniques::shared::inside_test::OcclusionPyramid;
@@ -95,10 +97,16 @@ pub fn build_stencil_volumes(
         };
         entry.casters.clear();
         let near = &view.near_corners;
-        let around = [near[0], near[1], near[3], near[2]];
-        let pyramid = OcclusionPyramid::new(&around, light.point_world);
-        let parts = PartCulling::new(light, view, &occlusion.viewpoint);
-        let finite = FiniteReach::new(view, light, light.point_world);
+        let building = Building {
+            light,
+            settings,
+            objects: &objects,
+            near_caps: &near_caps,
+            casters: &casters,
+            pyramid: OcclusionPyramid::new(&[near[0], near[1], near[3], near[2]], light.point_world),
+            parts: PartCulling::new(light, view, &occlusion.viewpoint),
+            finite: FiniteReach::new(view, light, light.point_world),
+        };
         if let Some(known) = silhouettes.of_light(light.entity) {
             for object in light.sets.s.ones() {
                 let Some((slot, silhouette)) = known.of_object(object) else {
@@ -107,54 +115,9 @@ pub fn build_stencil_volumes(
                 if silhouette.contour.edge_count() == 0 && silhouette.contour.caps.is_empty() {
                     continue;
                 }
-                let caster = casters.get(objects.entities[object]);
-                let shows_fronts_alone = || {
-                    caster
-                        .as_ref()
-                        .is_ok_and(|caster| caster.edges.0.shows_fronts_alone)
-                };
-                let hides_cap = near_caps.are_hidden(&objects, object, shows_fronts_alone);
-                let depth_pass = settings.counting == Counting::Auto
-                    && hides_cap
-                    && pyramid.excludes(&objects.boxes.get(object));
-                let entity = objects.entities[object];
-                let bounds = objects.boxes.get(object);
-                let extrusion = match &finite {
-                    Some(finite) => finite.extrusion(&bounds, || {
-                        let key = (light.entity, 0, entity);
-                        surfaces.get(
-                            key,
-                            silhouette.revision,
-                            light.point_world,
-                            &casters.get(entity).ok()?,
-                        )
-                    }),
-                    None if settings.extent == Extent::Finite => finite_extrusion(
-                        light.point_world,
-                        light.light.range,
-                        &bounds,
-                        &light.region.lit_receivers,
-                    ),
-                    None => Some(TO_INFINITY),
-                };
-                let Some(extrusion) = extrusion else {
-                    entry.culled += 1; // it shadows nothing that receives the light
-                    continue;
-                };
-                let volume = CasterVolume {
-                    object: object as u32,
-                    slot: slot as u32,
-                    light_local: silhouette.light_local,
-                    extrusion,
-                    depth_pass,
-                    sides: true,
-                    near_cap: !depth_pass,
-                    far_cap: true,
-                };
-                let corners = volume_corners(light.point_world, extrusion, &bounds);
-                match parts.cull(volume, &corners, &bounds) {
-                    Some(volume) => {
-                        if finite.is_some() {
+                match building.volume(object, slot, silhouette, surfaces) {
+                    Some((volume, corners)) => {
+                        if building.finite.is_some() {
                             include_points(&depth_reach, view, corners);
                         }
                         entry.casters.push(volume);
@@ -164,5 +127,76 @@ pub fn build_stencil_volumes(
             }
         }
         out.push(entry);
+    }
+}
+
+/// Everything that the volumes of one light are decided by.
+struct Building<'a, 'w, 's> {
+    light: &'a FrameLight,
+    settings: &'a StencilVolume,
+    objects: &'a Objects,
+    near_caps: &'a NearCaps<'w>,
+    casters: &'a Query<'w, 's, CasterShape>,
+    pyramid: OcclusionPyramid,
+    parts: PartCulling<'a>,
+    /// `Some` in a view in which volumes must end.
+    finite: Option<FiniteReach>,
+}
+
+impl Building<'_, '_, '_> {
+    /// Returns the volume of one caster with the corners around it, world space. It is `None` for a caster that
+    /// shadows nothing which receives the light, or nothing in view.
+    fn volume(
+        &self,
+        object: usize,
+        slot: usize,
+        silhouette: &Silhouette,
+        surfaces: &mut NearestSurfaces,
+    ) -> Option<(CasterVolume, [Vec4; 16])> {
+        let light = self.light;
+        let bounds = self.objects.boxes.get(object);
+        let depth_pass = self.counts_depth_pass(object, &bounds);
+        let extrusion = match &self.finite {
+            Some(finite) => finite.extrusion(&bounds, || {
+                let entity = self.objects.entities[object];
+                let caster = self.casters.get(entity).ok()?;
+                let key = (light.entity, 0, entity);
+                surfaces.get(key, silhouette.revision, light.point_world, &caster)
+            })?,
+            None if self.settings.extent == Extent::Finite => finite_extrusion(
+                light.point_world,
+                light.light.range,
+                &bounds,
+                &light.region.lit_receivers,
+            )?,
+            None => TO_INFINITY,
+        };
+        let volume = CasterVolume {
+            object: object as u32,
+            slot: slot as u32,
+            light_local: silhouette.light_local,
+            extrusion,
+            depth_pass,
+            sides: true,
+            near_cap: !depth_pass,
+            far_cap: true,
+        };
+        let corners = volume_corners(light.point_world, extrusion, &bounds);
+        let volume = self.parts.cull(volume, &corners, &bounds)?;
+        Some((volume, corners))
+    }
+
+    /// Whether the volume of a caster counts where the depth test passes: the view lies outside of it, and the caster
+    /// itself hides the near cap, which is then left out.
+    fn counts_depth_pass(&self, object: usize, bounds: &Aabb) -> bool {
+        let shows_fronts_alone = || {
+            let caster = self.casters.get(self.objects.entities[object]);
+            caster.is_ok_and(|caster| caster.edges.0.shows_fronts_alone)
+        };
+        self.settings.counting == Counting::Auto
+            && self
+                .near_caps
+                .are_hidden(self.objects, object, shows_fronts_alone)
+            && self.pyramid.excludes(bounds)
     }
 }

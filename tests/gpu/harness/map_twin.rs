@@ -150,7 +150,12 @@ impl<'a> Twin<'a> {
         }
         let single = matches!(belief.filter, MapFilter::Jittered { .. });
         if single {
-            return f64::from(u8::from(self.is_lit(site, face, place.floor().as_ivec2(), belief)));
+            return f64::from(u8::from(self.is_lit(
+                site,
+                face,
+                place.floor().as_ivec2(),
+                belief,
+            )));
         }
         let lit = |at: &&IVec2| self.is_lit(site, face, first + **at, belief);
         four.iter().filter(lit).map(|at| weight(*at)).sum()

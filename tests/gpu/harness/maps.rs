@@ -1,5 +1,6 @@
 //! Judges maps: what is wrong further from an edge than a texel of the map, and what is dark for no reason.
 
+use antumbra::insides::matrix_faces;
 use antumbra::prelude::*;
 use antumbra::reference::{
     HitImage, LightShape, LightSource, Ray, RayScene, SurfaceHit, VisibilityImage, camera_rays, primary_hits,
@@ -126,6 +127,13 @@ impl<'a> Judge<'a> {
                     let room = 1.0 - 6.0 / f64::from(self.map.resolution);
                     (ndc, ndc.abs().max_element() < room && z < length)
                 }
+                FaceProjection::Matrix { .. } => {
+                    let shown = matrix_faces::showing(self.map.faces.iter().map(|state| &state.face), point);
+                    match shown.filter(|shown| self.map.faces[shown.face].face == *face) {
+                        Some(shown) => (shown.ndc, true),
+                        None => (DVec2::ZERO, false),
+                    }
+                }
             };
             inside.then_some((face, ndc, z))
         })
@@ -140,6 +148,10 @@ impl<'a> Judge<'a> {
         match face.projection {
             FaceProjection::Perspective { .. } => texel * z,
             FaceProjection::Parallel { .. } => texel,
+            FaceProjection::Matrix { .. } => {
+                let sides = matrix_faces::texel_at(face, point, self.map.resolution);
+                sides.map(DVec3::length).into_iter().fold(0.0, f64::max)
+            }
         }
     }
 
@@ -155,6 +167,7 @@ impl<'a> Judge<'a> {
             FaceProjection::Parallel { half, .. } => {
                 (face.origin + x * (ndc.x * half) + y * (ndc.y * half), z)
             }
+            FaceProjection::Matrix { .. } => matrix_faces::ray(face, ndc),
         };
         Some((origin, direction))
     }

@@ -6,7 +6,9 @@ pub use antumbra_stage as support;
 
 pub mod cases;
 pub mod half;
+pub mod map_twin;
 pub mod maps;
+pub mod radiance;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, LazyLock};

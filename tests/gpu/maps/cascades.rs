@@ -64,7 +64,7 @@ fn faces(stage: &mut Stage, eye: Vec3, target: Vec3) -> Vec<MapFace> {
 fn half(face: &MapFace) -> f64 {
     match face.projection {
         FaceProjection::Parallel { half, .. } => half,
-        FaceProjection::Perspective { .. } => panic!("the sun is parallel"),
+        _ => panic!("the sun has cascades"),
     }
 }
 

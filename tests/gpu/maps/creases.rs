@@ -105,32 +105,35 @@ fn no_crease_is_dark() {
     for (angle, corner) in [(90.0_f32, false), (60.0, false), (125.0, false), (90.0, true)] {
         let mut stage = stage(angle.to_radians(), corner);
         let mut names = Vec::new();
-        for kind in [Kind::Omni(MapFormat::Depth), Kind::Spot, Kind::Sun] {
-            for filter in filters(kind.light(), 1.0) {
-                for resolution in [128, 512] {
-                    light(&mut stage, kind, filter, resolution);
-                    names.push(format!(
-                        "{angle}°, corner {corner}, {kind:?}, {filter:?}, {resolution}"
-                    ));
-                }
+        let mut add = |stage: &mut Stage, kind: Kind, filter: MapFilter, resolution: u32| {
+            light(stage, kind, filter, resolution);
+            names.push(format!(
+                "{angle}°, corner {corner}, {kind:?}, {filter:?}, {resolution}"
+            ));
+        };
+        let omni = Kind::Omni(MapFormat::Depth);
+        for filter in filters(LightKind::Point, 1.0) {
+            for resolution in [128, 512] {
+                add(&mut stage, omni, filter, resolution);
             }
         }
         for resolution in [64, 256, 1024] {
-            light(
-                &mut stage,
-                Kind::Omni(MapFormat::Depth),
-                MapFilter::Bilinear,
-                resolution,
-            );
-            names.push(format!("{angle}°, corner {corner}, omni, {resolution}"));
+            add(&mut stage, omni, MapFilter::Bilinear, resolution);
+        }
+        for kind in [Kind::Spot, Kind::Sun] {
+            let [bilinear, .., soft] = filters(kind.light(), 1.0);
+            for filter in [bilinear, soft] {
+                for resolution in [64, 256] {
+                    add(&mut stage, kind, filter, resolution);
+                }
+            }
         }
         for format in [
             MapFormat::R32Float,
             MapFormat::Rgba8FourBytes,
             MapFormat::Rgba8TwoBytes,
         ] {
-            light(&mut stage, Kind::Omni(format), MapFilter::Bilinear, 256);
-            names.push(format!("{angle}°, corner {corner}, omni, {format:?}, 256"));
+            add(&mut stage, Kind::Omni(format), MapFilter::Bilinear, 256);
         }
         for (name, dark) in names.into_iter().zip(dark(&mut stage)) {
             if dark > 0 {

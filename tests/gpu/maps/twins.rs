@@ -90,10 +90,13 @@ impl Scene {
         let visibility = stage.render().expect("the frame renders").visibility.remove(0);
         let renderer = stage.world.resource::<Renderer>();
         let mask = &renderer.mask_targets().expect("a map was looked up").mask;
-        let rows = read_texture(renderer.context(), mask, wgpu::TextureAspect::All, "mask")
-            .expect("it can be read");
+        let rows =
+            read_texture(renderer.context(), mask, wgpu::TextureAspect::All, "mask").expect("it can be read");
         let red = |texel: &[u8]| half::f16::from_le_bytes([texel[0], texel[1]]).to_f32();
-        let taps = rows.bytes.chunks_exact(8).map(|texel| (red(texel) * 64.0).round() as u32);
+        let taps = rows
+            .bytes
+            .chunks_exact(8)
+            .map(|texel| (red(texel) * 64.0).round() as u32);
         (visibility, taps.collect())
     }
 
@@ -102,7 +105,12 @@ impl Scene {
         let rays = RayScene::from_world(&mut self.stage.world);
         let world = &self.stage.world;
         let map = world.resource::<Maps>().of_light(0).expect("it has a map");
-        let eye = world.resource::<View>().data.as_ref().expect("there is a view").eye;
+        let eye = world
+            .resource::<View>()
+            .data
+            .as_ref()
+            .expect("there is a view")
+            .eye;
         // The constants are those of the filter and format in which the twin believes.
         let mut believed = map.clone();
         believed.request.filter = belief.filter;
@@ -110,7 +118,8 @@ impl Scene {
         let twin = Twin::new(&rays, map, map_constants(&believed, eye, (1.0, 0.0)), eye);
         let camera = world.get::<Camera>(self.stage.camera).expect("there is a camera");
         let place = world.get(self.stage.camera).expect("it stands somewhere");
-        let hits = antumbra::reference::primary_hits(&rays, camera, place, SIZE).expect("the camera is usable");
+        let hits =
+            antumbra::reference::primary_hits(&rays, camera, place, SIZE).expect("the camera is usable");
         let pixel = |index: usize| UVec2::new(index as u32 % SIZE.x, index as u32 / SIZE.x);
         let all = hits.hits.iter().enumerate();
         all.map(|(index, hit)| hit.as_ref().map(|hit| twin.visibility(hit, pixel(index), belief)))
@@ -148,7 +157,10 @@ fn each_is_itself(scene: &mut Scene, settings: &[Belief]) {
             if index == other_index {
                 assert!(wrong <= 0.03 && taps <= 0.02, "{belief:?}: {wrong} {taps}");
             } else {
-                assert!(wrong >= 0.1 || taps >= 0.1, "{belief:?} passes as {other:?}: {wrong} {taps}");
+                assert!(
+                    wrong >= 0.1 || taps >= 0.1,
+                    "{belief:?} passes as {other:?}: {wrong} {taps}"
+                );
             }
         }
     }
@@ -186,7 +198,12 @@ fn each_filter_is_its_own_twin() {
     };
     let [wrong, _] = apart(&picture, &scene.expect(&still));
     assert!(wrong >= 0.1, "the disc of each pixel is its own: {wrong}");
-    let away: Vec<_> = scene.expect(&jittered).into_iter().flatten().filter(|(_, taps)| *taps == 0).collect();
+    let away: Vec<_> = scene
+        .expect(&jittered)
+        .into_iter()
+        .flatten()
+        .filter(|(_, taps)| *taps == 0)
+        .collect();
     assert!(away.len() > 20, "{} pixels face away", away.len());
 }
 

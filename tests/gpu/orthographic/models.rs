@@ -7,6 +7,7 @@ use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
 use crate::harness::cases::{Case, PLACEMENTS, Placement};
+use crate::harness::radiance::{judge_radiance, show_lights_alone};
 use crate::harness::{ModelStage, file_name, judge, strict_context};
 
 const SIZE: UVec2 = UVec2::new(160, 90);
@@ -43,6 +44,8 @@ fn orthographic(model: &ModelStage, case: &Case, placement: Placement) -> Case {
 struct Judged {
     /// Pixels outside of the edge band.
     inner: usize,
+    /// Pixels whose radiance was judged.
+    lit: usize,
     /// Pixels in shadow.
     dark: usize,
     /// Volumes by depth-fail, and by depth-pass.
@@ -61,6 +64,12 @@ impl Judged {
             let rendered = model.stage.render().expect("the frame renders");
             let error = judge(&model.stage, &model.scene, 0, &rendered.visibility[0]);
             self.inner += error.inner;
+            let shown = judge_radiance(&model.stage, &model.scene, &rendered.radiance);
+            self.lit += shown.inner;
+            assert!(
+                shown.share().unwrap_or(0.0) <= ALLOWED,
+                "radiance, {counting:?}: {shown:?}"
+            );
             self.dark += rendered.visibility[0].iter().filter(|v| **v < 0.5).count();
             let volumes = model.stage.world.resource::<StencilVolumes>();
             for volume in volumes.lights.iter().flat_map(|light| &light.casters) {
@@ -80,6 +89,7 @@ fn stencil_volumes_equal_the_ray_caster() {
     for name in MODELS {
         let path = crate::harness::model(name);
         let mut model = ModelStage::new(&path, &context, SIZE).expect("triangles");
+        show_lights_alone(&mut model.stage);
         let mut judged = Judged::default();
         for (at, (label, case)) in model.cases().into_iter().enumerate() {
             let case = orthographic(&model, &case, PLACEMENTS[at / 3]);
@@ -91,6 +101,7 @@ fn stencil_volumes_equal_the_ray_caster() {
         }
         let Judged {
             inner,
+            lit,
             dark,
             volumes: [by_fail, by_pass],
         } = judged;
@@ -98,7 +109,10 @@ fn stencil_volumes_equal_the_ray_caster() {
             "{:<20} {inner} judged, {dark} dark, {by_fail} volumes by depth-fail, {by_pass} by depth-pass",
             file_name(&path)
         );
-        assert!(inner > 60_000 && dark > 10_000, "{name}: too little was judged");
+        assert!(
+            inner > 60_000 && lit > 30_000 && dark > 10_000,
+            "{name}: too little was judged"
+        );
         assert!(by_fail > 0);
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
@@ -129,6 +143,7 @@ fn lights_along_the_view_cast_as_others() {
     let (_, case) = model.cases().swap_remove(2);
     let case = orthographic(&model, &case, Placement::Outside);
     let view = case.view;
+    show_lights_alone(&mut model.stage);
     let mut judged = Judged::default();
     for towards in [view.forward(), view.back(), view.right(), view.up()] {
         let place = Transform::from_translation(view.translation)

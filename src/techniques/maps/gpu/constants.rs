@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::gpu_types::{MapFace, MapLight};
-use crate::techniques::maps::face::FaceProjection;
+use crate::techniques::maps::face::{FaceProjection, MapFace as Face};
 use crate::techniques::maps::light_map::LightMap;
 use crate::techniques::maps::packing::{FOUR_BYTES_STEP, TWO_BYTES_STEP};
 use crate::techniques::maps::request::MapShape;
@@ -21,19 +21,11 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
     let mut radius_texels: f32 = 0.0;
     let softness = request.filter.softness().unwrap_or(0.0);
     for (out, state) in constants.faces.iter_mut().zip(&map.faces) {
-        let [x, y, z] = state.face.rows_from_relative(eye);
-        let texel = state.face.texel_metres(map.resolution) as f32;
-        let (a, b) = match state.face.projection {
-            FaceProjection::Perspective { tangent, near } => (tangent, near),
-            FaceProjection::Parallel { half, length } => (half, length),
-        };
-        *out = MapFace {
-            row_x: x.to_array(),
-            row_y: y.to_array(),
-            row_z: z.to_array(),
-            projection: [a as f32, b as f32, texel, 0.0],
-        };
-        radius_texels = radius_texels.max(softness / texel);
+        *out = face_constants(&state.face, map.resolution, eye);
+        let texel = out.projection[2];
+        if texel > 0.0 {
+            radius_texels = radius_texels.max(softness / texel);
+        }
     }
     if matches!(request.filter, MapFilter::Brute4x4 | MapFilter::Dithered4) {
         radius_texels = 2.0;
@@ -49,7 +41,10 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
     let squared = |share: f32| 1.0 - (1.0 - share) * (1.0 - share);
     // Both sides of the comparison round a few times in `f32`. Squares double the relative error.
     let parallel = request.shape == MapShape::Cascades;
+    let length = parallel_length(map);
+    let metres = metres + length.map_or(0.0, |length| 2e-6 * length as f32);
     let (relative, absolute) = match request.format {
+        MapFormat::Depth if length.is_some() => (0.0, 0.0),
         MapFormat::Depth if parallel => (0.0, 2e-6),
         // Depth is proportional to 1 / distance.
         MapFormat::Depth => (4e-6 + share / (1.0 - share), 0.0),
@@ -58,7 +53,7 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         MapFormat::Rgba8FourBytes => (8e-6 + squared(share), FOUR_BYTES_STEP),
     };
     let resolution = map.resolution as f32;
-    constants.size = [resolution, resolution.recip(), softness, 0.0];
+    constants.size = [resolution, resolution.recip(), softness, map.faces.len() as f32];
     constants.bias = [raised, relative, absolute, metres];
     let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
     constants.limits = [
@@ -68,4 +63,48 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         request.cascades.blend,
     ];
     constants
+}
+
+/// Makes the shader's constants of one face.
+fn face_constants(face: &Face, resolution: u32, eye: DVec3) -> MapFace {
+    let [x, y, z] = face.rows_from_relative(eye);
+    let texel = face.texel_metres(resolution) as f32;
+    let mut constants = MapFace {
+        row_x: x.to_array(),
+        row_y: y.to_array(),
+        row_z: z.to_array(),
+        ..Default::default()
+    };
+    match face.projection {
+        FaceProjection::Perspective { tangent, near } => {
+            constants.projection = [tangent as f32, near as f32, texel, 0.0];
+        }
+        FaceProjection::Parallel { half, length } => {
+            constants.projection = [half as f32, length as f32, texel, 0.0];
+        }
+        FaceProjection::Matrix { parallel, .. } => {
+            let clip = face.clip_from_relative(eye);
+            let mut inverse = clip.inverse();
+            if parallel {
+                inverse.z_axis.w = 0.0; // up to rounding it is
+            }
+            constants.clip_from_relative = clip.as_mat4().to_cols_array_2d();
+            constants.relative_from_clip = inverse.as_mat4().to_cols_array_2d();
+        }
+    }
+    constants
+}
+
+/// Length of the region in which a map's parallel faces with a matrix see casters, metres; `None` for other
+/// faces.
+fn parallel_length(map: &LightMap) -> Option<f64> {
+    let lengths = map.faces.iter().filter_map(|state| match state.face.projection {
+        // Depth at the middle of the picture is 0 at the far end, and falls by `-z.z` a metre.
+        FaceProjection::Matrix {
+            clip_from_face,
+            parallel: true,
+        } => Some((clip_from_face.w_axis.z / clip_from_face.z_axis.z).abs()),
+        _ => None,
+    });
+    lengths.reduce(f64::max)
 }

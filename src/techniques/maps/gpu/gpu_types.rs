@@ -15,6 +15,11 @@ pub struct MapFace {
     /// Projection of a perspective face: half side at distance 1, near plane, size of a texel at distance 1,
     /// unused. For a parallel face: half side, length, size of a texel, unused.
     pub projection: [f32; 4],
+    /// Columns of the map from eye-relative positions to the clip space of a face with a matrix; 0 for other
+    /// faces.
+    pub clip_from_relative: [[f32; 4]; 4],
+    /// Columns of the inverse of `clip_from_relative`. The third is the light, as a homogeneous point.
+    pub relative_from_clip: [[f32; 4]; 4],
 }
 
 /// Mirror of `MapLight` in `shaders/common/map.wgsl`.
@@ -24,7 +29,7 @@ pub struct MapLight {
     /// The faces of the map. A map with fewer faces leaves the rest unused.
     pub faces: [MapFace; 6],
     /// Texels along a side, their reciprocal, radius of the filter (at distance 1; for parallel faces in
-    /// metres), unused.
+    /// metres), number of faces.
     pub size: [f32; 4],
     /// Share of a texel along the normal, relative and absolute slack of the comparison, metres towards the
     /// light.

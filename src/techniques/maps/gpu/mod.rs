@@ -28,6 +28,7 @@ use crate::render::shaders::{ShaderFile, shader_files};
 /// The WGSL files of maps.
 pub(crate) const SHADERS: &[ShaderFile] = shader_files![
     "common/map.wgsl",
+    "techniques/maps/matrix.wgsl",
     "techniques/maps/caster.wgsl",
     "techniques/maps/convert.wgsl",
     "techniques/maps/frustum.wgsl",
