@@ -205,8 +205,8 @@ fn try_crease(site: Site, own: PlaneDepth, texel: vec2i, depth: f32, apart: vec2
     if at_receiver > 0.0 || x.y + y.y > 0.0 {
         return;
     }
-    // One texel beyond the crease the surface must be there already. Otherwise it hangs above the receiver.
-    let beyond = at_receiver / min(at_receiver - above, -1e-30) + 1.0 / max(length(apart), 1e-6);
+    // Two texels beyond the crease the surface must be there already. Otherwise it hangs above the receiver.
+    let beyond = at_receiver / min(at_receiver - above, -1e-30) + 2.0 / max(length(apart), 1e-6);
     let probe = vec2i(floor(place_of(site.ndc) + apart * min(beyond, 1.0)));
     let probe_apart = vec2f(probe) + 0.5 - place_of(site.ndc);
     let surface = depth + dot(slope, probe_apart - apart);

@@ -227,10 +227,11 @@ pub struct Cascades {
     /// one map. Default: 4.
     pub count: u32,
     /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
-    /// nearby. Default: infinite, which reaches as far as surfaces are seen.
+    /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long.
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
-    /// equal ratios, which gives near surfaces finer texels and far ones coarser. Default: 0.75. Source:
+    /// equal ratios, which gives near surfaces finer texels and far ones coarser. Where the farthest shadow is more than 256 times
+    /// as far as the nearest receiver, the share grows towards 1. Default: 0.75. Source:
     /// Zhang et al. 2006, "Parallel-Split Shadow Maps".
     pub log_share: f32,
     /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the

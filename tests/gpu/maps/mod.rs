@@ -7,6 +7,7 @@ mod contacts;
 mod creases;
 mod dungeon;
 mod faint;
+mod far_worlds;
 mod filters;
 mod holes;
 mod matrix_faces;
