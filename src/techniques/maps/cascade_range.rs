@@ -21,21 +21,24 @@ pub fn cascade_range(light: &FrameLight, objects: &Objects, view: &ViewData, dis
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     let scale = view.frustum.shape().forward.length();
+    let (around, apart) = nearest_receivers(light, objects, view.eye);
     DepthRange {
         near: view.near,
-        nearest: nearest_receiver(light, objects, view.eye) / scale,
+        nearest: around.min(apart) / scale,
+        apart: apart / scale,
         far: seen.min(distance).min(last_shadow(light, objects, view)),
     }
 }
 
-/// Returns how many pixels along a side a texel covers, where the nearest receivers of a directional light are.
+/// Returns how many pixels along a side a texel covers, where the nearest receiver of a directional light is that the camera
+/// is not in: of a room or of the player's own body, the bounds do not tell where its surface is.
 pub fn pixels_of_texel(map: &LightMap, range: &DepthRange, view: &ViewData) -> f64 {
     let pixel = pixel_metres(view);
     if view.is_orthographic() {
         let face = map.faces.first();
         return face.map_or(0.0, |face| face.face.texel_metres(map.resolution) / pixel);
     }
-    let depth = range.nearest.max(range.near);
+    let depth = range.apart.max(range.near);
     let splits = split_depths(&map.request.cascades, range);
     let shows = map.faces.iter().zip(&splits[1..]).find(|(_, end)| **end >= depth);
     shows.map_or(0.0, |(face, _)| {
@@ -87,34 +90,32 @@ fn travel(center: DVec3, half: DVec3, along: DVec3, bounds: &Aabb) -> f64 {
     length
 }
 
-/// Returns the distance from the eye to the nearest receiver that the light reaches, metres. Of a box around the eye it is
-/// the distance to the nearest side. It does not depend on the direction of the view, so cascades keep their sizes while the
-/// view turns.
-fn nearest_receiver(light: &FrameLight, objects: &Objects, eye: DVec3) -> f64 {
-    let distance = |(center, half): (DVec3, DVec3)| {
-        let outside = (eye - center).abs() - half;
-        if outside.max_element() > 0.0 {
-            outside.max(DVec3::ZERO).length()
-        } else {
-            -outside.max_element()
-        }
-    };
-    let mut nearest = f64::INFINITY;
+/// Returns the distances from the eye to the nearest of the receivers that the light reaches, metres: of those whose boxes
+/// hold the eye, to the nearest side of a box; and of the others. They do not depend on the direction of the view, so
+/// cascades keep their sizes while the view turns.
+fn nearest_receivers(light: &FrameLight, objects: &Objects, eye: DVec3) -> (f64, f64) {
+    let outside = |(center, half): (DVec3, DVec3)| (eye - center).abs() - half;
+    let (mut around, mut apart) = (f64::INFINITY, f64::INFINITY);
     let words = light.sets.l.as_slice().iter().zip(objects.receivers.as_slice());
     for (word, (reached, receivers)) in words.enumerate() {
         let mut members = reached & receivers;
         if members == 0 {
             continue;
         }
-        let (center, half) = objects.clusters.words.center_half(word);
-        let apart = ((eye - center).abs() - half).max(DVec3::ZERO).length();
-        while members != 0 && apart < nearest {
+        let of_word = outside(objects.clusters.words.center_half(word));
+        let nearest = of_word.max(DVec3::ZERO).length();
+        while members != 0 && nearest < apart {
             let index = word * usize::BITS as usize + members.trailing_zeros() as usize;
             members &= members - 1;
-            nearest = nearest.min(distance(objects.boxes.center_half(index)));
+            let outside = outside(objects.boxes.center_half(index));
+            if outside.max_element() > 0.0 {
+                apart = apart.min(outside.max(DVec3::ZERO).length());
+            } else {
+                around = around.min(-outside.max_element());
+            }
         }
     }
-    nearest
+    (around, apart)
 }
 
 #[cfg(test)]

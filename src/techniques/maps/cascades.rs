@@ -30,6 +30,8 @@ pub struct DepthRange {
     pub near: f64,
     /// Estimate of the depth of the nearest receiver. The ratio of `far` to it determines how depth is divided.
     pub nearest: f64,
+    /// Depth of the nearest receiver whose bounds do not hold the camera; infinite without one.
+    pub apart: f64,
     /// Depth beyond which no shadow is seen.
     pub far: f64,
 }

@@ -158,6 +158,7 @@ fn splits_run_from_uniform_to_logarithmic() {
             near: 1.0,
             nearest: 1.0,
             far: 256.0,
+            ..Default::default()
         };
         split_depths(&cascades, &range)
     };

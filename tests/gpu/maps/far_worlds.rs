@@ -65,7 +65,7 @@ fn automatic_resolution_follows_what_is_seen() {
     assert_eq!(automatic(size, 1.0, 60.0), 512);
     assert_eq!(automatic(2 * size, 1.0, 60.0), 1024, "pixels of half the size");
     assert_eq!(automatic(size / 2, 1.0, 60.0), 256);
-    assert_eq!(automatic(size, 4.0, 60.0), 128, "receivers far away");
+    assert_eq!(automatic(size, 4.0, 60.0), 256, "receivers further away");
     assert_eq!(automatic(2 * size, 2.0, 1.5), 128, "a small light");
 }
 
@@ -104,6 +104,7 @@ fn a_sky_does_not_push_the_near_plane_away() {
                     ..Default::default()
                 });
             }
+            stage.schedule.run(&mut stage.world); // places the objects
             let rays = RayScene::from_world(&mut stage.world);
             let rendered = stage.render().expect("the frame renders");
             let error = judge_map(&stage, &rays, 0, &rendered.visibility[0]);
@@ -167,6 +168,7 @@ fn the_size_of_the_ground_does_not_coarsen_the_sun() {
         stage
             .add_renderer(strict_context(), RenderSettings::default())
             .expect("shaders compose");
+        stage.schedule.run(&mut stage.world); // places the objects
         let rays = RayScene::from_world(&mut stage.world);
         let rendered = stage.render().expect("the frame renders");
         let error = judge_map(&stage, &rays, 0, &rendered.visibility[0]);
