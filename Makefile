@@ -21,7 +21,7 @@ export ANTUMBRA_MODELS ?= $(CURDIR)/assets/models
 ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ignored)
 
 # All features but the windows: nothing here opens one, and they bring 75 crates. That they compile is seen by test-lints.
-FEATURES := --features bevy,gltf,reference,profile
+FEATURES := --features bevy,gltf,gltf-meshopt,gltf-basisu,reference,profile
 
 # Where examples put what they draw in `make test`.
 SMALL := target/small

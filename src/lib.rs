@@ -32,7 +32,7 @@
 //! | [`conventions`] | handedness, depth, units, and the constants that shaders share |
 //! | [`geometry`] | mathematics on `glam`: bounds, planes, frustum, light hull, edge meshes; no ECS |
 //! | [`reports`] | messages about refused, skipped or limited things, each with its entity and a remedy |
-//! | [`scene`] | components that a user spawns; glTF import, poses, animation |
+//! | [`scene`] | components that a user spawns, those of the light model among them; glTF import, poses, animation |
 //! | [`sets`] | the sets of seen, lit and casting objects: F, V, L, I, S, scissors, depth bounds |
 //! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
 //! | [`reference`](mod@reference) | ray-cast visibility, slow and exact, with which techniques are compared (feature `reference`) |
@@ -51,7 +51,9 @@
 //! | feature | default | gives |
 //! | --- | --- | --- |
 //! | `render` | yes | the wgpu renderer |
-//! | `gltf` | yes | import of glTF 2.0 scenes |
+//! | `gltf` | yes | import of glTF 2.0 scenes; [`scene::gltf_import`] lists what is supported |
+//! | `gltf-draco`, `gltf-webp` | yes | compressed meshes and WebP pictures in glTF files |
+//! | `gltf-meshopt`, `gltf-basisu` | no | compressed buffer views (needs a C++ compiler) and KTX2 pictures in glTF files |
 //! | `reference` | no | ray-cast reference visibility on the CPU |
 //! | `serde` | no | reading of techniques' settings from files |
 //! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |
@@ -115,6 +117,12 @@ pub mod insides {
     pub use crate::techniques::registry::recorders::{COMMON, PASSES};
     pub use crate::techniques::shared::extrude::*;
 
+    /// Records and CPU twins of smoothies.
+    pub mod smoothies {
+        pub use crate::techniques::maps::request::Beside;
+        pub use crate::techniques::smoothie::{expand::*, outline::*, records::*, shade::*};
+    }
+
     /// Constants that shaders define with the same values.
     #[cfg(feature = "render")]
     pub mod constants {
@@ -138,10 +146,13 @@ pub mod prelude {
     #[cfg(feature = "render")]
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
-        AlphaMode, Camera, Cell, FaceCulling, InCells, Light, LightKind, LightSelection, Material, MeshData,
-        Occluder, Portal, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
+        AlphaMode, Camera, Cell, Cookie, CookieImage, CulledCasters, FaceCulling, InCells, Light, LightKind,
+        LightProfile, LightSelection, Material, MeshData, Occluder, Portal, SceneMaterials, SceneMesh,
+        SelectionLayers, ShadowCaster, ShadowReceiver,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
-    pub use super::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+    pub use super::techniques::{
+        AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+    };
 }

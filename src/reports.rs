@@ -8,11 +8,14 @@
 //!
 //! | topic | about | raised by |
 //! | --- | --- | --- |
+//! | `import` | what was left out of glTF files | [`scene`](crate::scene) |
 //! | `light` | lights that cannot shine | [`sets`](crate::sets) |
+//! | `light_model` | parts of a light's model that have no effect | [`sets`](crate::sets) |
 //! | `object` | objects that are neither drawn nor cast shadows | [`sets`](crate::sets) |
 //! | `cell` | cells and portals that hide less than they should | [`sets`](crate::sets) |
 //! | `caster` | meshes that cast no shadow | [`silhouettes`](crate::silhouettes) |
 //! | `mesh` | meshes that the device cannot hold, or whose data the host cannot give | [`render`](crate::render), the adapter |
+//! | `material` | materials whose holes some lights do not see | the adapter |
 //! | `renderer` | a frame or a view that is not drawn | [`render`](crate::render), the adapter |
 //! | `technique` | a shadow technique without a light, or several on one light | [`techniques`](crate::techniques), the adapter |
 //! | `texture_memory` | lights with poorer shadows, or none, because memory for textures is short | [`techniques`](crate::techniques) |

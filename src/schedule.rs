@@ -195,6 +195,8 @@ pub fn add_systems(schedule: &mut Schedule) {
 pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
     world.resource_scope(|world, mut reports: Mut<Reports>| {
         let reports = reports.bypass_change_detection();
+        #[cfg(feature = "gltf")]
+        crate::scene::gltf_import::report_imports(world, reports);
         report_sets(world, reports);
         casters.update_archetypes(world);
         report_casters(world, casters, reports);

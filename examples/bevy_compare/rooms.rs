@@ -60,6 +60,9 @@ impl Rooms {
         let mut world = World::new();
         init_resources(&mut world);
         let loaded = load_gltf(path).map_err(|error| error.to_string())?;
+        for skip in &loaded.report.skips {
+            eprintln!("{}: {skip}", path.display());
+        }
         let spawned = spawn_scene(&mut world, &loaded, None).map_err(|error| error.to_string())?;
         let mut schedule = standalone_schedule();
         schedule.run(&mut world);

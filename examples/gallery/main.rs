@@ -21,6 +21,7 @@
 //! | `soft_table` | errors and costs of soft shadows, model by model |
 //! | `soft_cost` | the time that tight wedges and culling save |
 //! | `readme` | the pictures of the README |
+//! | `uberlight` | one bust under the light model |
 
 mod cost;
 mod html;
@@ -34,6 +35,7 @@ mod readme;
 mod soft_cost;
 mod soft_pages;
 mod soft_table;
+mod uberlight;
 use antumbra_stage as support;
 
 use std::path::PathBuf;
@@ -78,6 +80,9 @@ struct Arguments {
     /// Writes the page of soft shadows to `--out` instead. An index that is written there later links to it.
     #[arg(long, requires = "out")]
     soft: bool,
+    /// Writes the page of the light model to `--out` instead. An index that is written there later links to it.
+    #[arg(long, requires = "out")]
+    uberlight: bool,
 }
 
 fn main() -> ExitCode {
@@ -114,6 +119,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if let (true, Some(out)) = (arguments.soft, &arguments.out) {
         return soft_pages::write(&bench.context, &assets, arguments.size, out);
     }
+    if let (true, Some(out)) = (arguments.uberlight, &arguments.out) {
+        let shots = assets.join("../examples/shots/uberlight");
+        return uberlight::write(&bench.context, &shots, arguments.size.y * 2, out);
+    }
     if arguments.readme {
         return readme::write(&mut bench, &assets);
     }
@@ -140,14 +149,13 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     let seconds = begin.elapsed().as_secs_f64();
     let index = out.join("index.html");
-    // Only a call with `--soft` draws this page.
-    let soft = out.join(soft_pages::FILE).is_file();
-    let more: &[_] = if soft {
-        &[(soft_pages::FILE, "Soft shadows")]
-    } else {
-        &[]
-    };
-    let text = html::index(&results, more, &bench, seconds);
+    // Calls with `--soft` and `--uberlight` draw these pages.
+    let mut more = vec![
+        (soft_pages::FILE, "Soft shadows"),
+        (uberlight::FILE, "The cinematographer's light"),
+    ];
+    more.retain(|(file, _)| out.join(file).is_file());
+    let text = html::index(&results, &more, &bench, seconds);
     std::fs::write(&index, text).map_err(|error| format!("{}: {error}", index.display()))?;
     println!("{}", index.display());
     println!("{}", judge::verdict(&results));

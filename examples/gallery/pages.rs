@@ -20,6 +20,8 @@ pub fn bundled(models: &Path) -> Vec<Page> {
         bonsai(models),
         bonsai_maps(models),
         figures_maps(models),
+        figures_smoothies(models),
+        figures_perspective(models),
         office(models),
         jack_o_lantern(),
         inside(),
@@ -205,6 +207,38 @@ fn figures_maps(models: &Path) -> Page {
         about: "The same scene as under shadow volumes: a cube of maps, a spot map, and cascades. Edges are a few texels \
                 wide; nothing else is wrong, and no bias is set by hand.",
         techniques: maps(),
+        ..figures(models)
+    }
+}
+
+/// The three figures with shadows by smoothies.
+fn figures_smoothies(models: &Path) -> Page {
+    Page {
+        name: "figures-smoothies",
+        title: "Three figures under smoothies",
+        about: "The same scene once more, with rims drawn along the silhouettes. The umbra is that of a map; around it \
+                shadows are sharp where they touch their caster and soften with the distance. The judge's hard edges are \
+                those of a light without a size, so everything that is soft counts as a difference.",
+        techniques: vec![Settings::of(Smoothie {
+            resolution: MapResolution::Fixed(1024),
+            ..Default::default()
+        })],
+        ..figures(models)
+    }
+}
+
+/// The three figures with shadows by perspective maps, one picture for each light.
+fn figures_perspective(models: &Path) -> Page {
+    Page {
+        name: "figures-perspective",
+        title: "Three figures under perspective maps",
+        about: "One picture of 1024² for each light, drawn as the light sees the scene after the viewer's projection: its \
+                texels are where the screen's pixels are. Casters behind the viewer are in it; no bias is set by hand.",
+        techniques: vec![Settings::of(PerspectiveMap {
+            resolution: MapResolution::Fixed(1024),
+            filter: MapFilter::Brute4x4,
+            ..Default::default()
+        })],
         ..figures(models)
     }
 }

@@ -19,6 +19,7 @@ use glam::{UVec2, Vec3};
 use super::panels;
 use super::support::picture::write_png;
 use super::support::stage::{Stage, one_line};
+use super::support::stats::print_new_reports;
 
 /// File name of the page.
 pub const FILE: &str = "soft.html";
@@ -241,6 +242,7 @@ pub(super) fn stage(
         }
     }
     stage.schedule.run(&mut stage.world);
+    print_new_reports("soft scenes", &mut stage);
     Ok(stage)
 }
 

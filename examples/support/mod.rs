@@ -7,6 +7,7 @@ pub mod model;
 pub mod picture;
 pub mod shadow;
 pub mod shot;
+pub mod soak;
 pub mod solid;
 pub mod spread;
 pub mod stage;

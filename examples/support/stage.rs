@@ -1,5 +1,7 @@
 //! A world with a scene, a camera and lights, and a renderer that draws it headlessly.
 
+use std::time::{Duration, Instant};
+
 use antumbra::geometry::Aabb;
 use antumbra::prelude::*;
 use antumbra::render::FrameOutputs;
@@ -34,6 +36,8 @@ pub struct Stage {
     pub camera: Entity,
     /// Entities of the lights, in the order of the shot.
     pub lights: Vec<Entity>,
+    /// Time in which the scene's file was read and its pictures decoded.
+    pub load_time: Duration,
 }
 
 impl Stage {
@@ -48,6 +52,7 @@ impl Stage {
             schedule: standalone_schedule(),
             camera,
             lights: Vec::new(),
+            load_time: Duration::ZERO,
         }
     }
 
@@ -57,9 +62,11 @@ impl Stage {
     /// One line that names the file and the element.
     pub fn of_shot(shot: &Shot) -> Result<Self, String> {
         let file = shot.scene.display();
+        let start = Instant::now();
         let loaded = load_gltf(&shot.scene).map_err(|error| one_line(&error))?;
         let size = shot.size();
         let mut stage = Self::empty(size, Camera::default(), Transform::IDENTITY);
+        stage.load_time = start.elapsed();
         let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
         if let Some(animation) = shot.animation {
             stage.pose(&loaded, &spawned, animation.clip, animation.time)?;
@@ -83,6 +90,10 @@ impl Stage {
                 for (index, light) in lights.iter().enumerate() {
                     let parts = light.parts(&shot.techniques)?;
                     let entity = stage.spawn_shadowed(parts.light, parts.transform, parts.shadow.as_ref());
+                    parts
+                        .model
+                        .insert(&mut stage.world, entity, (&loaded, &spawned))
+                        .map_err(|error| format!("lights[{index}].{error}"))?;
                     if let Some(path) = parts.texture {
                         let texture = picture::light_texture(&path)
                             .map_err(|error| format!("lights[{index}].texture: {error}"))?;

@@ -111,6 +111,7 @@ pub fn collect(stage: &mut Stage, rendered: &Rendered) -> Value {
             "blended": batches.blended,
             "frame": batches.total(),
         },
+        "load_ms": stage.load_time.as_secs_f64() * 1e3,
         "cpu_ms": cpu,
         "gpu_ms": gpu,
     });

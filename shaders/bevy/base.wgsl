@@ -13,7 +13,7 @@
     pbr_deferred_functions::pbr_input_from_deferred_gbuffer,
     lighting,
     lighting::LightingInput,
-    mesh_view_bindings::{lights, deferred_prepass_texture},
+    mesh_view_bindings::{view, lights, deferred_prepass_texture},
 }
 #ifdef SCREEN_SPACE_AMBIENT_OCCLUSION
 #import bevy_pbr::mesh_view_bindings::screen_space_ambient_occlusion_texture
@@ -78,12 +78,21 @@ override fn bevy_pbr::lighting::rect_light(
 }
 #endif
 
+// The place of a pixel in the whole viewport, where Bevy's functions expect it. An upscaler lets the main pass
+// draw into a part of the viewport.
+fn in_viewport(pixel: vec2<f32>) -> vec2<f32> {
+    let whole = view.viewport;
+    let part = view.main_pass_viewport.zw;
+    if all(whole.zw == part) { return pixel; }
+    return whole.xy + (pixel - whole.xy) * (whole.zw / part);
+}
+
 @fragment
 fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let texel = vec2<i32>(position.xy);
     if textureLoad(pass_id, texel, 0).x != #{DEFERRED_PASS_ID}u { discard; }
     let gbuffer = textureLoad(deferred_prepass_texture, texel, 0);
-    let frag_coord = vec4<f32>(position.xy, prepass_utils::prepass_depth(position, 0u), 0.0);
+    let frag_coord = vec4<f32>(in_viewport(position.xy), prepass_utils::prepass_depth(position, 0u), 0.0);
     var input = pbr_input_from_deferred_gbuffer(frag_coord, gbuffer);
     var color = input.material.base_color;
     if (input.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) == 0u {

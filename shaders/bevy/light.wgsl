@@ -7,7 +7,8 @@
 // Variants are made by shader definitions. LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL or LIGHT_RECT is the
 // kind of the light. VISIBILITY_MASK reads visibility from the mask; without it, the stencil test has
 // decided. MASK_HOLDS_FOR_ALL reads the mask on surfaces that receive no shadows too. UNSHADOWED_ONLY lights
-// pixels that the stencil test calls shadowed but whose mesh, according to Bevy, receives no shadows.
+// pixels that the stencil test calls shadowed but whose mesh, according to Bevy, receives no shadows. SEPARATE_TERMS
+// weights ambient, diffuse and specular light and gives shadows their colour; a second mask then scales them all.
 #import bevy_pbr::{
     prepass_utils,
     mesh_types::MESH_FLAGS_SHADOW_RECEIVER_BIT,
@@ -16,19 +17,29 @@
     pbr_deferred_functions::pbr_input_from_deferred_gbuffer,
     lighting,
     lighting::{LightingInput, LAYER_BASE, LAYER_CLEARCOAT},
+    mesh_view_types::POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE,
     mesh_view_bindings::{view, lights, clustered_lights, deferred_prepass_texture},
 }
+
+#ifdef SEPARATE_TERMS
+const PI: f32 = 3.141592653589793;
+#endif
 
 struct LightDraw {
     color: vec4<f32>,        // as Bevy uploads it; for directional lights and rectangles
     place: vec4<f32>,        // direction to a directional light, or position of a rectangle
     index: vec4<u32>,        // x: Bevy's index of a point or spot light
+    weights: vec4<f32>,      // of ambient, diffuse and specular light; w: darkness of shadows
+    shadow: vec4<f32>,       // colour of shadows, for a light whose largest component is 1
 }
 
 @group(2) @binding(0) var<uniform> draw: LightDraw;
 @group(2) @binding(1) var pass_id: texture_2d<u32>;
 #ifdef VISIBILITY_MASK
 @group(3) @binding(0) var visibility_mask: texture_2d<f32>;
+#endif
+#ifdef SEPARATE_TERMS
+@group(3) @binding(1) var factor_mask: texture_2d<f32>;
 #endif
 
 // The surface as Bevy's light functions expect it: what `apply_pbr_lighting` computes before the first light.
@@ -87,28 +98,90 @@ fn find_light() -> u32 {
 }
 #endif
 
-fn radiance(input: ptr<function, LightingInput>) -> vec3<f32> {
+fn radiance(input: ptr<function, LightingInput>, diffuse: bool) -> vec3<f32> {
 #ifdef LIGHT_POINT
-    return lighting::point_light(draw.index.x, input, true, true);
+    return lighting::point_light(draw.index.x, input, diffuse, true);
 #endif
 #ifdef LIGHT_SPOT
-    return lighting::spot_light(draw.index.x, input, true);
+    return lighting::spot_light(draw.index.x, input, diffuse);
 #endif
 #ifdef LIGHT_DIRECTIONAL
     let index = find_light();
     if index >= lights.n_directional_lights { return vec3<f32>(0.0); }
-    return lighting::directional_light(index, input, true);
+    return lighting::directional_light(index, input, diffuse);
 #endif
 #ifdef LIGHT_RECT
     let index = find_light();
     if index >= lights.n_rect_lights { return vec3<f32>(0.0); }
 #ifdef AREA_LIGHT_LUTS
-    return lighting::rect_light(index, input, true);
+    return lighting::rect_light(index, input, diffuse);
 #else
     return vec3<f32>(0.0);
 #endif
 #endif
 }
+
+#ifdef SEPARATE_TERMS
+// The light's colour times its brightness, as Bevy uploads it.
+fn emitted() -> vec3<f32> {
+#ifdef LIGHT_POINT
+    return clustered_lights.data[draw.index.x].color_inverse_square_range.rgb;
+#endif
+#ifdef LIGHT_SPOT
+    return clustered_lights.data[draw.index.x].color_inverse_square_range.rgb;
+#endif
+#ifdef LIGHT_DIRECTIONAL
+    return draw.color.rgb;
+#endif
+#ifdef LIGHT_RECT
+    return draw.color.rgb;
+#endif
+}
+
+// Irradiance on a surface that faces a light which emits 1, by Bevy's falloffs. Rectangles have none.
+fn facing_irradiance(position: vec3<f32>) -> f32 {
+    var result = 0.0;
+#ifdef LIGHT_DIRECTIONAL
+    result = 1.0;
+#endif
+#ifdef LIGHT_POINT
+    let light = &clustered_lights.data[draw.index.x];
+    let to_light = (*light).position_radius.xyz - position;
+    result = lighting::getDistanceAttenuation(dot(to_light, to_light), (*light).color_inverse_square_range.w);
+#endif
+#ifdef LIGHT_SPOT
+    let light = &clustered_lights.data[draw.index.x];
+    let to_light = (*light).position_radius.xyz - position;
+    let custom = (*light).light_custom_data;
+    let down = ((*light).flags & POINT_LIGHT_FLAGS_SPOT_LIGHT_Y_NEGATIVE) != 0u;
+    let height = sqrt(max(0.0, 1.0 - custom.x * custom.x - custom.y * custom.y));
+    let axis = vec3<f32>(custom.x, select(height, -height, down), custom.y);
+    let cone = saturate(dot(-axis, normalize(to_light)) * custom.z + custom.w);
+    result = cone * cone
+        * lighting::getDistanceAttenuation(dot(to_light, to_light), (*light).color_inverse_square_range.w);
+#endif
+    return result;
+}
+
+// Ambient light without shadow, diffuse light of the mixed colour, and highlights that are off in the shadow. Bevy's
+// function answers with the light's colour; a white surface tells what it would answer to any other colour.
+// Source: Pellacini & Vidimce 2004, "Cinematic Lighting", GPU Gems ch. 10, listing 10-2.
+fn separate_terms(input: ptr<function, LightingInput>, seen: vec3<f32>) -> vec3<f32> {
+    let specular = radiance(input, false);
+    var white = *input;
+    white.diffuse_color = vec3<f32>(1.0);
+    let answer = radiance(&white, true) - specular;
+    let emission = emitted();
+    let largest = max(max(emission.r, emission.g), max(emission.b, 1e-20));
+    let of_largest = select(select(answer.b, answer.g, emission.g == largest), answer.r, emission.r == largest);
+    let unit_answer = max(of_largest / largest, 0.0);
+    let passing = 1.0 - draw.weights.w * (1.0 - seen);
+    let mixed = mix(draw.shadow.rgb * largest, emission, passing);
+    let ambient = (*input).diffuse_color / PI * facing_irradiance((*input).P) * emission;
+    let diffuse = (*input).diffuse_color * unit_answer * mixed;
+    return ambient * draw.weights.x + diffuse * draw.weights.y + specular * seen * draw.weights.z;
+}
+#endif
 
 // Whether a point or spot light is beyond its range or wholly below the surface's horizon. Bevy's functions
 // return 0 there, but only after all of their work.
@@ -123,10 +196,23 @@ fn is_out_of_reach(surface: PbrInput) -> bool {
     if out_of_reach {
         let light = &clustered_lights.data[draw.index.x];
         let to_light = (*light).position_radius.xyz - surface.world_position.xyz;
-        out_of_reach = dot(surface.N, to_light) + (*light).position_radius.w <= 0.0
+        var is_below = dot(surface.N, to_light) + (*light).position_radius.w <= 0.0;
+#ifdef SEPARATE_TERMS
+        is_below = false; // ambient light has no horizon
+#endif
+        out_of_reach = is_below
             || dot(to_light, to_light) * (*light).color_inverse_square_range.w >= 1.0;
     }
     return out_of_reach;
+}
+
+// The place of a pixel in the whole viewport, where Bevy's functions expect it. An upscaler lets the main pass
+// draw into a part of the viewport.
+fn in_viewport(pixel: vec2<f32>) -> vec2<f32> {
+    let whole = view.viewport;
+    let part = view.main_pass_viewport.zw;
+    if all(whole.zw == part) { return pixel; }
+    return whole.xy + (pixel - whole.xy) * (whole.zw / part);
 }
 
 @fragment
@@ -134,7 +220,7 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     let texel = vec2<i32>(position.xy);
     if textureLoad(pass_id, texel, 0).x != #{DEFERRED_PASS_ID}u { discard; }
     let gbuffer = textureLoad(deferred_prepass_texture, texel, 0);
-    let frag_coord = vec4<f32>(position.xy, prepass_utils::prepass_depth(position, 0u), 0.0);
+    let frag_coord = vec4<f32>(in_viewport(position.xy), prepass_utils::prepass_depth(position, 0u), 0.0);
     let surface = pbr_input_from_deferred_gbuffer(frag_coord, gbuffer);
     if (surface.material.flags & STANDARD_MATERIAL_FLAGS_UNLIT_BIT) != 0u { discard; }
     let shows_shadows = (surface.flags & MESH_FLAGS_SHADOW_RECEIVER_BIT) != 0u;
@@ -148,11 +234,18 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     reads_mask = true;
 #endif
     visibility = select(visibility, textureLoad(visibility_mask, texel, 0).rgb, reads_mask);
+#ifndef SEPARATE_TERMS
     if all(visibility == vec3<f32>(0.0)) { discard; }
+#endif
 #endif
     if is_out_of_reach(surface) { discard; }
     var input = lighting_input(surface);
-    let color = radiance(&input) * (visibility * view.exposure);
+#ifdef SEPARATE_TERMS
+    let factors = textureLoad(factor_mask, texel, 0).rgb;
+    let color = separate_terms(&input, visibility) * factors * view.exposure;
+#else
+    let color = radiance(&input, true) * (visibility * view.exposure);
+#endif
     // Fog is affine in the colour, and the base pass has added the fog's own colour once.
     let foggy = pbr_functions::main_pass_post_lighting_processing(surface, vec4<f32>(color, 1.0));
     let fog = pbr_functions::main_pass_post_lighting_processing(surface, vec4<f32>(0.0, 0.0, 0.0, 1.0));

@@ -25,6 +25,12 @@ fn schlick_fresnel(f0: vec3f, v_dot_h: f32) -> vec3f {
     return f0 + (1.0 - f0) * pow(1.0 - v_dot_h, 5.0);
 }
 
+// Radiance that a surface reflects, by kind of reflection.
+struct Reflected {
+    diffuse: vec3f,
+    specular: vec3f,
+}
+
 // Radiance that a surface reflects. All vectors are unit vectors; `v` points towards the eye.
 // Diffuse light comes from the whole light, with `irradiance` on the surface and `l` towards the light's
 // centre.
@@ -34,7 +40,7 @@ fn schlick_fresnel(f0: vec3f, v_dot_h: f32) -> vec3f {
 // An area light widens the lobe and must not brighten it: the factor (α / α')² preserves its energy.
 // The model is that of glTF 2.0 appendix B. Source of the factor: Karis 2013, "Real Shading in Unreal Engine
 // 4".
-fn reflected(
+fn reflected_parts(
     base_color: vec3f,
     metallic: f32,
     roughness: f32,
@@ -45,7 +51,7 @@ fn reflected(
     highlight: vec3f,
     highlight_irradiance: vec3f,
     radius: f32,
-) -> vec3f {
+) -> Reflected {
     let n_dot_v = max(abs(dot(n, v)), 1e-4);
     let h = (v + highlight) * inverseSqrt(max(dot(v + highlight, v + highlight), 1e-12)); // 0 where the eye looks along it
     let n_dot_h = clamp(dot(n, h), 0.0, 1.0);
@@ -60,5 +66,22 @@ fn reflected(
     let entering = 1.0 - schlick_fresnel(f0, clamp(dot(v, middle), 0.0, 1.0));
     let diffuse = entering * (1.0 - metallic) * base_color / PI;
     let specular = fresnel * ggx_distribution(n_dot_h, alpha) * ggx_visibility(n_dot_l, n_dot_v, alpha) * (kept * kept);
-    return diffuse * irradiance + specular * highlight_irradiance * n_dot_l;
+    return Reflected(diffuse * irradiance, specular * highlight_irradiance * n_dot_l);
+}
+
+// The sum of both kinds of reflection.
+fn reflected(
+    base_color: vec3f,
+    metallic: f32,
+    roughness: f32,
+    n: vec3f,
+    v: vec3f,
+    l: vec3f,
+    irradiance: vec3f,
+    highlight: vec3f,
+    highlight_irradiance: vec3f,
+    radius: f32,
+) -> vec3f {
+    let parts = reflected_parts(base_color, metallic, roughness, n, v, l, irradiance, highlight, highlight_irradiance, radius);
+    return parts.diffuse + parts.specular;
 }

@@ -3,6 +3,7 @@
 // Host    src/render/pools/light_constants.rs, src/render/pools/gpu_types.rs
 #define_import_path antumbra::light
 
+#import antumbra::light_shape::LightShape
 #import antumbra::area_light::{rect_irradiance, sphere_irradiance, rect_highlight, sphere_highlight}
 
 struct Light {                      // mirror: render::pools::gpu_types::Light
@@ -12,6 +13,9 @@ struct Light {                      // mirror: render::pools::gpu_types::Light
     cone: vec4f,                    // scale and offset of the spot's falloff; zw unused
     half_right: vec4f,              // half the width of a rectangle, along it; w: radius of a sphere
     half_up: vec4f,                 // half its height, along it; w: 1 for an area light with an extent
+    weights: vec4f,                 // of ambient, diffuse and specular light; w: darkness of shadows
+    shadow_emission: vec4f,         // emission in shadows, as `emission`; w unused
+    shape: LightShape,
 }
 
 @group(1) @binding(0) var<uniform> light: Light;
@@ -29,6 +33,11 @@ struct Incidence {
 // horizon; the first two terms of its expansion in the light's size are those of a point.
 // Source: Khronos, KHR_lights_punctual; the window is of Karis 2013, "Real Shading in Unreal Engine 4".
 fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidence {
+    return incidence_of(light.emission.rgb, position_relative, normal, to_eye);
+}
+
+// Light that arrives from the same light if it emits as much as `emission`.
+fn incidence_of(emission: vec3f, position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidence {
     var out: Incidence;
     let to_light = light.point_relative.xyz - position_relative * light.point_relative.w;
     let distance_sq = max(dot(to_light, to_light), 1e-8);
@@ -40,7 +49,7 @@ fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidenc
     let cos_axis = dot(-out.towards, light.axis.xyz);
     let cone = clamp(cos_axis * light.cone.x + light.cone.y, 0.0, 1.0);
     let cosine = mix(1.0, max(cos_axis, 0.0), light.axis.w);
-    let facing = light.emission.rgb * (attenuation * cone * cone * cosine);
+    let facing = emission * (attenuation * cone * cone * cosine);
 
     // Selects instead of branches: lavapipe compiles a shader again for each value of a uniform on which it
     // branches.
@@ -51,7 +60,7 @@ fn incidence(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> Incidenc
     let radius = select(light.half_right.w, sqrt(length(right) * length(up) * 1.2732395), is_rect);
     let from_rect = rect_irradiance(to_light, distance, right, up, light.axis.xyz, normal);
     let from_sphere = sphere_irradiance(out.towards, distance, light.half_right.w, normal);
-    let from_area = light.emission.rgb * (window * select(from_sphere, from_rect, is_rect));
+    let from_area = emission * (window * select(from_sphere, from_rect, is_rect));
     out.irradiance = select(facing * max(dot(normal, out.towards), 0.0), from_area, is_area);
     let mirrored = reflect(-to_eye, normal);
     let on_rect = rect_highlight(to_light, distance, right, up, light.axis.xyz, mirrored);

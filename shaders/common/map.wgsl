@@ -19,7 +19,7 @@ struct MapLight {                   // mirror: render::pools::gpu_types::MapLigh
     faces: array<MapFace, 6>,
     size: vec4f,                    // texels along a side, 1 / texels, filter radius (at distance 1; parallel: metres), number of faces
     bias: vec4f,                    // share of a texel along the normal, relative and absolute slack, metres to the light
-    limits: vec4f,                  // nearest and farthest depth, 1 / reach², share of a cascade that passes into the next
+    limits: vec4f,                  // nearest and farthest depth, 1 / reach² (Beside::drop), share of a cascade that passes into the next
 }
 
 @group(2) @binding(0) var<uniform> map_light: MapLight;

@@ -3,7 +3,7 @@
 // Spaces  relative: world axes, origin at the eye
 #define_import_path antumbra::receiver
 
-#import antumbra::view::relative_from_pixel
+#import antumbra::view::{view, relative_from_pixel}
 
 @group(1) @binding(0) var receiver_depth: texture_2d<f32>;
 @group(1) @binding(1) var receiver_plane: texture_2d<u32>;
@@ -43,4 +43,14 @@ fn receiver_at(pixel: vec2f) -> Receiver {
     out.normal = select(vec3f(0.0), unit_from_octahedral(unpack2x16snorm(plane.x)), known);
     out.offset = select(0.0, bitcast<f32>(plane.y), known);
     return out;
+}
+
+// The point that a pixel shows, relative, and its depth in w. Pixels outside of the view and those without a surface
+// have depth 0 and some finite point.
+fn receiver_position(pixel: vec2f) -> vec4f {
+    let inside = pixel - view.origin.xy;
+    let is_inside = all(inside >= vec2f(0.0)) && all(inside < view.size.xy);
+    let depth = textureLoad(receiver_depth, vec2u(select(view.origin.xy, pixel, is_inside)), 0).r;
+    let position = relative_from_pixel(pixel, max(depth, 1e-30));
+    return vec4f(position, select(0.0, depth, is_inside));
 }

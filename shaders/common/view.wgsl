@@ -18,7 +18,7 @@ struct Object {                     // mirror: render::pools::gpu_types::Object
     relative_from_local_x: vec4f,   // rows of the affine matrix
     relative_from_local_y: vec4f,
     relative_from_local_z: vec4f,
-    handedness: vec4f,              // x: sign of the determinant; yzw unused
+    handedness: vec4f,              // x: sign of the determinant; yzw: weights of ambient, diffuse, specular light
 }
 
 @group(0) @binding(0) var<uniform> view: View;

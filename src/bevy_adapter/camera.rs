@@ -25,7 +25,7 @@ use bevy::render::view::Msaa;
 ///
 /// Opaque and alpha-masked meshes of materials whose `opaque_render_method` is `Auto` are drawn deferred for
 /// this camera. For other cameras they are drawn as before. A material without a deferred shader stays
-/// forward, keeps its look, and is named in the log.
+/// forward and keeps its look; what keeps it from showing shadows is named in the log.
 ///
 /// Each marked camera keeps its own copy of the shadow scene (bounds, silhouettes, buffers), so its cost in
 /// time and memory counts once for each camera. Meshes in main memory and their edges are shared.

@@ -28,6 +28,8 @@ pub(super) enum Forward {
     /// The material is a `StandardMaterial` whose method is `Forward`, or which transmits light. Bevy's
     /// deferred shading cannot show transmission.
     Chosen,
+    /// As `Chosen`, but no mask fits the mesh: light shines through it from behind, or the depth prepass lacks it.
+    ChosenUnmasked,
     /// The material's `enable_prepass` is false.
     NoPrepass,
     /// The named fragment shader has no deferred counterpart.
@@ -37,10 +39,16 @@ pub(super) enum Forward {
 }
 
 impl Forward {
+    /// Whether the visible share of lights can be looked up while the mesh is drawn forward. It belongs to the
+    /// surface that the depth prepass shows, and to the side of the surface that is seen.
+    pub(super) fn allows_masks(&self) -> bool {
+        !matches!(self, Self::NoPrepass | Self::ChosenUnmasked)
+    }
+
     /// Returns advice for the log; `None` if the game has chosen forward drawing.
     fn advice(&self) -> Option<String> {
         match self {
-            Self::Chosen => None,
+            Self::Chosen | Self::ChosenUnmasked => None,
             Self::NoPrepass => Some("its `enable_prepass` is false".to_owned()),
             Self::FragmentShader(shader) => Some(format!(
                 "its fragment shader{shader} has no deferred counterpart; return one from `deferred_fragment_shader`"
@@ -60,6 +68,8 @@ pub(super) struct Deferral {
     standard_shader: Option<AssetPath<'static>>,
     /// Standard materials whose render method is `Forward`.
     chosen_forward: HashSet<AssetId<StandardMaterial>>,
+    /// Those of them through which light shines from behind.
+    transmitting: HashSet<AssetId<StandardMaterial>>,
     /// Entities whose lightmap is sampled bicubically. Only the game's world has this information.
     pub bicubic_lightmaps: MainEntityHashSet,
     /// Types of materials that have been named in the log because they stay forward.
@@ -77,6 +87,7 @@ impl Default for Deferral {
         Self {
             standard_shader,
             chosen_forward: HashSet::default(),
+            transmitting: HashSet::default(),
             bicubic_lightmaps: MainEntityHashSet::default(),
             told: HashSet::default(),
             to_tell: Vec::new(),
@@ -93,6 +104,9 @@ impl Deferral {
         if let Ok(id) = id.try_typed::<StandardMaterial>()
             && self.chosen_forward.contains(&id)
         {
+            if self.transmitting.contains(&id) || !material.prepass_enabled {
+                return Err(Forward::ChosenUnmasked);
+            }
             return Err(Forward::Chosen);
         }
         if !material.prepass_enabled {
@@ -150,7 +164,13 @@ pub(super) fn collect_methods(
     for event in events.read() {
         match *event {
             AssetEvent::Added { id } | AssetEvent::Modified { id } => {
-                let method = materials.get(id).map(Material::opaque_render_method);
+                let material = materials.get(id);
+                if material.is_some_and(|material| material.diffuse_transmission > 0.0) {
+                    deferral.transmitting.insert(id);
+                } else {
+                    deferral.transmitting.remove(&id);
+                }
+                let method = material.map(Material::opaque_render_method);
                 if method == Some(OpaqueRendererMethod::Forward) {
                     deferral.chosen_forward.insert(id);
                 } else {
@@ -159,6 +179,7 @@ pub(super) fn collect_methods(
             }
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
                 deferral.chosen_forward.remove(&id);
+                deferral.transmitting.remove(&id);
             }
             AssetEvent::LoadedWithDependencies { .. } => {}
         }

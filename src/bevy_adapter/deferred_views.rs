@@ -8,6 +8,7 @@
 
 use std::mem::swap;
 
+use bevy::asset::UntypedAssetId;
 use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d};
 use bevy::core_pipeline::deferred::{AlphaMask3dDeferred, Opaque3dDeferred};
 use bevy::core_pipeline::prepass::{
@@ -39,7 +40,8 @@ use bevy::render::view::{
     ExtractedView, Msaa, RenderVisibilityRanges, RenderVisibleEntities, RetainedViewEntity,
 };
 
-use super::deferral::Deferral;
+use super::deferral::{Deferral, Forward};
+use super::forward_views::ForwardQueue;
 use super::mirror::Mirrors;
 
 /// The views whose opaque meshes this module moves to the deferred phases, now and in the frame before. It is
@@ -59,7 +61,7 @@ type CanBeDeferred = (With<ExtractedCamera>, With<DepthPrepass>, With<DeferredPr
 pub(super) fn collect_deferred_views(
     mut deferred: ResMut<DeferredViews>,
     mut dirty: ResMut<DirtySpecializations>,
-    mirrors: Res<Mirrors>,
+    mut mirrors: ResMut<Mirrors>,
     views: Query<(&ExtractedView, &MainEntity), CanBeDeferred>,
 ) {
     let DeferredViews { now, before } = &mut *deferred;
@@ -70,18 +72,23 @@ pub(super) fn collect_deferred_views(
         .filter(|(_, camera)| mirrors.get(camera.id()).is_some());
     now.extend(marked.map(|(view, _)| view.retained_view_entity));
     dirty.views.extend(now.symmetric_difference(before).copied());
+    // The pipeline of a forward mesh depends on whether it shows shadows.
+    for mirror in mirrors.iter_mut() {
+        let changed = mirror.receivers_changed.drain(..).map(MainEntity::from);
+        dirty.changed_renderables.extend(changed);
+    }
 }
 
 /// Bevy's resources about the meshes of the frame.
 #[derive(SystemParam)]
 pub(super) struct Meshes<'w> {
-    meshes: Res<'w, RenderAssets<RenderMesh>>,
-    materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
-    instances: Res<'w, RenderMeshInstances>,
-    material_instances: Res<'w, RenderMaterialInstances>,
+    pub meshes: Res<'w, RenderAssets<RenderMesh>>,
+    pub materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
+    pub instances: Res<'w, RenderMeshInstances>,
+    pub material_instances: Res<'w, RenderMaterialInstances>,
     ranges: Res<'w, RenderVisibilityRanges>,
-    allocator: Res<'w, MeshAllocator>,
-    preprocessing: Res<'w, GpuPreprocessingSupport>,
+    pub allocator: Res<'w, MeshAllocator>,
+    pub preprocessing: Res<'w, GpuPreprocessingSupport>,
     view_keys: Res<'w, ViewKeyPrepassCache>,
     dirty: Res<'w, DirtySpecializations>,
     pending: Res<'w, PendingPrepassMeshMaterialQueues>,
@@ -99,9 +106,9 @@ pub(super) struct Phases<'w> {
 }
 
 /// The phases of one view between which meshes are moved.
-struct ViewPhases<'a> {
-    opaque: &'a mut BinnedRenderPhase<Opaque3d>,
-    masked: &'a mut BinnedRenderPhase<AlphaMask3d>,
+pub(super) struct ViewPhases<'a> {
+    pub opaque: &'a mut BinnedRenderPhase<Opaque3d>,
+    pub masked: &'a mut BinnedRenderPhase<AlphaMask3d>,
     opaque_prepass: &'a mut BinnedRenderPhase<Opaque3dPrepass>,
     masked_prepass: &'a mut BinnedRenderPhase<AlphaMask3dPrepass>,
     opaque_deferred: &'a mut BinnedRenderPhase<Opaque3dDeferred>,
@@ -135,12 +142,14 @@ pub(super) struct Pipelines<'w> {
 pub(super) fn queue_deferred(
     deferred: Res<DeferredViews>,
     mut deferral: ResMut<Deferral>,
-    views: Query<(&ExtractedView, &RenderVisibleEntities, &Msaa), CanBeDeferred>,
+    mirrors: Res<Mirrors>,
+    views: Query<(&ExtractedView, &MainEntity, &RenderVisibleEntities, &Msaa), CanBeDeferred>,
     meshes: Meshes,
     mut phases: Phases,
     mut pipelines: Pipelines,
+    mut forward: ForwardQueue,
 ) {
-    for (extracted, visible, msaa) in &views {
+    for (extracted, camera, visible, msaa) in &views {
         let view = extracted.retained_view_entity;
         if !deferred.now.contains(&view) {
             continue;
@@ -155,28 +164,41 @@ pub(super) fn queue_deferred(
         };
         let queued = meshes.dirty.iter_to_queue(view, visible, &pending.prev_frame);
         for (&render_entity, &entity) in queued {
-            queue_mesh(
+            let stays = queue_mesh(
                 (render_entity, entity),
                 view_key,
                 msaa,
                 &meshes,
-                &mut deferral,
+                &deferral,
                 &mut phases,
                 &mut pipelines,
             );
+            let Some((id, why)) = stays else {
+                continue;
+            };
+            if !forward.is_supported() || !why.allows_masks() {
+                deferral.report(entity, id, &why);
+            } else if mirrors
+                .get(camera.id())
+                .is_some_and(|mirror| mirror.shows_shadows(entity.id()))
+            {
+                forward.push(view, entity);
+            }
         }
+        forward.queue(view, visible, &meshes, &mut phases, &pipelines.cache);
     }
 }
 
+/// Moves a mesh to the deferred phases of a view. Returns the material and the reason if it stays forward.
 fn queue_mesh(
     (render_entity, entity): (Entity, MainEntity),
     view_key: MeshPipelineKey,
     msaa: &Msaa,
     meshes: &Meshes,
-    deferral: &mut Deferral,
+    deferral: &Deferral,
     phases: &mut ViewPhases,
     pipelines: &mut Pipelines,
-) -> Option<()> {
+) -> Option<(UntypedAssetId, Forward)> {
     let id = meshes.material_instances.instances.get(&entity)?.asset_id;
     let material = meshes.materials.get(id)?;
     let properties = &material.properties;
@@ -192,8 +214,7 @@ fn queue_mesh(
         return None;
     }
     if let Err(why) = deferral.check(id, properties) {
-        deferral.report(entity, id, &why);
-        return None;
+        return Some((id, why));
     }
     let mesh = meshes.instances.render_mesh_queue_data(entity)?;
     let slabs = meshes.allocator.mesh_slabs(&mesh.mesh_asset_id())?;
@@ -231,7 +252,7 @@ fn queue_mesh(
         let index = mesh.current_uniform_index;
         phases.opaque_deferred.add(batch_set, bin, both, index, kind);
     }
-    Some(())
+    None
 }
 
 /// Returns the part of a pipeline's key that comes from one mesh of the game. It follows Bevy's key for

@@ -3,7 +3,9 @@
 use bevy::app::{App, Last, PostUpdate};
 use bevy::asset::{AssetEventSystems, Assets};
 use bevy::core_pipeline::CorePipelinePlugin;
-use bevy::core_pipeline::core_3d::{check_msaa, main_opaque_pass_3d};
+use bevy::core_pipeline::core_3d::{
+    AlphaMask3d, Opaque3d, check_msaa, main_opaque_pass_3d, prepare_prepass_textures,
+};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::core_pipeline::schedule::{Core3d, Core3dSystems};
 use bevy::ecs::prelude::*;
@@ -12,31 +14,41 @@ use bevy::pbr::{
     MeshPipelineSystems, PbrPlugin, queue_material_meshes, queue_prepass_material_meshes,
     screen_space_reflections,
 };
+use bevy::render::render_phase::AddRenderCommand;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use bevy::shader::Shader;
 
 use super::camera::{AntumbraCamera, keep_msaa_off, put_back};
 use super::camera_warnings::{warn_of_marked, warn_of_unmarked, warn_without_renderer};
+use super::cut_outs::CutOutCasters;
 use super::deferral::{Deferral, collect_methods, tell_of_forward};
 use super::deferred_views::{DeferredViews, collect_deferred_views, queue_deferred};
+use super::forward_shaders::{ForwardShaders, collect_reloaded, extend_shaders};
+use super::forward_views::{DrawShadowed, ForwardViews};
 use super::mesh_library::{MeshLibrary, collect_meshes};
 use super::mirror::Mirrors;
 use super::pass::light_view;
 use super::pipelines::{AntumbraShaders, init_pipelines};
 use super::prepare::prepare_views;
+use super::ranges::sync_levels;
 use super::refused::RefusedMeshes;
 use super::report::{LightlessTechniques, publish_reports};
 use super::settings::AntumbraSettings;
+use super::shared_targets::separate_prepass_textures;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_texture_memory, sync_transforms};
 use super::sync_lights::sync_lights;
+use super::sync_models;
 use super::sync_objects::sync_objects;
+use super::sync_settings::sync_setting;
 use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems, Installed};
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
 use crate::reports::Reports;
 use crate::scene::LightSelection;
+use crate::sets::OcclusionSettings;
 use crate::silhouettes::LightClearance;
 use crate::techniques::add_builtin;
+use crate::techniques::maps::MapSettings;
 
 /// Registers types, and adds the system that an app without a renderer needs. Every app gets these.
 pub fn register(app: &mut App) {
@@ -47,6 +59,7 @@ pub fn register(app: &mut App) {
             Last,
             warn_without_renderer.run_if(not(resource_exists::<Installed>)), // no renderer shows shadows
         );
+    sync_models::register(app);
     add_builtin(&mut Reflected(app));
 }
 
@@ -82,14 +95,20 @@ pub fn install(app: &mut App) -> bool {
         );
     add_builtin(app);
     add_waiting(app);
+    sync_models::watch(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
     render_app
         .insert_resource(shaders)
         .init_resource::<Mirrors>()
         .init_resource::<RefusedMeshes>()
+        .init_resource::<CutOutCasters>()
         .init_resource::<Surfaces>()
         .init_resource::<Deferral>()
+        .init_resource::<ForwardShaders>()
+        .init_resource::<ForwardViews>()
+        .add_render_command::<Opaque3d, DrawShadowed>()
+        .add_render_command::<AlphaMask3d, DrawShadowed>()
         .init_resource::<DeferredViews>()
         .init_resource::<LightlessTechniques>()
         .configure_sets(
@@ -104,6 +123,9 @@ pub fn install(app: &mut App) -> bool {
             ExtractSchedule,
             (
                 publish_reports.before(AntumbraExtractSystems::Collect),
+                (collect_reloaded, extend_shaders)
+                    .chain()
+                    .before(AntumbraExtractSystems::Collect),
                 (
                     sync_cameras,
                     collect_surfaces,
@@ -111,7 +133,13 @@ pub fn install(app: &mut App) -> bool {
                 )
                     .in_set(AntumbraExtractSystems::Collect),
                 (
+                    (
+                        sync_setting::<LightClearance>,
+                        sync_setting::<OcclusionSettings>,
+                        sync_setting::<MapSettings>,
+                    ),
                     sync_transforms,
+                    sync_levels,
                     sync_objects,
                     sync_lights,
                     sync_texture_memory,
@@ -130,6 +158,12 @@ pub fn install(app: &mut App) -> bool {
                     .after(queue_material_meshes)
                     .after(queue_prepass_material_meshes),
             ),
+        )
+        .add_systems(
+            Render,
+            separate_prepass_textures
+                .in_set(RenderSystems::PrepareResources)
+                .after(prepare_prepass_textures),
         )
         .add_systems(
             Render,
@@ -154,6 +188,7 @@ pub fn install(app: &mut App) -> bool {
 /// Removes all mirrors, because what they hold on the GPU is lost with the device.
 ///
 /// Runs in `RenderStartup`.
-fn forget_mirrors(mut mirrors: ResMut<Mirrors>) {
+fn forget_mirrors(mut mirrors: ResMut<Mirrors>, mut forward: ResMut<ForwardViews>) {
     mirrors.clear();
+    forward.clear();
 }

@@ -4,6 +4,7 @@ use bevy::camera::visibility::RenderLayers;
 use bevy::color::{Color, ColorToComponents, LinearRgba};
 use bevy::ecs::world::EntityRef;
 use bevy::light::{DirectionalLight, PointLight, RectLight, SpotLight};
+use bevy::transform::components::GlobalTransform;
 use glam::Vec3;
 
 use crate::scene::{Light, LightKind, LightSelection};
@@ -23,7 +24,8 @@ pub enum BevyLight {
 
 /// Converts the Bevy light of an entity; `None` if the entity has none.
 ///
-/// A point light with a radius becomes a sphere, so that techniques with soft shadows know its size. Colour
+/// A point light with a radius becomes a sphere, so that techniques with soft shadows know its size. A
+/// rectangle's size is multiplied by the scale of its transform, because Bevy shades it with that size. Colour
 /// and intensity only show whether the light is dark, because Bevy's own functions shade.
 pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
     if let Some(light) = entity.get::<PointLight>() {
@@ -59,9 +61,15 @@ pub fn convert_light(entity: &EntityRef) -> Option<(BevyLight, Light)> {
         return Some((BevyLight::Directional, light));
     }
     let light = entity.get::<RectLight>()?;
+    // Bevy scales rectangles by the lengths of the transform's axes.
+    let axes = entity
+        .get::<GlobalTransform>()
+        .copied()
+        .unwrap_or_default()
+        .affine();
     let kind = LightKind::Rect {
-        width: light.width,
-        height: light.height,
+        width: light.width * axes.matrix3.x_axis.length(),
+        height: light.height * axes.matrix3.y_axis.length(),
     };
     Some((
         BevyLight::Rect,
@@ -103,6 +111,7 @@ pub fn selection(layers: Option<&RenderLayers>, own: Option<&LightSelection>) ->
     LightSelection {
         affects: own.affects,
         casts_for: own.casts_for & layer_bits(layers),
+        shows_on: own.shows_on,
     }
 }
 

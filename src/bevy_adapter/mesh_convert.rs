@@ -1,7 +1,9 @@
 //! Conversion of Bevy meshes to [`MeshData`].
 
-use bevy::mesh::{Indices, Mesh, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
-use glam::{Vec3, Vec4};
+use bevy::mesh::{
+    Indices, Mesh, MeshAccessError, MeshVertexAttribute, PrimitiveTopology, VertexAttributeValues,
+};
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::scene::{MeshData, MorphTarget, Submesh};
 
@@ -41,7 +43,8 @@ impl From<MeshAccessError> for MeshRefusal {
     }
 }
 
-/// Copies the parts of a mesh that shadows need: positions, triangles, normals, joints and morph targets.
+/// Copies the parts of a mesh that shadows need: positions, triangles, normals, texture coordinates, colours,
+/// joints and morph targets.
 /// Triangle strips become triangles, and meshes without indices get indices. Cost: the vertices of the mesh.
 ///
 /// # Errors
@@ -81,6 +84,14 @@ pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
     {
         data.normals = normals.iter().copied().map(Vec3::from_array).collect();
     }
+    data.uv0 = texture_coordinates(mesh, Mesh::ATTRIBUTE_UV_0, count)?;
+    data.uv1 = texture_coordinates(mesh, Mesh::ATTRIBUTE_UV_1, count)?;
+    if let Some(VertexAttributeValues::Float32x4(colors)) =
+        mesh.try_attribute_option(Mesh::ATTRIBUTE_COLOR)?
+        && colors.len() == count
+    {
+        data.colors = colors.iter().copied().map(Vec4::from_array).collect();
+    }
     if let (Some(VertexAttributeValues::Uint16x4(joints)), Some(VertexAttributeValues::Float32x4(weights))) = (
         mesh.try_attribute_option(Mesh::ATTRIBUTE_JOINT_INDEX)?,
         mesh.try_attribute_option(Mesh::ATTRIBUTE_JOINT_WEIGHT)?,
@@ -96,6 +107,20 @@ pub fn convert_mesh(mesh: &Mesh, name: &str) -> Result<MeshData, MeshRefusal> {
         index_count: data.indices.len() as u32,
     }];
     Ok(data)
+}
+
+/// Copies a set of texture coordinates. The set is empty if the mesh has no such coordinates.
+fn texture_coordinates(
+    mesh: &Mesh,
+    set: MeshVertexAttribute,
+    vertices: usize,
+) -> Result<Vec<Vec2>, MeshRefusal> {
+    Ok(match mesh.try_attribute_option(set)? {
+        Some(VertexAttributeValues::Float32x2(uvs)) if uvs.len() == vertices => {
+            uvs.iter().copied().map(Vec2::from_array).collect()
+        }
+        _ => Vec::new(),
+    })
 }
 
 /// Returns the whole triangles of a list or strip, all wound like the first. Every other triangle of a strip

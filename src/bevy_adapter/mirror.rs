@@ -8,6 +8,8 @@ use bevy::transform::components::GlobalTransform;
 
 use super::entity_map::EntityMap;
 use super::light_convert::BevyLight;
+use super::ranges::Level;
+use super::sync_models::remove_model;
 use super::view_state::ViewState;
 use crate::geometry::Aabb;
 use crate::scene::{
@@ -72,6 +74,13 @@ pub struct Mirror {
     pub fresh: bool,
     /// State with which the GPU draws the camera's lights.
     pub view: ViewState,
+    /// Objects of the game that must be synchronised again, beside those that changed in the game. Their level
+    /// of detail changed, or a transform began or ceased to mirror them.
+    pub(super) dirty: Vec<Entity>,
+    /// Objects of the game that began or ceased to show shadows in this frame.
+    pub(super) receivers_changed: Vec<Entity>,
+    /// Levels of detail, by the game's entity index. Entities beyond the end are drawn wholly.
+    levels: Vec<Level>,
     schedule: Schedule,
     map: EntityMap,
 }
@@ -95,6 +104,9 @@ impl Mirror {
             camera,
             fresh: true,
             view: ViewState::default(),
+            dirty: Vec::new(),
+            receivers_changed: Vec::new(),
+            levels: Vec::new(),
             schedule,
             map: EntityMap::default(),
         }
@@ -150,8 +162,34 @@ impl Mirror {
             for row in techniques.rows() {
                 row.remove(&mut light);
             }
+            remove_model(&mut light);
             light.remove::<(Light, LightSelection, HostLight)>();
         }
+    }
+
+    /// Whether an object of the game shows shadows.
+    pub fn shows_shadows(&self, main: Entity) -> bool {
+        let object = self.map.get(main);
+        object.is_some_and(|object| self.world.get::<ShadowReceiver>(object).is_some())
+    }
+
+    /// Returns the level of detail in which the camera shows an object of the game.
+    pub fn level(&self, main: Entity) -> Level {
+        let level = self.levels.get(main.index_u32() as usize);
+        level.copied().unwrap_or_default()
+    }
+
+    /// Sets the level of detail of an object of the game. If it changed, the object is synchronised again.
+    pub(super) fn set_level(&mut self, main: Entity, level: Level) {
+        if self.level(main) == level {
+            return;
+        }
+        let index = main.index_u32() as usize;
+        if self.levels.len() <= index {
+            self.levels.resize(index + 1, Level::Whole);
+        }
+        self.levels[index] = level;
+        self.dirty.push(main);
     }
 
     /// Moves the mirror's entity that stands for an entity of the game, if there is one.
@@ -161,6 +199,9 @@ impl Mirror {
         };
         let mut entity = self.world.entity_mut(mirrored);
         if let Some(mut place) = entity.get_mut::<GlobalTransform>() {
+            if mirrors(&place) != mirrors(transform) {
+                self.dirty.push(main);
+            }
             *place = *transform;
         }
         if let Some(bounds) = entity.get::<HostBounds>().copied()
@@ -169,6 +210,11 @@ impl Mirror {
             world.0 = bounds.0.transformed(&transform.affine());
         }
     }
+}
+
+/// Whether a transform turns a mesh inside out, as a scale with one or three negative factors does.
+pub fn mirrors(transform: &GlobalTransform) -> bool {
+    transform.affine().matrix3.determinant() < 0.0
 }
 
 /// The mirrors of all marked cameras.
@@ -182,6 +228,11 @@ impl Mirrors {
     /// Yields all mirrors, each with its camera in the game, in ascending order of that entity.
     pub fn iter(&self) -> impl Iterator<Item = (Entity, &Mirror)> {
         self.entries.iter().map(|(camera, mirror)| (*camera, mirror))
+    }
+
+    /// Yields all mirrors, each with its camera in the game, in ascending order of that entity.
+    pub fn iter_mut_with_camera(&mut self) -> impl Iterator<Item = (Entity, &mut Mirror)> {
+        self.entries.iter_mut().map(|(camera, mirror)| (*camera, mirror))
     }
 
     /// Yields all mirrors, in ascending order of their camera's entity in the game.

@@ -19,20 +19,35 @@
 //! | --- | --- |
 //! | cameras without [`AntumbraCamera`] | rendered by Bevy alone: forward or deferred as they were, with their MSAA |
 //! | opaque and alpha-masked meshes in marked cameras | drawn deferred, lit by Bevy's functions, shadowed by this crate |
-//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras; materials without a deferred shader are named in the log |
-//! | forward, transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
+//! | materials whose `opaque_render_method` is `Forward`, and those without a deferred shader | drawn forward, as for other cameras, and shadowed by this crate (see below) |
+//! | transparent and transmissive meshes, volumetric fog | lit by Bevy, and shadowed by Bevy's maps if `shadow_maps_enabled` is on; the meshes cast shadows of this crate |
 //! | lights without a technique | lit and shadowed by Bevy |
 //! | `NotShadowCaster`, `NotShadowReceiver` | work as in Bevy |
 //! | `RenderLayers` of a mesh | the mesh blocks a light if they share a layer; layers from 31 on count as one |
 //! | `Visibility` | a hidden mesh casts nothing, a hidden light does not shine |
 //! | `RenderLayers` of a light | work as in Bevy: if the light and a camera share a layer, the light lights everything that the camera sees |
-//! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, and of those that block it |
+//! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, of those that block it, and of those that show its shadows |
+//! | components of the light model on a light ([`LightShape`](crate::scene::LightShape), [`ShadowTint`](crate::scene::ShadowTint) …) | shape what Bevy's functions give on opaque surfaces, with a technique or without one; a light with a model is managed, and has no shadow but that of its technique |
+//! | [`LightWeights::ambient`](crate::scene::LightWeights) of a `RectLight`, [`SurfaceWeights`](crate::scene::SurfaceWeights) | have no effect: Bevy's rectangles give no irradiance to a surface that faces them, and Bevy's G-buffer holds no weights |
 //! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
+//! | `VisibilityRange` | a level of detail that the camera does not draw casts nothing; of two levels that fade into each other the one that is drawn more casts |
+//! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
+//! | negative and zero scales | meshes are drawn as Bevy draws them, and block light as they are drawn |
+//! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow |
+//! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
+//! | [`LightClearance`](crate::silhouettes::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
+//!
+//! Leave `shadow_maps_enabled` of managed lights off, unless transparent meshes shall have shadows. If it is on,
+//! Bevy renders its maps too; deferred surfaces do not read them, and forward ones are darkened twice. The
+//! adapter creates no Bevy views.
+//!
+//! # Materials of other types
 //!
 //! The adapter does not change `DefaultOpaqueRendererMethod`. A material of another type than
 //! `StandardMaterial` is deferred for marked cameras if it has a deferred shader of its own, or no shaders of
 //! its own. An extension draws in both ways if it returns the same shader from `fragment_shader` and
-//! `deferred_fragment_shader`, and the shader ends with
+//! `deferred_fragment_shader`, and the shader ends as below. `examples/bevy_extension.rs` is such a material,
+//! whole.
 //!
 //! ```wgsl
 //! #ifdef PREPASS_PIPELINE
@@ -44,30 +59,59 @@
 //! #endif
 //! ```
 //!
-//! Leave `shadow_maps_enabled` of managed lights off. If it is on, Bevy renders its maps too, although no
-//! opaque surface reads them. The adapter creates no Bevy views.
+//! # Casters with holes
 //!
-//! Alpha-masked casters block light with their whole triangles. Volumes and wedges always do this; in Bevy
-//! maps do it too, because the adapter does not read the textures of Bevy's materials. Meshes with several
-//! levels of detail (`VisibilityRange`) cast with all levels.
+//! Maps read the alpha of Bevy's textures on the device: [`OmniMap`](crate::techniques::OmniMap) and
+//! [`ShadowMap`](crate::techniques::ShadowMap) leave the holes of alpha-masked `StandardMaterial`s out of
+//! shadows, and of blended ones what Bevy's own maps leave out (alpha below 0.05). Give lights that shine
+//! through leaves and fences one of these techniques. Volumes and wedges are made of triangles, so under them
+//! such casters block light with their whole triangles; the log says so once for each material. A material
+//! whose whole surface is a hole casts nothing under every technique. Holes that another type of material cuts
+//! are not known to the adapter.
+//!
+//! # Forward meshes
+//!
+//! Opaque and alpha-masked meshes that stay forward show the shadows of this crate too: the light pass keeps the
+//! visibility of each managed light in a layer of an array, and a copy of the material's shader looks it up by
+//! override where Bevy's light functions are called. Where a light is seen wholly, the picture equals Bevy's
+//! forward picture bit for bit. What limits it:
+//!
+//! - The masks are the fifth bind group, because Bevy's materials use four. WebGPU guarantees no fifth. On such a
+//!   device forward meshes are lit without shadows of this crate, and the log names their materials.
+//! - The material's shader is WGSL, and its own text: overrides count in the root module alone. Other shaders
+//!   keep Bevy's light.
+//! - The mesh is in the depth prepass (`enable_prepass`), because a mask belongs to the surface that is seen. Nor
+//!   is there a mask for the back of a mesh: materials with `diffuse_transmission` keep Bevy's light.
+//! - A view keeps 16 lights, in four bytes a pixel each. Further lights are lit without shadows. Views without
+//!   forward meshes keep nothing.
+//!
+//! Transparent and transmissive meshes show no shadows of this crate. They are not in the depth prepass, and
+//! several lie behind each other at a pixel, so the mask of a pixel is not theirs.
 //!
 //! | file | subject |
 //! | --- | --- |
 //! | `install`, `systems`, `settings` | registration, order of systems, settings |
 //! | `camera`, `camera_warnings` | the marker, the components that it adds and removes, warnings |
+//! | `shared_targets` | prepass textures of cameras that share a target but not its number of samples |
+//! | `forward_views`, `forward_shaders`, `forward_masks` | shadows of meshes that stay forward |
 //! | `deferral`, `deferred_views` | the choice of materials that are deferred for marked cameras, and their queues |
 //! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
-//! | `surfaces` | opaque and see-through objects |
+//! | `surfaces`, `cut_outs` | opaque and see-through objects, holes by alpha |
+//! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
-//! | `sync`, `sync_objects`, `sync_lights`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
+//! | `sync`, `sync_objects`, `sync_lights`, `sync_models`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
 pub(crate) mod camera_warnings;
+pub(crate) mod cut_outs;
 pub(crate) mod deferral;
 pub(crate) mod deferred_views;
 pub(crate) mod entity_map;
+pub(crate) mod forward_masks;
+pub(crate) mod forward_shaders;
+pub(crate) mod forward_views;
 pub(crate) mod install;
 pub(crate) mod light_convert;
 pub(crate) mod mesh_convert;
@@ -78,13 +122,17 @@ pub(crate) mod pipelines;
 pub mod prelude;
 pub(crate) mod prepare;
 pub(crate) mod projection;
+pub(crate) mod ranges;
 pub(crate) mod refused;
 pub(crate) mod report;
 pub(crate) mod settings;
+pub(crate) mod shared_targets;
 pub(crate) mod surfaces;
 pub(crate) mod sync;
 pub(crate) mod sync_lights;
+pub(crate) mod sync_models;
 pub(crate) mod sync_objects;
+pub(crate) mod sync_settings;
 pub(crate) mod systems;
 pub(crate) mod techniques;
 pub(crate) mod view_groups;

@@ -8,6 +8,7 @@
 
 use std::sync::PoisonError;
 
+use bevy::camera::{MainPassResolutionOverride, Viewport};
 use bevy::core_pipeline::prepass::ViewPrepassTextures;
 use bevy::ecs::prelude::*;
 use bevy::pbr::MeshViewBindGroup;
@@ -34,13 +35,14 @@ pub(super) fn light_view(
         &ViewPrepassTextures,
         &MeshViewBindGroup,
         &AntumbraView,
+        Option<&MainPassResolutionOverride>,
     )>,
     mirrors: Res<Mirrors>,
     pipelines: Res<AntumbraPipelines>,
     cache: Res<PipelineCache>,
     mut ctx: RenderContext,
 ) {
-    let (main, camera, target, prepass, bevy, antumbra) = view.into_inner();
+    let (main, camera, target, prepass, bevy, antumbra, resolution) = view.into_inner();
     let (Some(mirror), Some(base)) = (mirrors.get(main.id()), cache.get_render_pipeline(antumbra.base))
     else {
         return;
@@ -69,8 +71,8 @@ pub(super) fn light_view(
         occlusion_query_set: None,
         multiview_mask: None,
     });
-    if let Some(viewport) = &camera.viewport {
-        pass.set_camera_viewport(viewport);
+    if let Some(viewport) = Viewport::from_viewport_and_override(camera.viewport.as_ref(), resolution) {
+        pass.set_camera_viewport(&viewport);
     }
     pass.set_render_pipeline(base);
     pass.set_bind_group(0, &bevy.main, &bevy.main_offsets);
@@ -88,6 +90,7 @@ pub(super) fn light_view(
             return; // Bevy draws this light
         };
         let visibility = match light.mask {
+            Some(_) if light.factors.is_some() => VisibilitySource::Terms,
             Some(_) if light.is_scaled => VisibilitySource::Scaled,
             Some(_) => VisibilitySource::Mask,
             None => VisibilitySource::Stencil,
@@ -95,7 +98,10 @@ pub(super) fn light_view(
         pass.set_bind_group(0, &*bevy.main, &bevy.main_offsets);
         pass.set_bind_group(1, &*bevy.binding_array, &[]);
         pass.set_bind_group(2, &*light_group, &[slot.offset]);
-        if let Some(mask) = light.mask {
+        if let (Some(mask), Some(factors)) = (light.mask, light.factors) {
+            let group = groups.masks(&device, &cache, &pipelines, [mask, factors]);
+            pass.set_bind_group(3, group, &[]);
+        } else if let Some(mask) = light.mask {
             pass.set_bind_group(3, groups.mask(&device, &cache, &pipelines, mask), &[]);
         }
         let mut draw = |visibility| {
@@ -110,5 +116,10 @@ pub(super) fn light_view(
             draw(VisibilitySource::Unshadowed);
         }
     };
-    renderer.record_hosted(ctx.command_encoder(), &frame, shade);
+    let layer = |light: usize| {
+        let slot = mirror.view.draws.get(light).copied().flatten()?;
+        mirror.view.forward.layer(slot.layer?)
+    };
+    let kept = mirror.view.keeps_masks.then_some(&layer as &dyn Fn(usize) -> _);
+    renderer.record_hosted_keeping(ctx.command_encoder(), &frame, kept, shade);
 }

@@ -17,16 +17,18 @@ use bevy::pbr::MeshPipelineKey;
 use bevy::pbr::deferred::{DEFAULT_PBR_DEFERRED_LIGHTING_PASS_ID, DeferredLightingLayout};
 use bevy::platform::collections::HashMap;
 use bevy::render::render_resource::binding_types::{
-    storage_buffer_read_only_sized, texture_2d, uniform_buffer_sized,
+    storage_buffer_read_only_sized, texture_2d, texture_2d_array, uniform_buffer_sized,
 };
 use bevy::render::render_resource::{
-    BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor, BlendOperation,
-    BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
+    BindGroup, BindGroupLayoutDescriptor, BindGroupLayoutEntries, BlendComponent, BlendFactor,
+    BlendOperation, BlendState, CachedPipelineState, CachedRenderPipelineId, CompareFunction, DepthBiasState,
     DepthStencilState, PipelineCache, RenderPipelineDescriptor, ShaderStages, SpecializedRenderPipeline,
     TextureFormat, TextureSampleType, VertexState,
 };
+use bevy::render::renderer::RenderDevice;
 use bevy::shader::{Shader, ShaderDefVal};
 
+use super::forward_views::MASK_GROUP;
 use super::light_convert::BevyLight;
 use super::view_state::LightDraw;
 use crate::render::Gpu;
@@ -44,11 +46,14 @@ pub enum VisibilitySource {
     Mask,
     /// The mask holds the visibility as for `Mask`, and it also applies to surfaces that show no shadows.
     Scaled,
+    /// The mask holds the visibility of all surfaces, and a second mask the factors of light functions. Ambient,
+    /// diffuse and specular light are added apart, with their weights and the colour of the shadow.
+    Terms,
 }
 
 /// The pipelines of one kind of light in one view, indexed by [`VisibilitySource`].
 #[derive(Clone, Copy, Debug)]
-pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 4]);
+pub struct LightPipelines(pub [Option<CachedRenderPipelineId>; 5]);
 
 impl LightPipelines {
     /// Returns the pipeline for a source of visibility, if it was asked for.
@@ -96,6 +101,12 @@ pub struct AntumbraPipelines {
     pub light_layout: BindGroupLayoutDescriptor,
     /// Layout of group 3 of a light with a mask.
     pub mask_layout: BindGroupLayoutDescriptor,
+    /// Layout of group 4 of forward meshes; `None` if the device allows four groups only.
+    pub forward_layout: Option<BindGroupLayoutDescriptor>,
+    /// Group 4 of forward meshes in views that are not ready.
+    pub(super) forward_neutral: Option<BindGroup>,
+    /// Layout of group 3 of a light whose terms are weighted.
+    pub masks_layout: BindGroupLayoutDescriptor,
     base: HashMap<MeshPipelineKey, CachedRenderPipelineId>,
     lights: HashMap<(MeshPipelineKey, BevyLight, VisibilitySource, TextureFormat), CachedRenderPipelineId>,
 }
@@ -107,6 +118,7 @@ pub(super) fn init_pipelines(
     mut commands: Commands,
     shaders: Res<AntumbraShaders>,
     fullscreen: Res<FullscreenShader>,
+    device: Res<RenderDevice>,
 ) {
     let uint = || texture_2d(TextureSampleType::Uint);
     let float = || texture_2d(TextureSampleType::Float { filterable: false });
@@ -127,6 +139,18 @@ pub(super) fn init_pipelines(
             &BindGroupLayoutEntries::sequential(stage, (draw, uint())),
         ),
         mask_layout: layout("antumbra mask", &BindGroupLayoutEntries::single(stage, float())),
+        forward_layout: (device.limits().max_bind_groups as usize > MASK_GROUP).then(|| {
+            let masks = texture_2d_array(TextureSampleType::Float { filterable: false });
+            layout(
+                "antumbra forward masks",
+                &BindGroupLayoutEntries::sequential(stage, (storage(), storage(), masks)),
+            )
+        }),
+        forward_neutral: None,
+        masks_layout: layout(
+            "antumbra masks",
+            &BindGroupLayoutEntries::sequential(stage, (float(), float())),
+        ),
         base: HashMap::default(),
         lights: HashMap::default(),
     });
@@ -173,9 +197,12 @@ impl AntumbraPipelines {
             &self.shaders.light,
             &self.light_layout,
         );
-        let is_masked = matches!(visibility, VisibilitySource::Mask | VisibilitySource::Scaled);
-        if is_masked {
-            descriptor.layout.push(self.mask_layout.clone());
+        match visibility {
+            VisibilitySource::Mask | VisibilitySource::Scaled => {
+                descriptor.layout.push(self.mask_layout.clone())
+            }
+            VisibilitySource::Terms => descriptor.layout.push(self.masks_layout.clone()),
+            VisibilitySource::Stencil | VisibilitySource::Unshadowed => {}
         }
         descriptor.depth_stencil = Some(DepthStencilState {
             format: depth_stencil,
@@ -199,6 +226,10 @@ impl AntumbraPipelines {
                 VisibilitySource::Mask => fragment.shader_defs.push("VISIBILITY_MASK".into()),
                 VisibilitySource::Scaled => {
                     let defs = ["VISIBILITY_MASK", "MASK_HOLDS_FOR_ALL"];
+                    fragment.shader_defs.extend(defs.map(ShaderDefVal::from));
+                }
+                VisibilitySource::Terms => {
+                    let defs = ["VISIBILITY_MASK", "MASK_HOLDS_FOR_ALL", "SEPARATE_TERMS"];
                     fragment.shader_defs.extend(defs.map(ShaderDefVal::from));
                 }
                 VisibilitySource::Unshadowed => fragment.shader_defs.push("UNSHADOWED_ONLY".into()),

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::camera::MainPassResolutionOverride;
 use bevy::color::ColorToComponents;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::prelude::*;
@@ -11,22 +12,25 @@ use bevy::pbr::{
     ExtractedDirectionalLight, ExtractedRectLight, GlobalClusterableObjectMeta, MeshPipelineKey, ViewKeyCache,
 };
 use bevy::render::camera::{ExtractedCamera, TemporalJitter};
-use bevy::render::render_resource::{BufferUsages, CachedRenderPipelineId, PipelineCache};
+use bevy::render::render_resource::{BindGroup, BufferUsages, CachedRenderPipelineId, PipelineCache};
 use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
 use bevy::render::sync_world::MainEntity;
 use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
 use glam::{UVec2, Vec3, Vec4};
 
+use super::cut_outs::CutOutTextures;
+use super::forward_masks::{MAX_LAYERS, neutral};
+use super::forward_views::{ForwardGroup, ForwardViews};
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::pipelines::{AntumbraPipelines, LightPipelines, VisibilitySource, is_ready};
 use super::projection::projection_of;
-use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed};
+use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed, ViewState};
 use crate::render::frame::hosted::HostView;
 use crate::render::{Gpu, RenderContext, RenderError, Renderer};
 use crate::scene::Camera;
-use crate::sets::{FrameLights, Objects, ViewportSize, VisibleSet};
+use crate::sets::{FrameLight, FrameLights, Objects, ViewportSize, VisibleSet};
 
 /// Marks a view that this crate lights in this frame. The component is on the view's entity in the render
 /// world.
@@ -63,6 +67,24 @@ impl DrawnWith<'_> {
         self.pipelines.resident = Some(gpu.clone());
         Ok(gpu)
     }
+
+    /// Returns the bind group with which forward meshes of a view read masks; `None` if the device has no room
+    /// for it.
+    fn forward_group(&mut self, view: &mut ViewState, is_ready: bool) -> Option<BindGroup> {
+        let pipelines = &mut *self.pipelines;
+        if view.keeps_masks
+            && is_ready
+            && let (Some(managed), Some(layers)) =
+                (view.forward_managed.buffer(), view.forward_layers.buffer())
+        {
+            let masks = &mut view.forward;
+            return masks.group(&self.device, &self.cache, pipelines, managed, layers);
+        }
+        if pipelines.forward_neutral.is_none() {
+            pipelines.forward_neutral = neutral(&self.device, &self.cache, pipelines);
+        }
+        pipelines.forward_neutral.clone()
+    }
 }
 
 /// Bevy's data from which its shaders identify lights.
@@ -79,10 +101,12 @@ type ViewItem<'a> = (
     &'a ExtractedView,
     &'a ExtractedCamera,
     Option<&'a TemporalJitter>,
+    Option<&'a MainPassResolutionOverride>,
     Has<DepthPrepass>,
     Has<DeferredPrepass>,
     Has<SkipDeferredLighting>,
     Has<AntumbraView>,
+    Option<&'a ForwardGroup>,
 );
 
 /// Runs the frame of every marked view. As soon as everything needed to draw is ready, the view's deferred
@@ -95,8 +119,16 @@ pub(super) fn prepare_views(
     views: Query<ViewItem<'static>>,
     mut gpu: DrawnWith,
     lights: BevyLights,
+    mut cut_outs: CutOutTextures,
+    forward: Res<ForwardViews>,
 ) {
-    for (view, main, extracted, camera, jitter, depth, deferred, skips, lit) in &views {
+    if cut_outs.are_needed()
+        && mirrors.iter().next().is_some()
+        && let Ok(resident) = gpu.resident()
+    {
+        cut_outs.bind(&resident); // if this fails, each view reports it
+    }
+    for (view, main, extracted, camera, jitter, resolution, depth, deferred, skips, lit, group) in &views {
         let Some(mirror) = mirrors.get_mut(main.id()) else {
             if lit {
                 commands
@@ -106,11 +138,21 @@ pub(super) fn prepare_views(
             continue;
         };
         let key = gpu.keys.get(&extracted.retained_view_entity).copied();
-        let ready = (camera.hdr && depth && deferred)
-            .then(|| {
-                key.and_then(|key| prepare_view(mirror, extracted, camera, jitter, key, &mut gpu, &lights))
-            })
-            .flatten();
+        mirror.view.keeps_masks = forward.reads_masks(extracted.retained_view_entity);
+        // An upscaler lets the main pass draw into a part of the viewport.
+        let size = resolution.map(|size| size.0).or(camera.physical_viewport_size);
+        let ready = match (key, size) {
+            (Some(key), Some(size)) if camera.hdr && depth && deferred => {
+                prepare_view(mirror, extracted, camera, (size, jitter), key, &mut gpu, &lights)
+            }
+            _ => None,
+        };
+        let wanted = gpu.forward_group(&mut mirror.view, ready.is_some());
+        if let Some(wanted) = wanted
+            && group.is_none_or(|group| group.0.id() != wanted.id())
+        {
+            commands.entity(view).insert(ForwardGroup(wanted));
+        }
         match ready {
             Some(ready) => {
                 commands.entity(view).insert(ready);
@@ -132,7 +174,7 @@ fn prepare_view(
     mirror: &mut Mirror,
     view: &ExtractedView,
     camera: &ExtractedCamera,
-    jitter: Option<&TemporalJitter>,
+    (size, jitter): (UVec2, Option<&TemporalJitter>),
     key: MeshPipelineKey,
     gpu: &mut DrawnWith,
     lights: &BevyLights,
@@ -140,7 +182,6 @@ fn prepare_view(
     if mirror.view.failed.is_some() {
         return None; // it would fail again
     }
-    let size = camera.physical_viewport_size?;
     let target = camera.physical_target_size?;
     let origin = camera
         .viewport
@@ -180,12 +221,28 @@ fn prepare_view(
     if let Err(error) = renderer.set_host(Some(host)) {
         return mirror.view.fail(error);
     }
+    renderer.set_host_terms(true);
     let depth_stencil = renderer.context().depth_stencil_format();
     mirror.run();
     if mirror.world.resource::<Renderer>().failure().is_some() {
         return None; // the mirror reports it; the next frame tries again, because it may need less
     }
+    if mirror.view.keeps_masks
+        && let Err(error) = mirror.world.resource_mut::<Renderer>().prepare_keeping()
+    {
+        return mirror.view.fail(error);
+    }
     prepare_lights(mirror, key, depth_stencil, gpu, lights);
+    if mirror.view.keeps_masks {
+        let layers = mirror
+            .view
+            .draws
+            .iter()
+            .flatten()
+            .filter_map(|slot| slot.layer)
+            .count();
+        mirror.view.forward.resize(&gpu.device, target, layers as u32);
+    }
     is_ready(&gpu.cache, base).then_some(AntumbraView { base })
 }
 
@@ -202,29 +259,61 @@ fn prepare_lights(
     let frame = world.resource::<FrameLights>();
     let (objects, visible) = (world.resource::<Objects>(), world.resource::<VisibleSet>());
     view.unshadowed_in_view = visible.set.difference(&objects.receivers).next().is_some();
-    let has_functions = world.resource::<Renderer>().has_light_functions();
+    let renderer = world.resource::<Renderer>();
     let mut managed = Managed::zeroed();
+    let mut layers = 0;
+    view.unkept_lights = 0;
+    view.layer_words.clear();
     view.draws.clear();
     view.light_draws.clear();
     view.bit_words.clear();
-    for light in &frame.lights {
+    for (index, light) in frame.lights.iter().enumerate() {
+        let drawn = &renderer.frame().lights; // in ascending order of their index
+        let active = drawn.binary_search_by_key(&index, |active| active.light);
+        let active = active.ok().map(|at| &drawn[at]);
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
-            let draw = describe(&host, lights)?;
+            let draw = with_model(describe(&host, lights)?, light);
             let wanted = [
                 (VisibilitySource::Stencil, true),
                 (VisibilitySource::Unshadowed, view.unshadowed_in_view),
                 (VisibilitySource::Mask, true),
-                (VisibilitySource::Scaled, has_functions),
+                (
+                    VisibilitySource::Scaled,
+                    active.is_some_and(|active| active.is_scaled),
+                ),
+                (
+                    VisibilitySource::Terms,
+                    active.is_some_and(|active| active.is_tinted),
+                ),
             ];
             let pipelines = pipelines_of(host.kind, key, depth_stencil, wanted, gpu)?;
-            if !manage(&mut managed, &mut view.bit_words, host.kind, &draw) {
+            let layer = (view.keeps_masks && layers < MAX_LAYERS).then_some(layers);
+            let lists = (&mut view.bit_words, &mut view.layer_words);
+            if !manage(&mut managed, lists, host.kind, &draw, layer) {
                 return None;
             }
+            layers += u32::from(layer.is_some());
+            view.unkept_lights += u32::from(view.keeps_masks && layer.is_none());
             let offset = view.light_draws.push(&draw);
-            Some(DrawSlot { offset, pipelines })
+            Some(DrawSlot {
+                offset,
+                pipelines,
+                layer,
+            })
         });
         view.draws.push(slot);
+    }
+    if view.keeps_masks {
+        let mut managed = managed;
+        managed.counts[2] = view.layer_words.len() as u32;
+        view.layer_words.push(0); // bindings are never empty
+        let (device, queue, usage) = (&gpu.device, &gpu.queue, BufferUsages::STORAGE);
+        let bytes = bytemuck::bytes_of(&managed);
+        let label = "antumbra forward lights";
+        view.forward_managed.write(device, queue, label, usage, bytes);
+        let bytes = bytemuck::cast_slice(&view.layer_words);
+        view.forward_layers.write(device, queue, label, usage, bytes);
     }
     managed.counts[2] = view.bit_words.len() as u32;
     if view.bit_words.is_empty() {
@@ -252,6 +341,22 @@ fn prepare_lights(
         uniform,
         view.light_draws.bytes(),
     );
+}
+
+/// Adds the terms of a light's model. Bevy's uniforms hold the light's colour times its brightness, so the colour of
+/// the shadow is given for a light whose largest component is 1.
+fn with_model(mut draw: LightDraw, light: &FrameLight) -> LightDraw {
+    let largest = light.light.color.max_element();
+    draw.weights = light
+        .model
+        .weights
+        .to_vec3()
+        .extend(light.model.tint.darkness)
+        .to_array();
+    if largest > 0.0 {
+        draw.shadow = (light.model.tint.color / largest).extend(0.0).to_array();
+    }
+    draw
 }
 
 /// Returns the data by which Bevy's shaders know a light; `None` if Bevy has not extracted the light.
@@ -285,8 +390,16 @@ fn unindexed(color: Vec4, place: Vec3) -> Unindexed {
     }
 }
 
-/// Lists a light as managed, so that the base draw leaves it out. Returns `false` if there is no room for it.
-fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &LightDraw) -> bool {
+/// Lists a light as managed, so that the base draw leaves it out, and forward meshes find its visibility in a
+/// layer. Returns `false` if there is no room for it.
+fn manage(
+    managed: &mut Managed,
+    (bits, layers): (&mut Vec<u32>, &mut Vec<u32>),
+    kind: BevyLight,
+    draw: &LightDraw,
+    layer: Option<u32>,
+) -> bool {
+    let layer = layer.map_or(0, |layer| layer + 1);
     let Managed {
         counts,
         directional,
@@ -301,6 +414,11 @@ fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &Li
                 bits.resize(word + 1, 0);
             }
             bits[word] |= 1 << (draw.index[0] % 32);
+            let index = draw.index[0] as usize;
+            if layers.len() <= index {
+                layers.resize(index + 1, 0);
+            }
+            layers[index] = layer;
             return true;
         }
     };
@@ -308,6 +426,7 @@ fn manage(managed: &mut Managed, bits: &mut Vec<u32>, kind: BevyLight, draw: &Li
         return false;
     };
     *slot = draw.unindexed;
+    slot.place[3] = layer as f32;
     *count += 1;
     true
 }
@@ -318,7 +437,7 @@ fn pipelines_of(
     kind: BevyLight,
     key: MeshPipelineKey,
     depth_stencil: wgpu::TextureFormat,
-    wanted: [(VisibilitySource, bool); 4],
+    wanted: [(VisibilitySource, bool); 5],
     gpu: &mut DrawnWith,
 ) -> Option<LightPipelines> {
     let mut ready = true;

@@ -5,6 +5,8 @@ use bevy::ecs::prelude::*;
 use bevy::ecs::world::EntityRef;
 use bevy::render::MainWorld;
 
+use super::cut_outs::CutOutCasters;
+use super::forward_masks::MAX_LAYERS;
 use super::light_convert::convert_light;
 use super::mirror::{HostEntity, Mirror, Mirrors};
 use super::refused::RefusedMeshes;
@@ -43,10 +45,12 @@ pub(super) fn publish_reports(
     mirrors: Res<Mirrors>,
     refused: Res<RefusedMeshes>,
     lightless: Res<LightlessTechniques>,
+    cut_outs: Res<CutOutCasters>,
     mut own: Local<Reports>,
     mut log: Local<Log>,
 ) {
     refused.raise(&mut own);
+    cut_outs.raise(&mirrors, &mut own);
     raise_lightless(&lightless, &mut own);
     raise_views(&mirrors, &mut own);
     let Some(mut all) = main.get_resource_mut::<Reports>() else {
@@ -83,7 +87,17 @@ fn raise_views(mirrors: &Mirrors, own: &mut Reports) {
     for (camera, mirror) in mirrors.iter() {
         if let Some(error) = &mirror.view.failed {
             raise_failure(&mut round, Some(camera), error);
-        } else if mirror.view.odd_projection {
+            continue;
+        }
+        if mirror.view.unkept_lights > 0 {
+            round.raise(Some(camera), UNKEPT_LIGHTS, || {
+                format!(
+                    "Meshes that are drawn forward show the shadows of {MAX_LAYERS} lights only, and the camera has more. Give \
+                     their materials a deferred shader, or use fewer lights with a technique."
+                )
+            });
+        }
+        if mirror.view.odd_projection {
             round.raise(Some(camera), ODD_PROJECTION, || {
                 "The camera shows no shadows of ours: its projection is neither perspective nor orthographic. Give it a \
                  PerspectiveProjection or an OrthographicProjection."
@@ -95,6 +109,9 @@ fn raise_views(mirrors: &Mirrors, own: &mut Reports) {
 
 /// Report code of a camera with an unsupported projection. It is greater than the codes of [`raise_failure`].
 const ODD_PROJECTION: u32 = 100;
+
+/// Report code of a camera with more managed lights than forward meshes can show.
+const UNKEPT_LIGHTS: u32 = 101;
 
 /// Yields the reports of a mirror with the game's entities. Reports about entities that are gone are left
 /// out.

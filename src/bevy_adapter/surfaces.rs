@@ -6,16 +6,18 @@
 
 use std::sync::Arc;
 
-use bevy::asset::{AssetEvent, AssetId, Assets};
+use bevy::asset::{AssetEvent, AssetId, Assets, VisitAssetDependencies};
 use bevy::ecs::prelude::*;
 use bevy::ecs::world::EntityRef;
+use bevy::image::Image;
 use bevy::material::AlphaMode as BevyAlphaMode;
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::platform::collections::HashMap;
 use bevy::render::Extract;
 use bevy::render::render_resource::Face;
 
-use crate::scene::{AlphaMode, Material, SceneMaterials};
+use super::cut_outs::{CutMaterial, CutOut};
+use crate::scene::{AlphaMode, Material, MeshData, SceneMaterials};
 
 /// The kind of an object's surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,9 +26,13 @@ pub enum Surface {
     OneSided,
     /// The surface is opaque from both sides.
     TwoSided,
-    /// The surface may be seen through: it is alpha-masked, blended, transmissive or culled in front, its
-    /// material is not a `StandardMaterial`, or its material is not known yet.
+    /// The surface is opaque, and its front faces are culled.
+    BackAlone,
+    /// The surface may be seen through: it is alpha-masked, blended or transmissive, its material is not a
+    /// `StandardMaterial`, or its material is not known yet.
     SeenThrough,
+    /// Bevy does not draw the surface: a texture of its material is not loaded.
+    NotDrawn,
 }
 
 impl Surface {
@@ -37,20 +43,38 @@ impl Surface {
         }
         match material.cull_mode {
             Some(Face::Back) => Self::OneSided,
-            Some(Face::Front) => Self::SeenThrough, // only faces that are turned away are seen
+            Some(Face::Front) => Self::BackAlone,
             None => Self::TwoSided,
+        }
+    }
+
+    /// Returns the surface of an object that a transform turns inside out. Bevy culls by the winding on the
+    /// screen, whatever the transform, so such an object shows its other side.
+    pub fn turned(self) -> Self {
+        match self {
+            Self::OneSided => Self::BackAlone,
+            Self::BackAlone => Self::OneSided,
+            other => other,
         }
     }
 }
 
-/// The surfaces of the game's materials, and three materials of this crate that stand for them. The resource
-/// is in the render world.
+/// The surfaces of the game's materials, and the materials of this crate that stand for them. The resource is
+/// in the render world.
 #[derive(Resource, Debug)]
 pub struct Surfaces {
     known: HashMap<AssetId<StandardMaterial>, Surface>,
+    /// Materials that are alpha-masked or blended.
+    pub(super) cut_outs: HashMap<AssetId<StandardMaterial>, CutMaterial>,
+    /// Materials with a texture that is not loaded yet.
+    unloaded: Vec<AssetId<StandardMaterial>>,
+    /// Materials that got another texture on the device since the last frame was extracted.
+    pub(super) renewed: Vec<AssetId<StandardMaterial>>,
     /// Materials whose surface changed in this frame.
     changed: Vec<AssetId<StandardMaterial>>,
-    materials: [SceneMaterials; 3],
+    one_sided: SceneMaterials,
+    two_sided: SceneMaterials,
+    seen_through: SceneMaterials,
 }
 
 impl Default for Surfaces {
@@ -68,27 +92,58 @@ impl Default for Surfaces {
         };
         Self {
             known: HashMap::default(),
+            cut_outs: HashMap::default(),
+            unloaded: Vec::new(),
+            renewed: Vec::new(),
             changed: Vec::new(),
-            materials: [
-                material(AlphaMode::Opaque, false),
-                material(AlphaMode::Opaque, true),
-                material(AlphaMode::Mask(0.5), true),
-            ],
+            one_sided: material(AlphaMode::Opaque, false),
+            two_sided: material(AlphaMode::Opaque, true),
+            // A cutoff of 0 cuts nothing: how the surface is seen through is not known.
+            seen_through: material(AlphaMode::Mask(0.0), true),
         }
     }
 }
 
+/// An object's `StandardMaterial`; `None` if its material is of another type.
+pub fn standard_material(object: &EntityRef) -> Option<AssetId<StandardMaterial>> {
+    let material = object.get::<MeshMaterial3d<StandardMaterial>>()?;
+    Some(material.0.id())
+}
+
 impl Surfaces {
-    /// Returns the surface of an object of the game.
-    pub fn of_object(&self, object: &EntityRef) -> Surface {
-        let material = object.get::<MeshMaterial3d<StandardMaterial>>();
-        let known = material.and_then(|material| self.known.get(&material.0.id()));
+    /// Returns the surface of a material; `None` stands for a material of another type.
+    pub fn get(&self, material: Option<AssetId<StandardMaterial>>) -> Surface {
+        let known = material.and_then(|material| self.known.get(&material));
         known.copied().unwrap_or(Surface::SeenThrough)
     }
 
-    /// Returns the materials for a surface. All objects with the same surface share them.
-    pub fn materials(&self, surface: Surface) -> &SceneMaterials {
-        &self.materials[surface as usize]
+    /// Whether a texture cuts holes with sharp edges into a material.
+    pub fn is_cut_out(&self, material: AssetId<StandardMaterial>) -> bool {
+        let cut = self.cut_outs.get(&material).map(|known| known.cut);
+        cut.is_some_and(|cut| cut.is_sharp && cut.image.is_some())
+    }
+
+    /// Returns the materials of an object with this surface and this mesh; `None` if the object is not drawn.
+    /// Objects whose surfaces are alike share them.
+    pub fn materials(
+        &self,
+        surface: Surface,
+        material: Option<AssetId<StandardMaterial>>,
+        mesh: Option<&MeshData>,
+    ) -> Option<&SceneMaterials> {
+        match surface {
+            Surface::OneSided => Some(&self.one_sided),
+            Surface::TwoSided => Some(&self.two_sided),
+            Surface::NotDrawn => None,
+            Surface::BackAlone => Some(&self.seen_through),
+            Surface::SeenThrough => {
+                let cut = material.and_then(|material| self.cut_outs.get(&material));
+                let cut = cut.filter(|known| {
+                    known.cut.image.is_none() || mesh.is_some_and(|mesh| known.cut.has_coordinates(mesh))
+                });
+                Some(cut.map_or(&self.seen_through, |known| &known.materials))
+            }
+        }
     }
 
     /// Whether the surface of a material changed in this frame.
@@ -100,36 +155,83 @@ impl Surfaces {
     pub fn any_changed(&self) -> bool {
         !self.changed.is_empty()
     }
+
+    fn look_at(
+        &mut self,
+        id: AssetId<StandardMaterial>,
+        material: &StandardMaterial,
+        images: &Assets<Image>,
+    ) {
+        let cut = CutOut::of_material(material);
+        let is_loaded = is_loaded(material, images);
+        if !is_loaded && !self.unloaded.contains(&id) {
+            self.unloaded.push(id);
+        }
+        let surface = if !is_loaded || cut.is_some_and(|cut| cut.is_everywhere()) {
+            Surface::NotDrawn
+        } else {
+            Surface::of_material(material)
+        };
+        let known_cut = self.cut_outs.get(&id).map(|known| known.cut);
+        if known_cut != cut {
+            match cut {
+                Some(cut) => self.cut_outs.insert(id, CutMaterial::new(cut)),
+                None => self.cut_outs.remove(&id),
+            };
+        }
+        if self.known.insert(id, surface) != Some(surface) || known_cut != cut {
+            self.changed.push(id);
+        }
+    }
+
+    fn forget(&mut self, id: AssetId<StandardMaterial>) {
+        self.cut_outs.remove(&id);
+        if self.known.remove(&id).is_some() {
+            self.changed.push(id);
+        }
+    }
 }
 
-/// Reads the surfaces of materials that were added or changed. A change of colour alone does not change the
-/// surface.
+/// Whether all textures of a material are loaded. Bevy draws nothing with a material before they are.
+fn is_loaded(material: &StandardMaterial, images: &Assets<Image>) -> bool {
+    let mut is_loaded = true;
+    material.visit_dependencies(&mut |texture| {
+        is_loaded &= texture
+            .try_typed::<Image>()
+            .is_ok_and(|image| images.contains(image));
+    });
+    is_loaded
+}
+
+/// Reads the surfaces of materials that were added or changed, and of those whose textures were not loaded. A
+/// change of colour alone does not change the surface.
 ///
 /// Runs in `ExtractSchedule`. Set: [`Collect`](super::AntumbraExtractSystems::Collect).
 pub(super) fn collect_surfaces(
     mut surfaces: ResMut<Surfaces>,
     mut events: Extract<MessageReader<AssetEvent<StandardMaterial>>>,
     materials: Extract<Res<Assets<StandardMaterial>>>,
+    images: Extract<Res<Assets<Image>>>,
 ) {
     let surfaces = &mut *surfaces;
     surfaces.changed.clear();
+    surfaces.changed.append(&mut surfaces.renewed);
     for event in events.read() {
         match *event {
             AssetEvent::Added { id } | AssetEvent::Modified { id } => {
-                let Some(material) = materials.get(id) else {
-                    continue;
-                };
-                let surface = Surface::of_material(material);
-                if surfaces.known.insert(id, surface) != Some(surface) {
-                    surfaces.changed.push(id);
+                if let Some(material) = materials.get(id) {
+                    surfaces.look_at(id, material, &images);
                 }
             }
-            AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
-                if surfaces.known.remove(&id).is_some() {
-                    surfaces.changed.push(id);
-                }
-            }
+            AssetEvent::Removed { id } | AssetEvent::Unused { id } => surfaces.forget(id),
             AssetEvent::LoadedWithDependencies { .. } => {}
+        }
+    }
+    if !surfaces.unloaded.is_empty() {
+        for id in std::mem::take(&mut surfaces.unloaded) {
+            if let Some(material) = materials.get(id) {
+                surfaces.look_at(id, material, &images);
+            }
         }
     }
 }
@@ -147,7 +249,7 @@ mod tests {
         };
         assert_eq!(of(|_| ()), Surface::OneSided);
         assert_eq!(of(|m| m.cull_mode = None), Surface::TwoSided);
-        assert_eq!(of(|m| m.cull_mode = Some(Face::Front)), Surface::SeenThrough);
+        assert_eq!(of(|m| m.cull_mode = Some(Face::Front)), Surface::BackAlone);
         assert_eq!(
             of(|m| m.alpha_mode = BevyAlphaMode::Mask(0.5)),
             Surface::SeenThrough

@@ -1,4 +1,4 @@
-//! Synchronisation of the mirrors' lights with the game's lights that have a technique.
+//! Synchronisation of the mirrors' lights with the game's lights that have a technique or a light model.
 
 use bevy::camera::visibility::{InheritedVisibility, RenderLayers};
 use bevy::ecs::prelude::*;
@@ -10,6 +10,7 @@ use bevy::transform::components::GlobalTransform;
 use super::light_convert::{convert_light, selection};
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::report::LightlessTechniques;
+use super::sync_models::{copy_model, has_model};
 use super::techniques::TouchedLights;
 use crate::scene::{Light, LightSelection};
 use crate::techniques::Techniques;
@@ -34,6 +35,9 @@ type LightChanged = (
     )>,
 );
 
+/// Filter of rectangles that moved: their size depends on their transform's scale.
+type RectMoved = (With<RectLight>, Changed<GlobalTransform>);
+
 /// Removed components that force a light to be synchronised again.
 #[derive(bevy::ecs::system::SystemParam)]
 pub struct RemovedFromLights<'w, 's> {
@@ -45,7 +49,7 @@ pub struct RemovedFromLights<'w, 's> {
     selection: Extract<'w, 's, RemovedComponents<'static, 'static, LightSelection>>,
 }
 
-/// Copies lights that appeared, changed, were hidden or lost their technique to the mirrors.
+/// Copies lights that appeared, changed, were hidden or lost their technique and their light model to the mirrors.
 ///
 /// Runs in `ExtractSchedule`. Set: [`Sync`](super::AntumbraExtractSystems::Sync). In a steady frame it only
 /// reads change ticks.
@@ -56,6 +60,7 @@ pub(super) fn sync_lights(
     mut touched: ResMut<TouchedLights>,
     mut lightless: ResMut<LightlessTechniques>,
     changed: Extract<Query<Entity, LightChanged>>,
+    moved: Extract<Query<Entity, RectMoved>>,
     all: Extract<
         Query<
             Entity,
@@ -71,6 +76,7 @@ pub(super) fn sync_lights(
 ) {
     let dirty = &mut touched.lights;
     dirty.extend(changed.iter());
+    dirty.extend(moved.iter());
     dirty.extend(removed.point.read());
     dirty.extend(removed.spot.read());
     dirty.extend(removed.directional.read());
@@ -102,7 +108,7 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
         return;
     };
     let layers = light.get::<RenderLayers>();
-    let shines = techniques.on(light).next().is_some()
+    let shines = (techniques.on(light).next().is_some() || has_model(&light))
         && light
             .get::<InheritedVisibility>()
             .is_none_or(|visibility| visibility.get())
@@ -133,4 +139,5 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     for row in techniques.rows() {
         row.copy(&light, &mut target);
     }
+    copy_model(&light, &mut target);
 }

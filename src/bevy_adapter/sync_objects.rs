@@ -16,11 +16,13 @@ use bevy::render::{Extract, MainWorld};
 use bevy::transform::components::GlobalTransform;
 use glam::Vec3;
 
+use super::cut_outs::CutOutCasters;
 use super::light_convert::layer_bits;
 use super::mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
-use super::mirror::{HostBounds, Mirror, Mirrors};
+use super::mirror::{HostBounds, Mirror, Mirrors, mirrors};
+use super::ranges::Level;
 use super::refused::RefusedMeshes;
-use super::surfaces::Surfaces;
+use super::surfaces::{Surface, Surfaces, standard_material};
 use crate::geometry::Aabb;
 use crate::scene::{
     LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
@@ -70,6 +72,7 @@ pub(super) fn sync_objects(
     main: Res<MainWorld>,
     mut mirrors: ResMut<Mirrors>,
     mut refused: ResMut<RefusedMeshes>,
+    mut cut_outs: ResMut<CutOutCasters>,
     changed: Extract<Query<Entity, ObjectChanged>>,
     all: Extract<Query<(Entity, &Mesh3d)>>,
     morphed: Extract<Query<(Entity, &MeshMorphWeights), With<Mesh3d>>>,
@@ -92,6 +95,7 @@ pub(super) fn sync_objects(
     dirty.extend(removed.weights.read());
     dirty.extend(removed.material.read());
     if surfaces.any_changed() {
+        cut_outs.retain(|material| surfaces.is_cut_out(material));
         let uses = materials
             .iter()
             .filter(|(_, material)| surfaces.changed(material.0.id()));
@@ -112,45 +116,42 @@ pub(super) fn sync_objects(
     }
     dirty.sort_unstable();
     dirty.dedup();
+    let game = Game {
+        main: &main,
+        library: &library,
+        surfaces: &surfaces,
+    };
     for mirror in mirrors.iter_mut() {
-        if mirror.fresh {
-            for (entity, _) in &all {
-                sync_object(
-                    mirror,
-                    &main,
-                    &library,
-                    &surfaces,
-                    &mut refused,
-                    &mut waiting,
-                    entity,
-                );
-            }
+        let mut own = std::mem::take(&mut mirror.dirty);
+        let is_fresh = mirror.fresh;
+        let mut sync =
+            |entity| sync_object(mirror, &game, (&mut refused, &mut cut_outs), &mut waiting, entity);
+        if is_fresh {
+            all.iter().for_each(|(entity, _)| sync(entity));
         } else {
-            for &entity in &*dirty {
-                sync_object(
-                    mirror,
-                    &main,
-                    &library,
-                    &surfaces,
-                    &mut refused,
-                    &mut waiting,
-                    entity,
-                );
-            }
+            own.retain(|entity| dirty.binary_search(entity).is_err());
+            own.iter().chain(&*dirty).for_each(|&entity| sync(entity));
         }
+        own.clear();
+        mirror.dirty = own; // keeps its allocation
     }
+}
+
+/// The parts of the game from which objects are copied.
+struct Game<'a> {
+    main: &'a World,
+    library: &'a MeshLibrary,
+    surfaces: &'a Surfaces,
 }
 
 fn sync_object(
     mirror: &mut Mirror,
-    main: &World,
-    library: &MeshLibrary,
-    surfaces: &Surfaces,
-    refused: &mut RefusedMeshes,
+    game: &Game,
+    (refused, cut_outs): (&mut RefusedMeshes, &mut CutOutCasters),
     waiting: &mut Vec<Entity>,
     entity: Entity,
 ) {
-    let Ok(object) = main.get_entity(entity) else {
+    let Ok(object) = game.main.get_entity(entity) else {
         mirror.despawn(entity);
         return;
     };
@@ -165,7 +166,7 @@ fn sync_object(
         mirror.remove_object(entity);
         return;
     };
-    let ready = match library.get(mesh.0.id()) {
+    let ready = match game.library.get(mesh.0.id()) {
         Some(MeshEntry::Ready(ready)) => Some(ready),
         Some(MeshEntry::Refused(refusal)) => {
             refused.insert(mesh.0.id(), mesh.0.path(), entity, *refusal);
@@ -177,46 +178,74 @@ fn sync_object(
     match ready {
         Some(ready) => {
             insert_mesh(mirror, mirrored, ready);
-            if !sync_pose(mirror, main, &object, mirrored) {
+            if !sync_pose(mirror, game.main, &object, mirrored) {
                 waiting.push(entity);
             }
         }
         None => insert_bounds(mirror, mirrored, &object, transform),
     }
     let layers = object.get::<RenderLayers>();
-    let seen = mirror.layers.intersects(layers.unwrap_or_default());
     let bits = SelectionLayers(layer_bits(layers));
+    let level = mirror.level(entity);
+    let material = standard_material(&object);
+    let surface = surface_of(&object, transform, level, game.surfaces);
+    let seen = level.is_drawn() && mirror.layers.intersects(layers.unwrap_or_default());
     let mut target = mirror.world.entity_mut(mirrored);
     if target.get::<SelectionLayers>() != Some(&bits) {
         target.insert(bits);
     }
-    set(
-        &mut target,
-        ShadowCaster,
-        ready.is_some() && !object.contains::<NotShadowCaster>(),
-    );
-    set(
+    let casts = ready.is_some()
+        && level.casts()
+        && surface != Surface::NotDrawn
+        && !object.contains::<NotShadowCaster>();
+    set(&mut target, ShadowCaster, casts);
+    if casts && material.is_some_and(|material| game.surfaces.is_cut_out(material)) {
+        cut_outs.insert(&object);
+    }
+    let turned = set(
         &mut target,
         ShadowReceiver,
         !object.contains::<NotShadowReceiver>(),
     );
-    let materials = surfaces.materials(surfaces.of_object(&object));
-    let same = |known: &SceneMaterials| Arc::ptr_eq(&known.0[0], &materials.0[0]);
-    if !seen {
-        target.remove::<SceneMaterials>();
-    } else if !target.get::<SceneMaterials>().is_some_and(same) {
-        target.insert(materials.clone());
+    let mesh = ready.map(|ready| &*ready.data);
+    let materials = game.surfaces.materials(surface, material, mesh).filter(|_| seen);
+    let same = |known: &SceneMaterials, materials: &SceneMaterials| Arc::ptr_eq(&known.0[0], &materials.0[0]);
+    match (target.get::<SceneMaterials>(), materials) {
+        (Some(_), None) => {
+            target.remove::<SceneMaterials>();
+        }
+        (Some(known), Some(materials)) if same(known, materials) => {}
+        (_, Some(materials)) => {
+            target.insert(materials.clone());
+        }
+        (None, None) => {}
+    }
+    if turned {
+        mirror.receivers_changed.push(entity);
     }
 }
 
-fn set<C: Component>(target: &mut EntityWorldMut, marker: C, wanted: bool) {
-    if wanted != target.contains::<C>() {
-        if wanted {
-            target.insert(marker);
-        } else {
-            target.remove::<C>();
-        }
+/// Returns the surface of an object as a camera sees it.
+fn surface_of(object: &EntityRef, transform: &GlobalTransform, level: Level, surfaces: &Surfaces) -> Surface {
+    let surface = surfaces.get(standard_material(object));
+    match (surface, level) {
+        (Surface::NotDrawn, _) => surface,
+        (_, Level::Fading { .. }) => Surface::SeenThrough, // a share of its pixels shows what is behind
+        // Joints alone place a skinned mesh.
+        _ if mirrors(transform) && !object.contains::<SkinnedMesh>() => surface.turned(),
+        _ => surface,
     }
+}
+
+/// Inserts or removes a marker. Returns whether that changed anything.
+fn set<C: Component>(target: &mut EntityWorldMut, marker: C, wanted: bool) -> bool {
+    let changes = wanted != target.contains::<C>();
+    if changes && wanted {
+        target.insert(marker);
+    } else if changes {
+        target.remove::<C>();
+    }
+    changes
 }
 
 fn insert_mesh(mirror: &mut Mirror, mirrored: Entity, ready: &ReadyMesh) {

@@ -14,7 +14,7 @@ use super::systems::Installed;
 use crate::schedule::AntumbraSystems;
 use crate::techniques::{AddTechnique, Technique, Techniques};
 
-/// Lights of the game whose technique was inserted, changed or removed in this frame. The resource is in the
+/// Lights of the game whose technique or light model was inserted, changed or removed in this frame. The resource is in the
 /// render world.
 #[derive(Resource, Default)]
 pub struct TouchedLights {
@@ -92,7 +92,7 @@ impl AddTechnique for Reflected<'_> {
     }
 }
 
-fn collect_touched<T: Component>(
+pub(super) fn collect_touched<T: Component>(
     mut touched: ResMut<TouchedLights>,
     changed: Extract<Query<Entity, Changed<T>>>,
     mut removed: Extract<RemovedComponents<T>>,

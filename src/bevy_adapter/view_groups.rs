@@ -17,12 +17,13 @@ pub struct ViewGroups {
     base: Kept<(BufferId, BufferId, TextureViewId), BindGroup>,
     light: Kept<(BufferId, TextureViewId), BindGroup>,
     mask: Kept<wgpu::TextureView, wgpu::BindGroup>,
+    masks: Kept<[wgpu::TextureView; 2], wgpu::BindGroup>,
 }
 
 impl ViewGroups {
     /// Returns the number of groups made so far. It does not grow in a steady frame.
     pub fn made(&self) -> usize {
-        self.base.made + self.light.made + self.mask.made
+        self.base.made + self.light.made + self.mask.made + self.masks.made
     }
 
     /// Returns group 2 of the base draw and group 2 of the lights; `None` before the view's buffers are
@@ -60,6 +61,21 @@ impl ViewGroups {
             )
         });
         Some((base.clone(), light.clone()))
+    }
+
+    /// Returns group 3 of lights whose terms are weighted: the mask, and the factors of light functions.
+    pub(super) fn masks(
+        &mut self,
+        device: &RenderDevice,
+        cache: &PipelineCache,
+        pipelines: &AntumbraPipelines,
+        views: [&wgpu::TextureView; 2],
+    ) -> &wgpu::BindGroup {
+        self.masks.get(views.map(Clone::clone), || {
+            let layout = cache.get_bind_group_layout(&pipelines.masks_layout);
+            let views = views.map(wgpu::BindingResource::TextureView);
+            bind_in_order(device.wgpu_device(), "antumbra masks", &layout, views)
+        })
     }
 
     /// Returns group 3 of lights with a mask. The lights of a frame share one mask.

@@ -7,6 +7,7 @@ use bevy::render::render_resource::{Buffer, BufferDescriptor, BufferUsages};
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bytemuck::{Pod, Zeroable};
 
+use super::forward_masks::ForwardMasks;
 use super::pipelines::LightPipelines;
 use super::view_groups::ViewGroups;
 use crate::render::RenderError;
@@ -19,7 +20,8 @@ use crate::render::gpu::strided::Strided;
 pub struct Unindexed {
     /// Colour as Bevy uploads it: linear RGBA times lux or lumens.
     pub color: [f32; 4],
-    /// Unit direction towards a directional light, or position of a rectangle's centre, world space; w is 0.
+    /// Unit direction towards a directional light, or position of a rectangle's centre, world space. In lists of
+    /// lights, w is 1 more than the layer with the light's visibility; it is 0 if there is no layer.
     pub place: [f32; 4],
 }
 
@@ -45,11 +47,15 @@ pub struct LightDraw {
     pub unindexed: Unindexed,
     /// Bevy's index of a point or spot light in x.
     pub index: [u32; 4],
+    /// Weights of ambient, diffuse and specular light; w: darkness of shadows.
+    pub weights: [f32; 4],
+    /// Colour of shadows, linear RGB, for a light whose largest component is 1; w unused.
+    pub shadow: [f32; 4],
 }
 
 // These are the sizes in the shaders. Naga cannot read those shaders without Bevy's, so no test compares the
 // structs. `tests/bevy/shading.rs` would show a difference in the picture.
-const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 48);
+const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 80);
 
 /// The uniforms and pipelines with which a light of the frame is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -58,6 +64,8 @@ pub struct DrawSlot {
     pub offset: u32,
     /// Pipelines of the light's kind.
     pub pipelines: LightPipelines,
+    /// Layer in which the light's visibility is kept for forward meshes, if they read it.
+    pub layer: Option<u32>,
 }
 
 /// A buffer that grows, and is written only when its content changed.
@@ -116,6 +124,16 @@ pub struct ViewState {
     pub bits: Uploaded,
     /// Buffer with the lights' [`LightDraw`]s at dynamic offsets.
     pub lights: Uploaded,
+    /// The managed lights as forward meshes read them, with layers.
+    pub forward_managed: Uploaded,
+    /// For each point and spot light, by Bevy's index: 1 more than the layer with its visibility, or 0.
+    pub forward_layers: Uploaded,
+    /// The masks that forward meshes read.
+    pub forward: ForwardMasks,
+    /// Whether the view keeps its lights' visibility in this frame.
+    pub keeps_masks: bool,
+    /// Number of managed lights whose visibility the view cannot keep, because there are too many.
+    pub unkept_lights: u32,
     /// Bind groups of the view. They are made while the view is drawn; the mutex allows this although the
     /// mirror is only read then.
     pub groups: Mutex<ViewGroups>,
@@ -129,6 +147,8 @@ pub struct ViewState {
     pub(super) bit_words: Vec<u32>,
     /// Contents of `lights`. They are kept to reuse their allocation.
     pub(super) light_draws: Strided<LightDraw>,
+    /// Contents of `forward_layers`. They are kept to reuse their allocation.
+    pub(super) layer_words: Vec<u32>,
 }
 
 impl ViewState {

@@ -9,6 +9,7 @@ pub mod edge_mesh;
 pub(crate) mod frustum;
 pub(crate) mod light_hull;
 pub(crate) mod plane_set;
+pub(crate) mod pyramid;
 pub(crate) mod sphere;
 pub(crate) mod triangle;
 
@@ -19,5 +20,6 @@ pub use convex_solid::SolidEdge;
 pub use frustum::{Frustum, FrustumShape};
 pub use light_hull::{Emitter, LightHull};
 pub use plane_set::{Plane, PlaneSet, excludes_points};
+pub use pyramid::Pyramid;
 pub use sphere::Sphere;
 pub use triangle::distance_to_triangle;

@@ -109,7 +109,7 @@ pub fn soft_visibility_at(
     sampled_visibility(scene, hit, &light.shape, light.selection.casts_for, side, random)
 }
 
-/// Evaluates the pixels that count. Surfaces that do not receive see the whole light.
+/// Evaluates the pixels that count. Surfaces that show no shadows of the light see the whole light.
 fn per_pixel(
     scene: &RayScene,
     image: &HitImage,
@@ -123,7 +123,7 @@ fn per_pixel(
         };
         if triangle.layers & light.selection.affects == 0 || !light.reaches(hit) {
             f32::NAN
-        } else if !triangle.receives {
+        } else if !triangle.receives || triangle.layers & light.selection.shows_on == 0 {
             1.0
         } else {
             visibility(index, hit)

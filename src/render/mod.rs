@@ -5,6 +5,7 @@
 //! | `gpu` | tools on top of wgpu: buffers, bind groups, timings, read-back |
 //! | `pools` | meshes, materials, objects and lights in buffers |
 //! | `frame` | one frame: draw lists, targets, and the passes in their order (`frame/record.rs`) |
+//! | `light_model` | the GPU side of the light model |
 //! | `nodes` | the passes that no technique owns, one file each |
 //!
 //! A technique joins the frame with a [`Recorder`].
@@ -13,6 +14,7 @@ pub(crate) mod context;
 pub(crate) mod frame;
 pub(crate) mod gpu;
 pub(crate) mod light_function;
+pub(crate) mod light_model;
 pub(crate) mod nodes;
 pub(crate) mod pools;
 pub(crate) mod recorder;
@@ -37,6 +39,7 @@ pub use gpu::timings::{PassTime, Timings};
 pub use light_function::{LightFunction, MULTIPLY};
 pub use nodes::pipelines::{SURFACE_BUFFERS, VISIBILITY_FORMAT};
 pub use nodes::surfaces::SurfaceResources;
+pub use pools::materials::HostTexture;
 pub use pools::meshes::OversizedMesh;
 pub use recorder::{
     Leaves, Mark, PictureInput, PrepareInput, Receivers, RecordInput, Recorder, Resolve, ResolveInput,

@@ -15,9 +15,12 @@ use super::gpu::buffers::GrowingBuffer;
 use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
 use super::light_function::LightFunction;
+use super::light_model::function::{LightModelFunction, is_scaled};
+use super::light_model::textures::function::LightTextureFunction;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
+use super::nodes::keep_visibility::KeepVisibility;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::light_function::StencilToMask;
 use super::nodes::pipelines::SurfacePipelines;
@@ -31,6 +34,7 @@ use super::recorder::{Leaves, Recorder};
 use super::recorders::Recorders;
 use super::settings::RenderSettings;
 use super::{FrameTargets, Gpu, RenderContext, RenderError};
+use crate::sets::FrameLights;
 
 /// Draws the frames of one view. It is a resource: the systems of the set `PrepareGpu` prepare a frame, and
 /// [`Renderer::record`] records it.
@@ -47,6 +51,8 @@ pub struct Renderer {
     pub(super) table: ObjectTable,
     pub(super) table_generation: Option<u64>,
     pub(super) last_clip_from_world: Option<DMat4>,
+    /// True after a frame that failed: what changed in it has not reached the GPU.
+    pub(super) has_missed_changes: bool,
     pub(super) view_buffer: wgpu::Buffer,
     pub(super) objects: GrowingBuffer,
     pub(super) lights: StridedUniforms<gpu_types::Light>,
@@ -56,12 +62,16 @@ pub struct Renderer {
     pub(super) draw_lists: DrawListBuilder,
     pub(super) techniques: Recorders,
     pub(super) functions: Vec<Box<dyn LightFunction>>,
+    has_light_model: bool,
+    has_light_textures: bool,
     pub(super) stencil_to_mask: Option<StencilToMask>,
     pub(super) targets: Option<FrameTargets>,
     pub(super) radiance: Option<(RadianceTarget, wgpu::BindGroup)>,
     pub(super) host: Option<HostView>,
+    pub(super) host_terms: bool,
     pub(super) host_depth: Option<HostDepth>,
     pub(super) host_select: Option<HostSelect>,
+    pub(super) keep_visibility: Option<KeepVisibility>,
     pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
     pub(super) depth_copy: DepthCopy,
@@ -115,18 +125,23 @@ impl Renderer {
             table: ObjectTable::default(),
             table_generation: None,
             last_clip_from_world: None,
+            has_missed_changes: false,
             view_group: bind_view(&gpu, &view_buffer, &objects.buffer),
             light_group: bind_lights(&gpu, &lights),
             instances: GrowingBuffer::new(context, "instances", wgpu::BufferUsages::VERTEX),
             draw_lists: DrawListBuilder::default(),
             techniques: Recorders::default(),
             functions: Vec::new(),
+            has_light_model: false,
+            has_light_textures: false,
             stencil_to_mask: None,
             targets: None,
             radiance: None,
             host: None,
+            host_terms: false,
             host_depth: None,
             host_select: None,
+            keep_visibility: None,
             front: None,
             masks: None,
             depth_copy: DepthCopy::new(&gpu)?,
@@ -179,6 +194,22 @@ impl Renderer {
     /// Returns whether any function was added that can scale lights.
     pub fn has_light_functions(&self) -> bool {
         !self.functions.is_empty()
+    }
+
+    /// Adds the functions of the light model, each with the first light that needs it. A renderer whose lights have no
+    /// model makes nothing of it.
+    pub(super) fn require_light_model(&mut self, lights: &FrameLights) -> Result<(), RenderError> {
+        if !self.has_light_model && lights.lights.iter().any(is_scaled) {
+            let function = LightModelFunction::new(&self.gpu)?;
+            self.add_light_function(Box::new(function))?;
+            self.has_light_model = true;
+        }
+        if !self.has_light_textures && lights.lights.iter().any(|light| !light.textures.is_empty()) {
+            let function = LightTextureFunction::new(&self.gpu);
+            self.add_light_function(Box::new(function))?;
+            self.has_light_textures = true;
+        }
+        Ok(())
     }
 
     /// The long-lived part that this view shares with others: device, shaders, layouts, pipelines, meshes,
@@ -289,6 +320,14 @@ impl Renderer {
         let Gpu { context, layouts, .. } = &*self.gpu;
         if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
             self.masks = Some(MaskTargets::new(context, layouts, targets)?);
+        }
+        let mut lights = self.frame.lights.iter();
+        if let (Some(masks), true) = (&mut self.masks, lights.any(|light| light.is_tinted)) {
+            masks.require_factors(context, layouts)?;
+        }
+        if self.stencil_to_mask.is_none() && self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil)
+        {
+            self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
         }
         if self.front.is_none() && self.frame.has_front_layer() {
             let label = "front depth and stencil";

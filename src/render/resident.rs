@@ -6,9 +6,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::gpu::bind_groups::BindGroupLayouts;
 use super::gpu::pipeline_cache::{PipelineCache, PipelineDesc, Variants};
-use super::pools::materials::SharedMaterials;
+use super::pools::materials::{HostTexture, SharedMaterials};
 use super::pools::meshes::SharedMeshes;
 use super::{RenderContext, RenderError, Shaders};
+use crate::scene::Material;
 
 /// The device, and everything on the device that no frame changes: shaders, layouts, pipelines, meshes and
 /// materials.
@@ -112,6 +113,14 @@ impl Gpu {
             parts.insert(TypeId::of::<T>(), made.clone());
             made
         })
+    }
+
+    /// Makes a texture that the host has on the device the base colour texture of a material. Its alpha then
+    /// cuts holes into the shadows of casters with that material, under techniques that draw maps. Call it
+    /// before a view uses the material. Returns `false`, and changes nothing, if a view uses it already; the
+    /// host must then give its objects another material.
+    pub fn host_texture(&self, material: &Arc<Material>, texture: HostTexture) -> bool {
+        self.materials.host(material, texture)
     }
 
     /// The number of bytes that meshes and their poses take on the device.

@@ -20,7 +20,7 @@ pub struct AnimationClips(pub Arc<[AnimationClip]>);
 pub struct SceneNodes {
     /// Entity of each node. `None` for a node that belongs to another scene.
     pub nodes: Vec<Option<Entity>>,
-    /// Entity that has the mesh of each node. It is the node's own entity, except that a skinned mesh has a
+    /// Entity that has the mesh of each node. `None` for a mesh that is drawn by instances. It is the node's own entity, except that a skinned mesh has a
     /// separate one.
     pub meshes: Vec<Option<Entity>>,
 }

@@ -4,7 +4,8 @@ use bevy_ecs::prelude::*;
 
 use super::churn::count_churn;
 
-/// Marks an entity that blocks light. Blocking is two-sided: any triangle blocks, whichever way it faces.
+/// Marks an entity that blocks light. Blocking is two-sided: any triangle blocks, whichever way it faces. The one
+/// exception are objects that the view culls as a whole ([`CulledCasters`]).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct ShadowCaster;
@@ -28,7 +29,7 @@ impl Default for SelectionLayers {
 }
 
 /// Which faces of surfaces are drawn. Shadows do not depend on it, because any triangle blocks light,
-/// whichever way it faces.
+/// whichever way it faces, unless the whole object is culled ([`CulledCasters`]).
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FaceCulling {
     /// Materials that are not double-sided show their front faces only.
@@ -36,4 +37,22 @@ pub enum FaceCulling {
     SingleSided,
     /// Every surface is seen from both sides.
     None,
+}
+
+/// Whether objects that are culled from the view as a whole cast shadows.
+///
+/// Such an object is a closed mesh that is turned inside out, with materials that show their front faces only, seen from
+/// outside of its bounds: its near side is not drawn. Outlines are made so, by a hull that is a little larger than the
+/// object in it; if the hull cast, the whole object would lie in its shadow. Rooms are made so as well, which are looked
+/// into from above. Under [`FaceCulling::None`] nothing is culled, and everything casts.
+///
+/// An object is left out for all lights, also those within it. A hull that belongs to the mesh of the object which it
+/// outlines, as a further submesh, is not found.
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CulledCasters {
+    /// What is culled casts no shadow: light comes through what the viewer sees through. The default.
+    #[default]
+    LeaveOut,
+    /// Everything casts.
+    Cast,
 }

@@ -8,7 +8,8 @@ use bevy_ecs::world::DeferredWorld;
 /// These components are [`WorldBounds`](super::WorldBounds), [`ShadowCaster`](super::ShadowCaster),
 /// [`ShadowReceiver`](super::ShadowReceiver), [`SceneMaterials`](super::SceneMaterials) and
 /// [`SelectionLayers`](super::SelectionLayers). Their hooks write the count, so that no system has to search
-/// for changes each frame.
+/// for changes each frame. [`find_inverted_hulls`](crate::sets::find_inverted_hulls) counts what it leaves out or takes
+/// back.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjectChurn(pub u64);
 

@@ -69,6 +69,9 @@ pub struct LightSelection {
     pub affects: u32,
     /// Mask of the layers that block the light; default all.
     pub casts_for: u32,
+    /// Mask of the layers that show the light's shadows; default all. Other objects are lit as if nothing stood
+    /// before the light. Objects without [`ShadowReceiver`](super::ShadowReceiver) show no shadows of any light.
+    pub shows_on: u32,
 }
 
 impl Default for LightSelection {
@@ -76,6 +79,7 @@ impl Default for LightSelection {
         Self {
             affects: u32::MAX,
             casts_for: u32::MAX,
+            shows_on: u32::MAX,
         }
     }
 }

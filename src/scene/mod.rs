@@ -8,6 +8,8 @@
 //! | [`SelectionLayers`] | which lights select an entity ([`LightSelection`]) |
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a further component ([`techniques`](crate::techniques)) |
+//! | [`LightShape`], [`LightDistance`], [`LightWeights`], [`ShadowTint`], [`ShadowOrigin`], [`ShadowSoftness`], [`Cookie`], [`LightProfile`] | the light model (`light_model`): what an artist sets on a light |
+//! | [`SurfaceWeights`] | how an object answers ambient, diffuse and specular light |
 //! | [`Camera`], [`IgnoresScale`] | the view, and whether it leaves the scale of its transform out |
 //! | [`Skin`], [`MorphWeights`] | how a mesh is posed each frame into [`PosedMesh`] |
 //! | [`WorldBounds`] | where an entity is; written by this crate |
@@ -26,22 +28,31 @@ pub(crate) mod churn;
 #[cfg(feature = "gltf")]
 pub mod gltf_import;
 pub(crate) mod light;
+pub(crate) mod light_model;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod occluder;
 pub(crate) mod placement;
 pub(crate) mod pose;
 mod pose_components;
+#[cfg(any(feature = "gltf", feature = "render"))]
+pub(crate) mod srgb;
 pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{update_local_bounds, update_world_bounds};
 pub use bounds_components::{LocalBounds, WorldBounds};
 pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
-pub use caster::{FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub use caster::{CulledCasters, FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};
+pub use light_model::{
+    Cookie, CookieError, CookieImage, CookieImageError, LayerNames, LightDistance, LightModel,
+    LightModelFault, LightModelParts, LightProfile, LightShape, LightTextures, LightWeights,
+    LoadProfileError, ProfileError, ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint,
+    SurfaceWeights, TooManyLayers,
+};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;

@@ -54,6 +54,8 @@ pub use light::frame_lights::{FrameLights, SkippedLight, collect_frame_lights};
 pub use light::illumination::collect_illumination;
 pub use light::light_occlusion::{LightOcclusion, collect_light_occlusion};
 pub use light::light_volume::LightVolume;
+pub use light::lit_region::LitRegion;
+pub use light::placing::Shining;
 pub use light::reach::collect_light_sets;
 pub use light::scissor::ScissorRect;
 pub use light::shadow::collect_shadow_sets;
@@ -63,6 +65,7 @@ pub use occlusion::{
 };
 pub use view::frame_view::{View, ViewData, ViewportSize, collect_view};
 pub use view::frustum::{FrustumSet, collect_frustum_set};
+pub use view::inverted_hulls::{InvertedHulls, find_inverted_hulls};
 pub use view::screen::{Projector, ScreenBounds};
 pub use view::seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use view::stored_depth::ViewDepth;
@@ -71,12 +74,15 @@ pub use view::visible::{CameraOcclusion, VisibleSet, collect_visible_set};
 pub use view::visible_parts::VisibleParts;
 pub use work::SetWork;
 
-use crate::scene::ObjectChurn;
+use crate::scene::{CulledCasters, FaceCulling, ObjectChurn};
 
 /// Inserts the resources of the sets that are missing.
 pub fn init_set_resources(world: &mut World) {
     world.init_resource::<SetWork>();
     world.init_resource::<ObjectChurn>();
+    world.init_resource::<InvertedHulls>();
+    world.init_resource::<FaceCulling>();
+    world.init_resource::<CulledCasters>();
     world.init_resource::<Objects>();
     world.init_resource::<ViewportSize>();
     world.init_resource::<View>();
@@ -96,8 +102,9 @@ pub fn init_set_resources(world: &mut World) {
 pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
     (
         begin_depth_reach,
-        collect_objects,
         collect_view,
+        find_inverted_hulls, // what is culled as a whole does not cast
+        collect_objects,
         collect_frustum_set,
         (collect_cells, collect_occluders),
         collect_visible_set, // what the camera does not see costs nothing from here on

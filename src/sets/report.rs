@@ -10,9 +10,10 @@ use crate::reports::Reports;
 use crate::scene::placement::placed;
 use crate::scene::{LightError, SceneMesh, Skin};
 
-/// Raises the reports of the topics `light`, `object` and `cell`.
+/// Raises the reports of the topics `light`, `light_model`, `object` and `cell`.
 pub fn report_sets(world: &World, reports: &mut Reports) {
     report_lights(world.resource::<FrameLights>(), reports);
+    report_models(world.resource::<FrameLights>(), reports);
     report_objects(world, world.resource::<Objects>(), reports);
     report_cells(world.resource::<Cells>(), reports);
 }
@@ -27,6 +28,23 @@ fn report_lights(lights: &FrameLights, reports: &mut Reports) {
             code,
             format_args!("The light lights nothing: {error}. {advice}"),
         );
+    }
+}
+
+/// Raises a report for each part of a light's model that has no effect.
+fn report_models(lights: &FrameLights, reports: &mut Reports) {
+    let mut round = reports.round("light_model");
+    for (entity, fault) in &lights.faults {
+        let (entity, code) = (Some(*entity), fault.code());
+        if fault.leaves_out() {
+            let message = format_args!(
+                "A part of the light's model has no effect: {fault}. The light shines without it."
+            );
+            round.state(entity, code, message);
+        } else {
+            let message = format_args!("{fault}. Move it before the light if they should not.");
+            round.state(entity, code, message);
+        }
     }
 }
 

@@ -11,9 +11,11 @@
 pub mod maps;
 pub mod omni_map;
 pub mod penumbra_wedge;
+pub mod perspective_map;
 pub(crate) mod registry;
 pub mod shadow_map;
 pub(crate) mod shared;
+pub mod smoothie;
 pub mod stencil_volume;
 
 pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
@@ -22,6 +24,7 @@ pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
 pub use erased_serde;
 pub use omni_map::OmniMap;
 pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
+pub use perspective_map::{PerspectiveMap, PerspectiveMaps};
 pub use registry::{
     AddTechnique, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems, Techniques,
     add_builtin, add_row, choose_techniques,
@@ -30,4 +33,5 @@ pub use shadow_map::ShadowMap;
 pub use shared::texture_memory::{
     Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,
 };
+pub use smoothie::{Smoothie, SmoothieWidth};
 pub use stencil_volume::StencilVolume;

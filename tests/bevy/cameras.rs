@@ -59,7 +59,7 @@ fn scene(app: &mut App) -> Entity {
     let half = Vec3::Y * 0.4;
     let striped = world
         .resource_mut::<Assets<ExtendedMaterial<StandardMaterial, ForwardStripes>>>()
-        .add(ExtendedMaterial::default());
+        .add(stripes::forward());
     world.spawn((
         Name::new("striped forward"),
         Mesh3d(low.clone()),
@@ -68,7 +68,7 @@ fn scene(app: &mut App) -> Entity {
     ));
     let striped = world
         .resource_mut::<Assets<ExtendedMaterial<StandardMaterial, Stripes>>>()
-        .add(ExtendedMaterial::default());
+        .add(stripes::both());
     world.spawn((
         Name::new("striped both"),
         Mesh3d(low),
@@ -226,10 +226,8 @@ fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
         stripes.push(ours[0] > ours[1]);
     }
     assert!(stripes.contains(&true) && stripes.contains(&false), "no stripes");
-    assert_lines(
-        "striped forward",
-        &["fragment shader has no deferred counterpart"],
-    );
+    // It shows our shadows too, so nothing is missed.
+    assert_lines("striped forward", &[]);
     assert_lines("striped both", &[]);
 
     // Marked late: the second frame is as one that was marked from the start.

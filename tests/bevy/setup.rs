@@ -129,7 +129,12 @@ fn the_marker_brings_what_it_needs() {
         "PenumbraWedge",
         "ShadowMap",
         "OmniMap",
+        "PerspectiveMap",
         "LightSelection",
+        "LightShape",
+        "LightDistance",
+        "LightWeights",
+        "ShadowTint",
     ] {
         let registered = registry
             .get_with_short_type_path(name)

@@ -157,6 +157,7 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
                 LightSelection {
                     affects: 1,
                     casts_for: random.below(4) as u32,
+                    shows_on: u32::MAX,
                 },
             ));
         }

@@ -1,6 +1,7 @@
 //! Geometry, sets, silhouettes, schedule and the ray caster: everything that needs neither a GPU nor a file.
 
 mod import_circles;
+mod inverted_hulls;
 mod layers;
 mod light_hull;
 #[cfg(feature = "reference")]
@@ -17,5 +18,6 @@ mod sets_harness;
 mod sets_known_answers;
 mod sets_never_drop;
 mod silhouette_closed;
+mod smoothie;
 mod techniques;
 mod texture_memory;

@@ -109,7 +109,11 @@ fn masks_are_honoured() {
         (3, 0, vec![0, 1], vec![]),
     ] {
         let mut scene = simple(things.clone(), vec![lamp()]);
-        scene.lights[0].2 = LightSelection { affects, casts_for };
+        scene.lights[0].2 = LightSelection {
+            affects,
+            casts_for,
+            ..LightSelection::default()
+        };
         let (world, _) = run(&scene);
         assert_eq!(
             ids(&world, &first_light(&world).sets.i),

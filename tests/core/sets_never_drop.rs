@@ -2,8 +2,8 @@
 
 use crate::sets_harness::judge::judge;
 use crate::sets_harness::{
-    Id, Random, all_sets, random_orthographic_scene, random_scene, rooms, run, simple, spawn, thing,
-    transform,
+    Id, Random, all_sets, random_modelled_scene, random_orthographic_scene, random_scene, rooms, run, simple,
+    spawn, thing, transform,
 };
 use antumbra::geometry::Aabb;
 use antumbra::scene::{Camera, Light, LightKind, ShadowCaster, WorldBounds};
@@ -19,6 +19,14 @@ proptest! {
     #[test]
     fn nothing_seen_by_brute_force_is_missing(seed in any::<u64>()) {
         let scene = random_scene(seed);
+        let (world, _) = run(&scene);
+        let wrong = judge(&scene, &world, seed).wrong;
+        prop_assert!(wrong.is_empty(), "{} missing, first: {}", wrong.len(), wrong[0]);
+    }
+
+    #[test]
+    fn nothing_that_shaped_lights_show_is_missing(seed in any::<u64>()) {
+        let scene = random_modelled_scene(seed);
         let (world, _) = run(&scene);
         let wrong = judge(&scene, &world, seed).wrong;
         prop_assert!(wrong.is_empty(), "{} missing, first: {}", wrong.len(), wrong[0]);

@@ -271,6 +271,7 @@ fn an_app_takes_techniques_before_and_after_the_plugin_and_each_once() {
                 "penumbra_wedge",
                 "shadow_map",
                 "omni_map",
+                "smoothie",
                 "keeper"
             ],
             "before: {before}"

@@ -5,3 +5,4 @@ mod gltf_builder;
 mod gltf_import;
 mod gltf_robustness;
 mod gltf_visibility;
+mod in_the_world;

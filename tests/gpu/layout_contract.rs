@@ -5,7 +5,7 @@ use std::mem::offset_of;
 
 use antumbra::conventions;
 use antumbra::insides::constants as mirrored;
-use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers};
+use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers, smoothies};
 use antumbra::techniques::maps::{MapFilter, MapFormat, MapSurface};
 use wgpu::naga;
 
@@ -52,7 +52,40 @@ fn mirrors() -> Vec<Mirror> {
             handedness,
         } in "passes/ambient.wgsl", array: true),
         mirror!(HostDepth { numerator, denominator, rounding } in "passes/host_depth.wgsl", array: false),
-        mirror!(Light { point_relative, emission, axis, cone, half_right, half_up } in "passes/light_accumulate.wgsl", array: false),
+        mirror!(LightShape {
+            light_from_relative_x,
+            light_from_relative_y,
+            light_from_relative_z,
+            semi_axes,
+            distance,
+            form,
+        } in "passes/light_model.wgsl", array: false),
+        mirror!(LightModel { shape } in "passes/light_model.wgsl", array: false),
+        mirror!(Light {
+            point_relative,
+            emission,
+            axis,
+            cone,
+            half_right,
+            half_up,
+            weights,
+            shadow_emission,
+            shape,
+        } in "passes/light_accumulate.wgsl", array: false),
+        mirror!(LightTexture {
+            light_from_relative_x,
+            light_from_relative_y,
+            light_from_relative_z,
+            uv_matrix,
+            uv_origin,
+            density,
+            unused,
+            profile_axes_pole,
+            profile_axes_zero,
+            profile_axes_quarter,
+            profile_steps,
+            profile_last,
+        } in "passes/light_texture.wgsl", array: false),
         mirror!(Slot { uv_matrix, uv_offset, uv_set, present } in "passes/ambient.wgsl", array: false),
         mirror!(Material {
             base_color,
@@ -74,6 +107,10 @@ fn mirrors() -> Vec<Mirror> {
         } in "passes/ambient.wgsl", array: false),
         mirror!(MapFace { row_x, row_y, row_z, projection, clip_from_relative, relative_from_clip } in "techniques/maps/resolve.wgsl", array: true),
         mirror!(MapLight { faces, size, bias, limits } in "techniques/maps/resolve.wgsl", array: false),
+        mirror!(smoothies, SmoothieEdge { start, width_start, end, width_end, next, kind }
+            in "techniques/smoothie/edge.wgsl", array: true),
+        mirror!(smoothies, SmoothieFace { row_x, row_y, row_z, projection, limits }
+            in "techniques/smoothie/edge.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
@@ -260,13 +297,18 @@ fn mirrored_constants() -> Vec<Constant> {
             ("JITTERED", jittered(false)),
             ("SOFT", filter(MapFilter::Soft4 { softness: 0.0 })),
             ("ADAPTIVE", jittered(true)),
+            ("TILE", f64::from(mirrored::TILE)),
+            ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
+            ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
+        ],
+    );
+    of(
+        "common/map_site.wgsl",
+        &[
             ("SPOT", f64::from(MapShape::Spot as u32)),
             ("CUBE", f64::from(MapShape::Cube as u32)),
             ("CASCADES", f64::from(MapShape::Cascades as u32)),
             ("MATRICES", f64::from(MapShape::Matrices as u32)),
-            ("TILE", f64::from(mirrored::TILE)),
-            ("RIM_TEXELS", f64::from(mirrored::RIM / 2)),
-            ("JITTER_TEXELS", f64::from(mirrored::DEPTH)),
         ],
     );
     of(
@@ -296,6 +338,25 @@ fn mirrored_constants() -> Vec<Constant> {
             ("SECTOR_STEPS", mirrored::SECTOR_STEPS as f64),
             ("BORDER_STEPS", mirrored::BORDER_STEPS as f64),
             ("NODES", mirrored::NODES as f64),
+        ],
+    );
+    of(
+        "techniques/smoothie/edge.wgsl",
+        &[
+            ("SECTOR", f64::from(smoothies::SECTOR)),
+            ("DISC", f64::from(smoothies::DISC)),
+            ("DISC_ALONE", f64::from(smoothies::DISC_ALONE)),
+            ("CORNER_TRIANGLES", f64::from(smoothies::CORNER_TRIANGLES)),
+            ("OVERLAP", f64::from(smoothies::OVERLAP)),
+            ("HALF_TURN", f64::from(smoothies::HALF_TURN)),
+            ("INSIDE_TEXELS", f64::from(smoothies::INSIDE_TEXELS)),
+        ],
+    );
+    of(
+        "common/smoothie.wgsl",
+        &[
+            ("LEAST", f64::from(smoothies::LEAST)),
+            ("FARTHEST", f64::from(smoothies::FARTHEST)),
         ],
     );
     of(

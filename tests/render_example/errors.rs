@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 33] = [
+const SPOILT: [Spoilt; 39] = [
     (
         "no scene",
         |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),
@@ -87,6 +87,36 @@ const SPOILT: [Spoilt; 33] = [
             s["lights"][3]["texture"] = json!("window.png");
         },
         &["lights[3].texture", "window.png"],
+    ),
+    (
+        "a cookie that is not there",
+        |s| s["lights"][1]["cookie"] = json!({"path": "nowhere.png"}),
+        &["lights[1].cookie.path", "nowhere.png"],
+    ),
+    (
+        "an unknown key of a cookie",
+        |s| s["lights"][1]["cookie"] = json!({"path": "window.png", "blur": 1}),
+        &["lights[1]", "cookie", "blur"],
+    ),
+    (
+        "a cookie too dense",
+        |s| s["lights"][1]["cookie"] = json!({"path": "window.png", "density": 1.5}),
+        &["lights[1]", "cookie", "1.5"],
+    ),
+    (
+        "a cookie without size",
+        |s| s["lights"][2]["cookie"] = json!({"path": "window.png", "size": 0}),
+        &["lights[2]", "cookie", "size"],
+    ),
+    (
+        "a profile of a directional light",
+        |s| s["lights"][2]["profile"] = json!("lamp.ies"),
+        &["lights[2]", "profile"],
+    ),
+    (
+        "a profile in no known format",
+        |s| s["lights"][0]["profile"] = json!("lamp.txt"),
+        &["lights[0].profile", "lamp.txt", ".ies"],
     ),
     ("size 0", |s| s["size"] = json!([0, 36]), &["size"]),
     ("negative size", |s| s["size"] = json!([-4, 36]), &["size"]),
@@ -259,4 +289,21 @@ fn without_an_adapter_the_line_says_so() {
     ];
     let output = run(&folder, "shot.json", "out", &nowhere);
     assert_refused(&folder, "no adapter", &output, &["shot.json", "no GPU adapter"]);
+}
+
+#[test]
+fn a_broken_profile_is_named_with_its_line() {
+    let folder = folder("broken_profile");
+    write_scene(&folder);
+    write(
+        &folder,
+        "lamps/lamp.ies",
+        "IESNA91\nTILT=NONE\n1 1000 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n5 ?\n",
+    );
+    let mut shot = small_shot();
+    shot["lights"][0]["profile"] = json!("lamps/lamp.ies");
+    write(&folder, "shot.json", &shot.to_string());
+    let output = run(&folder, "shot.json", "out", &[]);
+    let parts = ["shot.json", "lights[0].profile", "lamp.ies: line 7", "\"?\""];
+    assert_refused(&folder, "a broken profile", &output, &parts);
 }

@@ -248,3 +248,37 @@ fn without_camera_and_lights_those_of_the_scene_serve() {
     // The angle goes to degrees and back: a pixel at an edge may change sides.
     assert!(differing < 100, "{differing} values differ");
 }
+
+#[test]
+fn cookies_and_profiles_scale_their_lights() {
+    let folder = folder("textures");
+    write_scene(&folder);
+    image::RgbImage::from_pixel(4, 2, image::Rgb([188, 0, 255]))
+        .save(folder.join("violet.png"))
+        .expect("a picture");
+    let profile = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 1\n0 180\n0\n100 100\n";
+    write(&folder, "even.ies", profile);
+    let mut shot = small_shot();
+    shot["ambient"] = json!([0, 0, 0]);
+    shot["lights"] = json!([shot["lights"][0]]);
+    rendered(&folder, &shot);
+    let (plain, _) = channels(&folder.join("out/image.exr"));
+    let light = &mut shot["lights"][0];
+    light["cookie"] = json!({"path": "violet.png", "turn_deg": 30, "offset": [1, 0], "density": 1});
+    light["profile"] = json!("even.ies");
+    rendered(&folder, &shot);
+    let (scaled, _) = channels(&folder.join("out/image.exr"));
+    for ((name, plain), (_, scaled)) in plain.iter().zip(&scaled) {
+        let share = match name.as_str() {
+            "R" => 0.502_886_5,
+            "G" => 0.0,
+            _ => 1.0,
+        };
+        for (plain, scaled) in plain.iter().zip(scaled) {
+            assert!(
+                (scaled - plain * share).abs() <= plain * share / 500.0,
+                "{name}: {scaled} of {plain}"
+            );
+        }
+    }
+}

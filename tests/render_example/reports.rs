@@ -37,3 +37,47 @@ fn a_technique_that_does_not_fit_is_said_of_its_light() {
         "{message}"
     );
 }
+
+#[test]
+fn what_a_file_loses_is_said_in_a_line_each() {
+    let folder = folder("import_reports");
+    let scene = json!({
+        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {}, "mode": 0}, {"attributes": {}, "mode": 1}]}],
+        "extensionsUsed": ["KHR_materials_clearcoat"],
+        "images": [{"uri": "not_there.png"}], "textures": [{"source": 0}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+    });
+    write(&folder, "lossy.gltf", &scene.to_string());
+    let mut shot = design_shot();
+    shot["scene"] = json!("lossy.gltf");
+    shot["size"] = json!([32, 18]);
+    shot["lights"] = json!([]);
+    shot.as_object_mut().expect("an object").remove("animation");
+    let (lines, reports) = rendered(&folder, &shot);
+    let reports = reports.as_array().expect("a list");
+    assert!(
+        reports.iter().all(|report| report["topic"] == "import"),
+        "{reports:?}"
+    );
+    for part in [
+        "Points have no surface",
+        "Lines have no surface",
+        "KHR_materials_clearcoat is ignored",
+        "not_there.png",
+    ] {
+        let said = |text: &str| text.contains(part) && text.contains("lossy.gltf: ");
+        assert_eq!(
+            lines.iter().filter(|line| said(line)).count(),
+            1,
+            "{part}: {lines:#?}"
+        );
+        let messages = reports.iter().filter_map(|report| report["message"].as_str());
+        assert_eq!(
+            messages.filter(|message| said(message)).count(),
+            1,
+            "{part}: {reports:?}"
+        );
+    }
+    assert_eq!(reports.len(), 4);
+}

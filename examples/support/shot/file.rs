@@ -7,7 +7,7 @@ use glam::UVec2;
 use serde::Deserialize;
 
 use super::super::picture::light_texture;
-use super::{ShotCamera, ShotLight};
+use super::{ShotCamera, ShotEmission, ShotLight};
 
 /// A shot. Unknown keys are errors.
 #[derive(Clone, Debug, Deserialize)]
@@ -61,10 +61,14 @@ impl Shot {
         let folder = path.parent().unwrap_or(Path::new(""));
         shot.scene = folder.join(&shot.scene);
         for (index, light) in shot.lights.iter_mut().flatten().enumerate() {
-            if let ShotLight::Rect {
+            light
+                .model
+                .find_files(folder)
+                .map_err(|error| format!("{}: lights[{index}].{error}", path.display()))?;
+            if let ShotEmission::Rect {
                 texture: Some(texture),
                 ..
-            } = light
+            } = &mut light.emission
             {
                 *texture = folder.join(&*texture);
                 // The picture is read here only to report errors with the shot file's name. It is read again when the

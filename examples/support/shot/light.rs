@@ -7,14 +7,36 @@ use antumbra::techniques::{Row, Settings, Techniques};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 use serde::Deserialize;
+use serde_json::{Map, Value};
 
 use super::super::shadow::ShotShadow;
 use super::camera::frame;
+use super::model::ShotModel;
 
 /// A light of a shot.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "Map<String, Value>")]
+pub struct ShotLight {
+    /// Kind, place and brightness, and the technique.
+    pub emission: ShotEmission,
+    /// The light model.
+    pub model: ShotModel,
+}
+
+impl TryFrom<Map<String, Value>> for ShotLight {
+    type Error = String;
+
+    fn try_from(mut light: Map<String, Value>) -> Result<Self, String> {
+        let model = ShotModel::take(&mut light)?;
+        let emission = ShotEmission::deserialize(Value::Object(light)).map_err(|error| error.to_string())?;
+        Ok(Self { emission, model })
+    }
+}
+
+/// Kind, place and brightness of a light, and its technique.
+#[derive(Clone, Debug, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-pub enum ShotLight {
+pub enum ShotEmission {
     /// A light that shines from a point.
     Point {
         /// Position, metres.
@@ -79,6 +101,8 @@ pub struct LightParts {
     pub shadow: Option<Settings>,
     /// Path of the picture with the light's colours, if any.
     pub texture: Option<PathBuf>,
+    /// The light model.
+    pub model: ShotModel,
 }
 
 /// Returns a rotation like [`frame`], for lights whose turn about their axis does not matter.
@@ -96,8 +120,23 @@ impl ShotLight {
     /// Returns the parts to spawn.
     ///
     /// # Errors
-    /// A number of the light, or a setting of its technique, is wrong.
+    /// A number of the light or of its model, or a setting of its technique, is wrong.
     pub fn parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
+        let parts = LightParts {
+            model: self.model.clone(),
+            ..self.emission.parts(techniques)?
+        };
+        self.model.check(&parts.light)?;
+        Ok(parts)
+    }
+}
+
+impl ShotEmission {
+    /// Returns the parts to spawn, without a light model.
+    ///
+    /// # Errors
+    /// A number of the light, or a setting of its technique, is wrong.
+    fn parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
         const CANDELA: f32 = 60.0;
         const LUX: f32 = 3.0;
         let at = |p: [f32; 3]| Transform::from_translation(p.into());
@@ -212,6 +251,7 @@ impl ShotLight {
             transform,
             shadow,
             texture: picture,
+            model: ShotModel::default(),
         })
     }
 }

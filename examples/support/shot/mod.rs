@@ -1,9 +1,43 @@
 //! The shot file: a scene, a camera, lights, and the size of the picture, as JSON.
+//!
+//! # The light model
+//!
+//! Each light may have these keys beside its kind, place and technique. An unknown key is an error, and so is a
+//! number that cannot be used.
+//!
+//! | key | default | meaning |
+//! | --- | --- | --- |
+//! | `shape` | none | barn doors: `width`, `height` of the region of full intensity, `width_edge`, `height_edge` of the edge around it (all half sizes, metres on the plane one metre before the light), `round` from 0 (rectangle) to 1 (ellipse) |
+//! | `distance` | none | `near`, `far`: depths between which the light shines, metres; `near_edge`, `far_edge`: lengths of its edges. Depth is along the axis with a `shape`, and the distance from the light without |
+//! | `weights` | 0, 1, 1 | `ambient`, `diffuse`, `specular`: weights of what the light gives |
+//! | `shadow_color` | 0, 0, 0 | colour of the shadow, linear |
+//! | `shadow_darkness` | 1 | share of the light that casters take away, 0 to 1 |
+//! | `shadow_origin` | the light's position | place from which shadows are cast, metres; not for directional lights |
+//! | `shadow_direction` | the light's direction | direction in which the shadows of a directional light fall |
+//! | `shadow_softness` | the light's size | radius that shadows are cast with, metres: the extent for wedges, the radius of the filter for maps |
+//! | `affects` | all | names of the nodes or layers that the light lights |
+//! | `casts_for` | all | names of the nodes or layers that block the light |
+//! | `shows_on` | all | names of the nodes or layers that show the light's shadows |
+//!
+//! A name is that of nodes of the scene, which stand for themselves and all nodes below them, or that of a layer in
+//! the `extras.antumbra.layers` of a node.
+//!
+//! ```json
+//! {"kind": "spot", "position": [0, 3, 0], "direction": [0, -1, 0], "inner_deg": 40, "outer_deg": 50,
+//!  "shape": {"width": 0.4, "height": 0.3, "width_edge": 0.1, "height_edge": 0.1, "round": 0.5},
+//!  "distance": {"near": 1, "far": 6, "near_edge": 0.5, "far_edge": 2},
+//!  "weights": {"ambient": 0, "diffuse": 1, "specular": 1},
+//!  "shadow_color": [0, 0, 0.2], "shadow_darkness": 0.8, "shadow_origin": [1, 3, 0], "shadow_softness": 0.2,
+//!  "affects": ["hero"], "casts_for": ["set"], "shows_on": ["floor"]}
+//! ```
 
 mod camera;
 mod file;
 mod light;
+mod model;
+mod textures;
 
 pub use camera::ShotCamera;
 pub use file::Shot;
-pub use light::ShotLight;
+pub use light::{ShotEmission, ShotLight};
+pub use model::ShotModel;

@@ -1,14 +1,12 @@
 // Visibility of each pixel, looked up in a map and written into the mask.
 // Host    src/techniques/maps/gpu/pipelines.rs
 // Groups  0 view, 1 receiver, 2 map and jitter, 3 textures
-// Spaces  as in common/map.wgsl
-//
-// A pixel is compared with the plane of its own triangle, traced along each texel's ray: on a flat surface,
-// the texel's depth and the plane's depth belong to one point. The plane is raised by a share of a texel for
-// surfaces that are not flat.
+// Spaces  as in common/map.wgsl; the sites of receivers are those of common/map_site.wgsl
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
 #import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
+#import antumbra::map_site::{Site, in_face, cube_face, plane_along, plane_depth, raised, STEEPEST, UNKNOWN}
+#import antumbra::map_site::{site_from_point, site_in_cascade, choose_cascades, CUBE, CASCADES, MATRICES}
 #import antumbra::map_matrix::{NO_FACE, clip_in_face, plane_in_face, ray_at, showing, texel_side}
 
 @group(2) @binding(1) var compare: sampler_comparison;
@@ -24,12 +22,6 @@ const JITTERED: u32 = 3u;           // mirror: techniques::maps::MapFilter::Jitt
 const SOFT: u32 = 4u;               // mirror: techniques::maps::MapFilter::Soft4
 const ADAPTIVE: u32 = 5u;           // mirror: techniques::maps::MapFilter::Jittered, adaptive
 
-// Values of SHAPE: techniques::maps::request::MapShape in its order.
-const SPOT: u32 = 0u;               // mirror: techniques::maps::request::MapShape::Spot
-const CUBE: u32 = 1u;               // mirror: techniques::maps::request::MapShape::Cube
-const CASCADES: u32 = 2u;           // mirror: techniques::maps::request::MapShape::Cascades
-const MATRICES: u32 = 3u;           // mirror: techniques::maps::request::MapShape::Matrices
-
 override FILTER: u32 = 0u;
 override SHAPE: u32 = 0u;
 override FORMAT: u32 = 0u;
@@ -42,13 +34,6 @@ const TILE: u32 = 16u;              // mirror: techniques::maps::jitter::TILE
 const RIM_TEXELS: i32 = 4;          // mirror: techniques::maps::jitter::RIM / 2
 const JITTER_TEXELS: i32 = 32;      // mirror: techniques::maps::jitter::DEPTH
 
-// Texels of depth, per texel sideways, by which a plane may recede from the light. Beyond, it counts as
-// edge-on. By eye.
-const STEEPEST: f32 = 32.0;
-
-// Rounding of positions and planes in f32, as a share of their distance from eye and light.
-const ROUNDING: f32 = 2e-6;
-
 // Texels of depth, per texel sideways, by which two surfaces may differ beyond the crease where they meet. By eye.
 const STEEPEST_CREASE: f32 = 16.0;
 
@@ -60,19 +45,9 @@ const MOST_CREASES: u32 = 2u;
 
 var<private> taps: f32 = 0.0;
 
-// Planes of those surfaces, raised: normal and offset, as in a site. The nearest to the light of all planes counts.
-var<private> creases: array<vec4f, 2>;
+// The receiver's site with the planes of those surfaces instead of its own. The nearest to the light of all planes counts.
+var<private> creases: array<Site, 2>;
 var<private> crease_count: u32 = 0u;
-
-// A receiver as seen in a face.
-struct Site {
-    face: u32,
-    ndc: vec2f,
-    along: f32,                     // z in the face's space
-    normal: vec3f,                  // of the receiver's plane, relative space
-    offset: f32,                    // of the raised plane, from the light (parallel: from the face's origin; matrix: relative)
-    raise: f32,                     // by which the plane is raised, metres
-}
 
 // More of a receiver as seen in a face with a matrix.
 struct MatrixSite {
@@ -84,43 +59,6 @@ struct MatrixSite {
 
 var<private> matrix_site: MatrixSite;
 
-// Plane 0 is the receiver's, the others are those of creases.
-fn plane_of(site: Site, index: u32) -> vec4f {
-    if index == 0u {
-        return vec4f(site.normal, site.offset);
-    }
-    return creases[index - 1u];
-}
-
-// A place in a face, texels.
-fn place_of(ndc: vec2f) -> vec2f {
-    return (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
-}
-
-fn in_face(face: u32, vector: vec3f) -> vec3f {
-    let map_face = map_light.faces[face];
-    return vec3f(
-        dot(map_face.row_x.xyz, vector),
-        dot(map_face.row_y.xyz, vector),
-        dot(map_face.row_z.xyz, vector),
-    );
-}
-
-fn position_in_face(face: u32, position: vec3f) -> vec3f {
-    let map_face = map_light.faces[face];
-    return in_face(face, position) + vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w);
-}
-
-// The face of a cube into which a direction points: techniques::omni_map::cube::DIRECTIONS.
-fn cube_face(direction: vec3f) -> u32 {
-    let size = abs(direction);
-    let z_face = select(4u, 5u, direction.z < 0.0);
-    let y_face = select(2u, 3u, direction.y < 0.0);
-    let x_face = select(0u, 1u, direction.x < 0.0);
-    let yz = select(z_face, y_face, size.y >= size.z);
-    return select(yz, x_face, size.x >= size.y && size.x >= size.z);
-}
-
 fn unpacked(texel: vec4f) -> f32 {
     if FORMAT == FORMAT_FLOAT {
         return texel.r;
@@ -130,25 +68,30 @@ fn unpacked(texel: vec4f) -> f32 {
     return select(share, NOTHING, texel.r >= 1.0);
 }
 
+// A place in a face, texels.
+fn place_of(ndc: vec2f) -> vec2f {
+    return (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
+}
+
 // A plane as depth of a face, which is linear in place: at one place, and its change from one texel to the next (right,
 // down).
-struct PlaneDepth {
+struct PlaneSlope {
     depth: f32,
     slope: vec2f,
 }
 
-fn plane_depth(plane: vec4f, face: u32, ndc: vec2f) -> PlaneDepth {
-    let normal_face = in_face(face, plane.xyz);
+fn plane_slope(site: Site, face: u32, ndc: vec2f) -> PlaneSlope {
+    let normal_face = in_face(face, site.normal);
     let projection = map_light.faces[face].projection;
     if SHAPE == CASCADES {
         let steep = min(normal_face.z, -1e-6);
-        let along = (plane.w - dot(normal_face.xy, ndc) * projection.x) / steep;
+        let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
         let slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
-        return PlaneDepth(1.0 - along / projection.y, slope);
+        return PlaneSlope(1.0 - along / projection.y, slope);
     }
-    let scale = projection.y / plane.w;
+    let scale = projection.y / site.offset;
     let slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
-    return PlaneDepth(dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale, slope);
+    return PlaneSlope(dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale, slope);
 }
 
 fn ndc_of(texel: vec2i) -> vec2f {
@@ -191,7 +134,7 @@ fn surface_slope(face: u32, texel: vec2i, axis: vec2i, depth: f32, away: f32) ->
 // concave crease between the receiver and the texel: it then does not shadow the receiver. Depth is linear over a plane,
 // so the surface is extrapolated to the receiver's own ray, and it must be there all the way to the crease. Adds the
 // surface's plane to the creases if so.
-fn try_crease(site: Site, own: PlaneDepth, texel: vec2i, depth: f32, apart: vec2f) {
+fn try_crease(site: Site, own: PlaneSlope, texel: vec2i, depth: f32, apart: vec2f) {
     let above = depth - own.depth - dot(own.slope, apart);
     let projection = map_light.faces[site.face].projection;
     let texel_depth = select(own.depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
@@ -227,7 +170,10 @@ fn try_crease(site: Site, own: PlaneDepth, texel: vec2i, depth: f32, apart: vec2
     let normal = map_face.row_x.xyz * normal_face.x + map_face.row_y.xyz * normal_face.y
         + map_face.row_z.xyz * normal_face.z;
     let size = max(length(normal), 1e-30);
-    creases[crease_count] = vec4f(normal, offset) / size + vec4f(0.0, 0.0, 0.0, site.raise);
+    let lift = map_light.bias.x * projection.z * select(site.along, 1.0, SHAPE == CASCADES);
+    creases[crease_count] = site;
+    creases[crease_count].normal = normal / size;
+    creases[crease_count].offset = offset / size + lift;
     crease_count += 1u;
 }
 
@@ -235,7 +181,7 @@ fn try_crease(site: Site, own: PlaneDepth, texel: vec2i, depth: f32, apart: vec2
 // further, in eight directions.
 fn find_creases(site: Site, reach: f32, count: i32) {
     let receiver = place_of(site.ndc);
-    let own = plane_depth(vec4f(site.normal, site.offset), site.face, site.ndc);
+    let own = plane_slope(site, site.face, site.ndc);
     for (var i = 0; i < count && crease_count < MOST_CREASES; i++) {
         let angle = (f32(i) * 2.0 + 1.0) * 0.39269908;
         let beside = vec2f(cos(angle), sin(angle)) * (reach * select(1.0, 0.5, i < 12));
@@ -245,7 +191,7 @@ fn find_creases(site: Site, reach: f32, count: i32) {
         let apart = vec2f(texel) + 0.5 - receiver;
         var known = own.depth + dot(own.slope, apart);
         for (var crease = 0u; crease < crease_count; crease++) {
-            known = max(known, plane_depth(creases[crease], site.face, ndc_of(texel)).depth);
+            known = max(known, plane_slope(creases[crease], site.face, ndc_of(texel)).depth);
         }
         if depth > known * (1.0 + map_light.bias.y) + map_light.bias.z {
             try_crease(site, own, texel, depth, apart);
@@ -259,12 +205,9 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     let stored = unpacked(textureLoad(distance_map, inside, face, 0));
     let projection = map_light.faces[face].projection;
     let direction = vec3f(ndc_of(inside) * projection.x, 1.0);
-    var along = site.along * (1.0 + STEEPEST * projection.z);
-    for (var i = 0u; i <= crease_count; i++) {
-        let plane = plane_of(site, i);
-        let towards = dot(in_face(face, plane.xyz), direction);
-        let hit = plane.w / min(towards, -1e-30);
-        along = select(along, min(hit, along), towards < 0.0);
+    var along = plane_along(site, face, direction);
+    for (var i = 0u; i < crease_count; i++) {
+        along = min(along, plane_along(creases[i], face, direction));
     }
     let share = along * along * dot(direction, direction) * map_light.limits.z;
     return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
@@ -275,23 +218,15 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
 // light.
 fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     taps += 1.0;
-    let place = place_of(ndc);
+    let size = map_light.size.x;
+    let place = (ndc * vec2f(0.5, -0.5) + 0.5) * size;
     let corner = place - 0.5;
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
-        let projection = map_light.faces[face].projection;
-        // Nothing is drawn where the plane leaves the far end of a parallel box, so no caster is nearer
-        // there.
-        var depth = max(projection.y / (site.along * (1.0 + STEEPEST * projection.z)), 0.0);
-        if SHAPE == CASCADES {
-            depth = max(1.0 - (site.along + STEEPEST * projection.z) / projection.y, 0.0);
+        var depth = plane_depth(site, face, ndc, between, SHAPE == CASCADES);
+        for (var i = 0u; i < crease_count; i++) {
+            depth = max(depth, plane_depth(creases[i], face, ndc, between, SHAPE == CASCADES));
         }
-        for (var i = 0u; i <= crease_count; i++) {
-            let plane = plane_depth(plane_of(site, i), face, ndc);
-            let lenient = max(plane.slope * (1.0 - between), -plane.slope * between);
-            depth = max(depth, plane.depth + lenient.x + lenient.y);
-        }
-        depth = depth * (1.0 + map_light.bias.y) + map_light.bias.z;
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }
     if FILTER == JITTERED || FILTER == ADAPTIVE {
@@ -437,101 +372,23 @@ fn filtered(site: Site, pixel: vec2u) -> f32 {
     return visibility;
 }
 
-// Distance by which a plane is raised, metres.
-fn raised(receiver: Receiver, texel: f32, along: f32, facing: f32) -> f32 {
-    return map_light.bias.x * texel + map_light.bias.w * facing
-        + ROUNDING * (length(receiver.position) + abs(along));
-}
-
-fn from_point(receiver: Receiver, pixel: vec2u) -> f32 {
-    let first = map_light.faces[0];
-    var face = 0u;
-    var position_face = position_in_face(0u, receiver.position);
-    if SHAPE == CUBE {
-        let from_light = first.row_x.xyz * position_face.x + first.row_y.xyz * position_face.y
-            + first.row_z.xyz * position_face.z;
-        face = cube_face(from_light);
-        position_face = position_in_face(face, receiver.position);
+// Visibility at a site.
+fn at_site(site: Site, pixel: vec2u) -> f32 {
+    if site.known != UNKNOWN {
+        return site.known;
     }
-    let map_face = map_light.faces[face];
-    var normal = receiver.normal;
-    let normal_face = in_face(face, normal);
-    let origin = vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w);
-    var offset = receiver.offset + dot(normal_face, origin);
-    if dot(normal, normal) == 0.0 {
-        // A receiver without a plane is assumed to face the light.
-        let towards = -position_face / max(length(position_face), 1e-30);
-        normal = map_face.row_x.xyz * towards.x + map_face.row_y.xyz * towards.y
-            + map_face.row_z.xyz * towards.z;
-        offset = dot(towards, position_face);
-    }
-    if offset >= 0.0 {
-        return 0.0;                 // it faces away
-    }
-    if position_face.z <= map_face.projection.y {
-        return 1.0;                 // in front of the near plane
-    }
-    let raise = raised(
-        receiver,
-        map_face.projection.z * position_face.z,
-        length(position_face),
-        -offset / max(length(position_face), 1e-30),
-    );
-    let lift = min(raise, -0.5 * offset);
-    offset += lift;
-    let ndc = position_face.xy / (position_face.z * map_face.projection.x);
-    if SHAPE == SPOT && max(abs(ndc.x), abs(ndc.y)) > 1.0 {
-        return 1.0;                 // out of the cone
-    }
-    return filtered(Site(face, ndc, position_face.z, normal, offset, lift), pixel);
-}
-
-// Visibility in one cascade.
-fn from_cascade(face: u32, receiver: Receiver, pixel: vec2u) -> f32 {
-    let map_face = map_light.faces[face];
-    let position_face = position_in_face(face, receiver.position);
-    var normal = receiver.normal;
-    let unknown = dot(normal, normal) == 0.0;
-    normal = select(normal, -map_face.row_z.xyz, unknown);
-    let normal_face = in_face(face, normal);
-    if normal_face.z >= 0.0 {
-        return 0.0;                 // it faces away
-    }
-    var offset = select(
-        receiver.offset + dot(normal_face, vec3f(map_face.row_x.w, map_face.row_y.w, map_face.row_z.w)),
-        dot(normal_face, position_face),
-        unknown,
-    );
-    let lift = raised(receiver, map_face.projection.z, position_face.z, -normal_face.z);
-    offset += lift;
-    let ndc = position_face.xy / map_face.projection.x;
-    return filtered(Site(face, ndc, position_face.z, normal, offset, lift), pixel);
+    return filtered(site, pixel);
 }
 
 // Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
-// Cascades are chosen before any is looked up, at most two, so that all pixels take the lookup together.
 fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
-    var finest = CASCADE_COUNT;
-    var next = CASCADE_COUNT;
-    var weight = 1.0;
-    for (var face = 0u; face < CASCADE_COUNT; face++) {
-        let map_face = map_light.faces[face];
-        let position_face = position_in_face(face, receiver.position);
-        // The filter's taps stay inside the cascade.
-        let reach = map_light.size.z + 3.0 * map_face.projection.z;
-        let room = map_face.projection.x - reach - max(abs(position_face.x), abs(position_face.y));
-        let shows = room > 0.0 && position_face.z < map_face.projection.y;
-        let width = max(map_light.limits.w * map_face.projection.x, 1e-6);
-        next = select(next, face, shows && finest < face && next == CASCADE_COUNT);
-        weight = select(weight, clamp(room / width, 0.0, 1.0), shows && finest == CASCADE_COUNT);
-        finest = select(finest, face, shows && finest == CASCADE_COUNT);
-    }
-    if finest == CASCADE_COUNT {
+    let chosen = choose_cascades(receiver, CASCADE_COUNT);
+    if chosen.finest == CASCADE_COUNT {
         return 1.0;                 // beyond the last cascade
     }
-    var visibility = from_cascade(finest, receiver, pixel);
-    if weight < 1.0 && next < CASCADE_COUNT {
-        visibility = mix(from_cascade(next, receiver, pixel), visibility, weight);
+    var visibility = at_site(site_in_cascade(chosen.finest, receiver), pixel);
+    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
+        visibility = mix(at_site(site_in_cascade(chosen.next, receiver), pixel), visibility, chosen.weight);
     }
     return visibility;
 }
@@ -572,7 +429,7 @@ fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
         disc_x * radius,
         cross(ray, disc_x) * radius,
     );
-    return filtered(Site(face, clip.xy / clip.w, along, normal, offset, 0.0), pixel);
+    return filtered(Site(face, clip.xy / clip.w, along, normal, offset, UNKNOWN), pixel);
 }
 
 @fragment
@@ -589,7 +446,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     } else if SHAPE == MATRICES {
         visibility = from_matrices(receiver, pixel);
     } else {
-        visibility = from_point(receiver, pixel);
+        visibility = at_site(site_from_point(receiver, SHAPE), pixel);
     }
     if SHOW_TAPS {
         return vec4f(vec3f(taps / 64.0), visibility);

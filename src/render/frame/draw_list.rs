@@ -5,6 +5,7 @@ use std::ops::Range;
 use fixedbitset::FixedBitSet;
 
 use crate::render::pools::objects::{NO_MESH, ObjectTable};
+use crate::sets::Objects;
 
 /// The properties that distinguish the pipelines of one surface pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -15,17 +16,23 @@ pub struct Variant {
     pub culled: bool,
     /// True if the surface shows no shadows, because the object is no receiver or the light has no technique.
     pub unshadowed: bool,
+    /// True if the light or the object has weights, or the light's shadows have a colour. Only passes that add
+    /// lights tell such surfaces apart.
+    pub modelled: bool,
 }
 
 impl Variant {
     /// The index of the variant, from 0 and below `VARIANT_COUNT`.
     pub fn index(self) -> usize {
-        usize::from(self.mirrored) | usize::from(self.culled) << 1 | usize::from(self.unshadowed) << 2
+        usize::from(self.mirrored)
+            | usize::from(self.culled) << 1
+            | usize::from(self.unshadowed) << 2
+            | usize::from(self.modelled) << 3
     }
 }
 
 /// The number of [`Variant`]s.
-pub const VARIANT_COUNT: usize = 8;
+pub const VARIANT_COUNT: usize = 16;
 
 /// One draw call, for one submesh with one material.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,10 +76,22 @@ pub enum ItemFilter {
 /// Decides whether the surfaces of a list show the shadows of the light that they are drawn for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shadows {
-    /// Surfaces of receivers show shadows.
-    OnReceivers,
+    /// Surfaces of receivers show shadows, if their layers share a bit with the mask.
+    OnReceivers(u32),
     /// No surface shows shadows: the light has no technique, or the list is for no light.
     Nowhere,
+}
+
+impl Shadows {
+    /// Returns whether an object shows the shadows.
+    pub fn shown_on(self, objects: &Objects, object: usize) -> bool {
+        match self {
+            Self::OnReceivers(mask) => {
+                objects.receivers.contains(object) && objects.layers[object] & mask != 0
+            }
+            Self::Nowhere => false,
+        }
+    }
 }
 
 /// The input from which a list is built, apart from its set of objects.
@@ -80,8 +99,8 @@ pub enum Shadows {
 pub struct DrawListInput<'a> {
     /// The meshes and materials of the objects.
     pub table: &'a ObjectTable,
-    /// The objects that show shadows, by dense object index.
-    pub receivers: &'a FixedBitSet,
+    /// The objects of the frame: which of them show shadows, and on which layers they are.
+    pub objects: &'a Objects,
     /// True if the view mirrors.
     pub mirrored_view: bool,
     /// True if single-sided materials are culled. If false, all surfaces are drawn from both sides.
@@ -90,13 +109,13 @@ pub struct DrawListInput<'a> {
 
 impl DrawListBuilder {
     /// Appends the batches of `set` to `batches` and their objects to `instances`. Returns the range of the
-    /// new batches.
+    /// new batches. `modelled` says whether the light that they are drawn for has weights or a shadow's colour.
     pub fn build(
         &mut self,
         input: &DrawListInput,
         set: &FixedBitSet,
         filter: ItemFilter,
-        shadows: Shadows,
+        (shadows, modelled): (Shadows, bool),
         batches: &mut Vec<Batch>,
         instances: &mut Vec<u32>,
     ) -> Range<usize> {
@@ -115,7 +134,8 @@ impl DrawListBuilder {
                     variant: Variant {
                         mirrored: (handedness < 0.0) != input.mirrored_view,
                         culled: input.cull_back_faces && !item.double_sided,
-                        unshadowed: shadows == Shadows::Nowhere || !input.receivers.contains(object),
+                        unshadowed: !shadows.shown_on(input.objects, object),
+                        modelled: modelled || input.table.weighted.contains(object),
                     },
                     material: item.material,
                     mesh,

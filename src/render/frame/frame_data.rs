@@ -66,6 +66,9 @@ pub struct ActiveLight {
     pub shadow: Option<LightShadow>,
     /// True if a [`LightFunction`](crate::render::LightFunction) scales the light. The light then has a mask.
     pub is_scaled: bool,
+    /// True if the light gives something to surfaces that it does not see: ambient light, or the colour of its
+    /// shadow. The light then has a mask, and the functions that scale it have one of their own.
+    pub is_tinted: bool,
     /// Rectangle of the light: x, y, width, height, in pixels of the targets.
     pub scissor: [u32; 4],
     /// Nearest and farthest depth that the light reaches, 1 ≥ near ≥ far ≥ 0.
@@ -90,12 +93,20 @@ impl ActiveLight {
     }
 
     /// Returns the kind of result by which the light is added: that of its technique, or the mask if a
-    /// function scales the light. It is `None` without a technique and a function.
+    /// function scales the light or its shadow has a colour. It is `None` without any of them.
     pub fn kind(&self) -> Option<ShadowKind> {
-        if self.is_scaled {
+        if self.is_scaled || self.is_tinted {
             return Some(ShadowKind::Mask);
         }
         self.shadow.map(|shadow| shadow.kind)
+    }
+
+    /// Returns whether the light's technique counts in the stencil, of which a mask is then made.
+    pub fn makes_mask_of_stencil(&self) -> bool {
+        self.has_mask()
+            && self
+                .shadow
+                .is_some_and(|shadow| shadow.kind == ShadowKind::Stencil)
     }
 
     /// Returns whether the light's technique leaves a mask that is made from the planes of the receivers.

@@ -24,6 +24,8 @@ pub(in crate::render) enum LightSurfaces {
 impl LightSurfaces {
     pub(in crate::render) fn pass(self, light: &ActiveLight) -> SurfacePass {
         match (self, light.kind()) {
+            (Self::Opaque, _) if light.is_tinted => SurfacePass::LightTinted,
+            (Self::Front, _) if light.is_tinted => SurfacePass::FrontLightTinted,
             (Self::Opaque, _) if light.is_scaled => SurfacePass::LightScaled,
             (Self::Front, _) if light.is_scaled => SurfacePass::FrontLightScaled,
             (Self::Front, Some(visibility)) => SurfacePass::front_light(visibility),

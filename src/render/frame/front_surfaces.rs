@@ -3,7 +3,7 @@
 
 use fixedbitset::FixedBitSet;
 
-use super::draw_list::{Batch, DrawListInput, Variant};
+use super::draw_list::{Batch, DrawListInput, Shadows, Variant};
 use super::frame_data::{ActiveLight, FrameData};
 use crate::geometry::{Aabb, LightHull};
 use crate::sets::{FrameLight, FrameLights, Objects, Projector, ScissorRect, ViewData};
@@ -35,7 +35,8 @@ pub(in crate::render) fn collect_front(
             continue;
         }
         let frame_light = &lights.lights[light.light];
-        let reach = frame_light.volume.aabb();
+        let reach = frame_light.lit.aabb();
+        let shows = Shadows::OnReceivers(frame_light.selection.shows_on);
         let mut bounds = Aabb::EMPTY;
         for draw in blended.iter() {
             let reached = &blended_lights[draw.lights.clone()];
@@ -45,7 +46,8 @@ pub(in crate::render) fn collect_front(
                 bounds = bounds.union(objects.boxes.get(object).intersection(reach));
                 batches.push(Batch {
                     variant: Variant {
-                        unshadowed: !input.receivers.contains(object),
+                        unshadowed: !shows.shown_on(objects, object),
+                        modelled: frame_light.model.is_weighted() || input.table.weighted.contains(object),
                         ..batch.variant
                     },
                     ..batch

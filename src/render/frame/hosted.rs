@@ -18,6 +18,7 @@ use super::front_lights::LightSurfaces;
 use crate::conventions::STENCIL_IN_BOUNDS;
 use crate::render::nodes::host_depth::HostDepth;
 use crate::render::nodes::host_select::HostSelect;
+use crate::render::nodes::keep_visibility::KeepVisibility;
 use crate::render::nodes::pipelines::stencil_test;
 use crate::render::recorder::ShadowKind;
 use crate::render::renderer::Renderer;
@@ -66,6 +67,10 @@ pub struct HostedLight<'a> {
     /// [`LightFunction`](crate::render::LightFunction) scales the light. If false, the host does not apply
     /// the mask to such surfaces.
     pub is_scaled: bool,
+    /// The factors of light functions, for a light whose ambient, diffuse and specular light have weights or whose
+    /// shadow has a colour, if the host adds such terms ([`Renderer::set_host_terms`]). The mask then holds the
+    /// visible share alone, for all surfaces, and the factors scale all terms.
+    pub factors: Option<&'a wgpu::TextureView>,
 }
 
 /// Returns the stencil test of the pixels that a light reaches and affects, and, if the light has no mask,
@@ -110,6 +115,13 @@ impl Renderer {
         Ok(())
     }
 
+    /// Tells whether the host weights ambient, diffuse and specular light, and gives shadows their colour
+    /// ([`LightModel`](crate::scene::LightModel)). A host that does not gets one mask for each light, which scales
+    /// all that the light gives. Default: it does not.
+    pub fn set_host_terms(&mut self, adds_terms: bool) {
+        self.host_terms = adds_terms;
+    }
+
     /// Records the prepared frame over the host's picture. It calls `add` once for each light that reaches
     /// something visible, inside a pass. That pass has the host's radiance, and depth (read-only) and stencil
     /// ([`RenderContext::depth_stencil_format`](crate::render::RenderContext::depth_stencil_format)) of the
@@ -119,6 +131,31 @@ impl Renderer {
         &self,
         encoder: &mut wgpu::CommandEncoder,
         frame: &HostFrame,
+        add: impl FnMut(&mut wgpu::RenderPass, &HostedLight),
+    ) {
+        self.record_hosted_keeping(encoder, frame, None, add);
+    }
+
+    /// Gets ready for [`Renderer::record_hosted_keeping`].
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] names the file and the place.
+    pub(crate) fn prepare_keeping(&mut self) -> Result<(), RenderError> {
+        if self.keep_visibility.is_none() {
+            self.keep_visibility = Some(KeepVisibility::new(&self.gpu)?);
+        }
+        Ok(())
+    }
+
+    /// Records like [`Renderer::record_hosted`], and keeps the visibility of lights in textures of
+    /// [`KEPT_FORMAT`](crate::render::nodes::keep_visibility::KEPT_FORMAT). `kept` gives the texture of a light,
+    /// by its index in [`FrameLights`](crate::sets::FrameLights). The texture is not written if the light reaches
+    /// nothing visible.
+    pub(crate) fn record_hosted_keeping<'a>(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &HostFrame,
+        kept: Option<&dyn Fn(usize) -> Option<&'a wgpu::TextureView>>,
         mut add: impl FnMut(&mut wgpu::RenderPass, &HostedLight),
     ) {
         let (Some(targets), Some(host_depth)) = (&self.targets, &self.host_depth) else {
@@ -139,13 +176,18 @@ impl Renderer {
         // Before the lights: techniques read depth and planes while they write the stencil.
         self.record_receivers(&mut recording, LightSurfaces::Opaque);
         // Light by light: the lights take turns with one stencil and one mask.
-        for group in self.light_groups(self.timings.is_active()) {
+        for group in self.light_groups(self.timings.is_active() || kept.is_some()) {
             self.record_group(&mut recording, group, |pass, light| {
                 self.mark_light(pass, light, LightSurfaces::Opaque);
                 self.select_pixels(pass, light);
                 pass.set_stencil_reference(STENCIL_IN_BOUNDS);
                 add(pass, &self.hosted_light(light));
             });
+            if let ([light], Some(kept), Some(node)) = (group, kept, &self.keep_visibility)
+                && let Some(target) = kept(light.light)
+            {
+                node.record(&mut recording, target, light.scissor, self.mask_of(light));
+            }
         }
         self.timings.end_frame(recording.encoder);
     }
@@ -170,6 +212,12 @@ impl Renderer {
             light: light.light,
             scissor: light.scissor,
             is_scaled: light.is_scaled,
+            factors: self
+                .masks
+                .as_ref()
+                .filter(|_| light.is_tinted)
+                .and_then(|masks| masks.factors.as_ref())
+                .map(|factors| &factors.view),
             mask: self
                 .masks
                 .as_ref()

@@ -16,7 +16,7 @@ use crate::render::recorder::PrepareInput;
 use crate::render::renderer::Renderer;
 use crate::scene::FaceCulling;
 use crate::scene::placement::Placement;
-use crate::scene::{PosedMesh, SceneMaterials, SceneMesh};
+use crate::scene::{PosedMesh, SceneMaterials, SceneMesh, SurfaceWeights};
 use crate::sets::{FrameLight, FrameLights, Objects, View, ViewData, ViewportSize, VisibleSet};
 
 /// Uploads the meshes, materials and matrices that changed, sizes the targets, and resets the state of the
@@ -30,16 +30,21 @@ pub fn prepare_objects(
     viewport: Res<ViewportSize>,
     appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
     exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
-    posed: Query<(Entity, &PosedMesh), Changed<PosedMesh>>,
+    posed: Query<(Entity, Ref<PosedMesh>)>,
     places: Query<Placement>,
+    (weights, weights_changed): (Query<&SurfaceWeights>, Query<(), Changed<SurfaceWeights>>),
+    mut weights_removed: RemovedComponents<SurfaceWeights>,
 ) {
     let renderer = renderer.as_mut();
     if let Err(error) = begin_frame(renderer, &view, viewport.0) {
         renderer.failure = Some(error);
+        renderer.has_missed_changes = true;
         return;
     }
-    let rebuilt =
-        renderer.table_generation != Some(objects.flags_generation) || exchanged.iter().next().is_some();
+    let missed = std::mem::take(&mut renderer.has_missed_changes);
+    let rebuilt = missed
+        || renderer.table_generation != Some(objects.flags_generation)
+        || exchanged.iter().next().is_some();
     if rebuilt {
         renderer.table.rebuild(
             &renderer.gpu,
@@ -50,26 +55,29 @@ pub fn prepare_objects(
         );
         renderer.table_generation = Some(objects.flags_generation);
     }
-    for (entity, pose) in &posed {
+    for (entity, pose) in posed.iter().filter(|(_, pose)| missed || pose.is_changed()) {
         if let Some(object) = objects.index_of(entity) {
             let mesh = renderer.table.mesh[object];
             if mesh != NO_MESH {
-                renderer.meshes.write_pose(&renderer.gpu.context, mesh, pose);
+                renderer.meshes.write_pose(&renderer.gpu.context, mesh, &pose);
             }
         }
     }
     let Some(current) = &view.data else {
+        renderer.last_clip_from_world = None; // the next view needs all matrices again
         return;
     };
     renderer.frame.has_view = true;
+    let reweighted = weights_removed.read().count() > 0 || !weights_changed.is_empty();
     let still = !rebuilt
+        && !reweighted
         && renderer.last_clip_from_world == Some(current.clip_from_world)
         && objects.moved.is_clear();
     if !still {
         let (clip_from_world, eye) = (current.clip_from_world, current.eye);
         renderer
             .table
-            .update_constants(&objects.entities, &places, clip_from_world, eye);
+            .update_constants(&objects.entities, &places, &weights, clip_from_world, eye);
         renderer.write_objects();
         renderer.last_clip_from_world = Some(clip_from_world);
     }
@@ -134,6 +142,10 @@ pub fn prepare_techniques(world: &mut World) {
         if renderer.failure.is_some() {
             return; // the table of objects may be that of an earlier frame
         }
+        if let Err(error) = renderer.require_light_model(world.resource::<FrameLights>()) {
+            renderer.failure = Some(error);
+            return;
+        }
         let mirrored_view = world
             .resource::<View>()
             .data
@@ -196,6 +208,14 @@ pub fn prepare_draws(
     }
 }
 
+/// The list shows no shadows, and is for no light.
+const UNSHOWN: (Shadows, bool) = (Shadows::Nowhere, false);
+
+/// Whether some receiver may not show the shadows of a light.
+fn shows_selectively(light: &FrameLight, objects: &Objects) -> bool {
+    objects.common_layers() & light.selection.shows_on == 0
+}
+
 /// Fills the frame's lists: the draws for the view, for each light, and of blended surfaces.
 fn collect_draws(
     renderer: &mut Renderer,
@@ -205,7 +225,8 @@ fn collect_draws(
     current: &ViewData,
     cull_back_faces: bool,
 ) {
-    let is_hosted = renderer.host.is_some();
+    let (host, host_terms) = (renderer.host, renderer.host_terms);
+    let is_hosted = host.is_some();
     let Renderer {
         frame,
         table,
@@ -219,13 +240,13 @@ fn collect_draws(
     } = renderer;
     let input = DrawListInput {
         table,
-        receivers: &objects.receivers,
+        objects,
         mirrored_view: current.mirrored,
         // A host has already chosen the faces that it shows, perhaps by other rules.
         cull_back_faces: cull_back_faces && !is_hosted,
     };
     let (batches, instances) = (&mut frame.batches, &mut frame.instances);
-    let (opaque, shown) = (ItemFilter::Opaque, Shadows::OnReceivers);
+    let (opaque, shown) = (ItemFilter::Opaque, (Shadows::OnReceivers(u32::MAX), false));
     frame.ambient = draw_lists.build(&input, &visible.set, opaque, shown, batches, instances);
     for (index, light) in lights.lights.iter().enumerate() {
         if labels.len() <= index {
@@ -238,17 +259,18 @@ fn collect_draws(
             .technique
             .and_then(|technique| techniques.shadow_of(index, &technique));
         let shadows = if shadow.is_some() {
-            Shadows::OnReceivers
+            Shadows::OnReceivers(light.selection.shows_on)
         } else {
             Shadows::Nowhere
         };
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let lit = ItemFilter::OpaqueLit;
-        let drawn = draw_lists.build(&input, &light.sets.i, lit, shadows, batches, instances);
+        let shown = (shadows, light.model.is_weighted());
+        let drawn = draw_lists.build(&input, &light.sets.i, lit, shown, batches, instances);
         let mut unlit = drawn.end..drawn.end;
         if is_hosted && collect_unlit(&mut frame.unlit, objects, visible, light) {
             let set = &frame.unlit;
-            unlit = draw_lists.build(&input, set, opaque, Shadows::Nowhere, batches, instances);
+            unlit = draw_lists.build(&input, set, opaque, UNSHOWN, batches, instances);
         }
         uniforms.constants.push(&light_constants(light, current.eye));
         let bounds = light.region.depth_bounds.filter(|_| settings.depth_bounds);
@@ -260,7 +282,13 @@ fn collect_draws(
             slot,
             technique: light.technique.filter(|_| shadow.is_some()),
             shadow,
-            is_scaled: functions.iter().any(|function| function.scales(index)),
+            is_scaled: functions.iter().any(|function| function.scales(index))
+                || (is_hosted && shadow.is_some() && shows_selectively(light, objects)),
+            is_tinted: match host {
+                // A host computes light by itself, so it must weight the terms by itself as well.
+                Some(_) => host_terms && light.model.is_weighted(),
+                None => light.model.lights_shadows(),
+            },
             scissor: frame.viewport.place(if settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
@@ -276,7 +304,7 @@ fn collect_draws(
     let not_clear = |(_, light): &(usize, &FrameLight)| !light.sets.dark.is_clear();
     for (index, light) in lights.lights.iter().enumerate().filter(not_clear) {
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
-        let (lit, nowhere) = (ItemFilter::OpaqueLit, Shadows::Nowhere);
+        let (lit, nowhere) = (ItemFilter::OpaqueLit, UNSHOWN);
         let drawn = draw_lists.build(&input, &light.sets.dark, lit, nowhere, batches, instances);
         frame.dark.push((index, drawn));
     }
@@ -341,8 +369,11 @@ fn collect_blended(
     for &(_, object, item) in &frame.blended_order {
         let part = input.table.items_of(object as usize)[item as usize];
         let first_light = frame.blended_lights.len();
+        let mut modelled = input.table.weighted.contains(object as usize);
         for active in &frame.lights {
-            if !part.unlit && lights.lights[active.light].sets.i.contains(object as usize) {
+            let light = &lights.lights[active.light];
+            if !part.unlit && light.sets.i.contains(object as usize) {
+                modelled |= light.model.is_weighted() || light.model.is_shaped();
                 frame.blended_lights.push(BlendedLight {
                     slot: active.slot,
                     behind_front: active.kind().is_some(),
@@ -360,6 +391,7 @@ fn collect_blended(
                 mirrored: (input.table.handedness[object as usize] < 0.0) != current.mirrored,
                 culled: input.cull_back_faces && !part.double_sided,
                 unshadowed: true,
+                modelled,
             },
             material: part.material,
             mesh: input.table.mesh[object as usize],

@@ -8,7 +8,7 @@ use super::recording::Recording;
 use crate::render::nodes;
 use crate::render::nodes::surface_pass::SurfacePass;
 use crate::render::nodes::visibility::Shadow;
-use crate::render::recorder::{Leaves, Mark, ResolveInput};
+use crate::render::recorder::{Leaves, Mark, ResolveInput, ShadowKind};
 use crate::render::renderer::Renderer;
 
 impl Renderer {
@@ -120,11 +120,13 @@ impl Renderer {
             }
             None => nodes::light_function::clear(frame, masks, scissor),
         }
-        if light.is_scaled {
+        // In our own frames, surfaces that show no shadow of a tinted light have a shader of their own.
+        let own_shader = light.is_tinted && self.host.is_none();
+        if (light.is_scaled || light.is_tinted) && !own_shader {
             let batches = self.batches(&surfaces.batches(light));
             nodes::light_function::record_unshadowed(frame, masks, scissor, batches);
-            self.scale_mask(frame, light, &input);
         }
+        self.scale_mask(frame, light, &input);
     }
 
     /// Marks the stencil of a light in a pass of its own, before a mask is made of it.
@@ -137,11 +139,21 @@ impl Renderer {
         mark.mark(light.light, &mut pass, &input.record);
     }
 
-    /// Multiplies the mask of a light by the functions that scale it.
+    /// Multiplies the mask of a light by the functions that scale it. If the light's shadow has a colour, the
+    /// functions have a mask of their own, because they scale what is shadowed as well.
     fn scale_mask(&self, frame: &mut Recording, light: &ActiveLight, input: &ResolveInput) {
+        let mut attachment = input.masks.attachment(wgpu::LoadOp::Load);
+        match &input.masks.factors {
+            Some(factors) if light.is_tinted => {
+                attachment = input.masks.attachment(wgpu::LoadOp::Clear(wgpu::Color::WHITE));
+                attachment.view = &factors.view;
+            }
+            _ if !light.is_scaled => return,
+            _ => {}
+        }
         let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("light function"),
-            color_attachments: &[Some(input.masks.attachment(wgpu::LoadOp::Load))],
+            color_attachments: &[Some(attachment)],
             timestamp_writes: frame.timings.pass_of(input.label, "light function"),
             ..Default::default()
         });
@@ -166,7 +178,7 @@ impl Renderer {
     ) {
         let [x, y, width, height] = surfaces.scissor(light);
         pass.set_scissor_rect(x, y, width, height);
-        if let (Some(Leaves::Stencil(mark)), false) = (self.leaves(light), light.is_scaled) {
+        if let (Some(Leaves::Stencil(mark)), Some(ShadowKind::Stencil)) = (self.leaves(light), light.kind()) {
             let (near, far) = light.depth_range;
             self.light_begin.record(pass, near, far);
             mark.mark(light.light, pass, &surfaces.record_input(self, light));
@@ -195,7 +207,10 @@ impl Renderer {
     /// The bind group 3 of passes that read the mask of a light.
     pub(in crate::render) fn mask_of(&self, light: &ActiveLight) -> Option<&wgpu::BindGroup> {
         let masks = self.masks.as_ref().filter(|_| light.has_mask())?;
-        Some(&masks.mask_group)
+        match &masks.factors {
+            Some(factors) if light.is_tinted => Some(&factors.group),
+            _ => Some(&masks.mask_group),
+        }
     }
 
     /// The shadow that the picture of a light's visibility shows. It is `None` for a light without a
@@ -207,7 +222,11 @@ impl Renderer {
     ) -> Option<Shadow<'_>> {
         Some(Shadow {
             kind: SurfacePass::visibility(light.kind()?),
-            mask: self.mask_of(light),
+            mask: self
+                .masks
+                .as_ref()
+                .filter(|_| light.has_mask())
+                .map(|masks| &masks.mask_group),
             scissor: surfaces.scissor(light),
             batches: self.batches(&surfaces.batches(light)),
         })

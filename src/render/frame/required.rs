@@ -37,7 +37,7 @@ impl Renderer {
         for light in &frame.lights {
             let visibility = light.kind();
             require(LightSurfaces::Opaque.pass(light), light.batches.clone());
-            if light.is_scaled {
+            if light.is_scaled || light.is_tinted {
                 require(SurfacePass::WholeMask, light.batches.clone());
                 require(SurfacePass::WholeMask, light.front.clone());
             }

@@ -8,6 +8,7 @@
 //! | receiver plane | [`RECEIVER_PLANE_FORMAT`] | no plane | receiver plane | techniques that ask for it |
 //! | front depth and stencil | as depth | copied from depth | front layer | lights of the front layer |
 //! | mask | [`MASK_FORMAT`] | by each technique, in the light's scissor | techniques | light accumulate, visibility |
+//! | factors | [`MASK_FORMAT`] | 1 | light functions, if the light's shadow has a colour | light accumulate |
 //! | stencil | beside the depth | by each light, in its scissor | techniques | light accumulate, visibility |
 //!
 //! Receiver depth, receiver plane and mask exist from the first frame that has a light with a mask. Front
@@ -184,6 +185,18 @@ pub struct MaskTargets {
     pub mask_view: wgpu::TextureView,
     /// The bind group 3 of passes that read the mask.
     pub mask_group: wgpu::BindGroup,
+    /// The mask of the functions that scale the current light, if its shadow has a colour. It exists from the first
+    /// frame with such a light.
+    pub factors: Option<FactorTarget>,
+}
+
+/// The texture of the factors of light functions, of the size and format of the mask.
+#[derive(Debug)]
+pub struct FactorTarget {
+    /// The view of the texture.
+    pub view: wgpu::TextureView,
+    /// The bind group 3 of passes that read the mask and the factors.
+    pub group: wgpu::BindGroup,
 }
 
 impl MaskTargets {
@@ -238,6 +251,27 @@ impl MaskTargets {
             receiver_plane_view,
             mask,
             mask_view,
+            factors: None,
         })
+    }
+
+    /// Makes the mask of functions if it is missing.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] beyond the device's largest texture.
+    pub fn require_factors(
+        &mut self,
+        context: &RenderContext,
+        layouts: &BindGroupLayouts,
+    ) -> Result<(), RenderError> {
+        if self.factors.is_none() {
+            let size = UVec2::new(self.mask.width(), self.mask.height());
+            let texture = create_target(context, "factors", size, MASK_FORMAT)?;
+            let view = texture.create_view(&Default::default());
+            let views = [&self.mask_view, &view].map(wgpu::BindingResource::TextureView);
+            let group = bind_in_order(&context.device, "masks", &layouts.masks, views);
+            self.factors = Some(FactorTarget { view, group });
+        }
+        Ok(())
     }
 }

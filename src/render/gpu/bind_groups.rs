@@ -21,6 +21,8 @@ pub struct BindGroupLayouts {
     pub receiver: wgpu::BindGroupLayout,
     /// The layout of group 3 of passes that read a light's visibility mask.
     pub mask: wgpu::BindGroupLayout,
+    /// The layout of group 3 of passes that read a light's visibility mask and the mask of its functions.
+    pub masks: wgpu::BindGroupLayout,
     /// The layout of group 3 of passes that read the depth of a frame or of its front layer.
     pub depth: wgpu::BindGroupLayout,
     /// The layout of group 3 of the pass that reads a host's depth.
@@ -174,6 +176,7 @@ impl BindGroupLayouts {
                 ],
             ),
             mask: layout("mask", &[texture_entry(0, false)]),
+            masks: layout("masks", &[texture_entry(0, false), texture_entry(1, false)]),
             depth: layout("depth", &[depth_entry(0)]),
             host: layout(
                 "host depth",

@@ -6,6 +6,7 @@ pub(crate) mod depth_copy;
 pub(crate) mod front_layer;
 pub(crate) mod host_depth;
 pub(crate) mod host_select;
+pub(crate) mod keep_visibility;
 pub(crate) mod light_accumulate;
 pub(crate) mod light_begin;
 pub(crate) mod light_function;

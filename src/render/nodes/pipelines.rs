@@ -58,6 +58,8 @@ enum Groups {
     Lit,
     /// The pass reads the light and its mask.
     Masked,
+    /// The pass reads the light, its mask, and the mask of the functions that scale it.
+    Tinted,
     /// The pass reads the mask of a light.
     MaskedUnlit,
     /// The pass reads the light and the depth of the front layer.
@@ -97,6 +99,7 @@ struct PassState {
 
 const AMBIENT: &str = "passes/ambient.wgsl";
 const LIGHT: &str = "passes/light_accumulate.wgsl";
+const LIGHT_MODELLED: &str = "passes/light_modelled.wgsl";
 const VISIBILITY: &str = "passes/visibility.wgsl";
 const RECEIVER_PLANE: &str = "passes/receiver_plane.wgsl";
 const HOST_DEPTH: &str = "passes/host_depth.wgsl";
@@ -167,6 +170,19 @@ impl SurfacePass {
             Self::FrontLightMasked => PassState {
                 groups: Groups::Masked,
                 fragment: "masked",
+                is_blended: true,
+                ..LIT
+            },
+            Self::LightTinted => PassState {
+                groups: Groups::Tinted,
+                fragment: "tinted",
+                unshadowed: "tinted_unshadowed",
+                ..LIT
+            },
+            Self::FrontLightTinted => PassState {
+                groups: Groups::Tinted,
+                fragment: "tinted",
+                unshadowed: "tinted_unshadowed",
                 is_blended: true,
                 ..LIT
             },
@@ -283,6 +299,7 @@ fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
         Groups::Unlit => (None, None),
         Groups::Lit => (Some(&layouts.light), None),
         Groups::Masked => (Some(&layouts.light), Some(&layouts.mask)),
+        Groups::Tinted => (Some(&layouts.light), Some(&layouts.masks)),
         Groups::MaskedUnlit => (None, Some(&layouts.mask)),
         Groups::BehindFront => (Some(&layouts.light), Some(&layouts.depth)),
         Groups::Host => (None, Some(&layouts.host)),
@@ -299,8 +316,15 @@ fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
     } else {
         state.fragment
     };
-    let vertex = Stage::new(state.file, "vertex");
-    let mut desc = PipelineDesc::new(pass.label(), vertex, Some(Stage::new(state.file, entry)))
+    let is_modelled = variant.modelled && state.file == LIGHT;
+    let (file, entry) = match (is_modelled, pass) {
+        // The shape of a light is a factor of its mask, except on blended surfaces, which have none.
+        (true, SurfacePass::LightBlended) => (LIGHT_MODELLED, "blended"),
+        (true, _) => (LIGHT_MODELLED, entry),
+        (false, _) => (state.file, entry),
+    };
+    let vertex = Stage::new(file, "vertex");
+    let mut desc = PipelineDesc::new(pass.label(), vertex, Some(Stage::new(file, entry)))
         .with_groups([Some(&layouts.view), light, Some(&layouts.material), own])
         .with_depth(
             gpu.context.depth_stencil_format(),

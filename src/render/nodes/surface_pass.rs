@@ -39,6 +39,10 @@ pub enum SurfacePass {
     /// Adds one light times its mask to the front layer, also to surfaces that show no shadows, because a
     /// function scales the light.
     FrontLightScaled,
+    /// Adds one light whose shadow has a colour, by its mask and by the mask of its functions.
+    LightTinted,
+    /// Adds one light whose shadow has a colour to the front layer, by its mask and by the mask of its functions.
+    FrontLightTinted,
     /// Writes 1 into the mask.
     WholeMask,
     /// Draws depth where a host shows the surface.
@@ -68,6 +72,8 @@ impl SurfacePass {
             Self::ReceiverPlane => "receiver plane",
             Self::LightScaled => "light scaled",
             Self::FrontLightScaled => "front light scaled",
+            Self::LightTinted => "light tinted",
+            Self::FrontLightTinted => "front light tinted",
             Self::WholeMask => "whole mask",
             Self::HostSurface => "host surface",
         }

@@ -32,7 +32,7 @@ pub struct Object {
     pub relative_from_local_y: [f32; 4],
     /// Third row of the affine map from local space to world axes with the origin at the eye.
     pub relative_from_local_z: [f32; 4],
-    /// x: sign of the determinant of the object's transform; yzw unused.
+    /// x: sign of the determinant of the object's transform; yzw: weights of ambient, diffuse and specular light.
     pub handedness: [f32; 4],
 }
 
@@ -69,6 +69,70 @@ pub struct Light {
     /// Vector along a rectangle's height with half its length; w: 1 for rectangles and spheres that have an
     /// extent, else 0.
     pub half_up: [f32; 4],
+    /// Weights of ambient, diffuse and specular light; w: darkness of shadows.
+    pub weights: [f32; 4],
+    /// Linear RGB times intensity, in shadows; w unused.
+    pub shadow_emission: [f32; 4],
+    /// Shape and distances of the light.
+    pub shape: LightShape,
+}
+
+/// Mirror of `LightShape` in `shaders/common/light_shape.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightShape {
+    /// First row of the affine map from eye-relative positions to light space.
+    pub light_from_relative_x: [f32; 4],
+    /// Second row of the affine map from eye-relative positions to light space.
+    pub light_from_relative_y: [f32; 4],
+    /// Third row of the affine map from eye-relative positions to light space: the depth in front of the light.
+    pub light_from_relative_z: [f32; 4],
+    /// Semi-axes of the superellipse: of the region of full intensity in xy, of the whole region in zw.
+    pub semi_axes: [f32; 4],
+    /// Depth at which the light begins to fade in, inverse length of that edge, depth at which it begins to fade
+    /// out, inverse length of that edge.
+    pub distance: [f32; 4],
+    /// Exponent of the superellipse; its inverse; 1 if the light has barn doors, else 0; 1 if the region of full
+    /// intensity has an area, else 0.
+    pub form: [f32; 4],
+}
+
+/// Mirror of `LightModel` in `shaders/passes/light_model.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightModel {
+    /// Shape and distances of the light.
+    pub shape: LightShape,
+}
+
+/// Mirror of `LightTexture` in `shaders/common/light_texture.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightTexture {
+    /// First row of the affine map from eye-relative positions to light space: to the right, seen from the light.
+    pub light_from_relative_x: [f32; 4],
+    /// Second row of the affine map from eye-relative positions to light space: upwards.
+    pub light_from_relative_y: [f32; 4],
+    /// Third row of the affine map from eye-relative positions to light space: the depth before the light.
+    pub light_from_relative_z: [f32; 4],
+    /// Columns of the linear map from coordinates on the surface of the cookie's picture to texture coordinates.
+    pub uv_matrix: [f32; 4],
+    /// Texture coordinates of the surface's origin.
+    pub uv_origin: [f32; 2],
+    /// Density of the cookie, 0 to 1.
+    pub density: f32,
+    /// Unused padding.
+    pub unused: f32,
+    /// Direction of the profile's polar angle 0, in light space; w: first polar angle, radians.
+    pub profile_axes_pole: [f32; 4],
+    /// Direction of the profile's azimuth 0, in light space; w: first azimuth, radians.
+    pub profile_axes_zero: [f32; 4],
+    /// Direction of the profile's azimuth of 90 degrees, in light space; w unused.
+    pub profile_axes_quarter: [f32; 4],
+    /// Steps of the profile's table in a radian: of the polar angle, of the azimuth.
+    pub profile_steps: [f32; 2],
+    /// Last index of the profile's table: of polar angles, of azimuths.
+    pub profile_last: [f32; 2],
 }
 
 /// Mirror of `Slot` in `shaders/common/surface.wgsl`.

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
+use glam::Affine2;
 use wgpu::util::DeviceExt;
 
 use super::gpu_types;
@@ -13,6 +14,19 @@ use crate::render::gpu::slots::Slots;
 use crate::render::{Gpu, RenderContext};
 use crate::scene::material::TextureWrap;
 use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
+
+/// A texture that a host has on the device. It takes the place of a material's own base colour texture.
+#[derive(Clone, Debug)]
+pub struct HostTexture {
+    /// The view of a 2D texture, whose format can be filtered.
+    pub view: wgpu::TextureView,
+    /// The sampler; it does not compare.
+    pub sampler: wgpu::Sampler,
+    /// Which set of texture coordinates is used: 0 or 1.
+    pub uv_set: u32,
+    /// Transform of the texture coordinates, applied before sampling.
+    pub uv_transform: Affine2,
+}
 
 /// A material that is ready to be bound.
 #[derive(Debug)]
@@ -52,6 +66,9 @@ pub struct SharedMaterials {
 struct Known {
     /// The materials by their addresses. Each entry keeps its material alive.
     materials: HashMap<usize, Weak<GpuMaterial>>,
+    /// The base colour textures that a host has given materials, by the materials' addresses. The weak
+    /// pointer keeps the address from being used again.
+    hosted: HashMap<usize, (Weak<Material>, HostTexture)>,
     textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
     samplers: HashMap<SamplerKey, wgpu::Sampler>,
 }
@@ -75,6 +92,22 @@ impl SharedMaterials {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// Makes a texture of the host the base colour texture of a material. Returns `false`, and changes nothing,
+    /// if the material is on the device already. The host must then use another material.
+    pub fn host(&self, material: &Arc<Material>, texture: HostTexture) -> bool {
+        let mut known = self.known();
+        let address = Arc::as_ptr(material) as usize;
+        if known
+            .materials
+            .get(&address)
+            .is_some_and(|known| known.strong_count() > 0)
+        {
+            return false;
+        }
+        known.hosted.insert(address, (Arc::downgrade(material), texture));
+        true
+    }
+
     fn get(&self, gpu: &Gpu, material: &Arc<Material>) -> Arc<GpuMaterial> {
         let mut known = self.known();
         let address = Arc::as_ptr(material) as usize;
@@ -90,6 +123,9 @@ impl SharedMaterials {
     fn forget_unused(&self) {
         let mut known = self.known();
         known.materials.retain(|_, material| material.strong_count() > 0);
+        known
+            .hosted
+            .retain(|_, (material, _)| material.strong_count() > 0);
         // No material uses a texture that only this map holds.
         known
             .textures
@@ -139,7 +175,12 @@ impl Known {
         white: &wgpu::TextureView,
         material: &Arc<Material>,
     ) -> GpuMaterial {
-        let constants = constants(material);
+        let hosted = self.hosted.get(&(Arc::as_ptr(material) as usize));
+        let hosted = hosted.map(|(_, texture)| texture.clone());
+        let mut constants = constants(material);
+        if let Some(texture) = &hosted {
+            constants.base_color_slot = present_slot(texture.uv_set, texture.uv_transform);
+        }
         let buffer = context
             .device
             .create_buffer_init(&wgpu::util::BufferInitDescriptor {
@@ -154,17 +195,20 @@ impl Known {
             (&material.occlusion_texture, Encoding::Linear),
             (&material.emissive_texture, Encoding::Srgb),
         ];
-        let views: Vec<_> = slots
+        let mut views: Vec<_> = slots
             .iter()
             .map(|(slot, encoding)| {
                 self.view(context, slot.as_ref(), *encoding)
                     .unwrap_or_else(|| white.clone())
             })
             .collect();
-        let samplers: Vec<_> = slots
+        let mut samplers: Vec<_> = slots
             .iter()
             .map(|(slot, _)| self.sampler(context, slot.as_ref()))
             .collect();
+        if let Some(texture) = hosted {
+            (views[0], samplers[0]) = (texture.view, texture.sampler);
+        }
         let textures = views.iter().zip(&samplers).flat_map(|(view, sampler)| {
             [
                 wgpu::BindingResource::TextureView(view),
@@ -290,27 +334,29 @@ fn upload_texture(context: &RenderContext, texture: &Texture, encoding: Encoding
         .create_view(&Default::default())
 }
 
+/// Returns the constants of a texture. A transform that is not finite becomes the identity.
+fn present_slot(uv_set: u32, uv_transform: Affine2) -> gpu_types::Slot {
+    let uv_transform = if uv_transform.is_finite() {
+        uv_transform
+    } else {
+        Affine2::IDENTITY
+    };
+    let [x, y] = [uv_transform.matrix2.x_axis, uv_transform.matrix2.y_axis];
+    gpu_types::Slot {
+        uv_matrix: [x.x, x.y, y.x, y.y],
+        uv_offset: uv_transform.translation.to_array(),
+        uv_set,
+        present: 1,
+    }
+}
+
 fn constants(material: &Material) -> gpu_types::Material {
     let slot = |slot: &Option<TextureSlot>| match slot.as_ref().filter(|slot| is_whole(&slot.texture)) {
         None => gpu_types::Slot {
             uv_matrix: [1.0, 0.0, 0.0, 1.0],
             ..Default::default()
         },
-        Some(slot) if !slot.uv_transform.is_finite() => gpu_types::Slot {
-            uv_matrix: [1.0, 0.0, 0.0, 1.0],
-            uv_set: slot.uv_set,
-            present: 1,
-            ..Default::default()
-        },
-        Some(slot) => {
-            let [x, y] = [slot.uv_transform.matrix2.x_axis, slot.uv_transform.matrix2.y_axis];
-            gpu_types::Slot {
-                uv_matrix: [x.x, x.y, y.x, y.y],
-                uv_offset: slot.uv_transform.translation.to_array(),
-                uv_set: slot.uv_set,
-                present: 1,
-            }
-        }
+        Some(slot) => present_slot(slot.uv_set, slot.uv_transform),
     };
     // NaN has no nearest allowed number, so it takes the default.
     let within = |x: f32, least: f32, most: f32, default: f32| {

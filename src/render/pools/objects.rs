@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
 use glam::{DMat4, DVec3};
 
 use super::gpu_types;
@@ -10,7 +11,7 @@ use super::materials::MaterialPool;
 use super::meshes::MeshPool;
 use crate::render::Gpu;
 use crate::scene::placement::Placement;
-use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh};
+use crate::scene::{AlphaMode, PosedMesh, SceneMaterials, SceneMesh, SurfaceWeights};
 use crate::sets::{Objects, ViewData};
 
 /// One submesh of one object, with its material. A draw draws one item, or several equal ones.
@@ -42,6 +43,8 @@ pub struct ObjectTable {
     pub items: Vec<Item>,
     /// The sign of the determinant of each object's transform; 0 if the object cannot be drawn.
     pub handedness: Vec<f32>,
+    /// The objects with [`SurfaceWeights`].
+    pub weighted: FixedBitSet,
     constants: Vec<gpu_types::Object>,
 }
 
@@ -125,12 +128,15 @@ impl ObjectTable {
         &mut self,
         entities: &[Entity],
         places: &Query<Placement>,
+        weights: &Query<&SurfaceWeights>,
         clip_from_world: DMat4,
         eye_world: DVec3,
     ) {
         self.constants.clear();
         self.handedness.clear();
-        for &entity in entities {
+        self.weighted.clear();
+        self.weighted.grow(entities.len());
+        for (index, &entity) in entities.iter().enumerate() {
             let place = places.get(entity).ok();
             let world_from_local = place
                 .and_then(|place| place.world_from_local())
@@ -143,6 +149,13 @@ impl ObjectTable {
             } else {
                 gpu_types::Object::default()
             });
+            if let Ok(weights) = weights.get(entity)
+                && *weights != SurfaceWeights::default()
+            {
+                let constants = &mut self.constants[index].handedness;
+                constants[1..].copy_from_slice(&weights.to_vec3().to_array());
+                self.weighted.insert(index);
+            }
         }
         if self.constants.is_empty() {
             self.constants.push(gpu_types::Object::default());
@@ -163,6 +176,6 @@ pub fn object_constants(
         relative_from_local_x: rows.x_axis.to_array(),
         relative_from_local_y: rows.y_axis.to_array(),
         relative_from_local_z: rows.z_axis.to_array(),
-        handedness: [world_from_local.determinant().signum() as f32, 0.0, 0.0, 0.0],
+        handedness: [world_from_local.determinant().signum() as f32, 1.0, 1.0, 1.0],
     }
 }

@@ -1,13 +1,14 @@
 //! Reading of accessors. Every bound is checked before a byte is read and before memory is allocated.
 
-use std::borrow::Cow;
-use std::cell::Cell;
+use std::cell::{Cell, OnceCell};
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use gltf::json::accessor::{ComponentType, Type};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Root};
 
+use super::buffers::BufferBytes;
 use super::{Element, GltfError};
 
 /// Decoded bytes that even an empty file may take. This is enough for accessors without a view, which are all
@@ -22,8 +23,29 @@ const BUDGET_PER_BYTE: u64 = 64;
 pub(super) struct Accessors<'a> {
     pub file: PathBuf,
     pub root: &'a Root,
-    pub buffers: Vec<Cow<'a, [u8]>>,
+    pub buffers: Vec<BufferBytes<'a>>,
     budget_bytes: Cell<u64>,
+    /// The buffer views that were stored compressed and have been read, decompressed.
+    pub views: Vec<OnceCell<Vec<u8>>>,
+    /// Accessors whose elements come from compressed primitives instead of their buffer views.
+    decoded: HashMap<usize, DecodedAccessor>,
+}
+
+/// The elements of an accessor that a compressed primitive holds.
+pub(super) struct DecodedAccessor {
+    /// The elements one after the other, little-endian.
+    pub bytes: Vec<u8>,
+    /// The type of each component.
+    pub component: ComponentType,
+    /// Number of components of each element.
+    pub width: usize,
+}
+
+impl DecodedAccessor {
+    /// Number of elements.
+    pub fn count(&self) -> usize {
+        self.bytes.len() / (self.component.size() * self.width).max(1)
+    }
 }
 
 /// The bytes of a series of elements in a buffer, with bounds checked.
@@ -44,15 +66,23 @@ struct Layout<'a> {
 }
 
 impl<'a> Accessors<'a> {
-    pub fn new(file: PathBuf, root: &'a Root, buffers: Vec<Cow<'a, [u8]>>, file_bytes: usize) -> Self {
-        let stored = file_bytes as u64 + buffers.iter().map(|buffer| buffer.len() as u64).sum::<u64>();
+    pub fn new(file: PathBuf, root: &'a Root, buffers: Vec<BufferBytes<'a>>, file_bytes: usize) -> Self {
+        let in_buffers: u64 = buffers.iter().flatten().map(|buffer| buffer.len() as u64).sum();
+        let stored = file_bytes as u64 + in_buffers;
         let budget_bytes = BUDGET_BASE_BYTES.saturating_add(stored.saturating_mul(BUDGET_PER_BYTE));
         Self {
             file,
             root,
             buffers,
             budget_bytes: Cell::new(budget_bytes),
+            views: vec![OnceCell::new(); root.buffer_views.len()],
+            decoded: HashMap::new(),
         }
+    }
+
+    /// Gives an accessor the elements of a compressed primitive. From now on it reads them.
+    pub fn decode(&mut self, accessor: usize, elements: DecodedAccessor) {
+        self.decoded.insert(accessor, elements);
     }
 
     /// An error about an element of this file.
@@ -96,8 +126,18 @@ impl<'a> Accessors<'a> {
         Ok(())
     }
 
-    /// Number of elements as the file states it, unchecked; 0 if the accessor does not exist.
+    /// Bytes that decoding may still take.
+    #[cfg(feature = "gltf-draco")]
+    pub fn budget_left(&self) -> u64 {
+        self.budget_bytes.get()
+    }
+
+    /// Number of elements. For elements that are not compressed it is what the file states, unchecked; 0 if the
+    /// accessor does not exist.
     pub fn count(&self, accessor: usize) -> usize {
+        if let Some(decoded) = self.decoded.get(&accessor) {
+            return decoded.count();
+        }
         self.root
             .accessors
             .get(accessor)
@@ -157,6 +197,9 @@ impl<'a> Accessors<'a> {
         else {
             return Err(invalid("its type or component type is unknown".to_owned()));
         };
+        if let Some(decoded) = self.decoded.get(&index) {
+            return self.decoded_layout(element, decoded, width, accessor.normalized);
+        }
         let component = component.0;
         // Matrices of 8-bit and 16-bit numbers have padded columns, which this import does not read.
         let is_plain =
@@ -223,6 +266,33 @@ impl<'a> Accessors<'a> {
         })
     }
 
+    fn decoded_layout<'d>(
+        &self,
+        element: Element,
+        decoded: &'d DecodedAccessor,
+        width: usize,
+        normalized: bool,
+    ) -> Result<Layout<'d>, GltfError> {
+        if decoded.width != width {
+            let reason = format!(
+                "its compressed elements have {} numbers, {width} are needed here",
+                decoded.width
+            );
+            return Err(self.invalid(element, reason));
+        }
+        Ok(Layout {
+            count: decoded.count(),
+            component: decoded.component,
+            width,
+            normalized,
+            base: Some(Elements {
+                bytes: &decoded.bytes,
+                stride: decoded.component.size() * width,
+            }),
+            sparse: None,
+        })
+    }
+
     /// The bytes of `count` elements of `size` bytes each, from the start of the first to the end of the
     /// last.
     fn elements(
@@ -265,25 +335,6 @@ impl<'a> Accessors<'a> {
             self.invalid(element, reason)
         })?;
         Ok(Elements { bytes, stride })
-    }
-
-    /// The bytes of a buffer view that `element` refers to.
-    pub fn view(&self, element: Element, index: Index<gltf::json::buffer::View>) -> Result<&[u8], GltfError> {
-        let view = self.get(&self.root.buffer_views, index, element, "buffer view")?;
-        let view_element = Element::BufferView(index.value());
-        let buffer = self.get(&self.buffers, view.buffer, view_element, "buffer")?;
-        let offset = view.byte_offset.map_or(0, |offset| offset.0);
-        let range = offset.checked_add(view.byte_length.0).and_then(|end| {
-            let range = usize::try_from(offset).ok()?..usize::try_from(end).ok()?;
-            buffer.get(range)
-        });
-        range.ok_or_else(|| {
-            let (length, buffer_index, has) = (view.byte_length.0, view.buffer.value(), buffer.len());
-            let reason = format!(
-                "{view_element} ({length} bytes from {offset}) runs past the end of buffer {buffer_index}, which has {has} bytes"
-            );
-            self.invalid(element, reason)
-        })
     }
 }
 

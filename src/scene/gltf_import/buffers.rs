@@ -10,49 +10,43 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf::json::Root;
 
-use super::{Element, GltfError};
-
 /// Decoder that accepts base64 with and without padding, because exporters differ.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// The bytes of every buffer, each exactly `byteLength` long.
+/// The bytes of a buffer, exactly `byteLength` of them, or why there are none.
+pub(super) type BufferBytes<'a> = Result<Cow<'a, [u8]>, String>;
+
+/// The bytes of every buffer. A buffer that cannot be read is an error only where something reads it: exporters leave
+/// placeholders without a URI, for decompressed data and for binary chunks that they wrote elsewhere.
 pub(super) fn load<'a>(
     root: &Root,
     binary_chunk: Option<&'a [u8]>,
     base_dir: Option<&Path>,
-    file: &Path,
-) -> Result<Vec<Cow<'a, [u8]>>, GltfError> {
-    let mut buffers = Vec::with_capacity(root.buffers.len());
-    for (index, buffer) in root.buffers.iter().enumerate() {
+) -> Vec<BufferBytes<'a>> {
+    let buffers = root.buffers.iter().enumerate().map(|(index, buffer)| {
         let length = buffer.byte_length.0;
         let bytes = match (&buffer.uri, binary_chunk) {
             (Some(uri), _) => read_uri(uri, base_dir, Some(length)).map(Cow::Owned),
             (None, Some(chunk)) if index == 0 => Ok(Cow::Borrowed(chunk)),
             (None, _) => Err("it has no URI and there is no binary chunk for it".to_owned()),
         };
-        let exact = bytes.and_then(|bytes| {
-            let has = bytes.len() as u64;
-            if has < length {
-                return Err(format!("byteLength is {length}, {has} bytes are there"));
+        let bytes = bytes?;
+        let has = bytes.len() as u64;
+        if has < length {
+            return Err(format!("byteLength is {length}, {has} bytes are there"));
+        }
+        Ok(match bytes {
+            Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length as usize]),
+            Cow::Owned(mut bytes) => {
+                bytes.truncate(length as usize);
+                Cow::Owned(bytes)
             }
-            Ok(match bytes {
-                Cow::Borrowed(bytes) => Cow::Borrowed(&bytes[..length as usize]),
-                Cow::Owned(mut bytes) => {
-                    bytes.truncate(length as usize);
-                    Cow::Owned(bytes)
-                }
-            })
-        });
-        buffers.push(exact.map_err(|reason| GltfError::Invalid {
-            file: file.to_owned(),
-            element: Element::Buffer(index),
-            reason,
-        })?);
-    }
-    Ok(buffers)
+        })
+    });
+    buffers.collect()
 }
 
 /// Reads a data URI, or at most `limit` bytes of a file beside the glTF file. The error states the reason.

@@ -14,6 +14,9 @@ pub struct GltfVisibility {
     pub half_size: Option<Vec3>,
     /// Names of the cells that the node's mesh is in.
     pub in_cells: Option<Vec<String>>,
+    /// Names of the selection layers of the node's mesh and of those below it
+    /// ([`LayerNames`](crate::scene::LayerNames)).
+    pub layers: Option<Vec<String>>,
     /// Whether the node's mesh hides the objects behind it. `None` leaves the choice to the default rule.
     pub occluder: Option<bool>,
 }
@@ -47,6 +50,14 @@ impl GltfVisibility {
                 "in_cells" => {
                     let names = value.as_array().ok_or("in_cells is not a list")?;
                     visibility.in_cells = Some(names.iter().map(name).collect::<Result<_, _>>()?);
+                }
+                "layers" => {
+                    let names = value.as_array().ok_or("layers is not a list")?;
+                    let name = |value: &Value| match value.as_str() {
+                        Some(name) if !name.is_empty() => Ok(name.to_owned()),
+                        _ => Err(format!("{value} is not the name of a layer")),
+                    };
+                    visibility.layers = Some(names.iter().map(name).collect::<Result<_, _>>()?);
                 }
                 "occluder" => {
                     visibility.occluder = Some(value.as_bool().ok_or("occluder is not true or false")?)

@@ -75,12 +75,13 @@ fn check_shape(visibility: GltfVisibility, has_mesh: bool) -> Result<GltfVisibil
     Ok(visibility)
 }
 
-/// Gives the entities of a scene their cells, portals, cell lists and occluders.
+/// Gives the entities of a scene their cells, portals, cell lists and occluders. `entities` are those of the nodes, and
+/// `drawn` are the entities with a mesh, each with the index of its node.
 pub(super) fn spawn(
     world: &mut World,
     gltf: &LoadedGltf,
     entities: &[Option<Entity>],
-    meshes: &[Option<Entity>],
+    drawn: &[(usize, Entity)],
 ) {
     let mut cells: HashMap<&str, Entity> = HashMap::new();
     for (node, entity) in gltf.nodes.iter().zip(entities) {
@@ -111,7 +112,9 @@ pub(super) fn spawn(
             component.open = portal.open;
             world.entity_mut(entity).insert(component);
         }
-        let Some(mesh) = meshes[index] else { continue };
+    }
+    for &(index, mesh) in drawn {
+        let node = &gltf.nodes[index];
         if let Some(list) = &node.visibility.in_cells {
             world
                 .entity_mut(mesh)

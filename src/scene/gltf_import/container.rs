@@ -1,19 +1,11 @@
-//! From bytes to JSON: the GLB container, the schema, the version and the required extensions.
+//! From bytes to a document: the GLB container, the version and the extensions.
 
 use std::path::Path;
 
-use gltf::json::{Error as JsonError, Root, Value, deserialize};
+use gltf::json::Root;
 
-use super::{Element, GltfError, Report, SkipKind};
-
-/// The glTF extensions that the import supports.
-pub const SUPPORTED_EXTENSIONS: [&str; 5] = [
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-];
+use super::schema::{SchemaError, is_version_2, parse_json};
+use super::{GltfError, Report, extensions};
 
 /// The document and, for GLB, the bytes of its binary chunk.
 pub(super) struct Document<'a> {
@@ -35,33 +27,25 @@ pub(super) fn parse<'a>(
     } else {
         (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), None)
     };
-    let root = parse_json(json, report).map_err(|source| GltfError::Json {
-        file: file.to_owned(),
-        source,
+    let root = parse_json(json, report).map_err(|error| match error {
+        SchemaError::Version(version) => GltfError::Version {
+            file: file.to_owned(),
+            version,
+        },
+        SchemaError::Json { path, source } => GltfError::Json {
+            file: file.to_owned(),
+            path,
+            source,
+        },
     })?;
-
     let needed = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
-    if needed.split('.').next() != Some("2") {
+    if !is_version_2(needed) {
         return Err(GltfError::Version {
             file: file.to_owned(),
             version: needed.clone(),
         });
     }
-    let supported = |name: &str| SUPPORTED_EXTENSIONS.contains(&name);
-    if let Some(extension) = root.extensions_required.iter().find(|name| !supported(name)) {
-        return Err(GltfError::Extension {
-            file: file.to_owned(),
-            extension: extension.clone(),
-        });
-    }
-    for extension in root.extensions_used.iter().filter(|name| !supported(name)) {
-        report.add(
-            SkipKind::Extension,
-            Element::File,
-            1,
-            format!("{extension} is ignored"),
-        );
-    }
+    extensions::check(&root, file, report)?;
     Ok(Document { root, binary_chunk })
 }
 
@@ -112,53 +96,5 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     match json {
         Some(json) => Ok((json, binary)),
         None => Err("the first chunk is not JSON".to_owned()),
-    }
-}
-
-/// Reads the schema. Fields that the specification leaves optional but `gltf::json` requires are filled in on
-/// a second try. A good file thus pays nothing, and a bad one reports the line and column of the first error.
-fn parse_json(json: &[u8], report: &mut Report) -> Result<Root, JsonError> {
-    let first_error = match deserialize::from_slice::<Root>(json) {
-        Ok(root) => return Ok(root),
-        Err(error) => error,
-    };
-    let Ok(mut document) = deserialize::from_slice::<Value>(json) else {
-        return Err(first_error);
-    };
-    let mut unknown_targets = Vec::new();
-    for scene in array_mut(&mut document, "scenes") {
-        if let Some(scene) = scene.as_object_mut() {
-            scene.entry("nodes").or_insert_with(|| Value::Array(Vec::new()));
-        }
-    }
-    for (index, animation) in array_mut(&mut document, "animations").iter_mut().enumerate() {
-        if let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) {
-            let before = channels.len();
-            channels.retain(|channel| {
-                let target = channel.get("target");
-                target.is_some_and(|target| {
-                    target.get("node").is_some() && target.get("path").is_some_and(|path| path != "pointer")
-                })
-            });
-            unknown_targets.push((index, before - channels.len()));
-        }
-    }
-    let root = deserialize::from_value(document).map_err(|_| first_error)?;
-    for (animation, count) in unknown_targets.into_iter().filter(|&(_, count)| count > 0) {
-        let reason = "the target is not a node";
-        report.add(
-            SkipKind::AnimationChannel,
-            Element::Animation(animation),
-            count,
-            reason,
-        );
-    }
-    Ok(root)
-}
-
-fn array_mut<'a>(document: &'a mut Value, key: &str) -> &'a mut [Value] {
-    match document.get_mut(key).and_then(Value::as_array_mut) {
-        Some(items) => items,
-        None => &mut [],
     }
 }

@@ -25,28 +25,32 @@ pub enum GltfError {
         reason: String,
     },
     /// The JSON is malformed or does not follow the glTF schema.
-    #[error("{}: JSON: {source}", file.display())]
+    #[error("{}: JSON: {}{source}", file.display(), before(path))]
     Json {
         /// Path of the glTF file.
         file: PathBuf,
+        /// Where in the document parsing stopped, such as `accessors[3].count`. Empty if no element was begun.
+        path: String,
         /// Where and why parsing stopped.
         source: gltf::json::Error,
     },
     /// The file is not glTF 2.
-    #[error("{}: asset version {version:?} is not supported, 2.0 is", file.display())]
+    #[error("{}: glTF version {} is not supported, 2 is (asset version {version:?})", file.display(), major(version))]
     Version {
         /// Path of the glTF file.
         file: PathBuf,
         /// The value of `asset.minVersion`, or of `asset.version` if that is absent.
         version: String,
     },
-    /// The file requires an extension that is not supported.
-    #[error("{}: required extension {extension} is not supported", file.display())]
+    /// The file requires an extension that is not supported, or not by this build.
+    #[error("{}: required extension {extension} {}", file.display(), missing(*cargo_feature))]
     Extension {
         /// Path of the glTF file.
         file: PathBuf,
         /// Name of the extension.
         extension: String,
+        /// The cargo feature of this crate that supports the extension, if there is one.
+        cargo_feature: Option<&'static str>,
     },
     /// An index points past the end of the list that it refers to.
     #[error("{}: {element}: {target} {index} does not exist, the file has {count}", file.display())]
@@ -100,4 +104,23 @@ pub enum GltfError {
         /// Bytes that are left of the limit.
         left: u64,
     },
+}
+
+fn before(path: &str) -> String {
+    if path.is_empty() {
+        String::new()
+    } else {
+        format!("{path}: ")
+    }
+}
+
+fn major(version: &str) -> &str {
+    version.split('.').next().unwrap_or(version)
+}
+
+fn missing(cargo_feature: Option<&str>) -> String {
+    match cargo_feature {
+        Some(feature) => format!("needs antumbra's cargo feature `{feature}`"),
+        None => "is not supported".to_owned(),
+    }
 }

@@ -1,15 +1,19 @@
-//! Import of metallic-roughness materials.
+//! Import of materials. Those of other models are converted to metallic-roughness.
 
 use std::sync::Arc;
 
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
+use gltf::json::extensions::material::Material as Extensions;
 use gltf::json::extensions::texture::TextureTransform;
 use gltf::json::material::{AlphaMode as JsonAlphaMode, Material as JsonMaterial};
+use gltf::json::texture::Info;
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Texture, Value, deserialize};
 
 use super::accessors::Accessors;
+use super::specular_glossiness::{SpecularGlossiness, Surface};
 use super::texture::Textures;
+use super::transmission::{self, Transmission};
 use super::{Element, GltfError, Report, SkipKind};
 use crate::scene::{AlphaMode, Material, TextureSlot};
 
@@ -39,7 +43,6 @@ struct Import<'i, 'a> {
 
 impl Import<'_, '_> {
     fn material(&mut self, json: &JsonMaterial) -> Result<Material, GltfError> {
-        let pbr = &json.pbr_metallic_roughness;
         let extensions = json.extensions.as_ref();
         let strength = extensions
             .and_then(|extensions| extensions.emissive_strength.as_ref())
@@ -50,24 +53,18 @@ impl Import<'_, '_> {
             .0
             .map(|channel| self.number("emissive factor", channel, 1.0));
         let cutoff = json.alpha_cutoff.map_or(0.5, |cutoff| cutoff.0);
-        let info = |info: &gltf::json::texture::Info| {
-            let transform = info
-                .extensions
-                .as_ref()
-                .and_then(|extensions| extensions.texture_transform.clone());
-            (info.index, info.tex_coord, transform)
+        let name = json.name.clone().unwrap_or_else(|| self.element.to_string());
+        let surface = match extensions.and_then(|extensions| extensions.pbr_specular_glossiness.as_ref()) {
+            Some(_) => self.specular_glossiness(json, &name)?,
+            None => self.metallic_roughness(json)?,
         };
-        Ok(Material {
-            name: json.name.clone().unwrap_or_else(|| self.element.to_string()),
-            base_color: Vec4::from(
-                pbr.base_color_factor
-                    .0
-                    .map(|channel| self.number("base colour factor", channel, 1.0)),
-            ),
-            base_color_texture: self.slot(pbr.base_color_texture.as_ref().map(info))?,
-            metallic: self.number("metallic factor", pbr.metallic_factor.0, 1.0),
-            roughness: self.number("roughness factor", pbr.roughness_factor.0, 1.0),
-            metallic_roughness_texture: self.slot(pbr.metallic_roughness_texture.as_ref().map(info))?,
+        let mut material = Material {
+            name,
+            base_color: surface.base_color,
+            base_color_texture: surface.base_color_texture,
+            metallic: surface.metallic,
+            roughness: surface.roughness,
+            metallic_roughness_texture: surface.metallic_roughness_texture,
             normal_texture: self.slot(json.normal_texture.as_ref().map(|normal| {
                 let others = normal.extensions.as_ref().map(|extensions| &extensions.others);
                 (normal.index, normal.tex_coord, others.and_then(transform_of))
@@ -100,7 +97,80 @@ impl Import<'_, '_> {
             },
             double_sided: json.double_sided,
             unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
+        };
+        if let Some(extensions) = extensions {
+            self.transmission(extensions, &mut material)?;
+        }
+        Ok(material)
+    }
+
+    fn metallic_roughness(&mut self, json: &JsonMaterial) -> Result<Surface, GltfError> {
+        let pbr = &json.pbr_metallic_roughness;
+        let base_color = pbr
+            .base_color_factor
+            .0
+            .map(|channel| self.number("base colour factor", channel, 1.0));
+        Ok(Surface {
+            base_color: Vec4::from(base_color),
+            base_color_texture: self.slot(pbr.base_color_texture.as_ref().map(info))?,
+            metallic: self.number("metallic factor", pbr.metallic_factor.0, 1.0),
+            roughness: self.number("roughness factor", pbr.roughness_factor.0, 1.0),
+            metallic_roughness_texture: self.slot(pbr.metallic_roughness_texture.as_ref().map(info))?,
         })
+    }
+
+    fn specular_glossiness(&mut self, json: &JsonMaterial, name: &str) -> Result<Surface, GltfError> {
+        let extensions = json.extensions.as_ref();
+        let Some(pbr) = extensions.and_then(|extensions| extensions.pbr_specular_glossiness.as_ref()) else {
+            return self.metallic_roughness(json);
+        };
+        let diffuse = pbr
+            .diffuse_factor
+            .0
+            .map(|channel| self.number("diffuse factor", channel, 1.0));
+        let specular = pbr
+            .specular_factor
+            .0
+            .map(|channel| self.number("specular factor", channel, 1.0));
+        let stated = SpecularGlossiness {
+            diffuse: Vec4::from(diffuse),
+            diffuse_texture: self.slot(pbr.diffuse_texture.as_ref().map(info))?,
+            specular: Vec3::from(specular),
+            glossiness: self.number("glossiness factor", pbr.glossiness_factor.0, 1.0),
+            specular_texture: self.slot(pbr.specular_glossiness_texture.as_ref().map(info))?,
+        };
+        if stated.is_split() {
+            let reason = "its specular texture lies otherwise than the diffuse one, its mean is used";
+            self.report.add(SkipKind::Texture, self.element, 1, reason);
+        }
+        Ok(stated.surface(name))
+    }
+
+    fn transmission(&mut self, extensions: &Extensions, material: &mut Material) -> Result<(), GltfError> {
+        let Some(json) = &extensions.transmission else {
+            return Ok(());
+        };
+        let factor = self.number("transmission factor", json.transmission_factor.0, 1.0);
+        if factor == 0.0 {
+            return Ok(());
+        }
+        let ior = extensions.ior.as_ref().map_or(1.5, |ior| ior.ior.0);
+        let volume = extensions.volume.as_ref();
+        let stated = Transmission {
+            factor,
+            texture: self.slot(json.transmission_texture.as_ref().map(info))?,
+            ior: if ior.is_finite() && ior >= 0.0 { ior } else { 1.5 },
+            passing: volume.map_or(Vec3::ONE, |volume| {
+                let color = Vec3::from(volume.attenuation_color.0);
+                transmission::passing(volume.thickness_factor.0, volume.attenuation_distance.0, color)
+            }),
+        };
+        if stated.is_split(material) {
+            let reason = "its transmission texture lies otherwise than the base colour, its mean is used";
+            self.report.add(SkipKind::Texture, self.element, 1, reason);
+        }
+        stated.apply(material);
+        Ok(())
     }
 
     /// Returns `value` if it lies in 0..=`largest`. Otherwise returns the nearest number that does, and
@@ -149,6 +219,13 @@ impl Import<'_, '_> {
             uv_transform,
         }))
     }
+}
+
+/// The texture of a slot, its set of coordinates and its transform.
+fn info(info: &Info) -> (Index<Texture>, u32, Option<TextureTransform>) {
+    let extensions = info.extensions.as_ref();
+    let transform = extensions.and_then(|extensions| extensions.texture_transform.clone());
+    (info.index, info.tex_coord, transform)
 }
 
 /// The transform of a normal or occlusion texture, which `gltf::json` leaves unparsed. A transform that does

@@ -9,6 +9,7 @@ use gltf::json::validation::Checked;
 use smallvec::SmallVec;
 
 use super::accessors::Accessors;
+use super::draco::{self, Corners};
 use super::triangles::{split_flat, triangulate};
 use super::vertices::{self, Vertices, attribute};
 use super::{Element, GltfError, Report, SkipKind};
@@ -30,6 +31,7 @@ pub struct GltfMesh {
 pub(super) fn load(
     accessors: &Accessors<'_>,
     materials: &[Arc<Material>],
+    decoded: &Corners,
     report: &mut Report,
 ) -> Result<Vec<GltfMesh>, GltfError> {
     let default_material = Arc::new(Material {
@@ -47,6 +49,7 @@ pub(super) fn load(
         };
         let mut import = Import {
             accessors,
+            decoded,
             index,
             report,
             data,
@@ -103,11 +106,10 @@ fn replace_non_finite_positions(positions: &mut [Vec3]) {
     }
 }
 
-/// The extension that compresses primitives.
-const DRACO: &str = "KHR_draco_mesh_compression";
-
 struct Import<'i, 'a> {
     accessors: &'i Accessors<'a>,
+    /// The triangles of compressed primitives.
+    decoded: &'i Corners,
     index: usize,
     report: &'i mut Report,
     data: MeshData,
@@ -124,6 +126,8 @@ impl Import<'_, '_> {
             primitive: primitive_index,
         };
         let mode = match primitive.mode {
+            // What is compressed is a list of triangles, whatever mode the file states.
+            _ if self.decoded.contains_key(&element) => Mode::Triangles,
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
             Checked::Valid(mode) => {
                 self.report.add(
@@ -142,7 +146,7 @@ impl Import<'_, '_> {
             return Ok(false);
         };
 
-        self.refuse_compressed(element, primitive)?;
+        draco::refuse_unread(self.accessors, element, primitive)?;
         let has_normals = attribute(primitive, Semantic::Normals).is_some();
         let key = vertex_key(primitive);
         let known = self.vertex_runs.get(&key).copied().filter(|_| has_normals);
@@ -231,33 +235,6 @@ impl Import<'_, '_> {
         Ok(true)
     }
 
-    /// Refuses a primitive whose data exists only in compressed form, although the file does not list that extension as
-    /// required. Its accessors have no data of their own and would read as zeros.
-    fn refuse_compressed(&self, element: Element, primitive: &Primitive) -> Result<(), GltfError> {
-        let extensions = primitive.extensions.as_ref();
-        if !extensions.is_some_and(|extensions| extensions.others.contains_key(DRACO)) {
-            return Ok(());
-        }
-        let used = primitive
-            .attributes
-            .values()
-            .chain(primitive.indices.as_ref())
-            .map(|accessor| accessor.value());
-        let without_data = |&accessor: &usize| {
-            let accessor = self.accessors.root.accessors.get(accessor);
-            accessor.is_some_and(|accessor| accessor.buffer_view.is_none() && accessor.sparse.is_none())
-        };
-        match used.min_by_key(|accessor| (!without_data(accessor), *accessor)) {
-            Some(accessor) if without_data(&accessor) => {
-                let reason = format!(
-                    "its data is compressed by {DRACO}, which is not supported, and accessor {accessor} has no other data"
-                );
-                Err(self.accessors.invalid(element, reason))
-            }
-            _ => Ok(()),
-        }
-    }
-
     /// Vertex indices in drawing order, all of them in range.
     fn corners(
         &self,
@@ -266,11 +243,14 @@ impl Import<'_, '_> {
         primitive: &Primitive,
         vertex_count: usize,
     ) -> Result<Vec<u32>, GltfError> {
-        let Some(accessor) = primitive.indices else {
-            self.accessors.charge(element, vertex_count, 4)?;
-            return Ok((0..vertex_count as u32).collect());
+        let corners = match (self.decoded.get(&element), primitive.indices) {
+            (Some(corners), _) => corners.clone(),
+            (None, Some(accessor)) => self.accessors.read_u32::<1>(accessor.value())?.into_flattened(),
+            (None, None) => {
+                self.accessors.charge(element, vertex_count, 4)?;
+                return Ok((0..vertex_count as u32).collect());
+            }
         };
-        let corners = self.accessors.read_u32::<1>(accessor.value())?.into_flattened();
         match corners.iter().find(|&&index| index as usize >= vertex_count) {
             Some(&index) => Err(GltfError::VertexIndex {
                 file: self.accessors.file.clone(),

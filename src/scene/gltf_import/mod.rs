@@ -2,46 +2,90 @@
 //!
 //! | step | file |
 //! | --- | --- |
-//! | GLB container, JSON, required extensions | `container.rs` |
+//! | GLB container, version | `container.rs` |
+//! | JSON, and what is mended in it | `schema.rs` |
+//! | extensions: supported, ignored, refused | `extensions.rs` |
 //! | buffers from chunk, data URI, file | `buffers.rs` |
+//! | buffer views, compressed ones, compressed primitives | `views.rs`, `meshopt.rs`, `draco.rs` |
 //! | accessors, with bounds checked first | `accessors.rs` |
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
-//! | materials, textures | `material.rs`, `texture.rs` |
-//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs` |
+//! | textures, their pictures | `texture.rs`, `images.rs` |
+//! | materials, those of other models, computed textures | `material.rs`, `specular_glossiness.rs`, `transmission.rs`, `bake.rs` |
+//! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `instancing.rs`, `scenes.rs` |
 //! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
-//! | entities | `spawn.rs` |
+//! | entities, reports about them | `spawn.rs`, `reports.rs` |
 //!
 //! Content without a possible meaning is a [`GltfError`]. Content that the rest can do without is left out
-//! and listed in the [`Report`]. Of the `gltf` crate only the JSON schema is used, because its readers and
-//! its validation panic on some malformed files.
+//! and listed in the [`Report`]; a spawned scene raises its lines in the [`Reports`](crate::reports::Reports). Of the
+//! `gltf` crate only the JSON schema is used, because its readers and its validation panic on some malformed files.
+//!
+//! # What is supported
+//!
+//! | part of a file | what becomes of it |
+//! | --- | --- |
+//! | GLB and JSON of glTF 2.x; buffers in the chunk, in data URIs, in files | loaded |
+//! | triangle lists, strips and fans, indexed or not; sparse, quantised and normalised accessors | loaded |
+//! | skins, morph targets, animations of nodes and weights | loaded |
+//! | PNG and JPEG pictures, samplers, two sets of texture coordinates | loaded |
+//! | `KHR_lights_punctual`, `KHR_materials_emissive_strength`, `KHR_materials_unlit`, `KHR_mesh_quantization`, `KHR_texture_transform` | loaded |
+//! | `EXT_mesh_gpu_instancing` | an entity for each instance; a skinned mesh is drawn once, reported |
+//! | `KHR_node_visibility` | hidden nodes get no mesh and no light; animations of it are reported |
+//! | `KHR_materials_pbrSpecularGlossiness` | converted to metallic-roughness, textures texel by texel |
+//! | `KHR_materials_transmission`, with `KHR_materials_ior` and `KHR_materials_volume` | blended by what passes, not refracted and not tinted; casts as blended surfaces do |
+//! | `KHR_draco_mesh_compression` | loaded with the cargo feature `gltf-draco` (default) |
+//! | `EXT_texture_webp` | loaded with the cargo feature `gltf-webp` (default) |
+//! | `EXT_meshopt_compression`, `KHR_meshopt_compression` | loaded with the cargo feature `gltf-meshopt`, which needs a C++ compiler |
+//! | `KHR_texture_basisu` | loaded with the cargo feature `gltf-basisu` |
+//! | whole numbers written `24.0`, scenes that list children, unread buffers that are missing, undeclared extensions | loaded; what it changes is reported |
+//! | points, lines, empty primitives, pictures that are missing or broken, third sets of coordinates | left out, reported |
+//! | cameras, lights, animation channels, material numbers without a meaning | left out or clamped, reported |
+//! | other extensions in `extensionsUsed`, such as `KHR_materials_clearcoat`, `_specular`, `_sheen`, `_variants` | ignored, reported |
+//! | other extensions in `extensionsRequired`; those above without their feature | an error that names the extension and the feature |
+//! | glTF 1.0, broken JSON, indices out of range, forests that are none, data that runs past its end | an error that names the element |
 
 mod accessors;
+mod bake;
 mod buffers;
 mod cell_extras;
 mod cells;
 mod clips;
 mod container;
+mod draco;
 mod error;
+mod extensions;
+mod images;
+mod instancing;
+mod layers;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod report;
+mod reports;
+mod scenes;
+mod schema;
 mod spawn;
+mod specular_glossiness;
 mod texture;
 mod transforms;
+mod transmission;
 mod triangles;
 mod vertices;
+mod views;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 pub use cell_extras::{GltfPortal, GltfVisibility};
-pub use container::SUPPORTED_EXTENSIONS;
 pub use error::GltfError;
+pub use extensions::SUPPORTED_EXTENSIONS;
+pub use layers::layer_of_name;
 pub use mesh::GltfMesh;
-pub use nodes::{GltfNode, GltfSceneRoots, GltfSkin, MAX_NODE_DEPTH};
+pub use nodes::{GltfNode, GltfSkin, MAX_NODE_DEPTH};
 pub use report::{Element, Report, Skip, SkipKind};
+pub(crate) use reports::report_imports;
+pub use scenes::GltfSceneRoots;
 pub use spawn::{SpawnedScene, spawn_scene};
 
 use super::animation::AnimationClip;
@@ -115,16 +159,17 @@ pub fn load_gltf_slice(bytes: &[u8], base_dir: Option<&Path>, name: &str) -> Res
 fn load(bytes: &[u8], base_dir: Option<&Path>, file: &Path) -> Result<LoadedGltf, GltfError> {
     let mut report = Report::default();
     let document = container::parse(bytes, file, &mut report)?;
-    let buffers = buffers::load(&document.root, document.binary_chunk, base_dir, file)?;
-    let accessors = Accessors::new(file.to_owned(), &document.root, buffers, bytes.len());
+    let buffers = buffers::load(&document.root, document.binary_chunk, base_dir);
+    let mut accessors = Accessors::new(file.to_owned(), &document.root, buffers, bytes.len());
+    let decoded = draco::decode(&mut accessors)?;
 
     let mut textures = Textures::new(&accessors, base_dir);
     let materials = material::load(&accessors, &mut textures, &mut report)?;
-    let meshes = mesh::load(&accessors, &materials, &mut report)?;
+    let meshes = mesh::load(&accessors, &materials, &decoded, &mut report)?;
     let skins = nodes::load_skins(&accessors, &mut report)?;
     let mut nodes = nodes::load(&accessors, &meshes, &skins, &mut report)?;
     cells::load(&accessors, &mut nodes, &mut report);
-    let (scenes, default_scene) = nodes::load_scenes(&accessors, &nodes)?;
+    let (scenes, default_scene) = scenes::load(&accessors, &nodes, &mut report)?;
     let lights = nodes::load_lights(&accessors, &mut report);
     let cameras = nodes::load_cameras(&accessors, &mut report);
     let clips = clips::load(&accessors, &nodes, &mut report)?.into();

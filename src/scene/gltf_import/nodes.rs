@@ -10,6 +10,8 @@ use gltf::json::validation::Checked;
 
 use super::accessors::Accessors;
 use super::cell_extras::GltfVisibility;
+use super::extensions::NODE_VISIBILITY;
+use super::instancing;
 use super::mesh::GltfMesh;
 use super::transforms::{NodeTransform, transform_of};
 use super::{Element, GltfError, Report, SkipKind};
@@ -41,19 +43,15 @@ pub struct GltfNode {
     pub light: Option<usize>,
     /// Index of the node's camera in [`LoadedGltf::cameras`](super::LoadedGltf::cameras).
     pub camera: Option<usize>,
+    /// Transforms relative to the node of the copies of its mesh (`EXT_mesh_gpu_instancing`). `None` if the mesh is
+    /// drawn once, at the node itself.
+    pub instances: Option<Vec<Transform>>,
+    /// Whether the node and those below it are drawn and shine (`KHR_node_visibility`).
+    pub visible: bool,
     /// Weights of the mesh's morph targets, one for each.
     pub weights: Vec<f32>,
     /// Cells, portals and occluders from the node's extras.
     pub visibility: GltfVisibility,
-}
-
-/// A scene of the file, which can be spawned.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct GltfSceneRoots {
-    /// Name of the scene, or "scene 0" if it has none.
-    pub name: String,
-    /// Indices of the scene's root nodes.
-    pub roots: Vec<usize>,
 }
 
 /// A skin: the joints that move the vertices of a mesh.
@@ -127,12 +125,50 @@ pub(super) fn load(
             mesh: mesh.map(|(index, _)| index),
             skin,
             light: light.map(|light| light.light.value()),
+            instances: load_instances(accessors, element, node, skin, mesh_data, report)?,
+            visible: is_visible(node),
             camera: node.camera.map(|camera| camera.value()),
             visibility: GltfVisibility::default(),
         });
     }
     check_forest(accessors, &nodes)?;
     Ok(nodes)
+}
+
+/// The instances of a node, as far as its mesh can be drawn by instances.
+fn load_instances(
+    accessors: &Accessors<'_>,
+    element: Element,
+    node: &Node,
+    skin: Option<usize>,
+    mesh: Option<&Arc<MeshData>>,
+    report: &mut Report,
+) -> Result<Option<Vec<Transform>>, GltfError> {
+    let instances = instancing::load(accessors, element, node, report)?;
+    let Some(count) = instances.as_ref().map(Vec::len) else {
+        return Ok(None);
+    };
+    if skin.is_some() {
+        let reason = "a skin moves its mesh, which is drawn once";
+        report.add(SkipKind::Instance, element, count, reason);
+        return Ok(None);
+    }
+    if let Some(data) = mesh.filter(|data| !data.morph_targets.is_empty()) {
+        accessors.charge(
+            element,
+            data.positions.len().saturating_mul(count),
+            size_of::<[Vec3; 3]>(),
+        )?;
+        let reason = "they have morph targets, which animation does not move";
+        report.add(SkipKind::Instance, element, count, reason);
+    }
+    Ok(instances)
+}
+
+fn is_visible(node: &Node) -> bool {
+    let others = node.extensions.as_ref().map(|extensions| &extensions.others);
+    let visible = others.and_then(|others| others.get(NODE_VISIBILITY)?.get("visible")?.as_bool());
+    visible.unwrap_or(true)
 }
 
 /// Number of joints that a mesh needs.
@@ -220,54 +256,6 @@ fn check_forest(accessors: &Accessors<'_>, nodes: &[GltfNode]) -> Result<(), Glt
         Some(node) => Err(accessors.invalid(Element::Node(node), "it is its own ancestor")),
         None => Ok(()),
     }
-}
-
-/// All scenes, and the index of the default one. A file without scenes gets one that holds every node without
-/// a parent.
-pub(super) fn load_scenes(
-    accessors: &Accessors<'_>,
-    nodes: &[GltfNode],
-) -> Result<(Vec<GltfSceneRoots>, usize), GltfError> {
-    let root = accessors.root;
-    let mut is_child = vec![false; nodes.len()];
-    nodes
-        .iter()
-        .flat_map(|node| &node.children)
-        .for_each(|&child| is_child[child] = true);
-    let mut listed_by: Vec<Option<usize>> = vec![None; nodes.len()];
-    let mut scenes = Vec::with_capacity(root.scenes.len());
-    for (index, scene) in root.scenes.iter().enumerate() {
-        let element = Element::Scene(index);
-        let mut roots = Vec::with_capacity(scene.nodes.len());
-        for &node in &scene.nodes {
-            accessors.get(nodes, node, element, "node")?;
-            let node = node.value();
-            if is_child[node] {
-                return Err(accessors.invalid(element, format!("its root, node {node}, has a parent")));
-            }
-            if listed_by[node].replace(index) == Some(index) {
-                return Err(accessors.invalid(element, format!("it lists node {node} twice")));
-            }
-            roots.push(node);
-        }
-        let name = scene.name.clone().unwrap_or_else(|| element.to_string());
-        scenes.push(GltfSceneRoots { name, roots });
-    }
-    let default_scene = match root.scene {
-        Some(scene) => {
-            accessors.get(&root.scenes, scene, Element::File, "scene")?;
-            scene.value()
-        }
-        None => 0,
-    };
-    if scenes.is_empty() {
-        let roots = (0..nodes.len()).filter(|&node| !is_child[node]).collect();
-        scenes.push(GltfSceneRoots {
-            name: Element::Scene(0).to_string(),
-            roots,
-        });
-    }
-    Ok((scenes, default_scene))
 }
 
 fn json_lights<'a>(accessors: &Accessors<'a>) -> &'a [JsonLight] {

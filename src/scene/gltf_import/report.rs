@@ -92,6 +92,11 @@ pub enum SkipKind {
     NodeTransform,
     /// A node or mesh whose skin or morph weights do not fit. Counts nodes, meshes or inverse bind matrices.
     NodeMesh,
+    /// An instance of a node's mesh that is not drawn, or a node whose mesh is drawn once although it has instances.
+    /// Counts instances, or nodes.
+    Instance,
+    /// A node that a scene lists twice, or although it has a parent. Counts such entries.
+    SceneRoot,
     /// A node whose extras cannot be read. The file then has no cells and no portals. Counts nodes.
     Visibility,
     /// A texture that a material has to do without. Counts textures, images or materials.
@@ -118,6 +123,8 @@ impl fmt::Display for SkipKind {
             Self::VertexData => "vertex data",
             Self::NodeTransform => "node transform",
             Self::NodeMesh => "node mesh",
+            Self::Instance => "instance",
+            Self::SceneRoot => "scene root",
             Self::Visibility => "visibility extras",
             Self::Texture => "texture",
             Self::MaterialValue => "material value",

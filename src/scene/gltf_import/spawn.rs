@@ -6,9 +6,9 @@ use bevy_ecs::name::Name;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 
-use super::cells;
 use super::nodes::GltfNode;
 use super::{Element, GltfError, LoadedGltf};
+use super::{cells, layers, reports};
 use crate::scene::animation::{AnimationClips, SceneNodes};
 use crate::scene::{
     IgnoresScale, MorphWeights, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver, Skin,
@@ -26,7 +26,7 @@ pub struct SpawnedScene {
     pub cameras: Vec<Entity>,
     /// Entities with a [`Light`](crate::scene::Light), in the order of their nodes.
     pub lights: Vec<Entity>,
-    /// Entities with a [`SceneMesh`], in the order of their nodes.
+    /// Entities with a [`SceneMesh`], in the order of their nodes; the instances of a node in their own order.
     pub meshes: Vec<Entity>,
 }
 
@@ -41,10 +41,15 @@ impl AsRef<SceneNodes> for SpawnedScene {
 /// Each node becomes an entity with `Transform`, `Name`, `ChildOf`, and the mesh, light and camera of the
 /// node. A node whose matrix shears gets a second entity between it and its parent, which carries the outer
 /// part of the matrix. A skinned mesh becomes a separate entity, a child of the root, because glTF ignores
-/// the transform of its node.
+/// the transform of its node. Instances of a mesh become separate entities too, children of their node's. A hidden
+/// node, and those below it, get no mesh and no light.
+///
+/// What was left out of the file goes into the [`Reports`](crate::reports::Reports) of the topic `import`, as long as
+/// the scene's root lives.
 ///
 /// # Errors
-/// A scene that does not exist, or a skin whose joints are not all in the scene. Nothing is spawned then.
+/// A scene that does not exist, or a skin whose joints are not all in the scene; nothing is spawned then. Or a name for
+/// which no selection layer is left; the scene is then spawned without the rest of its layers.
 pub fn spawn_scene(
     world: &mut World,
     gltf: &LoadedGltf,
@@ -75,6 +80,8 @@ pub fn spawn_scene(
         lights: Vec::new(),
         meshes: Vec::new(),
     };
+    let mut drawn = Vec::new();
+    let hidden = hidden_nodes(&gltf.nodes, &scene.roots);
     let in_scene = || (0..gltf.nodes.len()).filter(|&node| parents[node] != Parent::NotInScene);
     for index in in_scene() {
         let node = &gltf.nodes[index];
@@ -96,10 +103,14 @@ pub fn spawn_scene(
             None => parent,
         };
         world.entity_mut(entity).insert(ChildOf(parent));
-        spawn_node(world, gltf, index, entity, &mut spawned);
+        let before = spawned.meshes.len();
+        spawn_node(world, gltf, index, entity, hidden[index], &mut spawned);
+        drawn.extend(spawned.meshes[before..].iter().map(|&mesh| (index, mesh)));
     }
-    cells::spawn(world, gltf, &spawned.nodes.nodes, &spawned.nodes.meshes);
+    cells::spawn(world, gltf, &spawned.nodes.nodes, &drawn);
+    layers::spawn(world, gltf, &parents, &drawn)?;
     world.entity_mut(root).insert(spawned.nodes.clone());
+    reports::keep(world, gltf, root);
     Ok(spawned)
 }
 
@@ -108,10 +119,15 @@ fn spawn_node(
     gltf: &LoadedGltf,
     index: usize,
     entity: Entity,
+    is_hidden: bool,
     spawned: &mut SpawnedScene,
 ) {
     let node = &gltf.nodes[index];
-    if let Some(light) = node.light.and_then(|light| gltf.lights.get(light)) {
+    if let Some(light) = node
+        .light
+        .and_then(|light| gltf.lights.get(light))
+        .filter(|_| !is_hidden)
+    {
         world.entity_mut(entity).insert(light.clone());
         spawned.lights.push(entity);
     }
@@ -122,8 +138,8 @@ fn spawn_node(
         world.entity_mut(entity).insert((camera, IgnoresScale));
         spawned.cameras.push(entity);
     }
-    if node.visibility.takes_mesh() {
-        return; // the mesh only gives the shape of a cell or portal
+    if node.visibility.takes_mesh() || is_hidden {
+        return; // a mesh that only gives the shape of a cell or portal is not drawn either
     }
     let Some(mesh) = node.mesh.and_then(|mesh| gltf.meshes.get(mesh)) else {
         return;
@@ -134,6 +150,17 @@ fn spawn_node(
         ShadowCaster,
         ShadowReceiver,
     );
+    if let Some(instances) = &node.instances {
+        for (instance, transform) in instances.iter().enumerate() {
+            let name = Name::new(format!("{} (instance {instance})", node.name));
+            let mut copy = world.spawn((name, *transform, ChildOf(entity), drawn.clone()));
+            if !node.weights.is_empty() {
+                copy.insert(MorphWeights(node.weights.clone()));
+            }
+            spawned.meshes.push(copy.id());
+        }
+        return;
+    }
     let mesh_entity = match node.skin.and_then(|skin| gltf.skins.get(skin)) {
         Some(skin) => {
             let joints = skin
@@ -161,8 +188,21 @@ fn spawn_node(
     spawned.meshes.push(mesh_entity);
 }
 
+/// The nodes that are hidden, by themselves or by one above them.
+fn hidden_nodes(nodes: &[GltfNode], roots: &[usize]) -> Vec<bool> {
+    let mut hidden: Vec<bool> = nodes.iter().map(|node| !node.visible).collect();
+    let mut open = roots.to_vec();
+    while let Some(node) = open.pop() {
+        for &child in &nodes[node].children {
+            hidden[child] |= hidden[node];
+            open.push(child);
+        }
+    }
+    hidden
+}
+
 #[derive(Clone, Copy, PartialEq)]
-enum Parent {
+pub(super) enum Parent {
     NotInScene,
     Scene,
     Node(usize),

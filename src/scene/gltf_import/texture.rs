@@ -2,7 +2,6 @@
 //! it.
 
 use std::collections::HashMap;
-use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -10,15 +9,12 @@ use gltf::json::image::Image;
 use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use gltf::json::{Index, Texture as JsonTexture};
-use image::{ImageFormat, ImageReader, Limits};
 
 use super::accessors::Accessors;
-use super::{Element, GltfError, Report, SkipKind, buffers};
+use super::extensions::{BASISU, SUPPORTED_EXTENSIONS, WEBP, whole_number, why_unread};
+use super::{Element, GltfError, Report, SkipKind, buffers, images};
 use crate::scene::Texture;
 use crate::scene::material::TextureWrap;
-
-/// Largest width and height of an image, texels. wgpu's default limits guarantee half of it.
-const MAX_IMAGE_SIZE: u32 = 16384;
 
 /// Largest size of the decoded pixels of all images of a file together, bytes. The limit exists because a
 /// file of a few kilobytes can ask for terabytes.
@@ -66,15 +62,16 @@ impl<'a> Textures<'a> {
             Some(sampler) => self.accessors.get(&root.samplers, sampler, element, "sampler")?,
             None => &Sampler::default(),
         };
-        // The source is absent if it is in an extension.
-        if texture.source.value() == u32::MAX as usize {
-            report.add(SkipKind::Texture, element, 1, "it has no PNG or JPEG image");
-            return Ok(None);
-        }
-        let image = self
-            .accessors
-            .get(&root.images, texture.source, element, "image")?;
-        let key = (texture.source.value(), sampler_key(sampler));
+        let source = match image_of(texture) {
+            Ok(source) => source,
+            Err(reason) => {
+                report.add(SkipKind::Texture, element, 1, reason);
+                return Ok(None);
+            }
+        };
+        let image_index: Index<Image> = Index::new(u32::try_from(source).unwrap_or(u32::MAX));
+        let image = self.accessors.get(&root.images, image_index, element, "image")?;
+        let key = (source, sampler_key(sampler));
         if let Some(known) = self.loaded.get(&key) {
             return Ok(known.clone());
         }
@@ -114,7 +111,7 @@ impl<'a> Textures<'a> {
                 return Ok(None);
             }
         };
-        let (width, height, rgba8) = match decode(encoded, self.left_bytes) {
+        let (width, height, rgba8) = match images::decode(encoded, self.left_bytes) {
             Ok(pixels) => pixels,
             Err(reason) => {
                 report.add(SkipKind::Texture, element, 1, reason);
@@ -157,26 +154,24 @@ fn sampler_key(sampler: &Sampler) -> SamplerKey {
     }
 }
 
-/// Decodes to width, height and RGBA bytes. The error states the reason.
-fn decode(encoded: &[u8], left_bytes: u64) -> Result<(u32, u32, Vec<u8>), String> {
-    let reader = || {
-        let mut reader = ImageReader::new(Cursor::new(encoded))
-            .with_guessed_format()
-            .map_err(|error| error.to_string())?;
-        if !matches!(reader.format(), Some(ImageFormat::Png | ImageFormat::Jpeg)) {
-            return Err("it is neither PNG nor JPEG".to_owned());
-        }
-        let mut limits = Limits::default();
-        limits.max_image_width = Some(MAX_IMAGE_SIZE);
-        limits.max_image_height = Some(MAX_IMAGE_SIZE);
-        reader.limits(limits);
-        Ok(reader)
-    };
-    let broken = |error: image::ImageError| format!("it cannot be decoded: {error}");
-    let (width, height) = reader()?.into_dimensions().map_err(broken)?;
-    if width == 0 || height == 0 || u64::from(width) * u64::from(height) * 4 > left_bytes {
-        return Err(format!("{width} × {height} texels are none or too many"));
+/// The image of a texture: that of an extension if this build reads it, and otherwise the one that any reader may take.
+/// The error states why there is none.
+fn image_of(texture: &JsonTexture) -> Result<usize, String> {
+    let others = texture.extensions.as_ref().map(|extensions| &extensions.others);
+    let of = |extension| whole_number(others?.get(extension)?.get("source"));
+    let named = [BASISU, WEBP].map(|extension| (extension, of(extension)));
+    let readable = named
+        .iter()
+        .find(|(extension, source)| source.is_some() && SUPPORTED_EXTENSIONS.contains(extension));
+    if let Some((_, Some(source))) = readable {
+        return Ok(*source);
     }
-    let pixels = reader()?.decode().map_err(broken)?.into_rgba8();
-    Ok((pixels.width(), pixels.height(), pixels.into_raw()))
+    // `gltf::json` reads an absent source as the largest index.
+    if texture.source.value() != u32::MAX as usize {
+        return Ok(texture.source.value());
+    }
+    Err(match named.iter().find(|(_, source)| source.is_some()) {
+        Some((extension, _)) => format!("its image is in {extension}, {}", why_unread(extension)),
+        None => "it has no image".to_owned(),
+    })
 }

@@ -57,7 +57,7 @@ pub(super) fn transform_of(node: &Node) -> NodeTransform {
 }
 
 /// `rotation` normalised to unit length. Input that is already normalised is kept bit for bit.
-fn unit_rotation(rotation: Quat) -> Option<Quat> {
+pub(super) fn unit_rotation(rotation: Quat) -> Option<Quat> {
     if rotation.is_normalized() {
         return Some(rotation);
     }

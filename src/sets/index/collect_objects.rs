@@ -10,6 +10,7 @@ use crate::scene::{
     LocalBounds, ObjectChurn, PosedMesh, SceneMaterials, SelectionLayers, ShadowCaster, ShadowReceiver,
     WorldBounds,
 };
+use crate::sets::view::inverted_hulls::InvertedHulls;
 use crate::sets::work::SetWork;
 
 /// The components that [`collect_objects`] reads of one object when it rebuilds.
@@ -35,6 +36,7 @@ pub struct ObjectCounts<'w, 's> {
     receivers: ObjectsWith<'w, 's, ShadowReceiver>,
     drawn: ObjectsWith<'w, 's, SceneMaterials>,
     layered: Query<'w, 's, Ref<'static, SelectionLayers>, With<WorldBounds>>,
+    culled: Res<'w, InvertedHulls>,
 }
 
 /// The queries by which [`collect_objects`] notices that an object moved.
@@ -81,7 +83,7 @@ pub fn collect_objects(
             entity,
             layers: layers.copied().unwrap_or_default().0,
             aabb: bounds.0,
-            caster,
+            caster: caster && !members.culled.leaves_out(entity),
             receiver,
             drawn,
             moved: bounds.is_changed()

@@ -5,44 +5,61 @@ use std::any::TypeId;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
-use glam::{DVec4, Vec3};
+use glam::{DVec3, DVec4, Vec3};
 use smallvec::SmallVec;
 
 use super::candidate::{Candidate, is_dark};
 use super::depth_bounds::DepthBounds;
 use super::light_volume::LightVolume;
+use super::lit_region::LitRegion;
+use super::placing::Shining;
 use super::scissor::ScissorRect;
 use super::technique::{LightTechnique, Needs};
 use crate::geometry::{Aabb, Emitter, LightHull, PlaneSet};
-use crate::scene::{Light, LightSelection};
+use crate::scene::{Light, LightKind, LightModel, LightSelection, LightTextures};
 use crate::sets::index::objects::Objects;
+
+/// The widest half-angle of a map of a spot light whose shadows are moved, radians: 80°.
+const WIDEST_MAP: f64 = 80.0 / 180.0 * std::f64::consts::PI;
 
 /// One light of the frame: its place, its sets, and the part of the picture that it can reach.
 #[derive(Clone, Debug)]
 pub struct FrameLight {
     /// Entity of the light.
     pub entity: Entity,
-    /// Copy of the entity's [`Light`].
+    /// Copy of the entity's [`Light`]. Its range is that of the light's shadows: the distance from their place
+    /// beyond which nothing is lit.
     pub light: Light,
     /// Copy of the entity's [`GlobalTransform`].
     pub world_from_light: GlobalTransform,
-    /// Place of the light in world space: its position with `w = 1`, or the unit direction towards a
+    /// The place from which the light shines. All other places here are those from which its shadows are cast,
+    /// which are the same unless the light's model moves or softens them.
+    pub shining: Shining,
+    /// Place from which shadows are cast, world space: a position with `w = 1`, or the unit direction towards a
     /// directional light with `w = 0`.
     pub point_world: DVec4,
-    /// Place and extent of the source in world space.
+    /// Place and extent from which shadows are cast, world space.
     pub emitter: Emitter,
     /// Unit direction in which the light shines, world space. It is −Z for a point or sphere whose transform
     /// has no direction.
     pub direction: Vec3,
     /// Copy of the entity's [`LightSelection`].
     pub selection: LightSelection,
+    /// The usable parts of the light model that stand beside the entity's [`Light`].
+    pub model: LightModel,
+    /// The usable textures of the light model: cookie and profile.
+    pub textures: LightTextures,
     /// The technique that shadows the light; `None` without one, and if the technique does not fit the light.
     pub technique: Option<LightTechnique>,
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
     /// not count, except when the light goes dark or lights up.
     pub moved: bool,
-    /// The region of space that the light reaches.
+    /// The region of space that holds what the light lights and the casters that may shadow it.
     pub volume: LightVolume,
+    /// Planes of barn doors that bound the same region, beside the volume.
+    pub doors: PlaneSet,
+    /// The region of space that the light lights.
+    pub lit: LitRegion,
     /// The sets of objects that the light reaches, lights, and lets cast.
     pub sets: LightSets,
     /// The convex regions in which casters matter.
@@ -173,6 +190,36 @@ impl FrameLight {
         self.technique.map_or(Needs::NOTHING, |technique| technique.needs)
     }
 
+    /// The factor by which an artist's softness scales the extent of a rectangle, for its shadows.
+    pub fn softened(&self) -> f64 {
+        let radius = self.shining.emitter.bounding_radius();
+        match self.model.softness {
+            Some(softness) if radius > 0.0 => f64::from(softness) / radius,
+            _ => 1.0,
+        }
+    }
+
+    /// The cone that holds what a spot light lights, as seen from the place of its shadows: the unit axis and the
+    /// half-angle in radians, at most 80° if the place was moved. `None` for lights of other kinds.
+    pub fn shadow_cone(&self) -> Option<(DVec3, f64)> {
+        let LightKind::Spot { outer_angle, .. } = self.light.kind else {
+            return None;
+        };
+        let direction = self.direction.as_dvec3().normalize();
+        let half_angle = match self.lit.volume {
+            LightVolume::Cone(cone) => f64::from(cone.half_angle),
+            _ => f64::from(outer_angle),
+        };
+        let lit = self.lit.aabb();
+        if self.model.origin.is_none() || !(lit.min.is_finite() && lit.max.is_finite()) {
+            return Some((direction, half_angle));
+        }
+        let to_lit = lit.center().as_dvec3() - self.point_world.truncate();
+        let share = f64::from(lit.half_size().length()) / to_lit.length().max(1e-9);
+        let half_angle = share.min(1.0).asin().min(WIDEST_MAP);
+        Some((to_lit.try_normalize().unwrap_or(direction), half_angle))
+    }
+
     /// All casters of set L that cast for the light, by dense object index: those of S and those whose shadow is not
     /// seen in this frame.
     pub fn reached_casters<'a>(&'a self, objects: &'a Objects) -> impl Iterator<Item = usize> + 'a {
@@ -185,13 +232,18 @@ impl FrameLight {
             entity: candidate.entity,
             light: candidate.light.clone(),
             world_from_light: candidate.world_from_light,
+            shining: candidate.placed.shining,
             point_world: candidate.placed.emitter.point,
             emitter: candidate.placed.emitter,
             direction: candidate.placed.direction,
             selection: candidate.selection,
+            model: candidate.model,
+            textures: candidate.textures.clone(),
             technique: None,
             moved: true,
             volume: candidate.placed.volume,
+            doors: candidate.placed.doors.clone(),
+            lit: candidate.placed.lit,
             sets: LightSets::default(),
             hulls: LightHulls::default(),
             region: LightRegion::default(),
@@ -219,8 +271,11 @@ impl FrameLight {
             || old.range != new.range
             || is_dark(old) != is_dark(new)
             || self.world_from_light != candidate.world_from_light
-            || self.selection != candidate.selection;
+            || self.selection != candidate.selection
+            || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
+        self.model = candidate.model;
+        self.textures.clone_from(&candidate.textures);
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;
@@ -228,6 +283,9 @@ impl FrameLight {
             self.emitter = candidate.placed.emitter;
             self.direction = candidate.placed.direction;
             self.volume = candidate.placed.volume;
+            self.shining = candidate.placed.shining;
+            self.doors.clone_from(&candidate.placed.doors);
+            self.lit = candidate.placed.lit;
         }
     }
 }

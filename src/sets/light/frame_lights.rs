@@ -3,9 +3,13 @@
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 
-use super::candidate::{Candidate, place};
+use super::candidate::Candidate;
 use super::frame_light::FrameLight;
-use crate::scene::{Light, LightError, LightSelection};
+use super::placing::place;
+use crate::scene::{
+    Cookie, Light, LightError, LightModel, LightModelFault, LightModelParts, LightProfile, LightSelection,
+    LightTextures,
+};
 
 /// The lights of the frame. Written by [`collect_frame_lights`] and the systems after it.
 #[derive(Resource, Clone, Debug, Default)]
@@ -14,6 +18,9 @@ pub struct FrameLights {
     pub lights: Vec<FrameLight>,
     /// All lights that cannot shine now, in ascending order of their entities.
     pub skipped: Vec<SkippedLight>,
+    /// Parts of lights' models that are left out because their numbers cannot be used, in ascending order of
+    /// the lights' entities.
+    pub faults: Vec<(Entity, LightModelFault)>,
     /// Increases when lights were added to or removed from the list, which changes the meaning of indices
     /// into `lights`.
     pub generation: u64,
@@ -42,7 +49,15 @@ impl FrameLights {
 }
 
 /// The components that [`collect_frame_lights`] reads of one light.
-type LightItem<'a> = (Entity, &'a Light, &'a GlobalTransform, Option<&'a LightSelection>);
+type LightItem<'a> = (
+    Entity,
+    &'a Light,
+    &'a GlobalTransform,
+    Option<&'a LightSelection>,
+    LightModelParts<'a>,
+    Option<&'a Cookie>,
+    Option<&'a LightProfile>,
+);
 
 /// Lists the usable lights and compares each with the frame before.
 ///
@@ -52,19 +67,34 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     let frame = &mut *frame;
     frame.candidates.clear();
     frame.skipped.clear();
-    for (entity, light, world_from_light, selection) in &lights {
-        match place(light, world_from_light) {
-            Ok(placed) => frame.candidates.push(Candidate {
-                entity,
-                light: light.clone(),
-                world_from_light: *world_from_light,
-                selection: selection.copied().unwrap_or_default(),
-                placed,
-            }),
+    frame.faults.clear();
+    for (entity, light, world_from_light, selection, parts, cookie, profile) in &lights {
+        let faults = &mut frame.faults;
+        let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
+        let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
+        match place(light, world_from_light, &model) {
+            Ok(placed) => {
+                if placed.casts_from_behind(light.kind) {
+                    frame.faults.push((entity, LightModelFault::OriginBehind));
+                }
+                frame.candidates.push(Candidate {
+                    entity,
+                    light: Light {
+                        range: placed.range,
+                        ..light.clone()
+                    },
+                    world_from_light: *world_from_light,
+                    selection: selection.copied().unwrap_or_default(),
+                    model,
+                    textures,
+                    placed,
+                });
+            }
             Err(error) => frame.skipped.push(SkippedLight { entity, error }),
         }
     }
     frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
+    frame.faults.sort_by_key(|(entity, _)| *entity);
     frame
         .candidates
         .sort_unstable_by_key(|candidate| candidate.entity);

@@ -35,6 +35,12 @@ pub(in crate::sets) fn selected(objects: &Objects, word: usize, bits: usize, mas
     result
 }
 
+/// Bits of those objects of I in a word that show the light's shadows: receivers on the light's layers.
+pub(in crate::sets) fn showing(light: &FrameLight, objects: &Objects, word: usize) -> usize {
+    let receiving = light.sets.i.as_slice()[word] & objects.receivers.as_slice()[word];
+    selected(objects, word, receiving, light.selection.shows_on)
+}
+
 /// Computes I of every light that needs it: I = V ∩ L ∩ drawn ∩ affected, without objects whose visible part
 /// is dark. Then computes the scissor rectangle and the depth bounds, as the intersection of three bounds:
 /// those of the objects of I, those of the light's volume, and those of the objects cut by the volume. If
@@ -89,6 +95,13 @@ fn intersect(light: &mut FrameLight, objects: &Objects, visible: &VisibleSet) {
     for word in light.scratch.touched.ones() {
         let candidates = v[word] & l[word] & drawn[word];
         i[word] = selected(objects, word, candidates, light.selection.affects);
+        if light.lit.has_near() {
+            for_bits(i[word], |lane| {
+                if light.lit.is_too_near(&objects.boxes.get(word * WORD + lane)) {
+                    i[word] &= !(1 << lane);
+                }
+            });
+        }
     }
     let (reach, dark) = (light.sets.reach.as_slice(), light.sets.dark.as_mut_slice());
     for word in light.scratch.touched.ones() {
@@ -103,8 +116,9 @@ fn bound(
     view: &ViewData,
     parts: &VisibleParts,
 ) -> Option<(ScissorRect, DepthBounds)> {
-    let reach = light.volume.aabb();
-    let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
+    let reach = light.lit.aabb();
+    let i = light.sets.i.as_slice();
+    let shows = |word: usize| showing(light, objects, word);
     let bounds_of =
         |set: &dyn Fn(usize) -> usize| parts.lit_bounds(objects, &light.scratch.touched, set, &reach);
     let lit = bounds_of(&|word| i[word]);
@@ -116,14 +130,14 @@ fn bound(
         .scratch
         .touched
         .ones()
-        .all(|word| i[word] & !receivers[word] == 0);
+        .all(|word| i[word] & !shows(word) == 0);
     light.region.receiver_bounds = if all_receive {
         lit
     } else {
-        bounds_of(&|word| i[word] & receivers[word])
+        bounds_of(&|word| shows(word))
     };
     let projector = Projector::new(view);
-    let mut target = light.volume.screen_bounds(&projector);
+    let mut target = light.lit.screen_bounds(&projector);
     if reach.max.is_finite() && reach.min.is_finite() {
         let lit = projector.bounds_of_box(lit.center().as_dvec3(), lit.half_size().as_dvec3());
         target = target.intersection(lit);

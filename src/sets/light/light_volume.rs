@@ -55,6 +55,42 @@ impl LightVolume {
         }
     }
 
+    /// The volume of a light with barn doors, which lets light into a cone of the given half-angle alone; without
+    /// one it is that of [`LightVolume::new`]. A cone around a source with an extent begins behind the source, where
+    /// it holds all of it.
+    pub fn shaped(
+        kind: LightKind,
+        range: f32,
+        center: Vec3,
+        direction: Vec3,
+        extent: f32,
+        doors: Option<f32>,
+    ) -> Self {
+        let whole = Self::new(kind, range, center, direction, extent);
+        let Some(doors) = doors.filter(|_| kind != LightKind::Directional) else {
+            return match whole {
+                Self::Cone(cone) if extent > 0.0 => Self::Cone(holding(cone, extent)),
+                whole => whole,
+            };
+        };
+        let (half_angle, range) = match whole {
+            Self::Cone(cone) | Self::HalfBall(cone) => (cone.half_angle.min(doors), cone.range),
+            Self::Ball(ball) => (doors, ball.radius),
+            Self::Infinite => (doors, f32::INFINITY),
+        };
+        let cone = Cone {
+            apex: center,
+            axis: direction,
+            half_angle,
+            range,
+        };
+        match whole {
+            // A rectangle lies in the plane where its half ball ends, and doors as wide bound nothing else.
+            Self::HalfBall(_) if half_angle >= std::f32::consts::FRAC_PI_2 => whole,
+            _ => Self::Cone(holding(cone, extent)),
+        }
+    }
+
     /// The box around the volume, padded. It is infinite where the volume is.
     pub fn aabb(&self) -> Aabb {
         let aabb = match self {
@@ -102,6 +138,19 @@ impl LightVolume {
             Self::Ball(ball) => projector.bounds_of_ball(ball.center.as_dvec3(), f64::from(ball.radius)),
             Self::Cone(cone) | Self::HalfBall(cone) => cone_screen_bounds(cone, projector),
         }
+    }
+}
+
+/// Moves the apex of a cone back until the cone holds a ball of the given radius around its old apex.
+fn holding(cone: Cone, radius: f32) -> Cone {
+    if radius <= 0.0 {
+        return cone;
+    }
+    let back = radius / cone.half_angle.sin().max(1e-3) * (1.0 + 1e-5);
+    Cone {
+        apex: cone.apex - cone.axis * back,
+        range: cone.range + back + radius,
+        ..cone
     }
 }
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::frame_light::FrameLight;
+use super::illumination::showing;
 use crate::geometry::{Aabb, LightHull};
 use crate::sets::index::objects::{Objects, resize};
 use crate::sets::view::visible_parts::VisibleParts;
@@ -27,8 +28,9 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
     let mut boxes = std::mem::take(&mut light.region.lit_receivers);
     boxes.clear();
     let words = light.sets.s.as_slice().iter().filter(|bits| **bits != 0).count();
-    let reach = light.volume.aabb();
-    let receivers = || light.sets.i.intersection(&objects.receivers);
+    let reach = light.lit.aabb();
+    let shows = |&object: &usize| objects.layers[object] & light.selection.shows_on != 0;
+    let receivers = || light.sets.i.intersection(&objects.receivers).filter(shows);
     let lit = receivers().map(|receiver| parts.get(objects, receiver).intersection(reach));
     let count = receivers().count();
     if count <= FEW || (count <= MANY && count * words <= MAX_TESTS) {
@@ -39,12 +41,11 @@ pub(in crate::sets) fn list_lit_receivers(light: &mut FrameLight, parts: &Visibl
         join(lit, &light.region.receiver_bounds, &mut boxes);
     } else {
         // Neighbours share a word, and thus a box.
-        let (i, receivers) = (light.sets.i.as_slice(), objects.receivers.as_slice());
         let words = light
             .scratch
             .touched
             .ones()
-            .filter(|&word| i[word] & receivers[word] != 0);
+            .filter(|&word| showing(light, objects, word) != 0);
         let lit = words.map(|word| objects.clusters.words.get(word).intersection(reach));
         join(lit, &light.region.receiver_bounds, &mut boxes);
     }

@@ -8,6 +8,8 @@ pub(crate) mod illumination;
 pub(crate) mod light_occlusion;
 pub(crate) mod light_volume;
 pub(crate) mod lit_receivers;
+pub(crate) mod lit_region;
+pub(crate) mod placing;
 pub(crate) mod reach;
 pub(crate) mod scissor;
 pub(crate) mod shadow;

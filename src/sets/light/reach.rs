@@ -101,6 +101,7 @@ fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved
 fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
     let FrameLight {
         volume,
+        doors,
         sets,
         scratch: LightScratch { touched, found, .. },
         progress,
@@ -116,12 +117,15 @@ fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {
         among,
         |boxes, word, candidates| volume.clusters_touching(boxes, word, candidates),
         |at| {
-            let bits = if at.inside {
+            let mut bits = if at.inside {
                 present[at.word]
             } else {
                 *tested += 1;
                 volume.touching(&objects.boxes, at.word, present[at.word])
             };
+            if bits != 0 && !doors.planes.is_empty() {
+                bits = objects.boxes.touching_planes(at.word, bits, doors);
+            }
             // An object that moved within the reach, out of it or into it changes I or S.
             changed |= (reach[at.word] | bits) & moved[at.word] != 0;
             reach[at.word] = bits;

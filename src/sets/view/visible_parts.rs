@@ -93,7 +93,7 @@ impl VisibleParts {
         if !self.in_use {
             return;
         }
-        let reach = light.volume.aabb();
+        let reach = light.lit.aabb();
         for word in light.scratch.touched.ones() {
             let mut rest = light.sets.i.as_slice()[word];
             while rest != 0 {

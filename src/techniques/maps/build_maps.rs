@@ -131,7 +131,17 @@ impl Maps {
                 let (still, moving) = (&mut state.next.still, &mut state.next.moving);
                 let movers = map.cached.then_some(&self.movers);
                 let lit = map.request.shape != MapShape::Cube || lit_faces[index];
-                split_members(&map.casters, &face, scene.objects, lit, movers, still, moving);
+                let beside = map.request.beside.as_ref();
+                split_members(
+                    &map.casters,
+                    beside,
+                    &face,
+                    scene.objects,
+                    lit,
+                    movers,
+                    still,
+                    moving,
+                );
                 state.compare(&self.movers, map.cached);
             }
             let mut push = |face: Option<usize>, revision: u64| {

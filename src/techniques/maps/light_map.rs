@@ -111,7 +111,12 @@ impl LightMap {
             self.hand_overs += 1;
         }
         if self.request != request {
-            if self.request.face_count() != request.face_count() || self.request.shape != request.shape {
+            // A picture beside the depth shows the settings with which it was drawn.
+            let redrawn = self.request.beside != request.beside;
+            if redrawn
+                || self.request.face_count() != request.face_count()
+                || self.request.shape != request.shape
+            {
                 self.forget();
             }
             self.request = request;
@@ -155,10 +160,11 @@ impl LightMap {
         }
     }
 
-    /// Returns the number of textures of the map: still casters, still and moving casters, and the result of
-    /// a conversion.
+    /// Returns the number of textures of the map, each of 4 bytes a texel: still casters, still and moving casters,
+    /// the result of a conversion, and the pictures beside the first two.
     pub fn texture_count(&self) -> u64 {
-        1 + u64::from(self.has_moving()) + u64::from(self.request.has_final())
+        let layers = 1 + u64::from(self.has_moving());
+        layers * (1 + u64::from(self.request.beside.is_some())) + u64::from(self.request.has_final())
     }
 
     /// Returns the memory of the map's textures as bytes for each squared resolution.

@@ -1,7 +1,7 @@
 //! The faces that a light's map should have, and the casters that each should show.
 
 use fixedbitset::FixedBitSet;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
 use super::cascades::{even_splits, fit, split_depths};
@@ -10,9 +10,9 @@ use super::face::{FaceProjection, MapFace};
 use super::frame_scene::Scene;
 use super::light_map::LightMap;
 use super::movers::Movers;
-use super::request::{MapFaces, MapShape};
+use super::request::{Beside, MapFaces, MapShape};
 use super::settings::MapFilter;
-use crate::scene::LightKind;
+use crate::geometry::Aabb;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
@@ -112,12 +112,11 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapF
     let near = map.near;
     match map.request.shape {
         MapShape::Spot => {
-            let LightKind::Spot { outer_angle, .. } = light.light.kind else {
+            let Some((z, half_angle)) = light.shadow_cone() else {
                 return SmallVec::new();
             };
-            let z = light.direction.as_dvec3().normalize();
             let (x, y) = z.any_orthonormal_pair();
-            let rim = f64::from(outer_angle).tan();
+            let rim = half_angle.tan();
             let resolution = f64::from(map.resolution);
             let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
             let guard = f64::from(GUARD_TEXELS).min(0.25 * resolution);
@@ -177,10 +176,25 @@ fn map_casters(map: &LightMap) -> impl Iterator<Item = usize> + '_ {
     map.casters().ones()
 }
 
+/// Returns the bounds of everything that a picture beside the depth shows of a caster.
+fn reached(bounds: Aabb, beside: &Beside, face: &MapFace) -> Aabb {
+    let mut margin = f64::from(beside.metres);
+    if matches!(face.projection, FaceProjection::Perspective { .. }) {
+        let farthest = (bounds.center().as_dvec3() - face.origin).abs() + bounds.half_size().as_dvec3();
+        margin += f64::from(beside.share) * farthest.length();
+    }
+    let margin = Vec3::splat(margin as f32);
+    Aabb {
+        min: bounds.min - margin,
+        max: bounds.max + margin,
+    }
+}
+
 /// Divides a light's casters that a face shows into those that stand still and those that move. Without
 /// `movers` all count as moving. Both sets are empty if the light does not shine into the face.
 pub fn split_members(
     casters: &FixedBitSet,
+    beside: Option<&Beside>,
     face: &MapFace,
     objects: &Objects,
     lit: bool,
@@ -196,7 +210,12 @@ pub fn split_members(
         }
     }
     for index in casters.ones() {
-        if lit && face.may_see(&objects.boxes.get(index)) {
+        let bounds = objects.boxes.get(index);
+        let bounds = match beside {
+            Some(beside) if !bounds.is_empty() => reached(bounds, beside, face),
+            _ => bounds,
+        };
+        if lit && face.may_see(&bounds) {
             match movers {
                 Some(movers) if !movers.moving.contains(index) => still.insert(index),
                 _ => moving.insert(index),

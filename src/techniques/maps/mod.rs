@@ -1,5 +1,6 @@
 //! Shadow maps: visibility that is looked up in a picture of the casters from the light.
-//! [`ShadowMap`](super::ShadowMap) and [`OmniMap`](super::OmniMap) share this code.
+//! [`ShadowMap`](super::ShadowMap), [`OmniMap`](super::OmniMap) and [`PerspectiveMap`](super::PerspectiveMap) share this
+//! code.
 //!
 //! ```text
 //! lights with a map ──► request ──► memory ──► faces ──► casters of a face ──► changes ──► draws, lookup

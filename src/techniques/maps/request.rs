@@ -54,7 +54,10 @@ impl MapRequests {
             }
             // A refused light has no technique in this frame, so it does not get here.
             let asked = components.get(light.entity).map(|map| request(map, &light.light));
-            if let Ok(Ok(request)) = asked {
+            if let Ok(Ok(mut request)) = asked {
+                if let Some(softness) = light.model.softness {
+                    request.filter = request.filter.softened(softness);
+                }
                 self.push(LightRequest {
                     light: index,
                     request,
@@ -98,6 +101,35 @@ pub enum MapShape {
     Matrices,
 }
 
+/// Half-angle, radians, beyond which a spot light's map has the faces of a cube. A single face would spend
+/// most of its texels near its rim.
+const WIDEST_SPOT: f32 = 1.05;
+
+impl MapShape {
+    /// Returns the arrangement that shows everything that a light can shine on.
+    pub fn of_light(light: &Light) -> Self {
+        match light.kind {
+            LightKind::Directional => Self::Cascades,
+            LightKind::Spot { outer_angle, .. } if outer_angle <= WIDEST_SPOT => Self::Spot,
+            _ => Self::Cube,
+        }
+    }
+}
+
+/// A second picture of each face, two half floats a texel. The recorder of the technique draws it beside the
+/// depth of the casters, and looks the map up itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Beside {
+    /// Distance in metres by which the picture reaches beyond the outlines of casters.
+    pub metres: f32,
+    /// Further distance by which the picture reaches beyond the outlines of casters, as a share of the distance
+    /// from the light.
+    pub share: f32,
+    /// Distance in metres between caster and receiver at which the shadow of a directional light is as soft as the
+    /// picture can show. Other lights ignore it.
+    pub drop: f32,
+}
+
 /// The map that a light asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapRequest {
@@ -120,6 +152,8 @@ pub struct MapRequest {
     pub cached: bool,
     /// Cascades of a directional light. Other shapes ignore them.
     pub cascades: Cascades,
+    /// Second picture of each face; `None` if the depth of the casters is the whole map.
+    pub beside: Option<Beside>,
     /// Number of layers of the texture of [`MapShape::Matrices`], 1 to 6. Other shapes ignore it.
     pub layers: u32,
 }

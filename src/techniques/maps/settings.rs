@@ -62,6 +62,20 @@ impl MapFilter {
         }
     }
 
+    /// Returns the filter with another softness. A filter that has none becomes a jittered one, unless the softness
+    /// is 0.
+    pub fn softened(self, softness: f32) -> Self {
+        match self {
+            Self::Jittered { adaptive, .. } => Self::Jittered { softness, adaptive },
+            Self::Soft4 { .. } => Self::Soft4 { softness },
+            other if softness == 0.0 => other,
+            Self::Bilinear | Self::Brute4x4 | Self::Dithered4 => Self::Jittered {
+                softness,
+                adaptive: true,
+            },
+        }
+    }
+
     /// Returns the softness, if the filter has one.
     pub fn softness(self) -> Option<f32> {
         match self {

@@ -86,6 +86,7 @@ impl OmniMap {
             near: self.near,
             cached: self.cached,
             cascades: Cascades::default(),
+            beside: None,
             layers: 0,
         };
         request.validated(light)

@@ -71,10 +71,12 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
         whole_radius: 0.0,
     };
     match light.light.kind {
-        LightKind::Sphere { radius } if f64::from(radius) > LEAST_EXTENT => {
+        LightKind::Point | LightKind::Spot { .. } | LightKind::Sphere { .. }
+            if light.emitter.radius > LEAST_EXTENT =>
+        {
             let [columns, rows] = settings.parts();
             let count = columns * rows;
-            let whole_radius = f64::from(radius);
+            let whole_radius = light.emitter.radius;
             let shape = PartShape::Sphere {
                 radius: whole_radius / f64::from(count).sqrt(),
             };
@@ -88,7 +90,7 @@ pub fn push_parts(light: &FrameLight, settings: &PenumbraWedge, parts: &mut Vec<
             }));
         }
         LightKind::Rect { width, height } if f64::from(width.max(height)) > LEAST_EXTENT => {
-            let size = DVec2::new(f64::from(width), f64::from(height));
+            let size = DVec2::new(f64::from(width), f64::from(height)) * light.softened();
             let size = size.max(DVec2::splat(size.max_element() * LINE_SHARE));
             let [right, up] = light.emitter.half_sides;
             let axes = axes(light, right, up);

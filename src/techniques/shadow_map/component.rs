@@ -64,27 +64,18 @@ impl Default for ShadowMap {
     }
 }
 
-/// Half-angle, radians, beyond which a spot light's map has the faces of a cube. A single face would spend
-/// most of its texels near its rim.
-const WIDEST_SPOT: f32 = 1.05;
-
 impl ShadowMap {
     /// What the component asks for.
     ///
     /// # Errors
     /// The first setting that cannot be drawn with.
     pub fn request(&self, light: &Light) -> Result<MapRequest, Refusal> {
-        let shape = match light.kind {
-            LightKind::Directional => MapShape::Cascades,
-            LightKind::Spot { outer_angle, .. } if outer_angle > WIDEST_SPOT => MapShape::Cube,
-            LightKind::Spot { .. } => MapShape::Spot,
-            LightKind::Point | LightKind::Rect { .. } | LightKind::Sphere { .. } => {
-                let instead = "it needs a spot or directional light; use OmniMap for a light with a position";
-                return Err(Refusal::kind(light, instead));
-            }
-        };
+        if !matches!(light.kind, LightKind::Directional | LightKind::Spot { .. }) {
+            let instead = "it needs a spot or directional light; use OmniMap for a light with a position";
+            return Err(Refusal::kind(light, instead));
+        }
         let request = MapRequest {
-            shape,
+            shape: MapShape::of_light(light),
             resolution: self.resolution,
             filter: self.filter,
             format: MapFormat::Depth,
@@ -93,6 +84,7 @@ impl ShadowMap {
             near: self.near,
             cached: self.cached,
             cascades: self.cascades,
+            beside: None,
             layers: 0,
         };
         request.validated(light)

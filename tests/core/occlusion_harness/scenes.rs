@@ -65,6 +65,7 @@ pub fn spawn_light(world: &mut World, random: &mut Random, at: Vec3) {
     let selection = LightSelection {
         affects: [u32::MAX, 0b011][random.below(2)],
         casts_for: [u32::MAX, u32::MAX, 0b101][random.below(3)],
+        ..LightSelection::default()
     };
     let place = Transform::from_translation(at).with_rotation(random.rotation());
     let mut entity = world.spawn((light, selection, place));

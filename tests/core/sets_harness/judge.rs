@@ -1,7 +1,7 @@
 //! Brute force over sampled points and rays: what must be in the sets.
 
 use antumbra::geometry::Aabb;
-use antumbra::scene::{Light, LightKind};
+use antumbra::scene::{Light, LightDistance, LightKind, ShadowOrigin, ShadowSoftness};
 use antumbra::sets::{
     DepthBounds, FrameLight, FrameLights, FrustumSet, Objects, View, VisibleSet, shadow_depth_range,
 };
@@ -9,7 +9,7 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{DVec2, DVec3, DVec4};
 
-use super::{Id, Random, Scene, SceneLight, Thing, VIEWPORT};
+use super::{Id, Random, Scene, SceneLight, SceneModel, Thing, VIEWPORT};
 
 /// The camera, by vectors.
 pub struct Eye {
@@ -114,6 +114,7 @@ impl Seen {
 fn lit_from(
     light: &Light,
     world_from_light: &GlobalTransform,
+    model: &SceneModel,
     point: DVec3,
     random: &mut Random,
 ) -> Option<DVec4> {
@@ -121,7 +122,13 @@ fn lit_from(
     let center = affine.translation.as_dvec3();
     let shine = -affine.matrix3.z_axis.as_dvec3().normalize();
     let from = match light.kind {
-        LightKind::Directional => return Some((-shine).extend(0.0)),
+        LightKind::Directional => {
+            let falls = match model.origin {
+                Some(ShadowOrigin::Direction(falls)) => falls.as_dvec3(),
+                _ => shine,
+            };
+            return Some((-falls.normalize()).extend(0.0));
+        }
         LightKind::Sphere { radius } => center + random.direction() * f64::from(radius) * random.unit(),
         LightKind::Rect { width, height } => {
             let u = f64::from(width) * random.range(-0.5, 0.5);
@@ -136,7 +143,29 @@ fn lit_from(
         LightKind::Rect { .. } => to.dot(shine) >= 0.0,
         _ => true,
     };
-    (in_shape && to.length() <= f64::from(light.range)).then(|| from.extend(1.0))
+    let axis = |axis: glam::Vec3A| axis.as_dvec3().normalize().dot(point - center);
+    let local = DVec3::new(
+        axis(affine.matrix3.x_axis),
+        axis(affine.matrix3.y_axis),
+        -axis(affine.matrix3.z_axis),
+    );
+    let (local, doors) = (local.as_vec3(), model.shape.is_some());
+    let opens = model.shape.is_none_or(|shape| shape.factor(local) > 0.0);
+    let arrives = |distance: LightDistance| distance.factor(LightDistance::depth_of(local, doors)) > 0.0;
+    let is_lit = opens && model.distance.is_none_or(arrives);
+    let mut from = from;
+    if let Some(ShadowSoftness(softness)) = model.softness {
+        let softness = f64::from(softness);
+        from = center
+            + match light.kind {
+                LightKind::Rect { .. } => DVec3::ZERO, // its middle is on it, whatever its size
+                _ => random.direction() * softness * random.unit(),
+            };
+    }
+    if let Some(ShadowOrigin::Position(origin)) = model.origin {
+        from += origin.as_dvec3() - center;
+    }
+    (in_shape && is_lit && to.length() <= f64::from(light.range)).then(|| from.extend(1.0))
 }
 
 /// Whether the segment from `point` to the light passes through the box.
@@ -225,11 +254,12 @@ impl Judge<'_> {
                     .push(format!("object {i} not in F or V, {point} is in view"));
             }
             for light in &frame.lights {
-                let same = |given: &&SceneLight| {
-                    given.1 == light.world_from_light && given.0 == light.light && given.2 == light.selection
+                let same = |given: &SceneLight| {
+                    let same = given.1 == light.world_from_light && given.2 == light.selection;
+                    same && given.0.kind == light.light.kind
                 };
-                let given = self.scene.lights.iter().find(same).unwrap();
-                self.look_at_lit(i, &thing, point, seen, light, given);
+                let at = self.scene.lights.iter().position(same).unwrap();
+                self.look_at_lit(i, &thing, point, seen, light, at);
             }
         }
     }
@@ -241,9 +271,11 @@ impl Judge<'_> {
         point: DVec3,
         seen: Option<Seen>,
         light: &FrameLight,
-        (component, world_from_light, selection): &SceneLight,
+        at: usize,
     ) {
-        let Some(from) = lit_from(component, world_from_light, point, &mut self.random) else {
+        let (component, world_from_light, selection) = &self.scene.lights[at];
+        let model = self.scene.model(at);
+        let Some(from) = lit_from(component, world_from_light, &model, point, &mut self.random) else {
             return;
         };
         let kind = component.kind;
@@ -276,7 +308,7 @@ impl Judge<'_> {
                 seen.depth, light.region.depth_bounds
             ));
         }
-        if !thing.receiver {
+        if !thing.receiver || thing.layers & selection.shows_on == 0 {
             return;
         }
         for (c, caster) in self.scene.things.iter().enumerate() {

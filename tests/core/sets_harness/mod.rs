@@ -6,8 +6,8 @@ pub mod judge;
 
 use antumbra::geometry::Aabb;
 use antumbra::scene::{
-    Camera, Light, LightKind, LightSelection, Orthographic, SceneMaterials, SelectionLayers, ShadowCaster,
-    ShadowReceiver, WorldBounds,
+    Camera, Light, LightDistance, LightKind, LightSelection, LightShape, Orthographic, SceneMaterials,
+    SelectionLayers, ShadowCaster, ShadowOrigin, ShadowReceiver, ShadowSoftness, WorldBounds,
 };
 use antumbra::sets::{FrameLights, FrustumSet, Objects, ViewportSize, collect_sets, init_set_resources};
 use bevy_ecs::prelude::*;
@@ -77,12 +77,30 @@ pub struct Thing {
 
 pub type SceneLight = (Light, GlobalTransform, LightSelection);
 
+/// The light model of a light: barn doors, distances, and the place and extent of its shadows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SceneModel {
+    pub shape: Option<LightShape>,
+    pub distance: Option<LightDistance>,
+    pub origin: Option<ShadowOrigin>,
+    pub softness: Option<ShadowSoftness>,
+}
+
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub camera: Camera,
     pub world_from_camera: GlobalTransform,
     pub things: Vec<Thing>,
     pub lights: Vec<SceneLight>,
+    /// Models of the first lights; the others have none.
+    pub models: Vec<SceneModel>,
+}
+
+impl Scene {
+    /// The model of the light at this index.
+    pub fn model(&self, light: usize) -> SceneModel {
+        self.models.get(light).copied().unwrap_or_default()
+    }
 }
 
 /// Index of an entity among the things of its scene.
@@ -146,6 +164,45 @@ pub fn random_scene(seed: u64) -> Scene {
     scene_of(seed, |_| None)
 }
 
+/// As [`random_scene`], with barn doors, distances, moved and softened shadows.
+pub fn random_modelled_scene(seed: u64) -> Scene {
+    let mut scene = random_scene(seed);
+    let mut random = Random(seed ^ 0x0d00);
+    for (light, world_from_light, _) in &scene.lights {
+        let is_directional = light.kind == LightKind::Directional;
+        let mut size = |least: f64| (least + random.range(0.0, 1.3).powi(2)) as f32;
+        let shape = LightShape {
+            width: size(0.02),
+            height: size(0.02),
+            width_edge: size(0.0),
+            height_edge: size(0.0),
+            round: size(0.0).min(1.0),
+        };
+        let near = random.range(0.0, 3.0) as f32;
+        let distance = LightDistance {
+            near,
+            far: near + random.range(0.0, 10.0) as f32,
+            near_edge: random.range(0.0, 1.0) as f32,
+            far_edge: random.range(0.0, 3.0) as f32,
+        };
+        let by = random.vec(4.0).as_vec3();
+        let origin = if is_directional {
+            ShadowOrigin::Direction(by)
+        } else {
+            ShadowOrigin::Position(world_from_light.translation() + by)
+        };
+        scene.models.push(SceneModel {
+            shape: (!is_directional && random.chance(0.7)).then_some(shape),
+            distance: (!is_directional && random.chance(0.5)).then_some(distance),
+            origin: random.chance(0.3).then_some(origin),
+            softness: random
+                .chance(0.3)
+                .then_some(ShadowSoftness(random.range(0.0, 2.0) as f32)),
+        });
+    }
+    scene
+}
+
 /// As [`random_scene`], seen by orthographic cameras: most reach behind themselves, and some show nothing else.
 pub fn random_orthographic_scene(seed: u64) -> Scene {
     scene_of(seed, |random| {
@@ -184,6 +241,7 @@ fn scene_of(seed: u64, planes: impl Fn(&mut Random) -> Option<(f32, f32)>) -> Sc
         world_from_camera: transform(origin + random.vec(3.0), random.rotation(), scale),
         things: random_things(&mut random, origin, 40),
         lights: Vec::new(),
+        models: Vec::new(),
     };
     let eye = Eye::new(&scene);
     for _ in 0..6 {
@@ -220,6 +278,7 @@ fn scene_of(seed: u64, planes: impl Fn(&mut Random) -> Option<(f32, f32)>) -> Sc
         let selection = LightSelection {
             affects: mask(&mut random),
             casts_for: mask(&mut random),
+            shows_on: mask(&mut random),
         };
         let world_from_light = transform(position, rotation, Vec3::ONE);
         scene.lights.push((light, world_from_light, selection));
@@ -237,6 +296,7 @@ pub fn rooms(seed: u64, side: usize) -> Scene {
         world_from_camera: transform(eye, look(DVec3::new(1.0, -0.1, 0.3)), Vec3::ONE),
         things: Vec::new(),
         lights: Vec::new(),
+        models: Vec::new(),
     };
     let mut push = |min: DVec3, max: DVec3| {
         scene.things.push(Thing {
@@ -295,8 +355,26 @@ pub fn spawn(scene: &Scene, order: &[usize]) -> (World, Schedule) {
             entity.insert(SceneMaterials(Default::default()));
         }
     }
-    for (light, world_from_light, selection) in &scene.lights {
-        world.spawn((light.clone(), *world_from_light, *selection));
+    for (index, (light, world_from_light, selection)) in scene.lights.iter().enumerate() {
+        let mut entity = world.spawn((light.clone(), *world_from_light, *selection));
+        let SceneModel {
+            shape,
+            distance,
+            origin,
+            softness,
+        } = scene.model(index);
+        if let Some(shape) = shape {
+            entity.insert(shape);
+        }
+        if let Some(distance) = distance {
+            entity.insert(distance);
+        }
+        if let Some(origin) = origin {
+            entity.insert(origin);
+        }
+        if let Some(softness) = softness {
+            entity.insert(softness);
+        }
     }
     let mut schedule = Schedule::default();
     schedule.add_systems(collect_sets());
@@ -333,6 +411,7 @@ pub fn simple(things: Vec<Thing>, lights: Vec<(Light, Vec3)>) -> Scene {
         world_from_camera: GlobalTransform::IDENTITY,
         things,
         lights: lights.into_iter().map(place).collect(),
+        models: Vec::new(),
     }
 }
 

@@ -145,3 +145,35 @@ fn settings_that_are_not_finite_do_not_reach_the_gpu() {
         "numbers that are not finite count as 0, such an exposure as 1"
     );
 }
+
+/// The scene changes while nothing is drawn: the target has no size, or is larger than the device allows.
+#[test]
+fn changes_while_nothing_is_drawn_are_seen_afterwards() {
+    let context = strict_context();
+    let too_large = context.device.limits().max_texture_dimension_2d + 1;
+    for hidden in [UVec2::ZERO, UVec2::new(too_large, 1)] {
+        let mut stage = box_on_plane(&context);
+        let before = render(&mut stage);
+        let change = |stage: &mut Stage| {
+            let mut casters = stage.world.query_filtered::<Entity, With<ShadowCaster>>();
+            let cube = casters.iter(&stage.world).nth(1).expect("two objects");
+            let moved = Transform::from_xyz(0.6, 0.75, 0.4);
+            let painted = SceneMaterials([Arc::new(Material::matte(Vec3::X))].into());
+            stage.world.entity_mut(cube).insert((moved, painted));
+            let more = object(MeshData::icosphere(0.4, 2), Transform::from_xyz(-1.2, 0.6, 0.0));
+            stage.world.spawn(more);
+        };
+        stage.world.insert_resource(ViewportSize(hidden));
+        change(&mut stage);
+        for _ in 0..2 {
+            stage.schedule.run(&mut stage.world);
+            stage.world.resource_mut::<Renderer>().take_failure();
+        }
+        stage.world.insert_resource(ViewportSize(SIZE));
+        let after = render(&mut stage);
+        let mut fresh = box_on_plane(&context);
+        change(&mut fresh);
+        assert!(same(&after, &render(&mut fresh)), "hidden by {hidden}");
+        assert!(!same(&after, &before), "the change is seen");
+    }
+}

@@ -6,5 +6,6 @@ mod host;
 mod scaled;
 mod scenes;
 mod techniques;
+mod textured;
 mod unseen;
 mod views;

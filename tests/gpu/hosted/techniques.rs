@@ -69,8 +69,8 @@ fn every_technique_leaves_in_a_host_what_it_leaves_in_a_frame_of_our_own() {
         // Stencils are exact, coverage is rounded, and maps have texels.
         let tolerance = match (row.needs().receiver_planes, row.needs().silhouettes) {
             (false, _) => 0.0,
-            (true, NeededSilhouettes::None) => 0.1,
-            (true, _) => 0.04,
+            (true, NeededSilhouettes::Shadowing) => 0.04,
+            (true, _) => 0.1,
         };
         let kind = kind.expect("it fits some light");
         compare(row.name(), kind, |light| settings.insert(light), tolerance);

@@ -180,8 +180,8 @@ fn kept_maps_show_what_maps_drawn_every_frame_show() {
         assert_ne!(first, same(&mut stage, 2, "the light moves"));
         for light in stage.lights.clone() {
             stage.world.entity_mut(light).insert(LightSelection {
-                affects: u32::MAX,
                 casts_for: 0,
+                ..LightSelection::default()
             });
         }
         let nothing = same(&mut stage, 2, "nothing casts");

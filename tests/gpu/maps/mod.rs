@@ -14,6 +14,6 @@ mod matrix_faces;
 mod models;
 mod peeling;
 mod refusals;
-mod scenes;
+pub mod scenes;
 mod surfaces;
 mod twins;

@@ -55,13 +55,11 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
     let resolution = map.resolution as f32;
     constants.size = [resolution, resolution.recip(), softness, map.faces.len() as f32];
     constants.bias = [raised, relative, absolute, metres];
-    let inverse_reach_sq = (map.reach * map.reach).recip() as f32;
-    constants.limits = [
-        depth_bounds.0,
-        depth_bounds.1,
-        inverse_reach_sq,
-        request.cascades.blend,
-    ];
+    let scale = match request.beside {
+        Some(beside) if parallel => beside.drop,
+        _ => (map.reach * map.reach).recip() as f32,
+    };
+    constants.limits = [depth_bounds.0, depth_bounds.1, scale, request.cascades.blend];
     constants
 }
 

@@ -34,8 +34,9 @@ pub struct MapLight {
     /// Share of a texel along the normal, relative and absolute slack of the comparison, metres towards the
     /// light.
     pub bias: [f32; 4],
-    /// Nearest and farthest depth that the light reaches, 1 / reach², share of a cascade that is blended into
-    /// the next.
+    /// Nearest and farthest depth that the light reaches, 1 / reach² (for cascades with a picture beside them
+    /// [`Beside::drop`](crate::techniques::maps::request::Beside::drop)), share of a cascade that is blended into the
+    /// next.
     pub limits: [f32; 4],
 }
 

@@ -19,6 +19,9 @@ pub struct MapLayouts {
     pub map: wgpu::BindGroupLayout,
     /// The layout of group 3 of the lookup: depths and squared distances.
     pub textures: wgpu::BindGroupLayout,
+    /// The layout of group 3 of a lookup that reads a picture beside the depth: depth of all casters, depth of still
+    /// casters, the picture.
+    pub beside: wgpu::BindGroupLayout,
 }
 
 impl MapLayouts {
@@ -69,6 +72,14 @@ impl MapLayouts {
                 &[
                     texture(0, wgpu::TextureSampleType::Depth, TextureViewDimension::D2Array),
                     texture(1, float(false), TextureViewDimension::D2Array),
+                ],
+            ),
+            beside: layout(
+                "map with a picture beside",
+                &[
+                    texture(0, wgpu::TextureSampleType::Depth, TextureViewDimension::D2Array),
+                    texture(1, wgpu::TextureSampleType::Depth, TextureViewDimension::D2Array),
+                    texture(2, float(false), TextureViewDimension::D2Array),
                 ],
             ),
         }

@@ -11,14 +11,14 @@
 //! | `constants` | the shader's constants of a light's map |
 
 pub(crate) mod constants;
-mod draws;
+pub(crate) mod draws;
 pub(crate) mod gpu_types;
-mod layouts;
+pub(crate) mod layouts;
 pub(crate) mod limit;
-mod passes;
+pub(crate) mod passes;
 pub(crate) mod pipelines;
-mod pool;
-mod recorded;
+pub(crate) mod pool;
+pub(crate) mod recorded;
 pub(crate) mod recorder;
 
 pub(crate) use limit::limit_to_device;
@@ -28,6 +28,7 @@ use crate::render::shaders::{ShaderFile, shader_files};
 /// The WGSL files of maps.
 pub(crate) const SHADERS: &[ShaderFile] = shader_files![
     "common/map.wgsl",
+    "common/map_site.wgsl",
     "techniques/maps/matrix.wgsl",
     "techniques/maps/caster.wgsl",
     "techniques/maps/convert.wgsl",

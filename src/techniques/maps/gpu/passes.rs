@@ -19,7 +19,7 @@ use crate::techniques::maps::settings::{MapFormat, MapSurface};
 
 impl MapNode {
     /// Records the passes that the faces of one light need.
-    pub(in crate::techniques::maps) fn draw_faces(
+    pub(in crate::techniques) fn draw_faces(
         &self,
         slot: usize,
         plan: &LightPlan,
@@ -171,11 +171,11 @@ impl MapNode {
         pass.draw(0..3, face as u32..face as u32 + 1);
     }
 
-    /// Records the lookup, for every pixel of the scissor.
-    pub(in crate::techniques::maps) fn look_up(
+    /// Records the lookup, for every pixel of the scissor. `textures` is group 3.
+    pub(in crate::techniques) fn look_up(
         &self,
         slot: usize,
-        textures: &MapTextures,
+        textures: &wgpu::BindGroup,
         pipeline: &wgpu::RenderPipeline,
         encoder: &mut wgpu::CommandEncoder,
         input: &ResolveInput,
@@ -200,7 +200,7 @@ impl MapNode {
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &input.masks.receiver_group, &[]);
         pass.set_bind_group(2, &self.map_group, &[Strided::<MapLight>::offset(slot)]);
-        pass.set_bind_group(3, &textures.group, &[]);
+        pass.set_bind_group(3, textures, &[]);
         pass.draw(0..3, 0..1);
     }
 }
@@ -220,7 +220,12 @@ fn depth_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassDe
     }
 }
 
-fn copy_layer(encoder: &mut wgpu::CommandEncoder, from: &wgpu::Texture, to: &wgpu::Texture, layer: usize) {
+pub(in crate::techniques) fn copy_layer(
+    encoder: &mut wgpu::CommandEncoder,
+    from: &wgpu::Texture,
+    to: &wgpu::Texture,
+    layer: usize,
+) {
     let at = |texture| wgpu::TexelCopyTextureInfo {
         texture,
         mip_level: 0,
@@ -238,7 +243,7 @@ fn copy_layer(encoder: &mut wgpu::CommandEncoder, from: &wgpu::Texture, to: &wgp
     encoder.copy_texture_to_texture(at(from), at(to), size);
 }
 
-fn bind_depths(
+pub(in crate::techniques) fn bind_depths(
     context: &RenderContext,
     layout: &wgpu::BindGroupLayout,
     views: &[&wgpu::TextureView],

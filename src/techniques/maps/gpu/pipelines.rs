@@ -15,6 +15,9 @@ use crate::techniques::maps::settings::{MapFilter, MapFormat, MapSurface};
 /// The format of the depth into which casters are drawn.
 pub const MAP_DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
+/// The format of pictures beside the depth. Every WebGPU device can blend it.
+pub const BESIDE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rg16Float;
+
 /// Returns the texture format of a map that is looked up.
 pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     match format {

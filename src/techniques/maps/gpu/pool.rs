@@ -4,7 +4,7 @@
 use bevy_ecs::prelude::Entity;
 
 use super::layouts::MapLayouts;
-use super::pipelines::{MAP_DEPTH, texture_format};
+use super::pipelines::{BESIDE_FORMAT, MAP_DEPTH, texture_format};
 use super::recorded::FaceRecord;
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
@@ -82,6 +82,8 @@ pub struct MapTexturesKey {
     pub surface: MapSurface,
     /// True if there is a layer for casters that move.
     pub moving: bool,
+    /// True if there is a picture beside each depth.
+    pub beside: bool,
 }
 
 impl MapTexturesKey {
@@ -94,12 +96,24 @@ impl MapTexturesKey {
             format: request.format,
             surface: request.surface,
             moving,
+            beside: request.beside.is_some(),
         }
     }
 
     fn has_final(&self) -> bool {
         self.format != MapFormat::Depth || self.surface != MapSurface::Nearest
     }
+}
+
+/// The pictures beside the depths of one map.
+#[derive(Debug)]
+pub struct BesideTextures {
+    /// The picture beside the depth of still casters, or of all casters if there is no moving layer.
+    pub still: FaceArray,
+    /// The picture beside the depth of all casters, if some move.
+    pub moving: Option<FaceArray>,
+    /// The bind group 3 of the lookup.
+    pub group: wgpu::BindGroup,
 }
 
 /// The textures of one map.
@@ -113,6 +127,8 @@ pub struct MapTextures {
     pub moving: Option<FaceArray>,
     /// The converted texture that is looked up; `None` if a depth is looked up directly.
     pub shown: Option<FaceArray>,
+    /// The pictures beside the depths, if the technique draws any.
+    pub beside: Option<BesideTextures>,
     /// The bind group 3 of the lookup.
     pub group: wgpu::BindGroup,
     /// The revisions that each face holds.
@@ -217,14 +233,14 @@ impl MapPool {
             .maps
             .iter()
             .position(|map| key.entity.is_some() && map.key == twin);
-        let still = match twin.map(|at| self.maps.swap_remove(at)) {
+        let (still, still_beside) = match twin.map(|at| self.maps.swap_remove(at)) {
             Some(twin) => {
                 for (record, old) in records.iter_mut().zip(&twin.records) {
                     record.still = old.still.clone();
                 }
-                twin.still
+                (twin.still, twin.beside.map(|beside| beside.still))
             }
-            None => array("map", MAP_DEPTH),
+            None => (array("map", MAP_DEPTH), None),
         };
         let moving = key.moving.then(|| array("map with what moves", MAP_DEPTH));
         let shown = key
@@ -237,11 +253,28 @@ impl MapPool {
             (&self.no_depth, &looked_up)
         };
         let group = bind_textures(context, layouts, depth, distance);
+        let beside = key.beside.then(|| {
+            let still_beside = still_beside.unwrap_or_else(|| array("beside map", BESIDE_FORMAT));
+            let moving = key
+                .moving
+                .then(|| array("beside map with what moves", BESIDE_FORMAT));
+            let picture = moving.as_ref().unwrap_or(&still_beside).array_view();
+            let alone = still.array_view();
+            let views = [depth, &alone, &picture].map(wgpu::BindingResource::TextureView);
+            let device = &context.device;
+            let group = bind_in_order(device, "map with a picture beside", &layouts.beside, views);
+            BesideTextures {
+                still: still_beside,
+                moving,
+                group,
+            }
+        });
         self.maps.push(MapTextures {
             key,
             still,
             moving,
             shown,
+            beside,
             group,
             records,
             in_use: true,

@@ -45,7 +45,7 @@ use crate::techniques::maps::settings::{MapSettings, MapSurface};
 
 /// The draws that one face needs.
 #[derive(Debug)]
-pub(in crate::techniques::maps) struct FacePlan {
+pub(in crate::techniques) struct FacePlan {
     pub face: usize,
     pub still: Option<Range<usize>>,
     /// Draws of moving casters over a copy of the still layer.
@@ -60,11 +60,12 @@ pub(in crate::techniques::maps) struct FacePlan {
 
 /// The passes and draws that one light needs.
 #[derive(Debug)]
-pub(in crate::techniques::maps) struct LightPlan {
+pub(in crate::techniques) struct LightPlan {
     pub light: usize,
     pub request: MapRequest,
     pub key: MapTexturesKey,
-    pub lookup: Key,
+    /// The lookup's pipeline; `None` if another recorder looks the map up.
+    pub lookup: Option<Key>,
     pub faces: Range<usize>,
     /// True if several lights use one texture in turn, because none of them keeps its map. The texture is
     /// then drawn just before each lookup.
@@ -76,7 +77,7 @@ pub(in crate::techniques::maps) struct LightPlan {
 
 /// The parts of the recorder that all views of a device share.
 #[derive(Debug)]
-pub(in crate::techniques::maps) struct LongLived {
+pub(in crate::techniques) struct LongLived {
     pub layouts: MapLayouts,
     compare: wgpu::Sampler,
     jitter: wgpu::TextureView,
@@ -108,16 +109,16 @@ impl LongLived {
 /// The recorder of all maps.
 #[derive(Debug)]
 pub struct MapNode {
-    pub(in crate::techniques::maps) pipelines: Variants<Key>,
-    pub(in crate::techniques::maps) long_lived: Arc<LongLived>,
-    pub(in crate::techniques::maps) pool: MapPool,
-    pub(in crate::techniques::maps) draws: MapDraws,
+    pub(in crate::techniques) pipelines: Variants<Key>,
+    pub(in crate::techniques) long_lived: Arc<LongLived>,
+    pub(in crate::techniques) pool: MapPool,
+    pub(in crate::techniques) draws: MapDraws,
     casters: GrowingBuffer,
-    pub(in crate::techniques::maps) caster_group: wgpu::BindGroup,
+    pub(in crate::techniques) caster_group: wgpu::BindGroup,
     constants: StridedUniforms<MapLight>,
-    pub(in crate::techniques::maps) map_group: wgpu::BindGroup,
-    lights: Vec<LightPlan>,
-    pub(in crate::techniques::maps) faces: Vec<FacePlan>,
+    pub(in crate::techniques) map_group: wgpu::BindGroup,
+    pub(in crate::techniques) lights: Vec<LightPlan>,
+    pub(in crate::techniques) faces: Vec<FacePlan>,
 }
 
 impl MapNode {
@@ -145,7 +146,7 @@ impl MapNode {
         })
     }
 
-    fn plan_of(&self, light: usize) -> Option<(usize, &LightPlan)> {
+    pub(in crate::techniques) fn plan_of(&self, light: usize) -> Option<(usize, &LightPlan)> {
         let at = self.lights.binary_search_by_key(&light, |plan| plan.light).ok()?;
         Some((at, &self.lights[at]))
     }
@@ -292,14 +293,16 @@ impl MapNode {
             };
             self.require(input.gpu, convert)?;
         }
-        let lookup = Key::Resolve {
+        let lookup = (request.beside.is_none()).then_some(Key::Resolve {
             filter: filter_constant(request.filter),
             shape: request.shape,
             cascade_count: if parallel { request.face_count() } else { 1 },
             format: request.format,
             show_taps,
-        };
-        self.require(input.gpu, lookup)?;
+        });
+        if let Some(lookup) = lookup {
+            self.require(input.gpu, lookup)?;
+        }
         let lights = world.resource::<FrameLights>();
         let bounds = lights.lights[map.light].region.depth_bounds;
         let bounds = bounds.map_or((1.0, 0.0), |bounds| (bounds.depth_max, bounds.depth_min));
@@ -331,15 +334,26 @@ impl Resolve for MapNode {
             // Another light may have used the texture since, so the texture is drawn before each lookup.
             self.draw_faces(slot, plan, encoder, &input.pictures(), &mut Recorded::default());
         }
-        if let (Some(textures), Some(pipeline)) = (self.pool.get(&plan.key), self.pipelines.get(plan.lookup))
-        {
-            self.look_up(slot, textures, pipeline, encoder, input);
+        if let (Some(textures), Some(pipeline)) = (
+            self.pool.get(&plan.key),
+            plan.lookup.and_then(|key| self.pipelines.get(key)),
+        ) {
+            self.look_up(slot, &textures.group, pipeline, encoder, input);
         }
     }
 }
 
-impl Recorder for MapNode {
-    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
+impl MapNode {
+    /// Plans the maps of the lights whose request has a picture beside the depth, or of those whose request has none.
+    ///
+    /// # Errors
+    /// Any error of the device or of a shader.
+    pub(in crate::techniques) fn prepare_maps(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        beside: bool,
+    ) -> Result<(), RenderError> {
         self.lights.clear();
         self.faces.clear();
         self.draws.clear();
@@ -353,7 +367,8 @@ impl Recorder for MapNode {
             return Ok(());
         };
         self.pool.begin();
-        for map in &maps.lights {
+        let own = |map: &&LightMap| map.request.beside.is_some() == beside;
+        for map in maps.lights.iter().filter(own) {
             if map.active {
                 self.plan_light(world, input, map, view, settings.show_taps)?;
             } else if map.cached {
@@ -376,6 +391,12 @@ impl Recorder for MapNode {
             self.map_group = self.long_lived.bind_map(context, &self.constants);
         }
         Ok(())
+    }
+}
+
+impl Recorder for MapNode {
+    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
+        self.prepare_maps(world, input, false)
     }
 
     fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {

@@ -1,0 +1,107 @@
+//! One bust under the lights of a cinematographer: the looks of figures 10-1 to 10-8 of their paper. Each look is a shot
+//! file of `examples/shots/uberlight`, so an artist changes it without a compiler.
+//!
+//! After Pellacini and Vidimce 2004, "Cinematic Lighting", GPU Gems, chapter 10. Writes PNGs and `uberlight.html`.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use antumbra::prelude::*;
+use antumbra::techniques::Techniques;
+use glam::UVec2;
+
+use super::support::picture::write_png;
+use super::support::shot::Shot;
+use super::support::stage::{Stage, one_line};
+
+/// File name of the page.
+pub const FILE: &str = "uberlight.html";
+
+/// A look: its shot file, and text that tells the reader what to look for.
+struct Look {
+    shot: &'static str,
+    title: &'static str,
+    caption: &'static str,
+}
+
+const LOOKS: [Look; 7] = [
+    Look {
+        shot: "plain",
+        title: "A spot light",
+        caption: "One hard light without a model, to compare with.",
+    },
+    Look {
+        shot: "film_noir",
+        title: "Film noir",
+        caption: "Barn doors let a slit of light fall across the eyes, a second light draws the edge of the head, and a blind \
+                  lies on the wall: a cookie of a light that lights the wall alone. Shadows are black.",
+    },
+    Look {
+        shot: "musical",
+        title: "Musical",
+        caption: "Bright, warm and soft. Shadows take half of the light away and give some pink in its place, so no part of \
+                  the face is dark.",
+    },
+    Look {
+        shot: "window",
+        title: "Window",
+        caption: "A window that is not there, with the twigs before it: a cookie of a warm spot light, under hard shadows of \
+                  the bust itself.",
+    },
+    Look {
+        shot: "barn_door",
+        title: "Barn doors",
+        caption: "A superellipse, between a rectangle and an ellipse, with a soft edge: the light stays on the face and on a \
+                  piece of the wall.",
+    },
+    Look {
+        shot: "coloured_shadow",
+        title: "Coloured shadow",
+        caption: "The shadow of a warm light is blue. It keeps the diffuse gradients of the light, and has no highlights.",
+    },
+    Look {
+        shot: "profile",
+        title: "Luminaires",
+        caption: "Two wall lamps by the IES file of a luminaire: a wide lobe below, a narrow one above.",
+    },
+];
+
+/// Renders every look, and writes the page. Pictures are upright, `height` pixels high.
+///
+/// # Errors
+/// One line that names the file and the element.
+pub fn write(context: &RenderContext, shots: &Path, height: u32, out: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    let mut page = "<!doctype html><meta charset=utf-8><title>antumbra: the cinematographer's light</title>\
+         <style>body{background:#14161c;color:#ddd;font:15px sans-serif}figure{display:inline-block;margin:8px;\
+         vertical-align:top}figcaption{width:20em;color:#aaa}img{display:block}</style>\
+         <h1>One bust, one model of light</h1>"
+        .to_owned();
+    let size = UVec2::new(height * 4 / 5, height);
+    for look in LOOKS {
+        let path = shots.join(format!("{}.json", look.shot));
+        let mut shot = Shot::load(&path, Techniques::default())?;
+        shot.size = size.to_array();
+        let mut stage = Stage::of_shot(&shot)?;
+        stage.world.insert_resource(FaceCulling::None);
+        let settings = RenderSettings {
+            ambient: shot.ambient.into(),
+            ..Default::default()
+        };
+        let named =
+            |error: antumbra::render::RenderError| format!("{}: {}", path.display(), one_line(&error));
+        stage.add_renderer(context.clone(), settings).map_err(named)?;
+        let rendered = stage.render().map_err(named)?;
+        let file = format!("uberlight-{}.png", look.shot);
+        write_png(&out.join(&file), size, &rendered.picture)?;
+        let _ = write!(
+            page,
+            "<figure><img src=\"{file}\" alt=\"{}\"><h2>{}</h2><figcaption>{}</figcaption></figure>",
+            look.title, look.title, look.caption
+        );
+    }
+    let path = out.join(FILE);
+    std::fs::write(&path, page).map_err(|error| format!("{}: {error}", path.display()))?;
+    println!("{}", path.display());
+    Ok(())
+}

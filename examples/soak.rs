@@ -1,0 +1,71 @@
+//! A scene that changes in every frame, for thousands of frames: objects and lights come and go, techniques, meshes and
+//! materials are swapped, targets shrink to nothing, the device is lost. Prints the memory of the process, and fails if
+//! it grows.
+//!
+//! ```sh
+//! cargo run --release --example soak -- --frames 10000
+//! ```
+
+use std::error::Error;
+
+use antumbra::prelude::*;
+use antumbra_stage::soak::Soak;
+use clap::Parser;
+use glam::UVec2;
+
+/// Share by which the memory may grow after the first fifth of the frames.
+const ALLOWED_GROWTH: f64 = 0.01;
+
+#[derive(Parser)]
+struct Arguments {
+    /// Number of frames.
+    #[arg(long, default_value_t = 10_000)]
+    frames: u64,
+    /// Seed of the changes.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Memory of the process, bytes.
+fn memory() -> usize {
+    memory_stats::memory_stats().map_or(0, |stats| stats.physical_mem)
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Arguments { frames, seed } = Arguments::parse();
+    let size = UVec2::new(96, 54);
+    let device =
+        || pollster::block_on(RenderContext::headless(RequestedFeatures::default())).expect("an adapter");
+    let mut soak = Soak::new(size, seed, device)?;
+    let (settled, tenth) = (frames / 5, (frames / 10).max(1));
+    // The highest memory of a tenth: what a frame allocates follows the scene, which grows and shrinks.
+    let (mut highest, mut first) = (0, None);
+    for frame in 1..=frames {
+        soak.step()?;
+        highest = highest.max(memory());
+        if frame % tenth == 0 {
+            println!(
+                "frame {frame}: at most {:.1} MiB",
+                highest as f64 / f64::from(1 << 20)
+            );
+            if frame > settled && first.is_none() {
+                first = Some(highest);
+            }
+            if frame < frames {
+                highest = 0;
+            }
+        }
+    }
+    let first = first.unwrap_or(highest);
+    let growth = highest as f64 / first.max(1) as f64 - 1.0;
+    println!(
+        "{} frames with a picture, {} devices lost, memory grew by {:.2} %",
+        soak.drawn,
+        soak.lost,
+        100.0 * growth
+    );
+    if growth > ALLOWED_GROWTH {
+        return Err(format!("memory grew by {:.2} %", 100.0 * growth).into());
+    }
+    Ok(())
+}

@@ -1,0 +1,92 @@
+// Visibility of each pixel, looked up in a map and its smoothies and written into the mask.
+// Host    src/techniques/smoothie/gpu/recorder.rs
+// Groups  0 view, 1 receiver, 2 map, 3 depths and smoothies
+// Spaces  as in common/map.wgsl
+//
+// The comparison with the map is that of its bilinear filter, so the umbra is the same. Each of the four texels
+// then gives 0 behind a caster, a' behind a smoothie, and 1 elsewhere.
+#import antumbra::receiver::{Receiver, receiver_at}
+#import antumbra::map::map_light
+#import antumbra::map_site::{Site, in_face, plane_along, plane_depth, STEEPEST, UNKNOWN, CASCADES}
+#import antumbra::map_site::{site_from_point, site_in_cascade, choose_cascades}
+#import antumbra::smoothie::{visibility_from_point, visibility_parallel}
+
+@group(2) @binding(1) var compare: sampler_comparison;
+@group(3) @binding(0) var all_depth: texture_depth_2d_array;
+@group(3) @binding(1) var still_depth: texture_depth_2d_array;
+@group(3) @binding(2) var smoothies: texture_2d_array<f32>;
+
+override SHAPE: u32 = 0u;
+override CASCADE_COUNT: u32 = 1u;
+
+// Visibility at one texel. `depth` is the receiver's, for the comparison with the map.
+fn at_texel(site: Site, texel: vec2i, depth: f32) -> f32 {
+    let inside = clamp(texel, vec2i(0), vec2i(i32(map_light.size.x) - 1));
+    let stored = textureLoad(smoothies, inside, site.face, 0).rg;
+    let still = textureLoad(still_depth, inside, site.face, 0);
+    let lit = depth >= textureLoad(all_depth, inside, site.face, 0);
+    let ndc = vec2f(2.0, -2.0) * ((vec2f(inside) + 0.5) * map_light.size.y) + vec2f(-1.0, 1.0);
+    let projection = map_light.faces[site.face].projection;
+    var visibility: f32;
+    // The receiver's plane on the texel's own ray: near its own silhouette, a surface recedes from its own
+    // smoothie as fast as alpha grows.
+    if SHAPE == CASCADES {
+        let normal_face = in_face(site.face, site.normal);
+        let hit = (site.offset - dot(normal_face.xy, ndc) * projection.x) / min(normal_face.z, -1e-6);
+        let along = min(hit, site.along + STEEPEST * projection.z);
+        visibility = visibility_parallel(stored, along, (1.0 - still) * projection.y, map_light.limits.z);
+    } else {
+        let along = plane_along(site, site.face, vec3f(ndc * projection.x, 1.0));
+        let reach = inverseSqrt(map_light.limits.z);
+        visibility = visibility_from_point(stored, 1.0 / along, still / projection.y, reach);
+    }
+    return select(0.0, visibility, lit);
+}
+
+fn at_site(site: Site) -> f32 {
+    if site.known != UNKNOWN {
+        return site.known;
+    }
+    let place = (site.ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
+    let corner = place - 0.5;
+    let between = fract(corner);
+    let depth = plane_depth(site, site.face, site.ndc, between, SHAPE == CASCADES);
+    let hard = textureSampleCompareLevel(all_depth, compare, place * map_light.size.y, site.face, depth);
+    if hard == 0.0 {
+        return 0.0;
+    }
+    let texel = vec2i(floor(corner));
+    let top = mix(at_texel(site, texel, depth), at_texel(site, texel + vec2i(1, 0), depth), between.x);
+    let bottom = mix(
+        at_texel(site, texel + vec2i(0, 1), depth),
+        at_texel(site, texel + vec2i(1, 1), depth),
+        between.x,
+    );
+    return min(mix(top, bottom, between.y), hard);
+}
+
+// Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
+fn from_afar(receiver: Receiver) -> f32 {
+    let chosen = choose_cascades(receiver, CASCADE_COUNT);
+    if chosen.finest == CASCADE_COUNT {
+        return 1.0;                 // beyond the last cascade
+    }
+    var visibility = at_site(site_in_cascade(chosen.finest, receiver));
+    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
+        visibility = mix(at_site(site_in_cascade(chosen.next, receiver)), visibility, chosen.weight);
+    }
+    return visibility;
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let receiver = receiver_at(position.xy);
+    // No surface is there, or it is out of the light's reach: the value is not used.
+    if receiver.depth == 0.0 || receiver.depth > map_light.limits.x || receiver.depth < map_light.limits.y {
+        return vec4f(1.0);
+    }
+    if SHAPE == CASCADES {
+        return vec4f(from_afar(receiver));
+    }
+    return vec4f(at_site(site_from_point(receiver, SHAPE)));
+}

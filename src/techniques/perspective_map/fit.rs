@@ -1,0 +1,331 @@
+//! The faces of a light in this frame.
+
+use glam::{DMat3, DVec2, DVec3, DVec4};
+use smallvec::SmallVec;
+
+use super::component::{MapFocus, PerspectiveFaces, PerspectiveMap, PerspectiveProjection};
+use super::cube;
+use super::light_camera::{self, Rows};
+use super::projection::Projection;
+use super::receivers::{corners, push_cut};
+use super::texels::{Sample, collect_samples, mean_texel_side};
+use super::view_space::ViewSpace;
+use crate::sets::{FrameLight, LightVolume, Objects, ViewData};
+use crate::techniques::maps::matrix_faces::{parallel_face, point_face};
+use crate::techniques::maps::request::MapFaces;
+
+/// Ratio between the slides that are tried.
+const SLIDE_STEP: f64 = 4.0;
+
+/// Growth of w over the depth that is seen below which a perspective does not differ from none.
+const FLAT: f64 = 0.1;
+
+/// How a light's map was fitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fit {
+    /// Depth of the nearest receiver, which is the near plane, in the view's units.
+    pub near: f64,
+    /// Depth of the farthest receiver.
+    pub far: f64,
+    /// Distance by which the virtual viewer stands behind the eye; infinite: the map is uniform.
+    pub slide: f64,
+    /// Number of faces.
+    pub faces: usize,
+    /// Mean side of a texel on the screen, pixels, for a face with as many texels as the screen has pixels.
+    pub texel_side: f64,
+}
+
+/// Memory that is used again in every frame.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    points: Vec<DVec3>,
+    projected: Vec<DVec3>,
+    directions: Vec<DVec3>,
+    picture: Vec<DVec2>,
+    samples: Vec<Sample>,
+}
+
+/// What a light's faces depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct FitInput<'a> {
+    /// The view.
+    pub view: &'a ViewData,
+    /// The light.
+    pub light: &'a FrameLight,
+    /// All objects.
+    pub objects: &'a Objects,
+    /// The light's settings.
+    pub settings: &'a PerspectiveMap,
+    /// Default near distance of lights at a position, as a share of their reach.
+    pub near_share: f64,
+}
+
+impl FitInput<'_> {
+    /// The casters that the map shows: set S, or all that the light reaches if the map is kept.
+    fn for_each_caster(&self, mut each: impl FnMut(DVec3, DVec3)) {
+        let mut take = |index: usize| {
+            let (center, half) = self.objects.boxes.center_half(index);
+            each(center, half);
+        };
+        if self.settings.cached {
+            self.light.reached_casters(self.objects).for_each(&mut take);
+        } else {
+            self.light.sets.s.ones().for_each(&mut take);
+        }
+    }
+
+    /// Half-spaces, in view coordinates, of what the view shows and the light lights.
+    fn half_spaces(&self, space: &ViewSpace) -> SmallVec<[DVec4; 12]> {
+        let mut half_spaces: SmallVec<[DVec4; 12]> = space.half_spaces.iter().copied().collect();
+        if let LightVolume::Cone(cone) | LightVolume::HalfBall(cone) = &self.light.volume {
+            let (apex, axis) = (self.light.point_world.truncate(), self.light.direction.as_dvec3());
+            let angle = f64::from(cone.half_angle) + 1e-5;
+            half_spaces.push(space.half_space(axis, apex));
+            if angle < std::f64::consts::FRAC_PI_2 {
+                let (x, y) = axis.any_orthonormal_pair();
+                let (sin, cos) = angle.sin_cos();
+                half_spaces
+                    .extend([x, -x, y, -y].map(|side| space.half_space(axis * sin - side * cos, apex)));
+            }
+        }
+        half_spaces
+    }
+
+    /// Collects the points that the map must show, in view coordinates. Returns their least and greatest
+    /// depth.
+    fn collect_points(&self, space: &ViewSpace, points: &mut Vec<DVec3>) -> Option<(f64, f64)> {
+        let half_spaces = self.half_spaces(space);
+        points.clear();
+        for aabb in &self.light.region.lit_receivers {
+            push_cut(
+                &corners(aabb).map(|corner| space.point(corner)),
+                &half_spaces,
+                points,
+            );
+        }
+        let range = |points: &[DVec3]| {
+            points
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(near, far), point| {
+                    (near.min(point.z), far.max(point.z))
+                })
+        };
+        let (_, far) = range(points);
+        if self.settings.focus == MapFocus::All && far > space.near {
+            points.clear();
+            let side = |depth: f64| if space.is_perspective { depth } else { 1.0 };
+            let frustum: [DVec3; 8] = std::array::from_fn(|i| {
+                let sign = |bit: usize| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+                let depth = if i >> 2 & 1 == 0 { space.near } else { far };
+                DVec3::new(sign(0) * side(depth), sign(1) * side(depth), depth)
+            });
+            push_cut(&frustum, &half_spaces[space.half_spaces.len()..], points);
+        }
+        let (near, far) = range(points);
+        if points.is_empty() {
+            return None;
+        }
+        if let Some(softness) = self.settings.filter.softness().filter(|softness| *softness > 0.0) {
+            self.widen(space, f64::from(softness), points);
+        }
+        let near = if space.is_perspective {
+            near.max(space.near)
+        } else {
+            near
+        };
+        Some((near, far.max(near + 1e-3 * near.abs().max(1e-3))))
+    }
+
+    /// Adds the places that the taps of a soft filter reach.
+    fn widen(&self, space: &ViewSpace, softness: f64, points: &mut Vec<DVec3>) {
+        let light = self.light.point_world;
+        for index in 0..points.len() {
+            let world = space.eye_world + space.to_axes * (points[index] - space.eye);
+            let ray = world * light.w - light.truncate();
+            let radius = softness * if light.w == 0.0 { 1.0 } else { ray.length() };
+            let (x, y) = ray.normalize_or(DVec3::Z).any_orthonormal_pair();
+            // A square with these corners holds the disc.
+            for side in [x, -x, y, -y] {
+                let mut beside = points[index] + space.from_axes * side * (radius * std::f64::consts::SQRT_2);
+                beside.z = beside.z.max(space.near);
+                points.push(beside);
+            }
+        }
+    }
+
+    /// The greatest growth of w that the projection allows.
+    fn most_growth(&self, space: &ViewSpace, near: f64) -> f64 {
+        if !space.is_perspective {
+            return 0.0;
+        }
+        let most = near.recip();
+        if self.settings.projection == PerspectiveProjection::Inverse {
+            return most;
+        }
+        // The virtual eye stands behind all casters.
+        let depth_row = space.from_axes.transpose().z_axis;
+        let mut nearest = near;
+        self.for_each_caster(|center, half| {
+            nearest = nearest.min(space.point(center).z - depth_row.abs().dot(half));
+        });
+        if nearest >= 0.0 {
+            return most;
+        }
+        (near - nearest * 1.01).recip()
+    }
+}
+
+/// Returns the faces of a light's map, none if there is nothing to show, and how they were fitted.
+pub fn fit_faces(input: &FitInput, scratch: &mut Scratch) -> Option<(MapFaces, Fit)> {
+    let space = ViewSpace::new(input.view)?;
+    let (near, far) = input.collect_points(&space, &mut scratch.points)?;
+    let light = input.light.point_world;
+    collect_samples(
+        &space,
+        &input.light.region.lit_receivers,
+        &scratch.points,
+        light,
+        &mut scratch.samples,
+    );
+    let most = input.most_growth(&space, near);
+    let several = input.settings.faces == PerspectiveFaces::Cube;
+    let (growth, pictures) = choose(input, &space, (near, far), most, several, scratch)
+        .or_else(|| choose(input, &space, (near, far), most, true, scratch))?;
+    let faces: MapFaces = pictures
+        .iter()
+        .filter_map(|rows| place_face(input, &space, rows, &scratch.points))
+        .collect();
+    let projection = Projection::new(near, far, growth, space.is_perspective);
+    let fit = Fit {
+        near,
+        far,
+        slide: projection.slide(),
+        faces: faces.len(),
+        texel_side: mean_texel_side(&pictures, &scratch.samples),
+    };
+    Some((faces, fit))
+}
+
+/// Tries slides, and returns the growth of w and the pictures with the smallest texels on the screen. `None` if
+/// one picture cannot show all points.
+fn choose(
+    input: &FitInput,
+    space: &ViewSpace,
+    (near, far): (f64, f64),
+    most: f64,
+    several: bool,
+    scratch: &mut Scratch,
+) -> Option<(f64, SmallVec<[Rows; 6]>)> {
+    let mut growths: SmallVec<[f64; 32]> = SmallVec::new();
+    if let Some(slide) = input.settings.slide {
+        growths.push((near + f64::from(slide)).recip().min(most));
+    } else {
+        let mut growth = most;
+        while growth * (far - near) > FLAT && growths.len() < 31 {
+            growths.push(growth);
+            growth /= SLIDE_STEP;
+        }
+        growths.push(0.0); // for comparison, a uniform map
+    }
+    let mut best: Option<(f64, f64, SmallVec<[Rows; 6]>)> = None;
+    for growth in growths {
+        let projection = Projection::new(near, far, growth, space.is_perspective);
+        let Some(pictures) = pictures(input, space, &projection, several, scratch) else {
+            continue;
+        };
+        let side = mean_texel_side(&pictures, &scratch.samples);
+        if best.as_ref().is_none_or(|(least, _, _)| side < *least) {
+            best = Some((side, growth, pictures));
+        }
+    }
+    best.map(|(_, growth, pictures)| (growth, pictures))
+}
+
+/// Returns the pictures for one projection, with rows for view coordinates.
+fn pictures(
+    input: &FitInput,
+    space: &ViewSpace,
+    projection: &Projection,
+    several: bool,
+    scratch: &mut Scratch,
+) -> Option<SmallVec<[Rows; 6]>> {
+    let Scratch {
+        points,
+        projected,
+        directions,
+        picture,
+        ..
+    } = scratch;
+    projected.clear();
+    projected.extend(points.iter().map(|point| projection.point(*point)));
+    let light = projection.light(space.homogeneous(input.light.point_world));
+    let mut pictures: SmallVec<[Rows; 6]> = if several {
+        let whole = input.settings.focus == MapFocus::All;
+        cube::sides(&light, projected, whole)
+    } else {
+        SmallVec::from_slice(&[light_camera::fit(&light, projected, directions, picture)?])
+    };
+    let to_view = projection.matrix.transpose();
+    for rows in &mut pictures {
+        *rows = rows.map(|row| to_view * row);
+    }
+    (!pictures.is_empty()).then_some(pictures)
+}
+
+/// Makes a face of a picture: the frame at the light in world space, and the homography that the rows are in
+/// that frame.
+fn place_face(
+    input: &FitInput,
+    space: &ViewSpace,
+    rows: &Rows,
+    points: &[DVec3],
+) -> Option<crate::techniques::maps::MapFace> {
+    let light = input.light.point_world;
+    let column = |at: DVec4| DVec3::from_array(rows.map(|row| row.dot(at)));
+    let direction = |axis: DVec3| column((space.from_axes * axis).extend(0.0));
+    // A homography may be scaled; w is about 1 at the points.
+    let w = |point: &DVec3| rows[2].dot(point.extend(1.0));
+    let largest = points.iter().map(|point| w(point).abs()).fold(0.0, f64::max);
+    let scale = largest.max(f64::MIN_POSITIVE).recip();
+    let to_world = |point: &DVec3| space.eye_world + space.to_axes * (*point - space.eye);
+    let face = if light.w == 0.0 {
+        let z = -light.truncate().normalize();
+        let (x, y) = z.any_orthonormal_pair();
+        let end = points
+            .iter()
+            .map(|point| z.dot(to_world(point)))
+            .fold(f64::MIN, f64::max);
+        let mut start = end;
+        input.for_each_caster(|center, half| start = start.min(z.dot(center) - z.abs().dot(half)));
+        let length = ((end - start) * (1.0 + 1e-3)).max(1e-3);
+        let anchor = to_world(points.first()?);
+        let origin = anchor + z * (start - 1e-4 * length - z.dot(anchor));
+        let at_origin = column(space.point(origin).extend(1.0));
+        let homography = DMat3::from_cols(direction(x), direction(y), at_origin) * scale;
+        parallel_face(origin, [x, y, z], &homography, length * (1.0 + 1e-3))
+    } else {
+        let origin = light.truncate();
+        let middle = points.iter().map(to_world).sum::<DVec3>() / points.len() as f64;
+        let z = (middle - origin).normalize_or(DVec3::NEG_Y);
+        let (x, y) = z.any_orthonormal_pair();
+        let homography = DMat3::from_cols(direction(x), direction(y), direction(z)) * scale;
+        point_face(origin, [x, y, z], &homography, near_distance(input))
+    };
+    let clip = face.clip_from_world();
+    (clip.is_finite() && clip.inverse().is_finite()).then_some(face)
+}
+
+/// Distance from a light at a position within which nothing casts, metres.
+fn near_distance(input: &FitInput) -> f64 {
+    if let Some(near) = input.settings.near {
+        return f64::from(near);
+    }
+    let range = f64::from(input.light.light.range);
+    if range < 1e15 {
+        return input.near_share * range;
+    }
+    let light = input.light.point_world.truncate();
+    let mut reach: f64 = 1e-3;
+    input.for_each_caster(|center, half| reach = reach.max(((center - light).abs() + half).length()));
+    input.near_share * reach
+}

@@ -1,0 +1,136 @@
+//! Texels per pixel of the screen, at sample points: the measure by which a map's slide is chosen.
+
+use glam::{DVec2, DVec3, DVec4};
+
+use super::light_camera::Rows;
+use super::view_space::ViewSpace;
+use crate::geometry::Aabb;
+
+/// Number of samples across and down the screen.
+const GRID: [u32; 2] = [16, 9];
+
+/// A point that the screen shows, with a small piece of surface around it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample {
+    /// The point, view coordinates.
+    pub point: DVec3,
+    /// Two vectors along the surface, view coordinates.
+    pub tangents: [DVec3; 2],
+    /// Area of the screen, in NDC, that the parallelogram of the tangents covers.
+    pub screen: f64,
+}
+
+/// Returns the places of the samples on the screen, NDC.
+pub fn places() -> impl Iterator<Item = DVec2> {
+    let [across, down] = GRID;
+    (0..across * down).map(move |i| {
+        let (x, y) = (f64::from(i % across), f64::from(i / across));
+        DVec2::new(
+            (x + 0.5) / f64::from(across) * 2.0 - 1.0,
+            1.0 - (y + 0.5) / f64::from(down) * 2.0,
+        )
+    })
+}
+
+/// Number of samples below which the points that a map must show are samples too.
+const FEW: usize = 8;
+
+/// Collects the points where lines of sight meet the boxes first. A line that starts in a box meets its far
+/// side. If the boxes are too small for the grid, `points` in view coordinates stand in for them.
+///
+/// `light` is a homogeneous point of world space.
+pub fn collect_samples(
+    space: &ViewSpace,
+    boxes: &[Aabb],
+    points: &[DVec3],
+    light: DVec4,
+    samples: &mut Vec<Sample>,
+) {
+    samples.clear();
+    for place in places() {
+        let (from, along) = space.line_of_sight(place.x, place.y);
+        let hits = boxes.iter().filter_map(|aabb| hit(space, aabb, from, along));
+        if let Some(nearest) = hits.reduce(f64::min) {
+            let point = space.eye_world + from + along * nearest;
+            samples.extend(Sample::new(space, point, along, light));
+        }
+    }
+    if samples.len() < FEW {
+        let every = points.len().div_ceil(64).max(1);
+        for point in points.iter().step_by(every) {
+            let world = space.eye_world + space.to_axes * (*point - space.eye);
+            let along = if space.is_perspective {
+                world - space.eye_world
+            } else {
+                space.to_axes * DVec3::Z
+            };
+            samples.extend(Sample::new(space, world, along, light));
+        }
+    }
+}
+
+/// Where a line of sight meets a box in front of the near plane, as a factor on `along`.
+fn hit(space: &ViewSpace, aabb: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
+    let start = space.eye_world + from;
+    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+    for axis in 0..3 {
+        let one = (f64::from(aabb.min[axis]) - start[axis]) / along[axis];
+        let other = (f64::from(aabb.max[axis]) - start[axis]) / along[axis];
+        // A line in the plane of a side gives NaN, which bounds nothing.
+        enter = enter.max(one.min(other));
+        leave = leave.min(one.max(other));
+    }
+    let nearest = if space.is_perspective { space.near } else { 0.0 };
+    if !(enter <= leave && leave >= nearest) {
+        return None;
+    }
+    Some(if enter >= nearest { enter } else { leave })
+}
+
+/// Area of the picture with these rows that a parallelogram at a point covers, NDC.
+fn area(rows: &Rows, point: DVec3, tangents: &[DVec3; 2]) -> f64 {
+    let [x, y, w] = rows.map(|row| row.dot(point.extend(1.0)));
+    let step = |tangent: DVec3| {
+        let [dx, dy, dw] = rows.map(|row| row.truncate().dot(tangent));
+        DVec2::new((dx - x / w * dw) / w, (dy - y / w * dw) / w)
+    };
+    step(tangents[0]).perp_dot(step(tangents[1])).abs()
+}
+
+impl Sample {
+    /// Makes the sample of a point of world space, seen along a line. The surface there is unknown; it is
+    /// assumed to face the middle between the viewer and the light. Ratios of two maps' texels do not depend
+    /// on it.
+    fn new(space: &ViewSpace, world: DVec3, along: DVec3, light: DVec4) -> Option<Self> {
+        let to_light = (light.truncate() - world * light.w).normalize_or_zero();
+        let normal = (to_light - along.normalize_or_zero()).try_normalize()?;
+        let (right, up) = normal.any_orthonormal_pair();
+        let tangents = [right, up].map(|axis| space.from_axes * axis);
+        let point = space.point(world);
+        let w = if space.is_perspective { DVec4::Z } else { DVec4::W };
+        let screen = area(&[DVec4::X, DVec4::Y, w], point, &tangents);
+        (screen > 0.0 && screen.is_finite()).then_some(Self {
+            point,
+            tangents,
+            screen,
+        })
+    }
+
+    /// Area of the map's pictures, NDC, per area of the screen. `pictures` have rows for view coordinates; the
+    /// first that shows the sample counts. 0: none does.
+    pub fn texels_per_pixel(&self, pictures: &[Rows]) -> f64 {
+        for rows in pictures {
+            let [x, y, w] = rows.map(|row| row.dot(self.point.extend(1.0)));
+            if w > 0.0 && x.abs().max(y.abs()) <= w * (1.0 + 1e-6) {
+                return area(rows, self.point, &self.tangents) / self.screen;
+            }
+        }
+        0.0
+    }
+}
+
+/// Mean side of a texel on the screen, in units of the ratio of screen and map: the aliasing that is seen.
+pub fn mean_texel_side(pictures: &[Rows], samples: &[Sample]) -> f64 {
+    let side = |sample: &Sample| sample.texels_per_pixel(pictures).max(1e-18).sqrt().recip();
+    samples.iter().map(side).sum::<f64>() / samples.len().max(1) as f64
+}

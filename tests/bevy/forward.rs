@@ -1,0 +1,202 @@
+//! Opaque meshes that stay forward show our shadows, and where a light is seen wholly they look as Bevy draws them, to
+//! the bit.
+
+use antumbra::bevy_adapter::prelude::*;
+use antumbra::reports::Reports;
+use bevy::light::{NotShadowCaster, NotShadowReceiver};
+use bevy::material::OpaqueRendererMethod;
+use bevy::pbr::{DistanceFog, ExtendedMaterial, FogFalloff};
+use bevy::prelude::*;
+
+use crate::harness::{self, Game, Picture};
+use crate::stripes::{self, ForwardStripes};
+
+const EYE: Vec3 = Vec3::new(0.0, 3.0, 6.0);
+
+/// One light of each kind, and one that is left to Bevy.
+fn add_lights(world: &mut World) {
+    let at = |x: f32| Transform::from_xyz(x, 4.0, 1.5).looking_at(Vec3::ZERO, Vec3::Y);
+    let point = PointLight {
+        intensity: 300_000.0,
+        ..default()
+    };
+    let ball = PointLight {
+        radius: 0.3,
+        intensity: 200_000.0,
+        ..default()
+    };
+    let spot = SpotLight {
+        intensity: 600_000.0,
+        outer_angle: 0.7,
+        ..default()
+    };
+    let sun = DirectionalLight {
+        illuminance: 1000.0,
+        ..default()
+    };
+    let panel = RectLight {
+        intensity: 200_000.0,
+        ..default()
+    };
+    world.spawn((point, StencilVolume::default(), at(1.0)));
+    world.spawn((ball, PenumbraWedge::default(), at(-2.0)));
+    world.spawn((spot, ShadowMap::default(), at(2.0)));
+    world.spawn((sun, StencilVolume::default(), at(-1.0)));
+    world.spawn((panel, PenumbraWedge::default(), at(0.0)));
+    world.spawn((point, at(3.0)));
+}
+
+fn forward(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
+    let mut materials = world.resource_mut::<Assets<StandardMaterial>>();
+    MeshMaterial3d(materials.add(StandardMaterial {
+        opaque_render_method: OpaqueRendererMethod::Forward,
+        perceptual_roughness: 0.4,
+        ..default()
+    }))
+}
+
+fn fog() -> DistanceFog {
+    DistanceFog {
+        color: Color::srgb(0.2, 0.3, 0.4),
+        falloff: FogFalloff::Exponential { density: 0.05 },
+        ..default()
+    }
+}
+
+#[test]
+fn without_casters_forward_meshes_are_bevys_to_the_bit() {
+    let draw = |mut app: App, marked: bool| {
+        stripes::add(&mut app);
+        let world = app.world_mut();
+        let camera = harness::marked_camera(world, EYE);
+        world.entity_mut(camera).insert(fog());
+        if !marked {
+            world.entity_mut(camera).remove::<AntumbraCamera>();
+        }
+        let material = forward(world);
+        let floor = harness::add_mesh(
+            world,
+            Plane3d::default().mesh().size(6.0, 6.0),
+            Transform::default(),
+        );
+        world.entity_mut(floor).insert((material, NotShadowCaster));
+        let striped = world
+            .resource_mut::<Assets<ExtendedMaterial<StandardMaterial, ForwardStripes>>>()
+            .add(stripes::forward());
+        let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(1.0));
+        let place = Transform::from_xyz(0.0, 0.5, 0.0);
+        world.spawn((Mesh3d(cube), MeshMaterial3d(striped), place, NotShadowCaster));
+        add_lights(world);
+        let mut game = Game::start(app);
+        (game.run(6).settled(camera), game, camera)
+    };
+    let (bevys, ..) = draw(harness::headless(), false);
+    let (ours, mut game, camera) = draw(harness::antumbra(), true);
+    ours.save("forward_lit");
+    assert_eq!(ours.difference(&bevys).channels, 0);
+    // What is compared is read from masks: with casters it differs.
+    let world = game.world();
+    let mut casters = world.query_filtered::<Entity, With<NotShadowCaster>>();
+    let casters: Vec<Entity> = casters.iter(world).collect();
+    for caster in casters {
+        world.entity_mut(caster).remove::<NotShadowCaster>();
+    }
+    let shadowed = game.run(3).settled(camera);
+    shadowed.save("forward_shadowed");
+    assert!(shadowed.difference(&bevys).channels > 1000);
+    // There is room for the masks of 16 lights.
+    let standing = |game: &mut Game| {
+        game.world()
+            .resource::<Reports>()
+            .iter()
+            .cloned()
+            .collect::<Vec<_>>()
+    };
+    assert!(standing(&mut game).is_empty(), "{:?}", standing(&mut game));
+    for _ in 0..12 {
+        harness::add_light(game.world());
+    }
+    game.run(4);
+    let reports = standing(&mut game);
+    assert!(
+        reports.len() == 1 && reports[0].message.contains("16 lights"),
+        "{reports:?}"
+    );
+}
+
+/// Visibility that two pictures show.
+fn visibility(shadowed: &Picture, lit: &Picture) -> Vec<f32> {
+    let pairs = shadowed.texels.iter().zip(&lit.texels);
+    pairs.map(|(a, b)| f32::from(a[1]) / f32::from(b[1])).collect()
+}
+
+#[test]
+fn forward_and_deferred_meshes_show_the_same_shadows() {
+    let of_technique = |technique: fn(&mut EntityWorldMut)| {
+        let mut app = harness::antumbra();
+        app.insert_resource(GlobalAmbientLight::NONE);
+        let world = app.world_mut();
+        let camera = harness::marked_camera(world, EYE);
+        let material = forward(world);
+        let plane = || Plane3d::default().mesh().size(6.0, 6.0);
+        let forward = harness::add_mesh(world, plane(), Transform::default());
+        world.entity_mut(forward).insert(material);
+        let deferred = harness::add_mesh(world, plane(), Transform::default());
+        let cube = harness::add_mesh(
+            world,
+            Cuboid::from_length(1.0),
+            Transform::from_xyz(0.0, 0.9, 0.0),
+        );
+        let light = PointLight {
+            intensity: 500_000.0,
+            radius: 0.2,
+            ..default()
+        };
+        technique(&mut world.spawn((light, Transform::from_xyz(1.0, 4.0, 1.0))));
+        let mut game = Game::start(app);
+        game.run(5);
+        let mut seen = |floor: Entity, hidden: Entity| {
+            game.world().entity_mut(floor).insert(Visibility::Inherited);
+            game.world().entity_mut(hidden).insert(Visibility::Hidden);
+            game.world().entity_mut(cube).remove::<NotShadowCaster>();
+            let shadowed = game.run(4).settled(camera);
+            game.world().entity_mut(cube).insert(NotShadowCaster);
+            let lit = game.run(3).settled(camera);
+            shadowed.save("forward");
+            visibility(&shadowed, &lit)
+        };
+        let of_deferred = seen(deferred, forward);
+        let of_forward = seen(forward, deferred);
+        // What receives no shadows is lit, also when that changes.
+        game.world().entity_mut(forward).insert(NotShadowReceiver);
+        let lit = game.run(3).settled(camera);
+        game.world().entity_mut(cube).remove::<NotShadowCaster>();
+        let receives_none = game.run(3).settled(camera);
+        let on_floor = |i: usize| i / lit.size.x as usize > 44; // below the cube in the picture
+        let pairs = lit.texels.iter().zip(&receives_none.texels).enumerate();
+        let darker = pairs.filter(|&(i, (a, b))| on_floor(i) && a != b).count();
+        assert_eq!(darker, 0);
+        (of_deferred, of_forward)
+    };
+    let techniques: [fn(&mut EntityWorldMut); 2] = [
+        |light| {
+            light.insert(StencilVolume::default());
+        },
+        |light| {
+            light.insert(PenumbraWedge::default());
+        },
+    ];
+    for technique in techniques {
+        let (of_deferred, of_forward) = of_technique(technique);
+        let pairs = of_deferred.iter().zip(&of_forward);
+        let told = pairs.filter(|(a, b)| a.is_finite() && b.is_finite());
+        let (mut unlike, mut dark, mut all) = (0, 0, 0);
+        for (a, b) in told {
+            unlike += usize::from((a - b).abs() > 0.01);
+            dark += usize::from(*b < 0.05);
+            all += 1;
+        }
+        assert!(all > 2000 && dark > 50, "{dark} of {all} pixels are dark");
+        assert_eq!(unlike, 0, "of {all}");
+    }
+}

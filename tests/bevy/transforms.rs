@@ -1,0 +1,155 @@
+//! Transforms with a scale of 0, skins on entities of scale 0, and cones whose angles are equal.
+
+use antumbra::bevy_adapter::prelude::*;
+use antumbra::reports::Reports;
+use bevy::camera::visibility::NoFrustumCulling;
+use bevy::light::NotShadowCaster;
+use bevy::mesh::VertexAttributeValues;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::prelude::*;
+
+use crate::harness::{self, Game, Picture};
+
+/// A floor under a sharp cone, and a camera.
+fn room() -> (App, Entity) {
+    let mut app = harness::antumbra();
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 5.0));
+    let floor = Plane3d::default().mesh().size(12.0, 12.0);
+    harness::add_mesh(world, floor, Transform::default());
+    let cone = SpotLight {
+        intensity: 2_000_000.0,
+        inner_angle: 0.5,
+        outer_angle: 0.5,
+        ..default()
+    };
+    let place = Transform::from_xyz(1.0, 5.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
+    world.spawn((cone, StencilVolume::default(), place));
+    (app, camera)
+}
+
+/// Pixels that are darker than in another picture.
+fn darker(picture: &Picture, than: &Picture) -> usize {
+    let pairs = picture.texels.iter().zip(&than.texels);
+    pairs
+        .filter(|(a, b)| f32::from(a[1]) < 0.5 * f32::from(b[1]))
+        .count()
+}
+
+fn skinned(world: &mut World, scale: Vec3) -> Entity {
+    let mut mesh = Mesh::from(Cuboid::from_length(1.0));
+    let vertices = mesh.count_vertices();
+    let joints = VertexAttributeValues::Uint16x4(vec![[0; 4]; vertices]);
+    mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, joints);
+    mesh.insert_attribute(
+        Mesh::ATTRIBUTE_JOINT_WEIGHT,
+        vec![[1.0f32, 0.0, 0.0, 0.0]; vertices],
+    );
+    let joint = world.spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id();
+    let mut binds = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
+    let inverse_bindposes = binds.add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY]));
+    let skin = SkinnedMesh {
+        inverse_bindposes,
+        joints: vec![joint],
+    };
+    let object = harness::add_mesh(world, mesh, Transform::from_scale(scale));
+    world.entity_mut(object).insert((skin, NoFrustumCulling));
+    object
+}
+
+#[test]
+fn scales_of_zero_cast_what_bevy_draws() {
+    let (app, camera) = room();
+    let mut game = Game::start(app);
+    let empty = game.run(3).settled(camera);
+    let lit = empty
+        .texels
+        .iter()
+        .filter(|texel| texel[1] > half::f16::ZERO)
+        .count();
+    assert!(lit > 1000, "the sharp cone lights {lit} pixels");
+
+    // A cube that is flattened is a plate, and casts as one.
+    let at = |scale: Vec3| Transform::from_xyz(0.0, 1.0, 0.0).with_scale(scale);
+    let cube = harness::add_mesh(game.world(), Cuboid::from_length(1.0), at(Vec3::ONE));
+    let mut scaled = |scale: Vec3, casts: bool| {
+        *game.world().get_mut::<Transform>(cube).unwrap() = at(scale);
+        if casts {
+            game.world().entity_mut(cube).remove::<NotShadowCaster>();
+        } else {
+            game.world().entity_mut(cube).insert(NotShadowCaster);
+        }
+        let picture = game.run(2).settled(camera);
+        assert_eq!(game.world().resource::<Reports>().iter().count(), 0, "{scale}");
+        picture
+    };
+    for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
+        // Bevy shades what it flattens with normals of its own, so each is compared with itself.
+        let mut shadow = |scale| darker(&scaled(scale, true), &scaled(scale, false));
+        let (of_flat, of_thin) = (shadow(Vec3::ONE - axis), shadow(Vec3::ONE - axis * 0.999));
+        assert!(
+            of_flat > 20 && of_flat.abs_diff(of_thin) < 10,
+            "{axis}: {of_flat}, {of_thin}"
+        );
+    }
+    let none = scaled(Vec3::ZERO, true);
+    assert_eq!(none.difference(&empty).channels, 0);
+
+    // Joints alone place a skinned mesh, so its own scale changes nothing.
+    let mut skinned = |scale: Vec3| {
+        let object = skinned(game.world(), scale);
+        let picture = game.run(3).settled(camera);
+        game.world().despawn(object);
+        assert_eq!(game.world().resource::<Reports>().iter().count(), 0, "{scale}");
+        picture
+    };
+    let whole = skinned(Vec3::ONE);
+    whole.save("skinned");
+    assert!(darker(&whole, &empty) > 200);
+    for scale in [Vec3::ZERO, Vec3::new(0.0, 1.0, 1.0), Vec3::new(-1.0, 1.0, 1.0)] {
+        let picture = skinned(scale);
+        picture.save("skinned_scaled");
+        assert_eq!(picture.difference(&whole).channels, 0, "{scale}");
+    }
+}
+
+#[test]
+fn rectangles_cast_with_the_size_that_bevy_shades() {
+    let mut app = harness::antumbra();
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 5.0));
+    let floor = Plane3d::default().mesh().size(12.0, 12.0);
+    harness::add_mesh(world, floor, Transform::default());
+    harness::add_mesh(
+        world,
+        Cuboid::from_length(0.8),
+        Transform::from_xyz(0.0, 0.9, 0.0),
+    );
+    let panel = |width: f32, height: f32| RectLight {
+        width,
+        height,
+        intensity: 800_000.0,
+        ..default()
+    };
+    let place = Transform::from_xyz(1.0, 4.0, 1.0).looking_at(Vec3::ZERO, Vec3::X);
+    let light = world
+        .spawn((panel(1.5, 0.5), PenumbraWedge::default(), place))
+        .id();
+    let mut game = Game::start(app);
+    let sized = game.run(3).settled(camera);
+    game.world().entity_mut(light).insert(panel(0.5, 0.25));
+    let small = game.run(2).settled(camera);
+    // The scale alone changes, of the light or of its parent.
+    let scale = Vec3::new(3.0, 2.0, 5.0);
+    game.world().get_mut::<Transform>(light).unwrap().scale = scale;
+    let scaled = game.run(2).settled(camera);
+    scaled.save("rectangle");
+    // The lengths of the scaled axes are rounded.
+    let difference = scaled.difference(&sized);
+    assert!(difference.channels < 20 && difference.steps < 3, "{difference:?}");
+    assert!(sized.difference(&small).channels > 500, "the size is not seen");
+    game.world().get_mut::<Transform>(light).unwrap().scale = Vec3::ONE;
+    assert_eq!(game.run(2).settled(camera).difference(&small).channels, 0);
+}

@@ -1,0 +1,7 @@
+//! Files as exporters write them: against the letter of the specification, with extensions, compressed.
+
+mod compressed;
+mod documents;
+mod materials;
+mod nodes;
+mod pictures;

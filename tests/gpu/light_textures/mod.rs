@@ -1,0 +1,9 @@
+//! Cookies and luminaire profiles: at every pixel a light gives what their files say, whatever shadows it.
+
+mod changes;
+mod cookies;
+mod errors;
+mod files;
+mod profiles;
+mod properties;
+mod scenes;

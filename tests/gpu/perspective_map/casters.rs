@@ -1,0 +1,154 @@
+//! Casters behind the camera, in front of its near plane and around the light cast exactly; lights ahead, behind, in the
+//! plane of the eye and at the eye.
+
+use antumbra::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::{UVec2, Vec3};
+
+use super::{SPOT, variants};
+use crate::harness::maps::{Judge, MapError};
+use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
+use antumbra::reference::RayScene;
+
+const SIZE: UVec2 = UVec2::new(96, 54);
+
+/// A street of boxes along −z, with the eye at height 1.7 in its middle; boxes stand before, behind and beside the eye.
+fn street(boxes: &[([f32; 3], [f32; 3])], near: f32) -> Stage {
+    let camera = Camera {
+        vertical_fov: 1.0,
+        near,
+        aspect: SIZE.x as f32 / SIZE.y as f32,
+        ..Camera::default()
+    };
+    let view = Transform::from_xyz(0.0, 1.7, 0.0).looking_at(Vec3::new(0.0, 1.0, -5.0), Vec3::Y);
+    let mut stage = Stage::empty(SIZE, camera, view);
+    stage.world.insert_resource(FaceCulling::None);
+    stage
+        .add_renderer(strict_context(), RenderSettings::default())
+        .expect("shaders compose");
+    let mut add = |mesh: MeshData, at: Transform| {
+        stage.world.spawn((
+            SceneMesh(std::sync::Arc::new(mesh)),
+            SceneMaterials([std::sync::Arc::new(Material::matte(Vec3::splat(0.7)))].into()),
+            (ShadowCaster, ShadowReceiver),
+            at,
+        ));
+    };
+    add(MeshData::plane(40.0), Transform::default());
+    for (at, half) in boxes {
+        add(
+            MeshData::cuboid((*half).into()),
+            Transform::from_translation((*at).into()),
+        );
+    }
+    stage
+}
+
+fn judge(stage: &mut Stage, light: Light, place: Transform, map: PerspectiveMap) -> MapError {
+    for old in stage.lights.drain(..) {
+        stage.world.despawn(old);
+    }
+    stage.spawn_light(light, place, Some(map));
+    let rendered = stage.render().expect("the frame renders");
+    let rays = RayScene::from_world(&mut stage.world);
+    let judge = Judge::new(stage, &rays, 0).expect("something casts");
+    judge.compare(&rendered.visibility[0])
+}
+
+fn sun(direction: Vec3) -> (Light, Transform) {
+    let up = if direction.normalize().y.abs() > 0.95 {
+        Vec3::X
+    } else {
+        Vec3::Y
+    };
+    (
+        Light::directional(Vec3::ONE, 3.0),
+        Transform::default().looking_to(direction, up),
+    )
+}
+
+fn lamp(kind: LightKind, at: Vec3, to: Vec3) -> (Light, Transform) {
+    let light = Light {
+        kind,
+        ..Light::point(Vec3::ONE, 50.0, 60.0)
+    };
+    let up = if (to - at).normalize().y.abs() > 0.95 {
+        Vec3::X
+    } else {
+        Vec3::Y
+    };
+    (light, Transform::from_translation(at).looking_at(to, up))
+}
+
+/// A tower behind the viewer, a slab over its head, and a box that the near plane cuts away.
+const AROUND: [([f32; 3], [f32; 3]); 5] = [
+    ([0.5, 3.0, 4.0], [0.5, 3.0, 0.5]),
+    ([-1.5, 4.0, 0.2], [0.7, 0.1, 1.5]),
+    ([0.1, 2.2, -0.45], [0.15, 0.1, 0.1]),
+    ([1.5, 0.7, -4.0], [0.5, 0.7, 0.5]),
+    ([-2.0, 0.5, -9.0], [0.6, 0.5, 0.6]),
+];
+
+#[test]
+fn casters_behind_the_viewer_and_before_the_near_plane_cast_exactly() {
+    let mut stage = street(&AROUND, 0.8);
+    let mut dark = 0;
+    let lights = [
+        sun(Vec3::new(-0.1, -0.5, -1.0)), // from behind
+        sun(Vec3::new(0.2, -1.0, -0.05)), // from above
+        sun(Vec3::new(-0.7, -0.6, 0.6)),  // from ahead
+        lamp(LightKind::Point, Vec3::new(0.8, 7.5, 7.0), Vec3::ZERO),
+        lamp(SPOT, Vec3::new(0.3, 5.0, 1.5), Vec3::new(0.0, 0.0, -2.5)),
+    ];
+    for (index, (light, place)) in lights.into_iter().enumerate() {
+        for map in &variants(1024)[..4] {
+            let error = judge(&mut stage, light.clone(), place, *map);
+            assert!(error.wrong == 0, "light {index}, {map:?}: {error:?}");
+            dark += error.dark;
+        }
+    }
+    assert!(dark > 3000, "{dark}");
+}
+
+#[test]
+fn lights_ahead_behind_in_the_plane_of_the_eye_and_at_the_eye_are_exact() {
+    let mut stage = street(&AROUND, 0.1);
+    let forward = Vec3::new(0.0, -0.7, -5.0).normalize();
+    let eye = Vec3::new(0.0, 1.7, 0.0);
+    let lights = [
+        sun(forward),                                                       // along the view
+        sun(Vec3::new(0.0, -5.0, 0.7)),                                     // in the plane of the eye
+        sun(-(forward * Vec3::new(1.0, -1.0, 1.0))),                        // towards the viewer
+        lamp(LightKind::Point, eye + Vec3::new(1.0, 0.8, 0.0), Vec3::ZERO), // beside the eye
+        lamp(LightKind::Point, eye, Vec3::new(0.0, 0.0, -5.0)),             // at the eye
+        lamp(LightKind::Point, Vec3::new(-0.4, 2.0, -5.0), Vec3::ZERO),     // ahead, between receivers
+        lamp(SPOT, eye + Vec3::new(0.02, 0.03, 0.0), Vec3::new(0.0, 0.5, -5.0)),
+        lamp(SPOT, Vec3::new(0.0, 1.5, -14.0), Vec3::new(0.0, 0.3, 0.0)), // towards the viewer
+    ];
+    for (index, (light, place)) in lights.into_iter().enumerate() {
+        for map in [variants(1024)[0], variants(1024)[2 + index % 3]] {
+            let error = judge(&mut stage, light.clone(), place, map);
+            assert!(error.wrong == 0, "light {index}, {map:?}: {error:?}");
+        }
+    }
+}
+
+#[test]
+fn without_the_caster_behind_the_viewer_the_judge_objects() {
+    let mut stage = street(&AROUND, 0.1);
+    let (light, place) = sun(Vec3::new(-0.1, -0.5, -1.0));
+    stage.spawn_light(light, place, Some(variants(512)[0]));
+    let rendered = stage.render().expect("the frame renders");
+    let rays = RayScene::from_world(&mut stage.world);
+    let right = Judge::new(&stage, &rays, 0)
+        .expect("something casts")
+        .compare(&rendered.visibility[0]);
+    let mut others = street(&AROUND[3..], 0.1);
+    let (light, place) = sun(Vec3::new(-0.1, -0.5, -1.0));
+    others.spawn_light(light, place, Some(variants(512)[0]));
+    let rendered = others.render().expect("the frame renders");
+    let judge = Judge::new(&stage, &rays, 0).expect("something casts");
+    let without = judge.compare(&rendered.visibility[0]);
+    assert!(right.wrong == 0 && without.leaks > 100, "{right:?} {without:?}");
+}
