@@ -170,7 +170,9 @@ fn try_crease(site: Site, own: PlaneSlope, texel: vec2i, depth: f32, apart: vec2
     let normal = map_face.row_x.xyz * normal_face.x + map_face.row_y.xyz * normal_face.y
         + map_face.row_z.xyz * normal_face.z;
     let size = max(length(normal), 1e-30);
-    let lift = map_light.bias.x * projection.z * select(site.along, 1.0, SHAPE == CASCADES);
+    // As a receiver's plane is raised, but never past the light.
+    let raise = map_light.bias.x * projection.z;
+    let lift = select(min(raise * site.along, -0.5 * offset / size), raise, SHAPE == CASCADES);
     creases[crease_count] = site;
     creases[crease_count].normal = normal / size;
     creases[crease_count].offset = offset / size + lift;
