@@ -97,7 +97,11 @@ pub mod insides {
         pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
     }
     pub use crate::sets::index::boxes::WORD;
-    pub use crate::techniques::maps::cascades::split_depths;
+    pub use crate::techniques::maps::cascades::{DepthRange, split_depths};
+    #[cfg(feature = "render")]
+    pub use crate::techniques::maps::gpu::constants::map_constants;
+    #[cfg(feature = "render")]
+    pub use crate::techniques::maps::jitter::disc;
     pub use crate::techniques::maps::packing::*;
     /// Faces of maps with a matrix.
     pub mod matrix_faces {

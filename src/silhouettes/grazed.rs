@@ -29,8 +29,8 @@ use crate::geometry::edge_mesh::EdgeMesh;
 use crate::geometry::{Aabb, distance_to_triangle};
 
 /// Distance from a light within which surfaces do not block it. It is a share of the light's range or of the distance to
-/// the caster's farthest point, whichever is less. Maps hold many casters, so for them it is a share of the range if
-/// there is one.
+/// the caster's farthest point, whichever is less. Maps hold many casters, so for them it is the largest clearance of the
+/// casters whose bounds the light touches, up to two times less because they take steps.
 ///
 /// Higher values let light pass surfaces on which the light was placed less exactly, and finally surfaces that should
 /// block it. Lower values leave it to rounding on which side of a surface a light is. The range is 0 to 0.01, the default

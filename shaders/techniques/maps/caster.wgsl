@@ -14,9 +14,11 @@ struct MapCaster {                  // mirror: render::pools::gpu_types::MapCast
 // Share by which a surface must be beyond the first to count as another. Both passes round alike, but not at
 // edges.
 const BEYOND: f32 = 1e-5;
-// Least difference of depth instead of that share where depth is linear (parallel faces, whose w is 1). Towards the far
-// end depth is a small difference of large terms, and a share of it would be less than their rounding.
+// Least difference of depth instead of that share where depth is linear (parallel faces). Towards the far end depth is a
+// small difference of large terms, and a share of it would be less than their rounding.
 const BEYOND_PARALLEL: f32 = 1e-6;
+
+override PARALLEL: bool = false;
 
 @vertex
 fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) vec4f {
@@ -49,7 +51,7 @@ fn is_hole(in: Masked) -> bool {
 fn is_first(position: vec4f) -> bool {
     let first = textureLoad(first_depth, vec2u(position.xy), 0);
     let share = first * (1.0 - BEYOND);
-    return position.z >= select(share, min(share, first - BEYOND_PARALLEL), position.w == 1.0);
+    return position.z >= select(share, min(share, first - BEYOND_PARALLEL), PARALLEL);
 }
 
 @fragment

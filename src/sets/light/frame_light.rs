@@ -174,6 +174,11 @@ impl FrameLight {
         self.sets.i.is_clear()
     }
 
+    /// Whether set I, set S and the region were computed again in this frame, because something that they depend on changed.
+    pub fn is_recomputed(&self) -> bool {
+        self.progress.stale
+    }
+
     /// Whether the technique whose component is `T` shadows the light.
     pub fn is_shadowed_by<T: 'static>(&self) -> bool {
         self.technique

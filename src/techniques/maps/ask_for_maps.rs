@@ -7,12 +7,12 @@ use super::light_map::{LightMap, asker};
 use super::request::MapRequests;
 use super::settings::{MapError, MapReport, MapResolution, MapSettings};
 use crate::scene::{SceneMaterials, SceneMesh};
-use crate::sets::{FrameLights, Objects, View};
+use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
 
 impl Maps {
     /// Lists the lights, each with its state of the last frame.
-    fn collect_lights(&mut self, lights: &FrameLights, requests: &mut MapRequests) {
+    fn collect_lights(&mut self, lights: &FrameLights, view: Option<&ViewData>, requests: &mut MapRequests) {
         std::mem::swap(&mut self.lights, &mut self.previous);
         self.lights.clear();
         self.reports.clear();
@@ -22,7 +22,7 @@ impl Maps {
             while old.next_if(|map| map.entity < light.entity).is_some() {}
             let known = old.next_if(|map| map.entity == light.entity);
             let mut map = known.unwrap_or_else(|| LightMap::new(light, asked.request));
-            map.begin(asked, light);
+            map.begin(asked, light, view);
             self.lights.push(map);
         }
     }
@@ -85,7 +85,7 @@ pub fn ask_for_maps(
     if let Some(remap) = remap {
         maps.remap(&remap);
     }
-    maps.collect_lights(&lights, &mut requests);
+    maps.collect_lights(&lights, view.data.as_ref(), &mut requests);
     if view.data.is_some() {
         maps.ask(&settings, &lights, &mut memory);
     } else {

@@ -8,16 +8,21 @@
 
 use bevy_ecs::prelude::*;
 
+use super::cascade_range::{cascade_range, pixels_of_texel};
 use super::face_state::{FaceState, Stale};
 use super::frame_scene::Scene;
 use super::light_map::{LightMap, asker};
-use super::members::{expected_faces, farthest, fill_casters, lit_faces, split_members};
+use super::members::{expected_faces, farthest, fill_casters, lit_faces, near_plane, split_members};
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
-use super::settings::{MapReport, MapSettings};
+use super::settings::{MapError, MapReport, MapResolution, MapSettings};
 use crate::sets::{FrameLights, Objects, View};
 use crate::silhouettes::LightClearance;
 use crate::techniques::shared::texture_memory::TextureMemory;
+
+/// Number of pixels along a side of a texel from which on a shadow is reported as coarse. An edge is then a staircase whose
+/// steps are as large as small objects. By eye.
+const COARSE_PIXELS: f64 = 64.0;
 
 /// The maps of this frame. Written by [`ask_for_maps`](super::ask_for_maps()) and [`build_maps`].
 #[derive(Resource, Clone, Debug, Default)]
@@ -102,6 +107,14 @@ impl Maps {
                 }
             }
             map.reach = farthest(light, &map.casters, scene.objects);
+            map.near = map.request.near.map_or_else(
+                || near_plane(light, &map.casters, scene.objects, map.reach, scene.near_share),
+                f64::from,
+            );
+            if map.request.shape == MapShape::Cascades {
+                let distance = f64::from(map.request.cascades.distance);
+                map.range = cascade_range(light, scene.objects, scene.view, distance);
+            }
             map.key = Some(map.face_key(light, scene, map.reach));
             map.settled_at = Some(now);
             let expected = expected_faces(map, light, scene);
@@ -153,6 +166,26 @@ impl Maps {
                 }
             }
         }
+    }
+
+    /// Reports the lights whose shadow is much coarser than the picture.
+    fn report_coarse(&mut self, scene: &Scene) {
+        for map in self.lights.iter().filter(|map| map.active) {
+            let pixels = match (map.request.shape, map.request.resolution) {
+                (MapShape::Cascades, _) => pixels_of_texel(map, &map.range, scene.view),
+                (_, MapResolution::Auto { .. }) => map.needed / f64::from(map.resolution.max(1)),
+                (_, MapResolution::Fixed(_)) => 0.0, // as it was asked for
+            };
+            if pixels > COARSE_PIXELS {
+                self.reports.push(MapReport {
+                    entity: map.entity,
+                    error: MapError::Coarse {
+                        pixels: pixels.round() as u32,
+                    },
+                });
+            }
+        }
+        self.reports.sort_by_key(|report| report.entity);
     }
 
     /// Updates as many faces as the budget allows, most visible lights first.
@@ -221,4 +254,5 @@ pub fn build_maps(
     };
     maps.collect_candidates(&scene, &lights);
     maps.take_in(settings.face_updates);
+    maps.report_coarse(&scene);
 }

@@ -23,30 +23,63 @@ const DEPTH_STEP: f64 = 0.5;
 /// Largest number of cascades of a light.
 pub const MOST_CASCADES: u32 = 4;
 
+/// The view depths among which cascades are shared out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DepthRange {
+    /// Depth of the view's near plane, where the first cascade begins.
+    pub near: f64,
+    /// Estimate of the depth of the nearest receiver. The ratio of `far` to it determines how depth is divided.
+    pub nearest: f64,
+    /// Depth of the nearest receiver whose bounds do not hold the camera; infinite without one.
+    pub apart: f64,
+    /// Depth beyond which no shadow is seen.
+    pub far: f64,
+}
+
+/// Ratio of the range's ends up to which the division follows [`Cascades::log_share`] alone.
+const MODERATE_RATIO: f64 = 256.0;
+
+/// Largest ratio of the range's ends. Four cascades then each span a ratio of 16.
+const LARGEST_RATIO: f64 = 65536.0;
+
+/// Rounds a depth to a quarter of a power of two, so that it does not follow every move.
+fn in_steps(depth: f64, round: impl Fn(f64) -> f64) -> f64 {
+    (round(depth.log2() * 4.0) / 4.0).exp2()
+}
+
 /// Returns the view depths between which the cascades lie, nearest first; `count + 1` of them.
 ///
-/// `far` is rounded up to a quarter of a power of two, so that it does not follow every move.
-pub fn split_depths(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
-    let far = far.max(near * 1.001);
-    let far = ((far.log2() * 4.0).ceil() / 4.0).exp2();
+/// Both ends of the range are rounded. Beyond a ratio of 256 between them, equal parts would be so long that the first
+/// one shows little near the camera. The equal share of the division therefore shrinks as the ratio grows, and counts up
+/// to that ratio only.
+pub fn split_depths(cascades: &Cascades, range: &DepthRange) -> [f64; MOST_CASCADES as usize + 1] {
+    let near = range.near;
+    let far = in_steps(range.far.min(1e7 * near).max(near * 1.001), f64::ceil);
+    // Without a bound, a receiver beside the camera would spend all cascades on the first metre.
+    let nearest = in_steps(range.nearest.clamp(far / LARGEST_RATIO, far), f64::floor);
+    let first = near.max(nearest.min(far / MODERATE_RATIO));
+    let ratio = far / first;
+    let equal_share = (1.0 - f64::from(cascades.log_share)) * (MODERATE_RATIO / ratio).min(1.0);
+    let equal_end = far.min(MODERATE_RATIO * first);
     let count = f64::from(cascades.count);
-    // Without this bound, a near plane at a millimetre would spend all cascades on the first metre.
-    let first = near.max(far / 256.0);
     std::array::from_fn(|i| {
+        let share = i as f64 / count;
         if i == 0 {
             return near;
         }
-        let share = (i as f64 / count).min(1.0);
-        let log = first * (far / first).powf(share);
-        let uniform = first + (far - first) * share;
-        uniform + (log - uniform) * f64::from(cascades.log_share)
+        if share >= 1.0 {
+            return far;
+        }
+        let log = first * ratio.powf(share);
+        let equal = first + (equal_end - first) * share;
+        equal + (log - equal) * (1.0 - equal_share)
     })
 }
 
 /// Does what [`split_depths`] does for an orthographic view, whose pixels are equally large everywhere. All
 /// cascades have the same depth, and their total depth is rounded up.
 pub fn even_splits(cascades: &Cascades, near: f64, far: f64) -> [f64; MOST_CASCADES as usize + 1] {
-    let length = (((far - near).max(1e-3).log2() * 4.0).ceil() / 4.0).exp2();
+    let length = in_steps((far - near).max(1e-3), f64::ceil);
     std::array::from_fn(|i| near + length * (i as f64 / f64::from(cascades.count)).min(1.0))
 }
 

@@ -11,7 +11,13 @@ pub struct Scene<'a> {
     pub view: &'a ViewData,
     /// Generation of the view. It changes when the view changes, so that cascades are drawn again.
     pub view_generation: u64,
-    /// Default near plane as a share of the reach. Depth is floating point and reversed, so a near plane close to the
+    /// Clearance around a light as a share of distances. Depth is floating point and reversed, so a near plane close to the
     /// light costs no precision.
     pub near_share: f64,
+}
+
+/// Returns the side of a pixel, metres: at view depth 1, or at any depth of an orthographic view.
+pub fn pixel_metres(view: &ViewData) -> f64 {
+    let shape = view.frustum.shape();
+    2.0 * shape.half_up * shape.up.length() / f64::from(view.viewport.y)
 }

@@ -4,11 +4,13 @@ use bevy_ecs::prelude::Entity;
 use fixedbitset::FixedBitSet;
 use glam::{DVec3, DVec4};
 
+use super::cascades::DepthRange;
 use super::face_state::FaceState;
 use super::frame_scene::Scene;
+use super::needed_resolution::needed_resolution;
 use super::request::{LightRequest, MapFaces, MapRequest, MapShape};
 use super::settings::MapResolution;
-use crate::sets::FrameLight;
+use crate::sets::{FrameLight, ViewData};
 
 /// The map of one light.
 #[derive(Clone, Debug)]
@@ -27,6 +29,10 @@ pub struct LightMap {
     pub active: bool,
     /// Distance to which squared distances are scaled, metres. Source: GPU Gems ch. 12, §12.2.5.
     pub reach: f64,
+    /// Distance of the near plane from a light at a position, metres.
+    pub near: f64,
+    /// View depths that cascades share out; other maps ignore them.
+    pub(super) range: DepthRange,
     /// Faces of the map, at most as many as the request has.
     pub faces: Vec<FaceState>,
     /// Casters of all faces, by dense object index.
@@ -35,6 +41,8 @@ pub struct LightMap {
     pub(super) visibility: u64,
     /// Resolution of [`MapResolution::Auto`] before the limits, texels.
     wanted: u32,
+    /// Resolution at which a texel is as large as a pixel, texels; 0 while it is unknown.
+    pub(super) needed: f64,
     /// Number of frames for which a change has waited.
     pub(super) waited: u64,
     /// Frame up to which all changes are taken over; `None` if some are not.
@@ -80,10 +88,13 @@ impl LightMap {
             cached: false,
             active: false,
             reach: 1.0,
+            near: 1e-5,
+            range: DepthRange::default(),
             faces: Vec::new(),
             casters: FixedBitSet::new(),
             visibility: 0,
             wanted: 0,
+            needed: 0.0,
             waited: 0,
             settled_at: None,
             key: None,
@@ -92,7 +103,7 @@ impl LightMap {
         }
     }
 
-    pub(super) fn begin(&mut self, asked: LightRequest, light: &FrameLight) {
+    pub(super) fn begin(&mut self, asked: LightRequest, light: &FrameLight, view: Option<&ViewData>) {
         let request = asked.request;
         self.light = asked.light;
         if self.handed_over != asked.faces {
@@ -112,22 +123,34 @@ impl LightMap {
         }
         self.active = light.region.scissor.is_some() && !light.sets.s.is_clear();
         self.visibility = light.region.scissor.map_or(0, |scissor| scissor.area());
-        if let (MapResolution::Auto { least, most }, Some(scissor)) =
-            (request.resolution, light.region.scissor)
+        if let MapResolution::Auto { least, most } = request.resolution {
+            self.follow_receivers(light, view, least, most);
+        }
+    }
+
+    /// Brings the wanted resolution up to date with what the visible receivers need.
+    fn follow_receivers(&mut self, light: &FrameLight, view: Option<&ViewData>, least: u32, most: u32) {
+        let shape = self.request.shape;
+        if let (Some(view), Some(scissor)) = (view, light.region.scissor)
+            && self.active
+            && (light.is_recomputed() || self.wanted == 0)
         {
-            let longest = f64::from(scissor.width.max(scissor.height));
-            let ideal = match request.shape {
-                MapShape::Spot | MapShape::Matrices => longest,
-                MapShape::Cube => 0.5 * longest, // a face shows a quarter of a full turn
+            self.needed = match shape {
                 MapShape::Cascades => f64::from(most),
+                // The faces of a handed-over map show about what the view shows.
+                MapShape::Matrices => f64::from(scissor.width.max(scissor.height)),
+                MapShape::Spot | MapShape::Cube => {
+                    needed_resolution(shape, light, view).unwrap_or(self.needed)
+                }
             };
             // The limits are far enough apart that a light at rest in a moving view keeps its map.
-            let current = f64::from(self.resolution);
-            if !(0.4 * current..=1.1 * current).contains(&ideal) || self.wanted == 0 {
-                self.wanted = (ideal.ceil() as u32).next_power_of_two();
+            let current = f64::from(self.wanted);
+            if !(0.4 * current..=1.1 * current).contains(&self.needed) {
+                let needed = self.needed.ceil().min(f64::from(most)) as u32;
+                self.wanted = needed.next_power_of_two();
             }
-            self.wanted = self.wanted.clamp(least, most);
         }
+        self.wanted = self.wanted.clamp(least, most);
     }
 
     pub(super) fn wanted_resolution(&self) -> u32 {

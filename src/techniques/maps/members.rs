@@ -63,10 +63,53 @@ pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) ->
     farthest.log2().ceil().exp2()
 }
 
+/// Largest distance, metres, from which the clearance around a light follows. Farther parts of a caster whose box holds the
+/// light, such as a sky, say nothing about how exactly its nearer parts are placed.
+const CLEARANCE_REACH: f64 = 1e3;
+
+/// Returns the distance of the near plane, metres: that of the light's clearance from the surfaces that it may be on, and
+/// nearer than any other caster. `share` is the clearance as a share of distance ([`LightClearance`]).
+///
+/// A light may be on a surface of each caster whose box it touches. The result is `share` of the reach or, where that is
+/// too much, as many halves of it as needed: reversed depth in floating point then changes by a power of two, without any
+/// rounding, and a map shows the same.
+///
+/// [`LightClearance`]: crate::silhouettes::LightClearance
+pub fn near_plane(
+    light: &FrameLight,
+    casters: &FixedBitSet,
+    objects: &Objects,
+    reach: f64,
+    share: f64,
+) -> f64 {
+    let whole = share * reach;
+    let point = light.point_world.truncate();
+    let (mut touched, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
+    for index in casters.ones() {
+        let (center, half) = objects.boxes.center_half(index);
+        let offset = (center - point).abs();
+        let clearance = share * (offset + half).length().min(reach).min(CLEARANCE_REACH);
+        let distance = (offset - half).max(DVec3::ZERO).length();
+        if distance <= clearance {
+            touched = touched.max(clearance);
+        } else {
+            nearest = nearest.min(0.5 * distance);
+        }
+    }
+    // Coordinates are rounded to `f32`; a surface is not placed more exactly than that.
+    let rounding = 4e-7 * point.abs().max_element();
+    let wanted = if touched > 0.0 { touched } else { nearest };
+    let wanted = wanted.max(rounding).max(1e-6 * whole);
+    if wanted >= whole {
+        return whole;
+    }
+    whole * (wanted / whole).log2().floor().exp2()
+}
+
 /// Returns the faces that the map should have.
 pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapFaces {
     let origin = light.point_world.truncate();
-    let near = map.request.near.map_or(scene.near_share * map.reach, f64::from);
+    let near = map.near;
     match map.request.shape {
         MapShape::Spot => {
             let Some((z, half_angle)) = light.shadow_cone() else {
@@ -104,17 +147,11 @@ pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapF
 
 fn cascade_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> SmallVec<[MapFace; 6]> {
     let cascades = &map.request.cascades;
-    let seen_far = light
-        .region
-        .depth_bounds
-        .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
-    // Beyond this depth no surface is distinguished from the sky.
-    let near = scene.view.near;
-    let far = seen_far.min(f64::from(cascades.distance));
+    let range = &map.range;
     let splits = if scene.view.is_orthographic() {
-        even_splits(cascades, near, far)
+        even_splits(cascades, range.near, range.far)
     } else {
-        split_depths(cascades, near, far.min(1e7 * near))
+        split_depths(cascades, range)
     };
     let boxes = &scene.objects.boxes;
     let towards = light.point_world.truncate();

@@ -16,6 +16,8 @@
 //! | `matrix_faces` | faces with a matrix: which shows a point, texel sizes, depths of planes; twin of the shader |
 //! | `movers` | which casters move, and since when they stand still |
 //! | `cube`, `cascades` | the six faces around a light; the boxes that a directional light's maps show |
+//! | `cascade_range` | the view depths that those boxes share out |
+//! | `needed_resolution` | the texels that automatic resolution asks for |
 //! | `members` | the faces of a light, and the casters of each |
 //! | `light_map`, `face_state` | the map of one light, and what each of its faces shows |
 //! | `ask_for_maps` | the lights of the frame, and the textures that their maps need |
@@ -33,6 +35,7 @@
 
 pub(crate) mod ask_for_maps;
 pub(crate) mod build_maps;
+pub(crate) mod cascade_range;
 pub(crate) mod cascades;
 pub(crate) mod cube;
 pub(crate) mod face;
@@ -46,6 +49,7 @@ pub(crate) mod light_map;
 pub(crate) mod matrix_faces;
 pub(crate) mod members;
 pub(crate) mod movers;
+pub(crate) mod needed_resolution;
 pub(crate) mod packing;
 pub(crate) mod request;
 pub(crate) mod settings;

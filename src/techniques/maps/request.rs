@@ -145,7 +145,8 @@ pub struct MapRequest {
     pub surface: MapSurface,
     /// Bias that keeps a surface from shadowing itself.
     pub bias: MapBias,
-    /// Distance from the light within which nothing casts, metres. `None` takes a share of the light's range.
+    /// Distance from the light within which nothing casts, metres. `None` follows the clearance of the light
+    /// and the nearest caster.
     pub near: Option<f32>,
     /// Whether the map is kept from frame to frame.
     pub cached: bool,

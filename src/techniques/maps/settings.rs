@@ -205,7 +205,8 @@ pub enum MapResolution {
     /// A fixed number of texels, greater than 0. [`MapSettings::largest`] limits it, and so does a shortage
     /// of memory, down to 64.
     Fixed(u32),
-    /// A power of two that follows the light's size on the screen; cascades take `most`.
+    /// A power of two with which a texel is no larger than a pixel at three of four points of the visible receivers; cascades
+    /// take `most`.
     Auto {
         /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.
         least: u32,
@@ -240,10 +241,11 @@ pub struct Cascades {
     /// one map. Default: 4.
     pub count: u32,
     /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
-    /// nearby. Default: infinite, which reaches as far as surfaces are seen.
+    /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long.
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
-    /// equal ratios, which gives near surfaces finer texels and far ones coarser. Default: 0.75. Source:
+    /// equal ratios, which gives near surfaces finer texels and far ones coarser. Where the farthest shadow is more than 256 times
+    /// as far as the nearest receiver, the share grows towards 1. Default: 0.75. Source:
     /// Zhang et al. 2006, "Parallel-Split Shadow Maps".
     pub log_share: f32,
     /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
@@ -304,6 +306,12 @@ pub enum MapError {
         wanted: u32,
         /// Largest resolution, texels.
         limit: u32,
+    },
+    /// The shadow is much coarser than the picture.
+    #[error("near the camera a texel of the map covers {pixels} pixels along a side")]
+    Coarse {
+        /// Number of pixels along a side that a texel covers where the nearest receivers are.
+        pixels: u32,
     },
 }
 

@@ -79,6 +79,10 @@ pub fn report<T: 'static>(world: &World, round: &mut Round) {
                 8,
                 "Ask for less, or raise `MapSettings::largest` if the device allows.",
             ),
+            MapError::Coarse { .. } => (
+                9,
+                "Give the light a shorter range, or its cascades a shorter `distance`; or raise `most` of the resolution.",
+            ),
         };
         round.raise(Some(report.entity), code, || {
             format!(

@@ -28,7 +28,8 @@ use crate::techniques::registry::Refusal;
 )]
 pub struct OmniMap {
     /// Texels along a side of each of the six faces. Higher values sharpen edges; each doubling takes four
-    /// times the memory and fill rate. Default: 128 to 1024, by the light's size on the screen.
+    /// times the memory and fill rate. Default: 128 to 1024, so that a texel is no larger than a
+    /// pixel where receivers are seen.
     pub resolution: MapResolution,
     /// How comparisons with the map are combined: more taps soften or smooth edges and cost texture reads.
     /// Default: bilinear.
@@ -40,9 +41,9 @@ pub struct OmniMap {
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
     /// Distance from the light, metres, within which nothing casts; greater than 0 and less than the range.
-    /// Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): a
-    /// hundred-thousandth of the range. Depth is reversed floating point, so a small value costs no
-    /// precision.
+    /// Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
+    /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
+    /// point, so a small value costs no precision.
     pub near: Option<f32>,
     /// Keeps the map from frame to frame and draws only the faces that changed. This takes 24 bytes times the
     /// square of the resolution, twice that while some casters move. Without it, lights share one map, which

@@ -27,8 +27,8 @@ use crate::techniques::registry::Refusal;
 )]
 pub struct ShadowMap {
     /// Texels along a side of the map, or of each cascade. Higher values sharpen edges; each doubling takes
-    /// four times the memory and fill rate. Default: 128 to 1024, by the light's size on the screen; cascades
-    /// take the upper limit.
+    /// four times the memory and fill rate. Default: 128 to 1024, so that a texel is no larger than
+    /// a pixel where receivers are seen; cascades take the upper limit.
     pub resolution: MapResolution,
     /// How comparisons with the map are combined: more taps soften or smooth edges and cost texture reads.
     /// Default: bilinear.
@@ -38,9 +38,9 @@ pub struct ShadowMap {
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
     /// Distance from a spot light, metres, within which nothing casts; greater than 0 and less than the
-    /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): a
-    /// hundred-thousandth of the range. Depth is reversed floating point, so a small value costs no
-    /// precision.
+    /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
+    /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
+    /// point, so a small value costs no precision.
     pub near: Option<f32>,
     /// Keeps the map from frame to frame and draws only the faces that changed. This takes 4 bytes a texel
     /// and face, twice that while some casters move. Without it, lights share a map that is drawn every

@@ -6,6 +6,7 @@ pub use antumbra_stage as support;
 
 pub mod cases;
 pub mod half;
+pub mod map_twin;
 pub mod maps;
 pub mod radiance;
 

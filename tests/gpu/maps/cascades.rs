@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use antumbra::insides::split_depths;
+use antumbra::insides::{DepthRange, split_depths};
 use antumbra::prelude::*;
 use antumbra::techniques::maps::{FaceProjection, MapFace, MapResolution, Maps};
 use antumbra::techniques::shadow_map::Cascades;
@@ -154,7 +154,13 @@ fn splits_run_from_uniform_to_logarithmic() {
             log_share,
             ..Default::default()
         };
-        split_depths(&cascades, 1.0, 256.0)
+        let range = DepthRange {
+            near: 1.0,
+            nearest: 1.0,
+            far: 256.0,
+            ..Default::default()
+        };
+        split_depths(&cascades, &range)
     };
     let (uniform, log) = (of(0.0), of(1.0));
     for i in 1..4 {

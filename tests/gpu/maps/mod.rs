@@ -4,12 +4,16 @@
 mod cache;
 mod cascades;
 mod contacts;
+mod creases;
 mod dungeon;
 mod faint;
+mod far_worlds;
 mod filters;
 mod holes;
 mod matrix_faces;
 mod models;
+mod peeling;
 mod refusals;
 pub mod scenes;
 mod surfaces;
+mod twins;

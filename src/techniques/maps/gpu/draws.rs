@@ -8,7 +8,7 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, Mat4};
 
 use super::gpu_types::MapCaster;
-use super::pipelines::Key;
+use super::pipelines::{Key, Peel};
 use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
@@ -152,7 +152,7 @@ impl MapDraws {
     pub fn record(
         &self,
         range: Range<usize>,
-        peel: bool,
+        peel: Peel,
         pass: &mut wgpu::RenderPass,
         pipelines: &Variants<Key>,
         meshes: &MeshPool,

@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::gpu_types::MapLight;
-use super::pipelines::Key;
+use super::pipelines::{Key, Peel};
 use super::pool::MapTextures;
 use super::recorded::Recorded;
 use super::recorder::{FacePlan, LightPlan, MapNode};
@@ -86,7 +86,7 @@ impl MapNode {
                     scratch,
                     true,
                     &face.peeled,
-                    Some(&group),
+                    Some((&group, face.peel)),
                 );
                 second = scratch;
             }
@@ -103,7 +103,7 @@ impl MapNode {
         target: &wgpu::TextureView,
         clear: bool,
         ranges: &[Range<usize>],
-        peel: Option<&wgpu::BindGroup>,
+        peel: Option<(&wgpu::BindGroup, Peel)>,
     ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("map"),
@@ -113,13 +113,13 @@ impl MapNode {
             ..Default::default()
         });
         pass.set_bind_group(0, &self.caster_group, &[]);
-        if let Some(group) = peel {
+        if let Some((group, _)) = peel {
             pass.set_bind_group(1, group, &[]);
         }
         for range in ranges {
             self.draws.record(
                 range.clone(),
-                peel.is_some(),
+                peel.map_or(Peel::No, |(_, peel)| peel),
                 &mut pass,
                 &self.pipelines,
                 input.meshes,

@@ -27,6 +27,17 @@ pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     }
 }
 
+/// Whether the first surface is left out when casters are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Peel {
+    /// All surfaces are drawn.
+    No,
+    /// The first surface is left out. Depth is inverse to distance.
+    Perspective,
+    /// The first surface is left out. Depth is linear in distance.
+    Parallel,
+}
+
 /// Everything that distinguishes two pipelines of one stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Key {
@@ -34,8 +45,8 @@ pub enum Key {
     Caster {
         /// True if holes are cut out of the casters.
         masked: bool,
-        /// True if the first surface is left out.
-        peel: bool,
+        /// Whether the first surface is left out.
+        peel: Peel,
     },
     /// Converts depth to the texture that is looked up.
     Convert {
@@ -122,7 +133,7 @@ pub fn describe(gpu: &Gpu, layouts: &MapLayouts, key: Key) -> PipelineDesc {
 
 /// Describes the pipeline that draws casters. It draws both sides, because a triangle blocks light whichever
 /// way it faces.
-fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: bool) -> PipelineDesc {
+fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: Peel) -> PipelineDesc {
     const POSITION: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
         array_stride: 12,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -146,7 +157,8 @@ fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: bool) ->
     };
     const SOLID: &[wgpu::VertexBufferLayout] = &[POSITION];
     const MASKED: &[wgpu::VertexBufferLayout] = &[POSITION, UV_AND_COLOR];
-    let (vertex, fragment, buffers) = match (masked, peel) {
+    let peels = peel != Peel::No;
+    let (vertex, fragment, buffers) = match (masked, peels) {
         (false, false) => ("solid", None, SOLID),
         (false, true) => ("solid", Some("peel"), SOLID),
         (true, false) => ("masked_vertex", Some("masked"), MASKED),
@@ -156,11 +168,13 @@ fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: bool) ->
     PipelineDesc {
         buffers,
         depth_stencil: Some(depth_state(wgpu::CompareFunction::Greater)),
-        ..PipelineDesc::new("map caster", Stage::new(CASTER, vertex), fragment).with_groups([
-            Some(&layouts.casters),
-            peel.then_some(&layouts.first),
-            masked.then_some(&gpu.layouts.material),
-        ])
+        ..PipelineDesc::new("map caster", Stage::new(CASTER, vertex), fragment)
+            .with_groups([
+                Some(&layouts.casters),
+                peels.then_some(&layouts.first),
+                masked.then_some(&gpu.layouts.material),
+            ])
+            .with_constants([("PARALLEL", f64::from(u8::from(peel == Peel::Parallel)))])
     }
 }
 

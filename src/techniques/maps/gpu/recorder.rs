@@ -25,7 +25,7 @@ use super::constants::map_constants;
 use super::draws::MapDraws;
 use super::gpu_types::{MapCaster, MapLight};
 use super::layouts::{MapLayouts, jitter_texture};
-use super::pipelines::{FILES, Key, describe, filter_constant};
+use super::pipelines::{FILES, Key, Peel, describe, filter_constant};
 use super::pool::{MapPool, MapTexturesKey};
 use super::recorded::Recorded;
 use crate::render::gpu::buffers::GrowingBuffer;
@@ -52,6 +52,8 @@ pub(in crate::techniques) struct FacePlan {
     pub moving: Option<Range<usize>>,
     /// Draws of all casters for the second surface. They are empty if the map holds the nearest surface.
     pub peeled: [Range<usize>; 2],
+    /// How the first surface is distinguished from the second.
+    pub peel: Peel,
     pub still_revision: u64,
     pub revision: u64,
 }
@@ -188,11 +190,15 @@ impl MapNode {
             [still.clone().unwrap_or_else(|| push(own)), over]
         };
         let [first, second] = &peeled;
+        let peel = match state.face.projection {
+            FaceProjection::Parallel { .. } => Peel::Parallel,
+            FaceProjection::Perspective { .. } | FaceProjection::Matrix { .. } => Peel::Perspective,
+        };
         let ranges = [
-            (still.as_ref(), false),
-            (moving.as_ref(), false),
-            (Some(first), true),
-            (Some(second), true),
+            (still.as_ref(), Peel::No),
+            (moving.as_ref(), Peel::No),
+            (Some(first), peel),
+            (Some(second), peel),
         ];
         for (range, peel) in ranges {
             for masked in self.draws.masked(range.cloned().unwrap_or(0..0)) {
@@ -204,6 +210,7 @@ impl MapNode {
             still,
             moving,
             peeled,
+            peel,
             still_revision: state.still_revision,
             revision: state.revision,
         }))

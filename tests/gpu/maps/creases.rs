@@ -1,0 +1,156 @@
+//! Where two lit surfaces meet in a concave crease nothing is dark, at any resolution and under any filter, in maps of depth
+//! and of floats; what stands in the crease still casts. (Bytes are too coarse to extrapolate a surface.)
+
+use std::f32::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use antumbra::prelude::*;
+use antumbra::techniques::maps::{MapFilter, MapFormat, MapResolution};
+use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::{Quat, UVec2, Vec3};
+
+use super::contacts::{Kind, filters};
+use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
+
+const SIZE: UVec2 = UVec2::new(128, 72);
+
+fn add(stage: &mut Stage, mesh: MeshData, at: Transform) -> Entity {
+    let parts = (
+        SceneMesh(Arc::new(mesh)),
+        SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+        (ShadowCaster, ShadowReceiver),
+        at,
+    );
+    stage.world.spawn(parts).id()
+}
+
+/// A floor and a wall that rises from it at z = −3 by an angle: a right one, less if it leans over the floor.
+fn stage(angle: f32, corner: bool) -> Stage {
+    let camera = Camera {
+        vertical_fov: 34_f32.to_radians(),
+        near: 0.05,
+        aspect: SIZE.x as f32 / SIZE.y as f32,
+        ..Camera::default()
+    };
+    let target = if corner {
+        Vec3::new(-1.5, 0.3, -3.0)
+    } else {
+        Vec3::new(0.0, 0.7, 0.0)
+    };
+    let view = Transform::from_xyz(3.1, 2.4, 4.3).looking_at(target, Vec3::Y);
+    let mut stage = Stage::empty(SIZE, camera, view);
+    stage.world.insert_resource(FaceCulling::None);
+    stage
+        .add_renderer(strict_context(), RenderSettings::default())
+        .expect("shaders compose");
+    add(
+        &mut stage,
+        MeshData::plane(7.0),
+        Transform::from_xyz(0.0, 0.0, 4.0),
+    );
+    let rotation = Quat::from_rotation_x(std::f32::consts::PI - angle);
+    let rise = rotation * Vec3::Z * -3.0;
+    let rise = rise * rise.y.signum();
+    let wall = Transform::from_translation(Vec3::new(0.0, 0.0, -3.0) + rise).with_rotation(rotation);
+    add(
+        &mut stage,
+        MeshData::plane(3.0),
+        wall.with_scale(Vec3::new(7.0 / 3.0, 1.0, 1.0)),
+    );
+    if corner {
+        let side = Quat::from_rotation_z(-FRAC_PI_2);
+        let at = Transform::from_xyz(-1.5, 3.0, 0.0).with_rotation(side);
+        add(&mut stage, MeshData::plane(3.0), at);
+    }
+    stage
+}
+
+fn light(stage: &mut Stage, kind: Kind, filter: MapFilter, resolution: u32) {
+    let light = Light {
+        kind: kind.light(),
+        ..Light::point(Vec3::ONE, 60.0, 60.0)
+    };
+    let place = Transform::from_xyz(1.7, 3.9, 1.3).looking_at(Vec3::new(-0.5, 0.5, -3.0), Vec3::Y);
+    let entity = stage.spawn_light(light, place, None::<StencilVolume>);
+    let resolution = MapResolution::Fixed(resolution);
+    let mut entity = stage.world.entity_mut(entity);
+    if let Kind::Omni(format) = kind {
+        entity.insert(OmniMap {
+            resolution,
+            filter,
+            format,
+            ..Default::default()
+        });
+    } else {
+        entity.insert(ShadowMap {
+            resolution,
+            filter,
+            ..Default::default()
+        });
+    }
+}
+
+/// Numbers of pixels below 0.9 for each light of the stage.
+fn dark(stage: &mut Stage) -> Vec<usize> {
+    let rendered = stage.render().expect("the frame renders");
+    let count = |v: &Vec<f32>| v.iter().filter(|v| **v < 0.9).count();
+    rendered.visibility.iter().map(count).collect()
+}
+
+#[test]
+fn no_crease_is_dark() {
+    let mut wrong = Vec::new();
+    for (angle, corner) in [(90.0_f32, false), (60.0, false), (125.0, false), (90.0, true)] {
+        let mut stage = stage(angle.to_radians(), corner);
+        let mut names = Vec::new();
+        let mut add = |stage: &mut Stage, kind: Kind, filter: MapFilter, resolution: u32| {
+            light(stage, kind, filter, resolution);
+            names.push(format!(
+                "{angle}°, corner {corner}, {kind:?}, {filter:?}, {resolution}"
+            ));
+        };
+        let omni = Kind::Omni(MapFormat::Depth);
+        for filter in filters(LightKind::Point, 1.0) {
+            for resolution in [128, 512] {
+                add(&mut stage, omni, filter, resolution);
+            }
+        }
+        for resolution in [64, 256, 1024] {
+            add(&mut stage, omni, MapFilter::Bilinear, resolution);
+        }
+        for kind in [Kind::Spot, Kind::Sun] {
+            let [bilinear, .., soft] = filters(kind.light(), 1.0);
+            for filter in [bilinear, soft] {
+                for resolution in [64, 256] {
+                    add(&mut stage, kind, filter, resolution);
+                }
+            }
+        }
+        add(
+            &mut stage,
+            Kind::Omni(MapFormat::R32Float),
+            MapFilter::Bilinear,
+            256,
+        );
+        for (name, dark) in names.into_iter().zip(dark(&mut stage)) {
+            if dark > 0 {
+                wrong.push(format!("{name}: {dark} pixels"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_stands_in_the_crease_casts() {
+    let mut stage = stage(FRAC_PI_2, false);
+    for filter in filters(LightKind::Point, 1.0) {
+        light(&mut stage, Kind::Omni(MapFormat::Depth), filter, 512);
+    }
+    let block = MeshData::cuboid(Vec3::new(0.4, 0.6, 0.4));
+    add(&mut stage, block, Transform::from_xyz(0.3, 0.6, -2.4));
+    let dark = dark(&mut stage);
+    assert!(dark.iter().all(|dark| *dark > 25), "{dark:?}");
+}
