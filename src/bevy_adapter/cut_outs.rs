@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use bevy::asset::AssetId;
 use bevy::ecs::prelude::*;
-use bevy::ecs::system::SystemParam;
 use bevy::ecs::world::EntityRef;
 use bevy::image::Image;
 use bevy::material::AlphaMode as BevyAlphaMode;
@@ -21,7 +20,6 @@ use bevy::render::texture::GpuImage;
 use glam::{Affine2, Vec4};
 
 use super::mirror::{Mirror, Mirrors};
-use super::surfaces::Surfaces;
 use crate::render::{Gpu, HostTexture};
 use crate::reports::Reports;
 use crate::scene::{AlphaMode, Material, MeshData, SceneMaterials};
@@ -109,7 +107,7 @@ impl CutMaterial {
     }
 
     /// Gives the material its texture on the device. Returns `true` if objects must take the materials anew.
-    fn bind(&mut self, images: &RenderAssets<GpuImage>, gpu: &Gpu) -> bool {
+    pub(super) fn bind(&mut self, images: &RenderAssets<GpuImage>, gpu: &Gpu) -> bool {
         let Some(image) = self.cut.image.and_then(|image| images.get(image)) else {
             return false;
         };
@@ -197,32 +195,6 @@ fn has_light_of_triangles(mirror: &Mirror) -> bool {
     techniques
         .map(|technique| technique.needs.silhouettes)
         .any(|needed| needed == NeededSilhouettes::Shadowing)
-}
-
-/// The cut-outs of the game's materials, and Bevy's textures.
-#[derive(SystemParam)]
-pub(super) struct CutOutTextures<'w> {
-    surfaces: ResMut<'w, Surfaces>,
-    images: Res<'w, RenderAssets<GpuImage>>,
-}
-
-impl CutOutTextures<'_> {
-    /// Whether any material has a cut-out.
-    pub fn are_needed(&self) -> bool {
-        !self.surfaces.cut_outs.is_empty()
-    }
-
-    /// Gives the materials their textures on the device. A steady frame only compares ids.
-    pub fn bind(&mut self, gpu: &Gpu) {
-        let Surfaces {
-            cut_outs, renewed, ..
-        } = &mut *self.surfaces;
-        for (&id, material) in cut_outs {
-            if material.bind(&self.images, gpu) {
-                renewed.push(id);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

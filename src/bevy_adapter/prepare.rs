@@ -19,13 +19,13 @@ use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
 use glam::{UVec2, Vec3, Vec4};
 
-use super::cut_outs::CutOutTextures;
 use super::forward_masks::{MAX_LAYERS, neutral};
 use super::forward_views::{ForwardGroup, ForwardViews};
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::pipelines::{AntumbraPipelines, LightPipelines, VisibilitySource, is_ready};
 use super::projection::projection_of;
+use super::surfaces::CutOutTextures;
 use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed, ViewState};
 use crate::render::frame::hosted::HostView;
 use crate::render::{Gpu, RenderContext, RenderError, Renderer};

@@ -8,15 +8,19 @@ use std::sync::Arc;
 
 use bevy::asset::{AssetEvent, AssetId, Assets, VisitAssetDependencies};
 use bevy::ecs::prelude::*;
+use bevy::ecs::system::SystemParam;
 use bevy::ecs::world::EntityRef;
 use bevy::image::Image;
 use bevy::material::AlphaMode as BevyAlphaMode;
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::platform::collections::HashMap;
 use bevy::render::Extract;
+use bevy::render::render_asset::RenderAssets;
 use bevy::render::render_resource::Face;
+use bevy::render::texture::GpuImage;
 
 use super::cut_outs::{CutMaterial, CutOut};
+use crate::render::Gpu;
 use crate::scene::{AlphaMode, Material, MeshData, SceneMaterials};
 
 /// The kind of an object's surface.
@@ -231,6 +235,32 @@ pub(super) fn collect_surfaces(
         for id in std::mem::take(&mut surfaces.unloaded) {
             if let Some(material) = materials.get(id) {
                 surfaces.look_at(id, material, &images);
+            }
+        }
+    }
+}
+
+/// The cut-outs of the game's materials, and Bevy's textures.
+#[derive(SystemParam)]
+pub(super) struct CutOutTextures<'w> {
+    surfaces: ResMut<'w, Surfaces>,
+    images: Res<'w, RenderAssets<GpuImage>>,
+}
+
+impl CutOutTextures<'_> {
+    /// Whether any material has a cut-out.
+    pub fn are_needed(&self) -> bool {
+        !self.surfaces.cut_outs.is_empty()
+    }
+
+    /// Gives the materials their textures on the device. A steady frame only compares ids.
+    pub fn bind(&mut self, gpu: &Gpu) {
+        let Surfaces {
+            cut_outs, renewed, ..
+        } = &mut *self.surfaces;
+        for (&id, material) in cut_outs {
+            if material.bind(&self.images, gpu) {
+                renewed.push(id);
             }
         }
     }

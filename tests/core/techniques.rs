@@ -272,6 +272,7 @@ fn an_app_takes_techniques_before_and_after_the_plugin_and_each_once() {
                 "shadow_map",
                 "omni_map",
                 "smoothie",
+                "perspective_map",
                 "keeper"
             ],
             "before: {before}"

@@ -125,12 +125,13 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
-        // What a light does not see it may still light: if its shadows are not black, or do not show there. Pictures of what it sees are
-        // taken from where it shines, which need not be where its shadows come from.
+        // A light may light what it does not see: if its shadows are not black, or do not show there. Pictures of what it
+        // sees are taken from where it shines, which need not be where its shadows come from.
         wants_occlusion: light.needs().light_occlusion
             && !light.model.lights_shadows()
             && light.model.origin.is_none()
-            && objects.common_layers() & light.selection.shows_on != 0,
+            && (light.selection.shows_on == u32::MAX
+                || objects.common_layers() & light.selection.shows_on != 0),
     };
     let pairs = || frame.lights.iter().zip(&*lights);
     let awake =

@@ -3,13 +3,10 @@
 use super::pipelines::{Key, Part, ResolveKey, describe, describe_resolve};
 use super::plans::{LightPlan, counts_towards, light_record, passes};
 use super::recorder::PenumbraWedgeNode;
-use super::windows::Shared;
-use crate::render::gpu::buffers::GrowingBuffer;
-use crate::render::gpu::strided::StridedUniforms;
+use super::windows::shared;
 use crate::render::{Gpu, RenderContext, RenderError};
 use crate::sets::ViewData;
 use crate::techniques::penumbra_wedge::component::{CoverageMaths, Overlap};
-use crate::techniques::penumbra_wedge::geometry::records::WedgeLight;
 use crate::techniques::penumbra_wedge::wedges::PenumbraWedges;
 
 impl PenumbraWedgeNode {
@@ -96,18 +93,5 @@ impl PenumbraWedgeNode {
             require(true, false)?;
         }
         Ok(())
-    }
-}
-
-/// Returns the buffers that all windows of wedges share.
-pub(super) fn shared<'a>(
-    casters: &'a GrowingBuffer,
-    lights: &'a StridedUniforms<WedgeLight>,
-    tables: &'a GrowingBuffer,
-) -> Shared<'a> {
-    Shared {
-        casters,
-        lights: lights.buffer(),
-        tables,
     }
 }

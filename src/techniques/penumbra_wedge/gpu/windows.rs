@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::render::RenderContext;
 use crate::render::gpu::buffers::GrowingBuffer;
+use crate::render::gpu::strided::StridedUniforms;
 use crate::techniques::penumbra_wedge::geometry::records::{Wedge, WedgeLight};
 
 /// The buffers of group 2 that all windows share.
@@ -153,5 +154,18 @@ mod tests {
         assert_eq!(cut(8..31), [(0, 8..10), (1, 0..10), (2, 0..10), (3, 0..1)]);
         assert_eq!(cut(20..30), [(2, 0..10)]);
         assert_eq!(cut(20..20), []);
+    }
+}
+
+/// Returns the buffers that all windows of wedges share.
+pub(super) fn shared<'a>(
+    casters: &'a GrowingBuffer,
+    lights: &'a StridedUniforms<WedgeLight>,
+    tables: &'a GrowingBuffer,
+) -> Shared<'a> {
+    Shared {
+        casters,
+        lights: lights.buffer(),
+        tables,
     }
 }
