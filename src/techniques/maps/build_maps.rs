@@ -113,7 +113,8 @@ impl Maps {
             );
             if map.request.shape == MapShape::Cascades {
                 let distance = f64::from(map.request.cascades.distance);
-                map.range = cascade_range(light, scene.objects, scene.view, distance);
+                let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));
+                map.range = cascade_range(light, scene.objects, scene.view, distance, softness);
             }
             map.key = Some(map.face_key(light, scene, map.reach));
             map.settled_at = Some(now);

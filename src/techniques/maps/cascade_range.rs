@@ -11,22 +11,35 @@ use crate::sets::{FrameLight, Objects, Projector, ViewData};
 /// Share of a pixel below which the length of a shadow does not matter.
 const VISIBLE_PIXELS: f64 = 0.5;
 
+/// Share by which the range ends beyond the last shadow. A box is hardly larger than the part of the view that it shows, and
+/// filters need room around a shadow. By eye.
+const ROOM: f64 = 0.25;
+
 /// Returns the range of view depth in which a directional light's shadows are seen. `distance` is the depth beyond which
-/// none is wanted.
+/// none is wanted, `softness` the radius of the filter, metres.
 ///
 /// Cost: O(set S), and the receivers near the camera.
-pub fn cascade_range(light: &FrameLight, objects: &Objects, view: &ViewData, distance: f64) -> DepthRange {
+pub fn cascade_range(
+    light: &FrameLight,
+    objects: &Objects,
+    view: &ViewData,
+    distance: f64,
+    softness: f64,
+) -> DepthRange {
     let seen = light
         .region
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     let scale = view.frustum.shape().forward.length();
+    let last = last_shadow(light, objects, view);
     let (around, apart) = nearest_receivers(light, objects, view.eye);
     DepthRange {
         near: view.near,
         nearest: around.min(apart) / scale,
         apart: apart / scale,
-        far: seen.min(distance).min(last_shadow(light, objects, view)),
+        far: seen
+            .min(distance)
+            .min((last + 2.0 * softness / scale) * (1.0 + ROOM)),
     }
 }
 

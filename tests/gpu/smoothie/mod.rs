@@ -52,7 +52,11 @@ fn umbra_is_that_of_the_plain_map() {
                 .entity_mut(entity)
                 .insert(smoothie(SmoothieWidth::Metres(0.0)));
             let none = rendered(&mut stage);
-            let differs = hard.iter().zip(&none).filter(|(a, b)| (*a - *b).abs() > 0.01);
+            // Smoothies do not look for creases, where the plain map is not dark.
+            let differs = hard
+                .iter()
+                .zip(&none)
+                .filter(|(hard, none)| **none > **hard + 0.01 || (**none < **hard - 0.01 && **hard < 0.9));
             assert_eq!(differs.count(), 0, "{}, {kind:?}", scene.name);
         }
         println!("{kind:?}: {dark} dark pixels, {soft} softened");
