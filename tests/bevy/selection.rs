@@ -105,8 +105,11 @@ fn what_a_light_does_not_affect_it_does_not_light() {
         );
         let [all_left, all_right] = halves(&all);
         assert!(all_left > 0.1 && all_right > 0.1);
-        assert_eq!(halves(&left), [all_left, 0.0], "{name}");
-        assert_eq!(halves(&right), [0.0, all_right], "{name}");
+        // A picture that is fitted to what is lit has other texels.
+        let same = |a: f32, b: f32| (a - b).abs() < 0.005 * b;
+        let ([lit_left, dark_right], [dark_left, lit_right]) = (halves(&left), halves(&right));
+        assert!(same(lit_left, all_left) && same(lit_right, all_right), "{name}");
+        assert_eq!([dark_left, dark_right], [0.0; 2], "{name}");
         assert_eq!(both.difference(&all).channels, 0);
     }
 }

@@ -12,7 +12,7 @@ pub(super) fn are_aligned(a: &TextureSlot, b: &TextureSlot) -> bool {
 }
 
 /// The grid of the slots that are present: the size of the largest texture, and a slot to sample the result by.
-pub(super) fn grid<'s>(slots: [Option<&'s TextureSlot>; 2]) -> Option<&'s TextureSlot> {
+pub(super) fn grid(slots: [Option<&TextureSlot>; 2]) -> Option<&TextureSlot> {
     let texels = |slot: &&TextureSlot| u64::from(slot.texture.width) * u64::from(slot.texture.height);
     slots.into_iter().flatten().max_by_key(texels)
 }

@@ -195,7 +195,7 @@ mod decoder {
             ("EXPONENTIAL", _) => Ok(by_element::<u32, 4, 1>(
                 &bytes,
                 u32::from_ne_bytes,
-                |words| decode_filter_exp(words),
+                decode_filter_exp,
                 u32::to_ne_bytes,
             )),
             _ => Err(format!(

@@ -16,7 +16,7 @@ use crate::techniques::registry::Refusal;
 /// The map follows the view. Its texels are finest where the viewer is near, which serves large scenes with one
 /// picture; when the view moves, edges of shadows change by up to a texel. Area lights cast from their centre.
 /// In an orthographic view the map is a uniform one, and a report says so.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
     derive(bevy_reflect::Reflect),
@@ -121,22 +121,6 @@ pub enum MapFocus {
     Receivers,
     /// The whole view up to the farthest receiver. The picture depends less on which receivers come and go.
     All,
-}
-
-impl Default for PerspectiveMap {
-    fn default() -> Self {
-        Self {
-            resolution: MapResolution::default(),
-            filter: MapFilter::default(),
-            bias: MapBias::default(),
-            projection: PerspectiveProjection::default(),
-            faces: PerspectiveFaces::default(),
-            focus: MapFocus::default(),
-            slide: None,
-            near: None,
-            cached: false,
-        }
-    }
 }
 
 impl PerspectiveMap {

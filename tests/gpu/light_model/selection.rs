@@ -17,7 +17,7 @@ fn masks() -> Vec<(&'static str, LightSelection)> {
     let all = LightSelection::default();
     let mut masks = vec![("all", all)];
     for (object, layer) in ["floor", "ball", "cube", "post"].into_iter().zip(LAYERS) {
-        let others = u32::MAX & !layer;
+        let others = !layer;
         masks.push((
             object,
             LightSelection {

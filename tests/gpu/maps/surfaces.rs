@@ -11,19 +11,8 @@ use crate::harness::strict_context;
 #[test]
 fn other_surfaces_shadow_the_same_pixels() {
     let context = strict_context();
-    let closed = [
-        "cube on floor",
-        "sphere contact",
-        "stacked cubes",
-        "cube on its corner",
-        "row of pillars",
-    ];
-    for kind in [
-        Kind::Spot,
-        Kind::Sun,
-        Kind::Omni(MapFormat::Depth),
-        Kind::Omni(MapFormat::R32Float),
-    ] {
+    let closed = ["cube on floor", "sphere contact", "row of pillars"];
+    for kind in [Kind::Spot, Kind::Sun, Kind::Omni(MapFormat::R32Float)] {
         for surface in [MapSurface::Second, MapSurface::Midpoint] {
             let mut all = MapError::default();
             for scene in scenes::all().iter().filter(|scene| closed.contains(&scene.name)) {

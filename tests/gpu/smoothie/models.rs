@@ -7,7 +7,7 @@
 //! penumbra begins where the umbra ends: what half of the sphere on the blocker's side leaves, `max(0, 2 v − 1)`.
 //! Both are printed.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use antumbra::prelude::*;
 use antumbra::reference::{LightSource, RayScene, hard_visibility, primary_hits, soft_visibility};
@@ -80,7 +80,7 @@ fn rmse(truth: &[f32], got: &[f32], seen: &[f32]) -> f64 {
 }
 
 /// The model under a sphere, shadowed in three ways: plain, jittered, smoothies.
-fn judge(path: &PathBuf, context: &RenderContext) -> [Judged; 3] {
+fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
     let mut stage = ModelStage::new(path, context, SIZE).expect("it has triangles");
     let center = stage.bounds.center();
     let unit = stage.bounds.half_size().length();

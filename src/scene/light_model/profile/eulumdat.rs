@@ -83,14 +83,14 @@ fn measured_planes(symmetry: usize, angles: &[f64], line: usize) -> Result<Plane
     };
     match symmetry {
         1 => Ok(Planes::new([0.0])),
-        2 if planes % 2 == 0 => Ok(Planes::new(angles[..=planes / 2].iter().copied())),
-        3 if planes % 4 == 0 => {
+        2 if planes.is_multiple_of(2) => Ok(Planes::new(angles[..=planes / 2].iter().copied())),
+        3 if planes.is_multiple_of(4) => {
             let from = 3 * planes / 4;
             Ok(Planes::new(
                 (from..=from + planes / 2).map(|plane| angles[plane % planes]),
             ))
         }
-        4 if planes % 4 == 0 => Ok(Planes::new(angles[..=planes / 4].iter().copied())),
+        4 if planes.is_multiple_of(4) => Ok(Planes::new(angles[..=planes / 4].iter().copied())),
         2 => refuse("an even number"),
         3 | 4 => refuse("a multiple of 4"),
         _ => Ok(Planes::new(angles.iter().copied())),

@@ -143,6 +143,19 @@ fn bind(
     })
 }
 
+/// Returns the buffers that all windows of wedges share.
+pub(super) fn shared<'a>(
+    casters: &'a GrowingBuffer,
+    lights: &'a StridedUniforms<WedgeLight>,
+    tables: &'a GrowingBuffer,
+) -> Shared<'a> {
+    Shared {
+        casters,
+        lights: lights.buffer(),
+        tables,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,18 +167,5 @@ mod tests {
         assert_eq!(cut(8..31), [(0, 8..10), (1, 0..10), (2, 0..10), (3, 0..1)]);
         assert_eq!(cut(20..30), [(2, 0..10)]);
         assert_eq!(cut(20..20), []);
-    }
-}
-
-/// Returns the buffers that all windows of wedges share.
-pub(super) fn shared<'a>(
-    casters: &'a GrowingBuffer,
-    lights: &'a StridedUniforms<WedgeLight>,
-    tables: &'a GrowingBuffer,
-) -> Shared<'a> {
-    Shared {
-        casters,
-        lights: lights.buffer(),
-        tables,
     }
 }
