@@ -4,7 +4,7 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test pictures bench tools vulkan \
+.PHONY: help demo test pictures bench fuzz tools vulkan \
 	test-format test-lints test-docs test-all test-examples test-benches
 
 # rustup's default place, for shells that have not read its environment.
@@ -82,6 +82,12 @@ bench: tools vulkan ## every bench at length, optimized
 
 pictures: tools vulkan ## draw the pictures of the README again
 	cargo run --example gallery --features reference -- --readme
+
+# Needs the nightly toolchain and cargo-fuzz (`cargo install cargo-fuzz`).
+RUNS ?= 100000
+fuzz: ## mutants of the models through import and two frames of the CPU schedule
+	mkdir -p fuzz/corpus/gltf && cp -n assets/models/*.glb fuzz/corpus/gltf/
+	cargo +nightly fuzz run --sanitizer none gltf -- -runs=$(RUNS) -max_len=262144 -rss_limit_mb=2048 -timeout=10
 
 tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust 1.95 or newer, https://rustup.rs" >&2; exit 1; }

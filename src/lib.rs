@@ -41,6 +41,7 @@
 //! | [`schedule`] | system sets and schedules |
 //! | [`bevy_adapter`] | the connection to Bevy's renderer (feature `bevy`) |
 //! | [`plugin`] | the plugin for a plain `App` and for a Bevy game |
+//! | [`guide`] | pages on how to use the crate |
 //!
 //! `shaders/` mirrors the Rust files: `passes/<node>.wgsl` belongs to `render/nodes/<node>.rs`,
 //! `techniques/<technique>/<pass>.wgsl` to `techniques/<technique>/`, and `bevy/` to `bevy_adapter/`.
@@ -66,6 +67,7 @@
 pub mod bevy_adapter;
 pub mod conventions;
 pub mod geometry;
+pub mod guide;
 pub mod plugin;
 #[cfg(feature = "reference")]
 pub mod reference;

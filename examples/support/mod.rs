@@ -1,7 +1,7 @@
 //! Shared code of the examples and tests: shot files, a stage to render them on, and pictures on disk.
 
 #![cfg(all(feature = "render", feature = "gltf"))]
-#![allow(missing_docs, reason = "names of a shot file are explained by the README")]
+#![allow(missing_docs, reason = "names of a shot file are explained by the guide")]
 
 pub mod model;
 pub mod picture;

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Layers in order. A file may use its own layer and earlier ones.
-const LAYERS: [&str; 11] = [
+const LAYERS: [&str; 12] = [
     "conventions",
     "geometry",
     "reports",
@@ -19,6 +19,7 @@ const LAYERS: [&str; 11] = [
     "schedule",
     "bevy_adapter",
     "plugin",
+    "guide",
 ];
 
 /// What the judge may use: not what it judges.

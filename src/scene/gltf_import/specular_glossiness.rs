@@ -125,7 +125,7 @@ mod tests {
         ] {
             let diffuse = base * (1.0 - DIELECTRIC) * (1.0 - metallic);
             let specular = Vec3::splat(DIELECTRIC).lerp(base, metallic);
-            let stated = diffuse / (1.0 - specular.max_element());
+            let stated = diffuse / (1.0 - specular.max_element()).max(1e-6);
             let (got, got_metallic) = metallic_roughness(stated, specular);
             assert!(
                 (got_metallic - metallic).abs() < 0.01,

@@ -26,6 +26,15 @@
 //! | `jitter` | the texture of jittered discs |
 //! | `gpu` | the recorder (feature `render`) |
 //!
+//! # Error and cost
+//!
+//! At 1024², at most 0.35 % of the pixels further than a texel from an edge are wrong on any of 40 models, and none on most,
+//! with 15 views and lights each. `tests/gpu/maps` prints this, and judges 29 scenes that are made to provoke acne, leaks and
+//! lost contacts, with 6 kinds of map and up to 6 filters.
+//!
+//! A map is kept while nothing in it moves: 64 point lights at rest draw no caster at all. The adaptive jittered filter takes 7
+//! times fewer taps than all 64 of them.
+//!
 //! **Bias.** No constant is set by hand. A pixel is compared, texel by texel, with the plane of the triangle
 //! that it shows, traced along the texel's own ray. On a flat surface both depths belong to one point,
 //! whatever the angle. What remains is rounding, and surfaces that are not flat; for those the plane is

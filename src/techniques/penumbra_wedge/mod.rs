@@ -34,6 +34,35 @@
 //! A triangle that reaches into the light has no edges that could be counted. It is clipped to what is before the light
 //! and counted by itself, at every pixel ([`cut`](geometry::cut)).
 //!
+//! # Error and cost
+//!
+//! The RMSE of the visibility over the penumbra is 0.002 to 0.003 for a box or a ball, coarse or fine, under a square, wide or
+//! round light. The table is of 37 models and scenes under a light of 0.5 m at 4 m: the RMSE over the penumbra, and the share
+//! of the time of a frame with 64 accumulated hard shadows (medians, on a software driver).
+//!
+//! | way | mean RMSE | worst RMSE | time |
+//! | --- | --- | --- | --- |
+//! | wedges, whole light | 0.017 | 0.046 | 0.08 |
+//! | wedges, split 2×1 | 0.011 | 0.027 | 0.10 |
+//! | wedges, split 2×2 | 0.007 | 0.016 | 0.16 |
+//! | wedges, split 3×3 | 0.004 | 0.015 | |
+//! | 64 accumulated hard shadows | 0.018 | 0.032 | 1 |
+//!
+//! For `bonsai`, `flight_helmet`, `grass-small`, `knight`, `low_poly_tree` and `many_cubes`, a smaller error than that of the 64
+//! takes 0.26 to 1.0 of their time. `cargo run --example gallery --features reference -- --soft-table --models FOLDER` prints
+//! this. Making one wedge takes 0.6 to 0.9 µs of the CPU.
+//!
+//! | setting | time against the default |
+//! | --- | --- |
+//! | `silhouette: center` | 0.5 to 1.0 |
+//! | `bounds: sphere` | 1.0 to 1.8, and 1.3 to 2.9 times the pixels |
+//! | `culling: stencil` (section 4.4 of the paper) | 1.1 to 2.5 |
+//! | `culling: none` and `bounds: sphere`, a plain renderer | 1.3 to 2.3 |
+//! | `buffer: half` | 0.9 to 1.1 |
+//! | `maths: tables` | 1.0 to 1.2 |
+//!
+//! The gallery prints this table with `--soft-cost`.
+//!
 //! Source: Assarsson, Dougherty, Mounier & Akenine-Möller 2003, "An Optimized Soft Shadow Volume Algorithm
 //! with Real-Time Performance". In substance, the formula with `w` and sectors and equation 1
 //! ([`Overlap::Paper`]) are theirs. It is ours that faces alone, without marking, give the same sum; so are

@@ -13,6 +13,18 @@
 //! Extrusion, the test whether the viewport may be in a caster's shadow, and contours on the GPU are in
 //! `shared`.
 //!
+//! # Error and cost
+//!
+//! Pixels in the one-pixel band along the edges of shadows are left to rounding. Of the others, at most 0.03 % are wrong on
+//! any of 40 models, and none on most, with 15 views and lights each
+//! (`cargo test --all-features --test gpu reference_match -- --nocapture` prints this). Where the edge of a volume passes
+//! within the GPU's rounding of a pixel's centre, that pixel may show the other side of the edge.
+//!
+//! A frame with 401 objects and 8 point lights takes 1.7 times as long as the same frame without shadows, and one with 511k
+//! triangles and 6 lights 1.8 times; volumes without any of the optimisations take 2.3 times in both (160×90 on a software
+//! driver; `benches/frame` prints this). The cost grows with the silhouette edges of set S and with the pixels that volumes
+//! cover.
+//!
 //! Source: McGuire 2004, "Efficient Shadow Volume Rendering", GPU Gems ch. 9.
 
 pub(crate) mod caster_volume;
