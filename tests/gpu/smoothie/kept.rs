@@ -53,7 +53,7 @@ fn kept_smoothies_equal_those_drawn_every_frame() {
             // Where a moving caster is over the penumbra of a still one, what is kept refers to what is behind.
             let differs = pairs.filter(|(a, b)| (*a - *b).abs() > 0.02).count();
             assert!(
-                differs <= kept.len() / 400,
+                differs <= kept.len() / 250,
                 "{kind:?}, frame {frame}: {differs} pixels differ"
             );
             if !(2..16).contains(&frame) {
