@@ -37,6 +37,9 @@
 //! gain over a uniform map shrinks. The slide is chosen by measuring, so a map is not poorer than the uniform
 //! one by that measure.
 //!
+//! Where the near plane touches a surface, the view spans five powers of ten, and shadows of small models may be
+//! coarse: on four of 40 models 5 to 13 % of the pixels of such a view were lit that should be dark.
+//!
 //! **Swim.** The texels follow the view: when the view turns or moves, they fall elsewhere, and edges of
 //! shadows change by up to a texel. In a view of a plain of 4 km that turned by a third of a degree a frame,
 //! 1.4 % of the pixels changed wrongly, and 0.5 % under cascades with as many texels
