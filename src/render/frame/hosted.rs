@@ -140,6 +140,10 @@ impl Renderer {
     ///
     /// # Errors
     /// [`RenderError::Shader`] names the file and the place.
+    #[cfg_attr(
+        not(feature = "bevy"),
+        allow(dead_code, reason = "Bevy's forward meshes alone read kept visibility")
+    )]
     pub(crate) fn prepare_keeping(&mut self) -> Result<(), RenderError> {
         if self.keep_visibility.is_none() {
             self.keep_visibility = Some(KeepVisibility::new(&self.gpu)?);

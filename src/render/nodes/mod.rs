@@ -6,6 +6,10 @@ pub(crate) mod depth_copy;
 pub(crate) mod front_layer;
 pub(crate) mod host_depth;
 pub(crate) mod host_select;
+#[cfg_attr(
+    not(feature = "bevy"),
+    allow(dead_code, reason = "Bevy's forward meshes alone read kept visibility")
+)]
 pub(crate) mod keep_visibility;
 pub(crate) mod light_accumulate;
 pub(crate) mod light_begin;

@@ -13,7 +13,7 @@ use crate::sets::work::SetWork;
 /// Number of (word, light) pairs to process from which it is worth waking threads.
 const PARALLEL: usize = 4096;
 
-/// Computes [`LightSets::reach`] of every light: as a whole if the light or the layout changed, otherwise in
+/// Computes [`LightSets::reach`](super::frame_light::LightSets::reach) of every light: as a whole if the light or the layout changed, otherwise in
 /// words in which something moved. Lights are independent and are computed on all threads.
 ///
 /// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. Cost: for each

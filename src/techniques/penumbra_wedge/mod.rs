@@ -32,7 +32,7 @@
 //! estimates how much is hidden at all ([`Overlap::Sampled`]).
 //!
 //! A triangle that reaches into the light has no edges that could be counted. It is clipped to what is before the light
-//! and counted by itself, at every pixel ([`cut`](geometry::cut)).
+//! and counted by itself, at every pixel (`geometry/cut.rs`).
 //!
 //! # Error and cost
 //!

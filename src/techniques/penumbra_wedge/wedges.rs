@@ -21,7 +21,7 @@ pub struct PenumbraWedges {
     /// Parts of all lights, in the order of the lights.
     pub parts: Vec<PartWedges>,
     /// Groups of all parts. The shadows of a group are summed by themselves. A part has one group or, with
-    /// [`Overlap::Paper`], as many as it has patches that meet.
+    /// [`Overlap::Paper`](super::Overlap::Paper), as many as it has patches that meet.
     pub groups: Vec<Group>,
     /// Casters of all groups.
     pub casters: Vec<CasterDraw>,
@@ -137,7 +137,7 @@ pub(super) struct Placed {
 }
 
 impl PenumbraWedges {
-    /// Returns the wedges of a light of [`FrameLights`].
+    /// Returns the wedges of a light of [`FrameLights`](crate::sets::FrameLights).
     pub fn of_light(&self, light: usize) -> Option<&LightWedges> {
         let at = self
             .lights

@@ -18,7 +18,7 @@ use crate::techniques::maps::request::{LightRequest, MapFaces, MapRequests, MapS
 use crate::techniques::maps::{self, systems};
 use crate::techniques::registry::{Refusal, Statistics, Technique};
 
-/// How the perspective maps of this frame were fitted. Written by [`request_perspective_maps`].
+/// How the perspective maps of this frame were fitted. Written by `request_perspective_maps`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct PerspectiveMaps {
     /// Indices of lights in [`FrameLights`], ascending, and how the light's map was fitted. Lights whose map

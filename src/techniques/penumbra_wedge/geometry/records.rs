@@ -79,7 +79,7 @@ pub const ONLY_INNER: u32 = 256;
 /// Flag: both layers are the averted triangles of a closed piece.
 pub const CLOSED: u32 = 512;
 
-/// Flag: the record is a triangle that [cuts](super::cut) the light. Start and end are two of its corners.
+/// Flag: the record is a triangle that cuts the light. Start and end are two of its corners.
 pub const CUT: u32 = 1024;
 
 /// One caster of one part of a light.
