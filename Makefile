@@ -18,7 +18,8 @@ export NODEVICE_SELECT := 1
 # The models of the tests: those of the repository, unless another folder is named. Tests of models that are not in the
 # repository are ignored, and counted as such, where the list of all models is not there.
 export ANTUMBRA_MODELS ?= $(CURDIR)/assets/models
-ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ignored)
+# What takes minutes and prints tables for people is run by hand.
+ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ignored --skip by_hand)
 
 # All features but the windows: nothing here opens one, and they bring 75 crates. That they compile is seen by test-lints.
 FEATURES := --features bevy,gltf,gltf-meshopt,gltf-basisu,reference,profile

@@ -256,7 +256,7 @@ fn pipelines<const N: usize>(
 
 #[test]
 #[ignore = "prints times"]
-fn barn_map_and_formula_side_by_side() {
+fn barn_map_and_formula_by_hand() {
     let context = strict_context();
     let (layout, group) = resources(&context);
     let names = ["nothing", "formula", "barn", "maps"];

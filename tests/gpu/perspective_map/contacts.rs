@@ -65,7 +65,7 @@ fn no_acne_no_leak_and_contacts_within_a_texel() {
 
 #[test]
 #[ignore = "minutes: every scene with every kind of light and every setting"]
-fn no_acne_no_leak_and_contacts_within_a_texel_everywhere() {
+fn no_acne_no_leak_and_contacts_by_hand() {
     let count = scenes::all().len();
     let cases = (0..count).flat_map(|scene| {
         KINDS

@@ -273,7 +273,7 @@ fn a_plain_has_its_texels_near_the_eye_at_every_angle() {
 
 #[test]
 #[ignore = "needs models that are not bundled; prints the whole table"]
-fn table_of_texels_per_pixel_and_errors() {
+fn table_of_texels_per_pixel_and_errors_by_hand() {
     let mut missed = Vec::new();
     let context = strict_context();
     let mut stage = plain();
