@@ -1,4 +1,4 @@
-// What a texel of the smoothie buffer holds, and how a receiver reads it.
+// The contents of a texel of the smoothie buffer, and the lookup by a receiver.
 // Twin    techniques::smoothie::shade, functions of the same names
 //
 // A smoothie with alpha a at distance b from the light leaves a receiver at distance r the visibility
@@ -22,7 +22,7 @@ const LEAST: f32 = 1e-4;            // mirror: techniques::smoothie::shade::LEAS
 // Largest distance that is stored: half floats end at 65504.
 const FARTHEST: f32 = 60000.0;      // mirror: techniques::smoothie::shade::FARTHEST
 
-// What a smoothie leaves at a texel; CLEAR if it does not darken the caster behind. `behind` is the reciprocal
+// Returns the texel that a smoothie draws; CLEAR if it does not darken the caster behind. `behind` is the reciprocal
 // of the caster's distance, 0 if there is none, and `reach` scales reciprocals of distances.
 fn resolve_from_point(alpha: f32, along: f32, behind: f32, reach: f32) -> vec2f {
     let share = 1.0 - along * behind;
@@ -31,7 +31,7 @@ fn resolve_from_point(alpha: f32, along: f32, behind: f32, reach: f32) -> vec2f 
     return select(CLEAR, stored, share > 0.0 && begins > 0.0);
 }
 
-// The same for a directional light. `behind` is the caster's distance.
+// Returns the texel that a smoothie of a directional light draws. `behind` is the caster's distance.
 fn resolve_parallel(alpha: f32, along: f32, behind: f32, drop: f32) -> vec2f {
     let share = (behind - along) / drop;
     let begins = share - alpha;
@@ -46,7 +46,7 @@ fn visibility_from_point(stored: vec2f, receiver: f32, behind: f32, reach: f32) 
     return select(1.0, 1.0 / max(inverse, 1.0), stored.y < 0.0);
 }
 
-// The same for a directional light. `receiver` is the receiver's distance.
+// Returns the visibility of a receiver under a directional light. `receiver` is the receiver's distance.
 fn visibility_parallel(stored: vec2f, receiver: f32, behind: f32, drop: f32) -> f32 {
     let softest = 1.0 / max(stored.x, LEAST);
     let begins = max(-stored.y, 1e-7);

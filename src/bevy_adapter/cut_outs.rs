@@ -23,7 +23,8 @@ use super::mirror::{Mirror, Mirrors};
 use crate::render::{Gpu, HostTexture};
 use crate::reports::Reports;
 use crate::scene::{AlphaMode, Material, MeshData, SceneMaterials};
-use crate::sets::{FrameLights, NeededSilhouettes};
+use crate::sets::{FrameLights, NeededSilhouettes, Needs};
+use crate::techniques::{Row, Techniques};
 
 /// Alpha below which Bevy leaves a blended surface out of its shadow maps.
 const BLENDED_CUTOFF: f32 = 0.05;
@@ -172,15 +173,23 @@ impl CutOutCasters {
     /// shadows from triangles alone.
     pub(super) fn raise(&self, mirrors: &Mirrors, reports: &mut Reports) {
         let mut round = reports.round("material");
-        if self.entries.is_empty() || !mirrors.iter().any(|(_, mirror)| has_light_of_triangles(mirror)) {
+        let mut mirrors = mirrors.iter().map(|(_, mirror)| mirror);
+        let Some(mirror) = mirrors.find(|mirror| !self.entries.is_empty() && has_light_of_triangles(mirror))
+        else {
             return;
-        }
+        };
+        let named = |is_meant: fn(Needs) -> bool, word: &str| {
+            let rows = mirror.world.resource::<Techniques>().rows().iter();
+            let meant = rows.filter(|row| is_meant(row.needs()));
+            meant.map(Row::component_name).collect::<Vec<_>>().join(word)
+        };
         for CutOutCaster { user, name } in self.entries.values() {
             round.raise(Some(*user), 1, || {
+                let triangles = named(makes_shadows_of_triangles, " and ");
+                let pictures = named(|needs| needs.receiver_planes, " or ");
                 format!(
-                    "The material {name} cuts holes by alpha, but StencilVolume and PenumbraWedge make shadows from \
-                     triangles: under them its meshes block light as a whole. Give lights that shine through the holes an \
-                     OmniMap or a ShadowMap."
+                    "The material {name} cuts holes by alpha, but {triangles} make shadows from triangles: under them its \
+                     meshes block light as a whole. Give lights that shine through the holes another technique: {pictures}."
                 )
             });
         }
@@ -193,8 +202,12 @@ fn has_light_of_triangles(mirror: &Mirror) -> bool {
     let lights = mirror.world.resource::<FrameLights>();
     let techniques = lights.lights.iter().filter_map(|light| light.technique);
     techniques
-        .map(|technique| technique.needs.silhouettes)
-        .any(|needed| needed == NeededSilhouettes::Shadowing)
+        .map(|technique| technique.needs)
+        .any(makes_shadows_of_triangles)
+}
+
+fn makes_shadows_of_triangles(needs: Needs) -> bool {
+    needs.silhouettes == NeededSilhouettes::Shadowing
 }
 
 #[cfg(test)]

@@ -68,7 +68,7 @@ pub(super) struct Deferral {
     standard_shader: Option<AssetPath<'static>>,
     /// Standard materials whose render method is `Forward`.
     chosen_forward: HashSet<AssetId<StandardMaterial>>,
-    /// Those of them through which light shines from behind.
+    /// Materials with diffuse transmission: light that shines on them from behind passes through.
     transmitting: HashSet<AssetId<StandardMaterial>>,
     /// Entities whose lightmap is sampled bicubically. Only the game's world has this information.
     pub bicubic_lightmaps: MainEntityHashSet,

@@ -187,6 +187,7 @@ pub(super) fn queue_deferred(
         }
         forward.queue(view, visible, &meshes, &mut phases, &pipelines.cache);
     }
+    forward.keep_views(|view| deferred.now.contains(view));
 }
 
 /// Moves a mesh to the deferred phases of a view. Returns the material and the reason if it stays forward.

@@ -26,7 +26,7 @@ use bevy::render::render_phase::{
     TrackedRenderPass,
 };
 use bevy::render::render_resource::{BindGroup, CachedRenderPipelineId, PipelineCache};
-use bevy::render::sync_world::MainEntity;
+use bevy::render::sync_world::{MainEntity, MainEntityHashSet};
 use bevy::render::view::{RenderVisibleEntitiesClass, RetainedViewEntity};
 
 use super::deferred_views::{Meshes, ViewPhases};
@@ -79,8 +79,8 @@ impl<P: PhaseItem> RenderCommand<P> for SetMasks {
 pub struct ForwardViews {
     /// Our copy of each of Bevy's pipelines; `None` if it cannot be extended.
     pipelines: HashMap<CachedRenderPipelineId, Option<CachedRenderPipelineId>>,
-    /// Meshes that Bevy's own pipelines draw until ours are ready.
-    pending: Vec<(RetainedViewEntity, MainEntity)>,
+    /// Meshes of each view that Bevy's own pipelines draw until ours are ready.
+    pending: HashMap<RetainedViewEntity, MainEntityHashSet>,
     /// Views in which a mesh is drawn with our masks.
     shadowed: HashSet<RetainedViewEntity>,
 }
@@ -124,9 +124,7 @@ impl ForwardQueue<'_> {
 
     /// Takes up a mesh that Bevy has queued in a forward phase of a view.
     pub fn push(&mut self, view: RetainedViewEntity, mesh: MainEntity) {
-        if !self.views.pending.contains(&(view, mesh)) {
-            self.views.pending.push((view, mesh));
-        }
+        self.views.pending.entry(view).or_default().insert(mesh);
     }
 
     /// Gives our pipelines to the meshes of a view whose pipelines are ready.
@@ -138,23 +136,24 @@ impl ForwardQueue<'_> {
         phases: &mut ViewPhases,
         cache: &PipelineCache,
     ) {
-        if self.views.pending.is_empty() {
+        let Some(waiting) = self.views.pending.remove(&view) else {
             return;
-        }
-        let mut pending = std::mem::take(&mut self.views.pending);
-        pending.retain(|&(of_view, mesh)| {
-            if of_view != view {
-                return true;
-            }
-            // What became invisible is queued again when it is seen.
-            let is_visible = visible.iter_visible().any(|(_, entity)| *entity == mesh);
-            is_visible
-                && matches!(
-                    self.queue_mesh(view, mesh, meshes, phases, cache),
-                    Some(Progress::Waits)
-                )
+        };
+        // Bevy queues a mesh again when it becomes visible again, so one that is not visible is forgotten.
+        let seen = visible.iter_visible().map(|(_, entity)| *entity);
+        let mut pending: MainEntityHashSet = seen.filter(|entity| waiting.contains(entity)).collect();
+        pending.retain(|&mesh| {
+            let progress = self.queue_mesh(view, mesh, meshes, phases, cache);
+            matches!(progress, Some(Progress::Waits))
         });
-        self.views.pending = pending;
+        if !pending.is_empty() {
+            self.views.pending.insert(view, pending);
+        }
+    }
+
+    /// Forgets the meshes that wait in views which are gone.
+    pub fn keep_views(&mut self, is_there: impl Fn(&RetainedViewEntity) -> bool) {
+        self.views.pending.retain(|view, _| is_there(view));
     }
 
     fn queue_mesh(

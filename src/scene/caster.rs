@@ -50,7 +50,8 @@ pub enum FaceCulling {
 /// outlines, as a further submesh, is not found.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CulledCasters {
-    /// What is culled casts no shadow: light comes through what the viewer sees through. The default.
+    /// Surfaces that are culled from the view cast no shadow, so light passes where the viewer sees through. This is
+    /// the default.
     #[default]
     LeaveOut,
     /// Everything casts.

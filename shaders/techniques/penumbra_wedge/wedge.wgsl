@@ -250,7 +250,7 @@ struct Layers {
     averted: Value,
 }
 
-// What is added to the sums of a layer.
+// The numbers that a fragment adds to the sums of a layer.
 struct Value {
     sums: vec4f,
     more: vec4f,                    // further places; 0 unless dense

@@ -126,7 +126,7 @@ impl Import<'_, '_> {
             primitive: primitive_index,
         };
         let mode = match primitive.mode {
-            // What is compressed is a list of triangles, whatever mode the file states.
+            // Compressed primitives are lists of triangles, whatever mode the file states.
             _ if self.decoded.contains_key(&element) => Mode::Triangles,
             Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
             Checked::Valid(mode) => {

@@ -11,7 +11,7 @@ use super::extensions::{MESHOPT_EXT, MESHOPT_KHR, whole_number};
 /// Whether this build decompresses.
 pub(super) const IS_SUPPORTED: bool = cfg!(feature = "gltf-meshopt");
 
-/// What the extension object of a compressed buffer view states.
+/// Contents of the extension object of a compressed buffer view.
 pub(super) struct Compressed<'a> {
     extension: &'static str,
     /// The buffer that holds the compressed bytes, and their range in it.

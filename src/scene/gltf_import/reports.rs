@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use super::LoadedGltf;
 use crate::reports::Reports;
 
-/// What was left out of the files whose scenes were spawned.
+/// Lists, for each spawned scene, the parts of its file that were left out.
 #[derive(Resource, Default, Debug)]
 struct ImportReports(Vec<ImportReport>);
 

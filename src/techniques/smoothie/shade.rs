@@ -1,4 +1,4 @@
-//! What a texel of the smoothie buffer holds, and how a receiver reads it: twin of the functions of the same names in
+//! The contents of a texel of the smoothie buffer, and the lookup by a receiver: twin of the functions of the same names in
 //! `shaders/common/smoothie.wgsl`, which says why these two values are stored.
 //!
 //! Source: Chan & Durand 2003, "Rendering Fake Soft Shadows with Smoothies": α′ = α / (1 − b/r), and the minimum.

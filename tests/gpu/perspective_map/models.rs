@@ -11,8 +11,8 @@ const SIZE: UVec2 = UVec2::new(80, 45);
 /// Share of the pixels of a picture that may be wrong.
 const ALLOWED: f64 = 0.005;
 
-/// The same share where the near plane touches the model. The view then spans five powers of ten, which no homography
-/// serves: some shadows are coarse, and lit where they should be dark. There is no acne.
+/// The same share where the near plane touches the model. Some shadows there are lit where they should be dark; the cause
+/// is not known. The worst of what was measured is 0.127, and there was no acne.
 const ALLOWED_TOUCHING: f64 = 0.15;
 
 /// Pixels that make a share meaningful.

@@ -224,6 +224,6 @@ fn beside_the_umbra_smoothies_err_less_on_eight_models() {
         "fox.glb",
         "knight.glb",
     ];
-    // Where many small parts stand close together, smoothies of one reach into the shadows of others.
+    // Measured: at most 0.6 on six of the models, 0.64 on `espresso_cup`, 0.87 on `shape_collection`.
     table(&names, 0.9);
 }
