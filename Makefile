@@ -4,7 +4,7 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test pictures bench fuzz tools vulkan \
+.PHONY: help demo test pictures bench fuzz tools vulkan chromium \
 	test-format test-lints test-docs test-all test-examples test-benches
 
 # rustup's default place, for shells that have not read its environment.
@@ -34,14 +34,15 @@ help: ## this list
 		printf '  make %-15s %s\n' "$$name" "$$what"; done
 
 # The example gallery from a package of its own: nothing is built for it that only tests or Bevy need.
-demo: tools vulkan ## draw every technique beside its judgement, into out/gallery
+demo: tools vulkan ## draw every technique beside its judgement, into out/gallery/index.html
+	@echo "demo: building the example gallery"
 	cargo build --package antumbra_demo
-	cargo run --quiet --package antumbra_demo -- --out out/gallery --soft --size 240x135
 	cargo run --quiet --package antumbra_demo -- --out out/gallery
-	@echo "The pictures are in $(CURDIR)/out/gallery; open index.html there to see them side by side."
+	@echo "Open this page in a browser:"
+	@echo "$(CURDIR)/out/gallery/index.html"
 
 # The cheapest failure first; test-all builds what every step after it uses.
-test: tools vulkan test-format test-lints test-docs test-all test-examples test-benches ## everything below
+test: tools vulkan chromium test-format test-lints test-docs test-all test-examples test-benches ## everything below
 	@echo "make test: all passed"
 
 test-format: ## formatting of all Rust files
@@ -63,8 +64,8 @@ test-all: ## all tests and doc tests
 	cargo test $(FEATURES) --tests $(ALL_MODELS)
 	cargo test $(FEATURES) --doc
 
-# `make demo` draws all of the gallery; what its pages judge is judged by the tests as well.
-test-examples: ## the examples, every shot file, two pages of the gallery in small
+# The gallery is drawn in small by the test `gallery_page`; what its pages judge is judged by the tests as well.
+test-examples: ## the examples and every shot file
 	set -x; for shot in $(SHOTS); do \
 		cargo run --quiet $(FEATURES) --example render -- $$shot --out $(SMALL)/$$(basename $$shot .json); done
 	cargo run --quiet $(FEATURES) --example with_app -- --out $(SMALL)
@@ -72,7 +73,6 @@ test-examples: ## the examples, every shot file, two pages of the gallery in sma
 	cargo run --quiet $(FEATURES) --example bevy_minimal -- --headless --out $(SMALL)
 	cargo run --quiet $(FEATURES) --example bevy_dungeon -- --headless --out $(SMALL)
 	cargo run --quiet $(FEATURES) --example bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1
-	cargo run --quiet $(FEATURES) --example gallery -- --out $(SMALL)/gallery --size 160x90 --only figures
 
 # With the profile of the tests: their answers are asked for here, not their times.
 test-benches: ## every bench in its short mode
@@ -97,3 +97,7 @@ tools:
 
 vulkan:
 	@scripts/ensure-vulkan.sh
+
+# For the test of the gallery's page.
+chromium:
+	@scripts/ensure-chromium.sh

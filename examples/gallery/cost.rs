@@ -5,11 +5,17 @@ use antumbra::render::{PassTime, RenderError};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
 use antumbra::techniques::Techniques;
 use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
+use glam::Vec3;
 
 use super::support::stage::Stage;
 
 /// Number of frames of which a time is the median.
 pub const RUNS: usize = 5;
+
+/// Distance by which a moving light moves from frame to frame, metres, and angle by which it turns, radians: too small to
+/// be seen, and enough for everything that depends on the light to be made again.
+const STEP: f32 = 1e-4;
 
 /// Times of a shot, milliseconds.
 #[derive(Clone, Debug, Default)]
@@ -18,16 +24,28 @@ pub struct Cost {
     pub cpu_ms: Vec<f64>,
     /// GPU time of the light's passes with its shadows and with the other lights off; `None` without timers.
     pub shadowed_ms: Option<f64>,
+    /// GPU time of the light's passes while it moves in every frame; `None` without timers.
+    pub moving_ms: Option<f64>,
+    /// CPU time of all system sets while the light moves in every frame.
+    pub moving_cpu_ms: Option<f64>,
     /// GPU time of the light's passes without its shadows; `None` without timers.
     pub unshadowed_ms: Option<f64>,
 }
 
 impl Cost {
-    /// Returns the time of the light with its shadows divided by the time without.
+    /// Returns the time of the light with its shadows divided by the time without, in frames in which nothing moves.
     pub fn ratio(&self) -> Option<f64> {
-        let (with, without) = (self.shadowed_ms?, self.unshadowed_ms?);
-        (without > 0.0).then(|| with / without)
+        quotient(self.shadowed_ms?, self.unshadowed_ms?)
     }
+
+    /// Returns the time of the light with its shadows while it moves, divided by the time without shadows.
+    pub fn moving_ratio(&self) -> Option<f64> {
+        quotient(self.moving_ms?, self.unshadowed_ms?)
+    }
+}
+
+fn quotient(with: f64, without: f64) -> Option<f64> {
+    (without > 0.0).then(|| with / without)
 }
 
 /// Returns CPU milliseconds by system set: medians of frames in which nothing moves.
@@ -62,35 +80,53 @@ pub fn restore(stage: &mut Stage, lights: Vec<(Entity, Light)>) {
     }
 }
 
-/// Times the light's passes with and without its technique, each after one warm-up frame.
+/// Times the light's passes with its technique at rest and on the move, and without its technique, each after one warm-up
+/// frame.
 ///
 /// # Errors
 /// Something that the device refuses.
 pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
-    let shadowed_ms = passes_ms(stage, light)?;
+    let (shadowed_ms, _) = passes_ms(stage, light, false)?;
     let entity = stage.lights[light];
+    let place = stage.world.get::<Transform>(entity).copied();
+    let (moving_ms, moving_cpu_ms) = passes_ms(stage, light, true)?;
+    if let Some(place) = place {
+        stage.world.entity_mut(entity).insert(place);
+    }
     let techniques = stage.world.resource::<Techniques>().clone();
     let taken = techniques.take(&mut stage.world.entity_mut(entity));
-    let unshadowed_ms = passes_ms(stage, light)?;
+    let (unshadowed_ms, _) = passes_ms(stage, light, false)?;
     for settings in taken {
         settings.insert(&mut stage.world.entity_mut(entity));
     }
     Ok(Cost {
         cpu_ms: Vec::new(),
         shadowed_ms,
+        moving_ms,
+        moving_cpu_ms,
         unshadowed_ms,
     })
 }
 
-/// Times all passes of a light: `light N`, and those of its technique, `light N/…`.
-fn passes_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError> {
-    stage.time_passes()?;
-    let mut times = Vec::with_capacity(RUNS);
-    for _ in 0..RUNS {
+/// Times all passes of a light: `light N`, and those of its technique, `light N/…`. Also times all system sets on the CPU.
+fn passes_ms(
+    stage: &mut Stage,
+    light: usize,
+    moves: bool,
+) -> Result<(Option<f64>, Option<f64>), RenderError> {
+    let mut gpu = Vec::with_capacity(RUNS);
+    let mut cpu = Vec::with_capacity(RUNS);
+    for run in 0..=RUNS {
+        if moves {
+            nudge(stage, light, run);
+        }
         let passes = stage.time_passes()?;
         let Some(index) = stage.light_indices()[light] else {
             continue;
         };
+        if run == 0 {
+            continue;
+        }
         let label = format!("light {index}");
         let is_own = |pass: &&PassTime| {
             let rest = pass.label.strip_prefix(&label);
@@ -102,10 +138,21 @@ fn passes_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError
             .map(|pass| pass.milliseconds)
             .collect();
         if !own.is_empty() {
-            times.push(own.iter().sum());
+            gpu.push(own.iter().sum());
         }
+        let sets = stage.world.resource::<SetTimes>().durations;
+        cpu.push(sets.iter().map(|time| time.as_secs_f64() * 1e3).sum());
     }
-    Ok(median(times))
+    Ok((median(gpu), median(cpu)))
+}
+
+/// Moves and turns a light by [`STEP`], there and back in turn.
+fn nudge(stage: &mut Stage, light: usize, run: usize) {
+    let step = if run.is_multiple_of(2) { STEP } else { -STEP };
+    if let Some(mut place) = stage.world.get_mut::<Transform>(stage.lights[light]) {
+        place.translation += Vec3::splat(step);
+        place.rotate_local_x(step);
+    }
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {

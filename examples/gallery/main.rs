@@ -1,28 +1,31 @@
-//! A gallery in which a technical artist compares shadow techniques. Each page is a scene. Each shot is a row of
-//! pictures with the ray-cast truth beside them, the error in numbers, and the cost of the shadows.
+//! A gallery in which a technical artist compares shadow techniques. Each shot of a scene is a row of pictures, one for
+//! each technique, with the ray-cast truth beside them, the error in numbers, and the cost of the shadows.
 //!
 //! ```sh
 //! cargo run --example gallery --features reference -- --out DIR [--models FOLDER] [--size 320x180] [--only NAME]
 //! ```
 //!
-//! Writes PNGs and one `index.html`. Any error is one line on stderr that names the file and the element; the exit
-//! status is then 1.
+//! Writes PNGs, one `index.html` and `results.json`. Any error is one line on stderr that names the file and the element;
+//! the exit status is then 1.
 //!
 //! | file | subject |
 //! | --- | --- |
 //! | `page` | the description of a page, and its stage |
-//! | `pages`, `model_pages` | the bundled pages, and those of a folder of models |
+//! | `pages`, `soft_pages`, `model_pages` | the bundled pages, and those of a folder of models |
 //! | `lantern` | the jack-o'-lantern, a hollow caster with holes, made in code |
-//! | `judge` | a shot's pictures, and the comparison of its lights with the ray caster |
-//! | `cost` | times of a light with and without its shadows |
+//! | `way` | every technique of the list with its settings |
+//! | `judge` | a shot's pictures under every way, and the comparison of its lights with the ray caster |
+//! | `truth` | ray-cast visibility, and the picture that it makes |
+//! | `cost` | times of a light with and without its shadows, at rest and on the move |
 //! | `panels` | visibility as pictures |
-//! | `html`, `gallery.css`, `gallery.js` | the web page that shows them |
-//! | `soft_pages` | soft shadows side by side, after the figures of their paper |
+//! | `results`, `chooser` | what was measured, and the best way for each thing that a user may want |
+//! | `html`, `web/` | the web page that shows them |
 //! | `soft_table` | errors and costs of soft shadows, model by model |
 //! | `soft_cost` | the time that tight wedges and culling save |
 //! | `readme` | the pictures of the README |
 //! | `uberlight` | one bust under the light model |
 
+mod chooser;
 mod cost;
 mod html;
 mod judge;
@@ -32,10 +35,13 @@ mod page;
 mod pages;
 mod panels;
 mod readme;
+mod results;
 mod soft_cost;
 mod soft_pages;
 mod soft_table;
+mod truth;
 mod uberlight;
+mod way;
 use antumbra_stage as support;
 
 use std::path::PathBuf;
@@ -45,8 +51,8 @@ use std::time::Instant;
 use antumbra::prelude::*;
 use clap::Parser;
 use glam::UVec2;
-use judge::{PageResult, Workbench};
-use page::Page;
+use judge::Workbench;
+use results::Judged;
 use support::stage::one_line;
 
 /// Renders the gallery.
@@ -58,10 +64,13 @@ struct Arguments {
     /// Folder of further models. Adds a page for each one that the gallery knows.
     #[arg(long)]
     models: Option<PathBuf>,
-    /// Size of the pictures, pixels.
+    /// Size of what is judged, pixels.
     #[arg(long, default_value = "320x180", value_parser = parse_size)]
     size: UVec2,
-    /// Renders only pages whose name contains this.
+    /// Factor by which pictures are larger than that. They are drawn at twice their size and averaged.
+    #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
+    scale: u32,
+    /// Renders only pages whose name contains one of these, separated by commas.
     #[arg(long)]
     only: Option<String>,
     /// Renders the pictures of the README into assets/readme instead.
@@ -77,9 +86,6 @@ struct Arguments {
     /// Prints the time that tight wedges and culling save instead.
     #[arg(long)]
     soft_cost: bool,
-    /// Writes the page of soft shadows to `--out` instead. An index that is written there later links to it.
-    #[arg(long, requires = "out")]
-    soft: bool,
     /// Writes the page of the light model to `--out` instead. An index that is written there later links to it.
     #[arg(long, requires = "out")]
     uberlight: bool,
@@ -105,6 +111,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let mut bench = Workbench {
         context,
         size: arguments.size,
+        scale: arguments.scale,
+        progress: Box::new(|_| {}),
     };
     if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
         let choice = soft_table::Choice {
@@ -115,9 +123,6 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     if arguments.soft_cost {
         return soft_cost::print(&bench.context, &assets, arguments.size);
-    }
-    if let (true, Some(out)) = (arguments.soft, &arguments.out) {
-        return soft_pages::write(&bench.context, &assets, arguments.size, out);
     }
     if let (true, Some(out)) = (arguments.uberlight, &arguments.out) {
         let shots = assets.join("../examples/shots/uberlight");
@@ -134,31 +139,26 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if let Some(only) = &arguments.only {
         let names: Vec<&str> = pages.iter().map(|page| page.name).collect();
         let names = names.join(", ");
-        pages.retain(|page| page.name.contains(only.as_str()));
+        pages.retain(|page| only.split(',').any(|part| page.name.contains(part)));
         if pages.is_empty() {
             return Err(format!("--only {only}: there are {names}"));
         }
     }
     std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
     let begin = Instant::now();
-    let mut results: Vec<(&Page, PageResult)> = Vec::new();
+    let mut results: Vec<Judged> = Vec::new();
     for page in &pages {
         let result = bench.judge_page(page, out)?;
         println!("{:<14} {:>6.1} s", page.name, result.seconds);
         results.push((page, result));
     }
     let seconds = begin.elapsed().as_secs_f64();
-    let index = out.join("index.html");
-    // Calls with `--soft` and `--uberlight` draw these pages.
-    let mut more = vec![
-        (soft_pages::FILE, "Soft shadows"),
-        (uberlight::FILE, "The cinematographer's light"),
-    ];
+    // A call with `--uberlight` draws this page.
+    let mut more = vec![(uberlight::FILE, "The cinematographer’s light")];
     more.retain(|(file, _)| out.join(file).is_file());
-    let text = html::index(&results, &more, &bench, seconds);
-    std::fs::write(&index, text).map_err(|error| format!("{}: {error}", index.display()))?;
+    let index = html::write(out, &results, &more, &bench, seconds)?;
+    println!("{}", results::verdict(&results));
     println!("{}", index.display());
-    println!("{}", judge::verdict(&results));
     Ok(())
 }
 

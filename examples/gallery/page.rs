@@ -6,13 +6,14 @@ use std::sync::Arc;
 use antumbra::prelude::*;
 use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
-use antumbra::techniques::{Row, Settings, Techniques};
+use antumbra::techniques::Techniques;
 use bevy_ecs::name::Name;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
 use super::support::shot::ShotCamera;
 use super::support::stage::{Stage, framing_camera, one_line};
+use super::way::{Way, ways_of};
 
 /// One scene with its shots.
 #[derive(Clone)]
@@ -37,8 +38,8 @@ pub struct Page {
     pub background: Vec3,
     /// Ambient light, linear RGB radiance from everywhere.
     pub ambient: Vec3,
-    /// Techniques of the lights. Each light takes the first one that fits it.
-    pub techniques: Vec<Settings>,
+    /// Ways to shadow the lights, each of which is drawn and judged.
+    pub ways: Vec<Way>,
     /// Views of the scene.
     pub shots: Vec<PageShot>,
 }
@@ -91,7 +92,7 @@ pub struct PageShot {
     pub exposure: f32,
 }
 
-/// The stage of a page, on which every light casts shadows.
+/// The stage of a page.
 pub struct PageStage {
     /// World, schedule and renderer.
     pub stage: Stage,
@@ -143,33 +144,12 @@ impl Page {
             clear_panes: false,
             background: Vec3::new(0.012, 0.014, 0.018),
             ambient: Vec3::splat(0.02),
-            techniques: Techniques::default()
-                .rows()
-                .iter()
-                .take(1)
-                .map(Row::defaults)
-                .collect(),
+            ways: ways_of(&Techniques::default()),
             shots: Vec::new(),
         }
     }
 
-    /// Returns the names of the techniques, for the tables.
-    pub fn technique_names(&self) -> String {
-        let names = self
-            .techniques
-            .iter()
-            .map(|settings| settings.row().name().replace('_', " "));
-        names.collect::<Vec<_>>().join(", ")
-    }
-
-    /// Returns the first technique that fits a light.
-    fn technique_of(&self, light: &Light) -> Option<&Settings> {
-        self.techniques
-            .iter()
-            .find(|settings| settings.check(light).is_ok())
-    }
-
-    /// Builds the page's stage.
+    /// Builds the page's stage. Its lights have no techniques yet.
     ///
     /// # Errors
     /// One line that names the file and the element.
@@ -189,11 +169,7 @@ impl Page {
             ));
         }
         for named in &self.lights {
-            stage.spawn_shadowed(
-                named.light.clone(),
-                named.transform,
-                self.technique_of(&named.light),
-            );
+            stage.spawn_light(named.light.clone(), named.transform, None::<()>);
             light_names.push(named.name.to_owned());
         }
         stage.schedule.run(&mut stage.world);
@@ -244,11 +220,6 @@ impl Page {
                 world.entity_mut(entity).remove::<Light>();
                 continue;
             }
-            let light = world.get::<Light>(entity).cloned();
-            if let Some(settings) = light.and_then(|light| self.technique_of(&light)) {
-                stage.shadow(entity, settings);
-            }
-            let world = &mut stage.world;
             let mut light_entity = world.entity_mut(entity);
             let name = light_entity
                 .get::<Name>()

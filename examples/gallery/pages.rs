@@ -4,13 +4,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::techniques::Settings;
-use antumbra::techniques::maps::{MapFilter, MapResolution};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
 use super::lantern::lantern;
 use super::page::{NamedLight, Page, PageShot, PlacedMesh, PlacedModel, view};
+use super::soft_pages;
 
 /// Returns all bundled pages, in the order of the gallery.
 pub fn bundled(models: &Path) -> Vec<Page> {
@@ -18,14 +17,13 @@ pub fn bundled(models: &Path) -> Vec<Page> {
         interior(models),
         figures(models),
         bonsai(models),
-        bonsai_maps(models),
-        figures_maps(models),
-        figures_smoothies(models),
-        figures_perspective(models),
         office(models),
         jack_o_lantern(),
         inside(),
     ]
+    .into_iter()
+    .chain(soft_pages::all(models))
+    .collect()
 }
 
 /// The furnished flat under its own seven lights.
@@ -149,7 +147,7 @@ fn bonsai(models: &Path) -> Page {
         ],
         shots: vec![PageShot {
             name: "leaves",
-            caption: "The picture shows the leaves as they are; their shadows are those of the cards that carry them.",
+            caption: "Look at the gaps between the leaves: techniques that know texels let light through them.",
             camera: view([1.5, 2.0, 2.9], [-0.1, 0.9, 0.0], 45.0),
             light: "directional",
             exposure: 1.0,
@@ -157,89 +155,9 @@ fn bonsai(models: &Path) -> Page {
         ..Page::new(
             "bonsai",
             "Leaves with an alpha mask",
-            "Shadow volumes know triangles, not texels: an alpha-tested surface casts whole. That is the technique's \
-             limit, and stated as such; a map technique is the better trade here. The judged panels take the leaves \
-             as solid for the rendered picture and the truth alike.",
+            "An alpha mask cuts the leaves out of cards. Techniques that know triangles and no texels cast the whole card; \
+             maps cut the holes. Visibility and errors are of solid leaves, in the rendered frame and in the truth alike.",
         )
-    }
-}
-
-/// Maps of 1024² texels with 4×4 filters, for lights of all kinds.
-fn maps() -> Vec<Settings> {
-    let resolution = MapResolution::Fixed(1024);
-    let filter = MapFilter::Brute4x4;
-    vec![
-        Settings::of(ShadowMap {
-            resolution,
-            filter,
-            ..Default::default()
-        }),
-        Settings::of(OmniMap {
-            resolution,
-            filter,
-            ..Default::default()
-        }),
-    ]
-}
-
-/// The bonsai's leaves under maps, whose holes let light through.
-fn bonsai_maps(models: &Path) -> Page {
-    let mut page = Page {
-        name: "bonsai-maps",
-        title: "Leaves that cast their texture",
-        about: "Maps know texels: what the alpha mask leaves out casts no shadow. Four cascades of 1024² for the sun, \
-                six faces of 1024² for the lamp, 4×4 taps, no bias set by hand. The judged panels take the leaves as \
-                solid for the rendered picture and the truth alike.",
-        techniques: maps(),
-        ..bonsai(models)
-    };
-    for shot in &mut page.shots {
-        shot.caption = "Every gap in the leaves is a gap in their shadow.";
-    }
-    page
-}
-
-/// The three figures with shadows by maps.
-fn figures_maps(models: &Path) -> Page {
-    Page {
-        name: "figures-maps",
-        title: "Three figures under maps",
-        about: "The same scene as under shadow volumes: a cube of maps, a spot map, and cascades. Edges are a few texels \
-                wide; nothing else is wrong, and no bias is set by hand.",
-        techniques: maps(),
-        ..figures(models)
-    }
-}
-
-/// The three figures with shadows by smoothies.
-fn figures_smoothies(models: &Path) -> Page {
-    Page {
-        name: "figures-smoothies",
-        title: "Three figures under smoothies",
-        about: "The same scene once more, with rims drawn along the silhouettes. The umbra is that of a map; around it \
-                shadows are sharp where they touch their caster and soften with the distance. The judge's hard edges are \
-                those of a light without a size, so everything that is soft counts as a difference.",
-        techniques: vec![Settings::of(Smoothie {
-            resolution: MapResolution::Fixed(1024),
-            ..Default::default()
-        })],
-        ..figures(models)
-    }
-}
-
-/// The three figures with shadows by perspective maps, one picture for each light.
-fn figures_perspective(models: &Path) -> Page {
-    Page {
-        name: "figures-perspective",
-        title: "Three figures under perspective maps",
-        about: "One picture of 1024² for each light, drawn as the light sees the scene after the viewer's projection: its \
-                texels are where the screen's pixels are. Casters behind the viewer are in it; no bias is set by hand.",
-        techniques: vec![Settings::of(PerspectiveMap {
-            resolution: MapResolution::Fixed(1024),
-            filter: MapFilter::Brute4x4,
-            ..Default::default()
-        })],
-        ..figures(models)
     }
 }
 
@@ -375,7 +293,8 @@ pub fn ground(half_size: f32) -> PlacedMesh {
     mesh(MeshData::plane(half_size), Material::matte(Vec3::splat(0.62)))
 }
 
-fn mesh(mesh: MeshData, material: Material) -> PlacedMesh {
+/// Returns a mesh at the origin.
+pub fn mesh(mesh: MeshData, material: Material) -> PlacedMesh {
     PlacedMesh {
         mesh: Arc::new(mesh),
         material,

@@ -1,19 +1,14 @@
 //! Turns visibility into pictures, and makes pictures smaller.
 
-use antumbra::reference::VisibilityImage;
-use glam::UVec2;
+use antumbra::conventions::RADIANCE_MAX;
+use antumbra::reference::{VisibilityImage, edge_band};
+use glam::{UVec2, Vec3};
 
-/// Names of the panels in file names, in their order.
-pub const NAMES: [&str; 5] = ["picture", "volumes", "visibility", "truth", "difference"];
+/// Colour of pixels that let light through where there is none, sRGB.
+const LEAK: [u8; 3] = [255, 84, 24];
 
-/// Titles of the panels above the pictures, in their order.
-pub const TITLES: [&str; 5] = [
-    "Picture, all lights",
-    "Shadow volumes",
-    "Visibility, rendered",
-    "Visibility, ray-cast",
-    "Difference",
-];
+/// Colour of pixels that are dark where there is light, sRGB.
+const FALSE_SHADOW: [u8; 3] = [30, 144, 255];
 
 /// Colour of pixels where the truth does not count, sRGB.
 const NOT_JUDGED: [u8; 4] = [44, 50, 64, 255];
@@ -31,6 +26,65 @@ pub fn visibility(image: &VisibilityImage, truth: &VisibilityImage) -> Vec<u8> {
             }
         })
         .collect()
+}
+
+/// Draws errors over a transparent picture: orange where the answer is too bright, blue where it is too dark, as opaque as
+/// the error is large. Within a pixel of an edge of a hard shadow, which is not judged, it is half as opaque.
+///
+/// # Errors
+/// The images differ in size.
+pub fn overlay(truth: &VisibilityImage, got: &VisibilityImage, is_soft: bool) -> Result<Vec<u8>, String> {
+    if truth.size() != got.size() {
+        return Err(format!("{} is not the size {}", got.size(), truth.size()));
+    }
+    let band = edge_band(truth, 1);
+    let pixels = truth.values().iter().zip(got.values()).zip(band);
+    let draw = |((&truth, &got), in_band): ((&f32, &f32), bool)| {
+        if truth.is_nan() {
+            return [0; 4];
+        }
+        let difference = if got.is_finite() { got - truth } else { 1.0 };
+        let [red, green, blue] = if difference > 0.0 { LEAK } else { FALSE_SHADOW };
+        let strength = if in_band && !is_soft { 0.5 } else { 1.0 };
+        // The root shows small errors as well.
+        let opacity = difference.abs().min(1.0).sqrt() * strength;
+        [red, green, blue, (255.0 * opacity) as u8]
+    };
+    Ok(pixels.flat_map(draw).collect())
+}
+
+/// Maps linear radiance (RGBA rows) to sRGB as the renderer's last pass does.
+///
+/// Source: Khronos 2024, "Khronos PBR Neutral Tone Mapper", formula of its specification.
+/// Twin of `shaders/passes/tonemap.wgsl`.
+pub fn tonemapped(radiance: &[f32], exposure: f32) -> Vec<u8> {
+    let pixels = radiance.chunks_exact(4).flat_map(|pixel| {
+        let shown = Vec3::from_slice(pixel) * exposure;
+        let color = pbr_neutral(shown.clamp(Vec3::ZERO, Vec3::splat(RADIANCE_MAX)));
+        let [red, green, blue] = color.to_array().map(encoded);
+        [red, green, blue, 255]
+    });
+    pixels.collect()
+}
+
+fn pbr_neutral(radiance: Vec3) -> Vec3 {
+    const START: f32 = 0.8 - 0.04;
+    const DESATURATION: f32 = 0.15;
+    let lowest = radiance.min_element();
+    let offset = if lowest < 0.08 {
+        lowest - 6.25 * lowest * lowest
+    } else {
+        0.04
+    };
+    let color = radiance - offset;
+    let peak = color.max_element();
+    if peak < START {
+        return color;
+    }
+    let room = 1.0 - START;
+    let compressed = 1.0 - room * room / (peak + room - START);
+    let grey = 1.0 - 1.0 / (DESATURATION * (peak - compressed) + 1.0);
+    (color * (compressed / peak)).lerp(Vec3::splat(compressed), grey)
 }
 
 /// Halves the size of a picture, averaging in linear light. Width and height must be even.

@@ -1,12 +1,15 @@
-//! The pictures of the README: the flat, and one judged light as a strip of panels.
+//! The pictures of the README: the flat, one judged light as a strip of panels, and a scene under every technique, whose
+//! table is written into the README as well.
 
 use std::path::Path;
 
 use glam::UVec2;
 
 use super::judge::Workbench;
-use super::page::PageShot;
-use super::{pages, panels, support::picture};
+use super::page::{Page, PageShot};
+use super::support::picture;
+use super::way::{Way, light_kinds};
+use super::{pages, panels, soft_pages};
 
 /// Twice the size of the hero picture, which is averaged down.
 const HERO: UVec2 = UVec2::new(1920, 1080);
@@ -14,10 +17,23 @@ const HERO: UVec2 = UVec2::new(1920, 1080);
 /// Twice the size of a panel of the strip.
 const PANEL: UVec2 = UVec2::new(472, 266);
 
+/// Twice the size of a picture of the scene under every technique.
+const CELL: UVec2 = UVec2::new(480, 320);
+
+/// Number of pictures of a line of the table.
+const COLUMNS: usize = 4;
+
+/// Lines of the README between which the table is written.
+pub const MARKS: [&str; 2] = [
+    "<!-- techniques: written by make pictures -->",
+    "<!-- end of techniques -->",
+];
+
 /// Name of the flat's shot that both pictures show.
 const SHOT: &str = "dining";
 
-/// Renders `hero.png` and `judgement.png` into `readme/` of the assets.
+/// Renders `hero.png`, `judgement.png` and a picture for each technique into `readme/` of the assets, and writes the table
+/// of the techniques into the README.
 ///
 /// # Errors
 /// One line that names the file and the element.
@@ -31,12 +47,13 @@ pub fn write(bench: &mut Workbench, assets: &Path) -> Result<(), String> {
         .find(|shot| shot.name == SHOT)
         .ok_or_else(|| format!("page {}: no shot {SHOT}", page.name))?;
 
+    let way = page.ways.first().ok_or("there is no technique")?;
     bench.size = PANEL;
-    let shown = bench.panels(&page, shot)?;
+    let (picture, shown) = bench.panels(&page, shot, way)?;
     // Visibility and difference are exact to the pixel, so they are rendered at half size and not averaged.
     bench.size = PANEL / 2;
-    let exact = bench.panels(&page, shot)?;
-    let (size, smooth) = panels::halve(PANEL, &shown.picture);
+    let (_, exact) = bench.panels(&page, shot, way)?;
+    let (size, smooth) = panels::halve(PANEL, &picture);
     let (_, volumes) = panels::halve(PANEL, &shown.volumes);
     let strip = [
         &smooth[..],
@@ -49,9 +66,72 @@ pub fn write(bench: &mut Workbench, assets: &Path) -> Result<(), String> {
     report(&out.join("judgement.png"), size, &strip)?;
 
     bench.size = HERO;
-    let large = bench.hero(&page, shot)?;
+    let large = bench.hero(&page, shot, way)?;
     let (size, hero) = panels::halve(HERO, &large);
-    report(&out.join("hero.png"), size, &hero)
+    report(&out.join("hero.png"), size, &hero)?;
+    techniques(bench, assets, &out)
+}
+
+/// Renders a scene under every technique of the list, and writes the table into the README.
+fn techniques(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), String> {
+    bench.size = CELL;
+    let page = soft_pages::casters(&assets.join("models")).swap_remove(1);
+    let shot = page.shots.first().ok_or("the page has no shot")?;
+    let mut cells = Vec::new();
+    for way in &page.ways {
+        let large = bench.hero(&lit_for(&page, way), shot, way)?;
+        let (size, pixels) = panels::halve(CELL, &large);
+        report(&out.join(format!("{}.png", way.name)), size, &pixels)?;
+        cells.push(&way.name);
+    }
+    let readme = assets.join("../README.md");
+    let named = |error: std::io::Error| format!("{}: {error}", readme.display());
+    let text = std::fs::read_to_string(&readme).map_err(named)?;
+    let parts = text
+        .split_once(MARKS[0])
+        .and_then(|(before, rest)| Some((before, rest.split_once(MARKS[1])?.1)));
+    let (before, after) = parts.ok_or_else(|| format!("{}: no line {}", readme.display(), MARKS[0]))?;
+    let text = format!("{before}{}\n\n{}\n{}{after}", MARKS[0], table(&cells), MARKS[1]);
+    std::fs::write(&readme, text).map_err(named)
+}
+
+/// Returns the page with a light that the way takes: its own, or else the first kind that the way does not refuse.
+fn lit_for(page: &Page, way: &Way) -> Page {
+    let mut page = page.clone();
+    for named in &mut page.lights {
+        let refused = |light: &antumbra::prelude::Light| way.settings.check(light).is_err();
+        let kinds = light_kinds().into_iter().map(|(_, kind)| kind);
+        if refused(&named.light)
+            && let Some(kind) = kinds.clone().find(|&kind| {
+                !refused(&antumbra::prelude::Light {
+                    kind,
+                    ..named.light.clone()
+                })
+            })
+        {
+            named.light.kind = kind;
+        }
+    }
+    page
+}
+
+/// Returns names and pictures as a table of Markdown.
+fn table(names: &[&String]) -> String {
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let mut text = String::new();
+    for (index, names) in names.chunks(COLUMNS).enumerate() {
+        let padded = |cell: &dyn Fn(&str) -> String| {
+            let mut cells: Vec<String> = names.iter().map(|name| cell(name)).collect();
+            cells.resize(COLUMNS, String::new());
+            line(cells)
+        };
+        text += &padded(&|name| format!("`{name}`"));
+        if index == 0 {
+            text += &line(vec!["---".to_owned(); COLUMNS]);
+        }
+        text += &padded(&|name| format!("![{}](assets/readme/{name}.png)", name.replace('_', " ")));
+    }
+    text
 }
 
 fn report(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), String> {

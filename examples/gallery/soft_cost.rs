@@ -13,9 +13,10 @@ use antumbra::techniques::penumbra_wedge::{
     CoverageMaths, Overlap, VisibilityBuffer, WedgeBounds, WedgeCulling, WedgeSilhouette,
 };
 use bevy_ecs::system::RunSystemOnce;
-use glam::UVec2;
+use bevy_transform::prelude::Transform;
+use glam::{UVec2, Vec3};
 
-use super::soft_pages::{SQUARE, WIDE, scenes, set_light, stage};
+use super::soft_pages::{LIGHT, SQUARE, WIDE, casters};
 use super::support::stage::{Stage, one_line};
 
 /// Number of frames of which a time is the median.
@@ -97,17 +98,19 @@ pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), 
         ),
     ];
     println!("{size}, {}; times as ratios to ours", context.adapter);
-    for scene in scenes() {
-        let mut stage = stage(context, assets, size, &scene)?;
+    for page in casters(&assets.join("models")) {
+        let mut stage = page.stage(size)?.stage;
+        let added = stage.add_renderer(context.clone(), RenderSettings::default());
+        added.map_err(|error| one_line(&error))?;
         for (name, kind) in [("square", SQUARE), ("wide", WIDE)] {
-            set_light(&mut stage, kind, scene.light, ours);
+            set_light(&mut stage, kind, ours);
             let first = visibility(&mut stage)?;
             let mut covered = [0.0; 2];
             for (covered, wedge) in covered.iter_mut().zip([ours, sphere]) {
-                set_light(&mut stage, kind, scene.light, wedge);
+                set_light(&mut stage, kind, wedge);
                 *covered = cover(&mut stage)?;
             }
-            set_light(&mut stage, kind, scene.light, ways[4].1);
+            set_light(&mut stage, kind, ways[4].1);
             let plain = visibility(&mut stage)?;
             let apart = first.iter().zip(&plain).map(|(a, b)| (a - b).abs());
             let apart = apart.filter(|apart| *apart > 2e-3).count();
@@ -134,7 +137,7 @@ pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), 
                 .collect();
             let mut line = format!(
                 "{:<9} {name:<7} covered {:>9.0} px, sphere bounds {:.2}x; ours {:.1} ms",
-                scene.name,
+                page.name,
                 covered[0],
                 covered[1] / covered[0].max(1.0),
                 medians[0]
@@ -143,11 +146,26 @@ pub fn print(context: &RenderContext, assets: &Path, size: UVec2) -> Result<(), 
                 line += &format!(", {name} {:.2}x", time / medians[0]);
             }
             println!("{line}; plain differs at {apart} px");
-            set_light(&mut stage, kind, scene.light, ours);
+            set_light(&mut stage, kind, ours);
             println!("{}", build(&mut stage, medians[0])?);
         }
     }
     Ok(())
+}
+
+/// Replaces the light of a stage.
+fn set_light(stage: &mut Stage, kind: LightKind, wedge: PenumbraWedge) {
+    for light in std::mem::take(&mut stage.lights) {
+        stage.world.despawn(light);
+    }
+    let light = Light {
+        kind,
+        color: Vec3::ONE,
+        intensity: 70.0,
+        range: f32::INFINITY,
+    };
+    let place = Transform::from_translation(LIGHT).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y);
+    stage.spawn_light(light, place, Some(wedge));
 }
 
 /// Times the construction of all wedges on the CPU, as after a move of the light, and compares it with a frame of

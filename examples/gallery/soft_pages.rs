@@ -1,281 +1,161 @@
-//! Soft shadows side by side: a cylinder and a complex caster under hard, sphere, square and wide lights. A whole
-//! light, a split light and 1024 rays are compared, with maps of the error.
+//! Pages with soft shadows: a cylinder, a complex caster and a comb under lights with a size.
 //!
-//! After figures 8 to 11 of Assarsson et al. 2003. Writes PNGs and `soft.html`.
+//! After figures 8 to 11 of Assarsson et al. 2003.
 
-use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::reference::{
-    LightSource, RayScene, VisibilityImage, compare_soft, difference_image, primary_hits, soft_visibility,
-};
-use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
+use antumbra::techniques::Settings;
 use antumbra::techniques::penumbra_wedge::WedgeSilhouette;
-use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{UVec2, Vec3};
+use bevy_transform::prelude::Transform;
+use glam::Vec3;
 
-use super::panels;
-use super::support::picture::write_png;
-use super::support::stage::{Stage, one_line};
-use super::support::stats::print_new_reports;
+use super::page::{NamedLight, Page, PageShot, PlacedMesh, PlacedModel, view};
+use super::pages::{ground, mesh, model};
+use super::way::Way;
 
-/// File name of the page.
-pub const FILE: &str = "soft.html";
+/// Place of the lights of all pages.
+pub const LIGHT: Vec3 = Vec3::new(1.9, 4.2, 1.2);
 
-/// A caster on a ground.
-pub(super) struct Scene {
-    pub(super) name: &'static str,
-    caption: &'static str,
-    eye: Vec3,
-    target: Vec3,
-    pub(super) light: Vec3,
-    kind: Caster,
-}
-
-enum Caster {
-    Cylinder,
-    Model(&'static str, Transform),
-    Comb,
-}
-
-pub(super) fn scenes() -> Vec<Scene> {
-    let eye = Vec3::new(2.2, 2.4, 4.4);
-    vec![
-        Scene {
-            name: "cylinder",
-            caption: "A cylinder, as in figure 10.",
-            eye,
-            target: Vec3::new(-0.3, 0.5, 0.0),
-            light: Vec3::new(1.9, 4.2, 1.2),
-            kind: Caster::Cylinder,
-        },
-        Scene {
-            name: "deer",
-            caption: "A more complex caster, as in figure 11.",
-            eye,
-            target: Vec3::new(-0.3, 0.6, 0.0),
-            light: Vec3::new(1.9, 4.2, 1.2),
-            kind: Caster::Model("deer.glb", Transform::from_scale(Vec3::splat(0.2))),
-        },
-        Scene {
-            name: "comb",
-            caption: "Bars behind one another, as in figures 8 and 9: the silhouette from the centre is not that from \
-                      the rest of the light, and what overlaps is counted twice.",
-            eye,
-            target: Vec3::new(-0.4, 0.4, 0.0),
-            light: Vec3::new(1.9, 4.2, 1.2),
-            kind: Caster::Comb,
-        },
-    ]
-}
-
-pub(super) const SQUARE: LightKind = LightKind::Rect {
+/// A square light.
+pub const SQUARE: LightKind = LightKind::Rect {
     width: 0.9,
     height: 0.9,
 };
 
-pub(super) const WIDE: LightKind = LightKind::Rect {
+/// A light that is much wider than high.
+pub const WIDE: LightKind = LightKind::Rect {
     width: 2.4,
     height: 0.3,
 };
 
-/// Renders and judges everything, and writes the page.
-///
-/// # Errors
-/// One line that names the file and the element.
-pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) -> Result<(), String> {
-    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
-    let mut page = "<!doctype html><meta charset=utf-8><title>antumbra: soft shadows</title>\
-         <style>body{background:#14161c;color:#ddd;font:15px sans-serif}figure{display:inline-block;margin:4px}</style>"
-        .to_owned();
-    for scene in scenes() {
-        let _ = write!(page, "<h2>{}</h2><p>{}</p>", scene.name, scene.caption);
-        let mut stage = stage(context, assets, size, &scene)?;
-        let rays = RayScene::from_world(&mut stage.world);
-        let shapes = [
-            ("hard", LightKind::Point),
-            ("sphere", LightKind::Sphere { radius: 0.5 }),
-            ("square", SQUARE),
-            ("wide", WIDE),
-        ];
-        for (name, kind) in shapes {
-            set_light(&mut stage, kind, scene.light, PenumbraWedge::default());
-            let rendered = stage.render().map_err(|error| one_line(&error))?;
-            figure(
-                &mut page,
-                out,
-                size,
-                &format!("{}-{name}", scene.name),
-                &rendered.picture,
-                name,
-            )?;
-        }
-        page += "<br>";
-        let mut truth = None;
-        let ways = [
-            ("center", 1, WedgeSilhouette::Center),
-            ("split1", 1, WedgeSilhouette::Receiver),
-            ("split2", 2, WedgeSilhouette::Receiver),
-            ("split3", 3, WedgeSilhouette::Receiver),
-        ];
-        for (name, parts, silhouette) in ways {
-            let wedge = PenumbraWedge {
-                split: [parts; 2],
-                silhouette,
-                ..Default::default()
-            };
-            set_light(&mut stage, SQUARE, scene.light, wedge);
-            let rendered = stage.render().map_err(|error| one_line(&error))?;
-            let got = VisibilityImage::new(size, rendered.visibility[0].clone())
-                .map_err(|error| one_line(&error))?;
-            if truth.is_none() {
-                truth = Some(rays_of(&stage, &rays)?);
-            }
-            let Some(truth) = &truth else { continue };
-            let error = compare_soft(truth, &got).map_err(|error| one_line(&error))?;
-            let error = error.ok_or("no pixel counts")?;
-            let title = format!(
-                "{parts}×{parts}{}: RMSE {:.4}, penumbra {:.4}",
-                match silhouette {
-                    WedgeSilhouette::Center => ", silhouette from the centre",
-                    WedgeSilhouette::Receiver => "",
-                },
-                error.rmse,
-                error.rmse_penumbra
-            );
-            println!("{:<10} {title}", scene.name);
-            let stem = format!("{}-{name}", scene.name);
-            figure(
-                &mut page,
-                out,
-                size,
-                &stem,
-                &panels::visibility(&got, truth),
-                &title,
-            )?;
-            let map = difference_image(truth, &got).map_err(|error| one_line(&error))?;
-            figure(
-                &mut page,
-                out,
-                size,
-                &format!("{stem}-error"),
-                &map.rgba8,
-                "its error",
-            )?;
-        }
-        if let Some(truth) = &truth {
-            let stem = format!("{}-truth", scene.name);
-            figure(
-                &mut page,
-                out,
-                size,
-                &stem,
-                &panels::visibility(truth, truth),
-                "1024 rays",
-            )?;
-        }
-    }
-    let file = out.join(FILE);
-    std::fs::write(&file, page).map_err(|error| format!("{}: {error}", file.display()))?;
-    println!("{}", file.display());
-    Ok(())
+/// Returns all pages with soft shadows.
+pub fn all(models: &Path) -> Vec<Page> {
+    let mut pages = casters(models);
+    let deer = pages[1].clone();
+    pages.push(Page {
+        lights: vec![light("sphere", LightKind::Sphere { radius: 0.5 })],
+        shots: shots(
+            "sphere",
+            "A sphere is round from everywhere, so its penumbrae are as wide on all sides.",
+        ),
+        name: "soft-sphere",
+        title: "A deer under a sphere",
+        about: "The same deer under a light that is a sphere of one metre.",
+        ..deer
+    });
+    let cylinder = pages[0].clone();
+    pages.push(Page {
+        lights: vec![light("wide", WIDE)],
+        shots: shots(
+            "wide",
+            "Edges along the light are sharp, edges across it are soft.",
+        ),
+        name: "soft-wide",
+        title: "A cylinder under a long light",
+        about: "A light of 2.4 m × 0.3 m: a penumbra’s width depends on the direction of the edge.",
+        ..cylinder
+    });
+    pages
 }
 
-fn figure(
-    page: &mut String,
-    out: &Path,
-    size: UVec2,
-    stem: &str,
-    rgba8: &[u8],
-    caption: &str,
-) -> Result<(), String> {
-    write_png(&out.join(format!("{stem}.png")), size, rgba8)?;
-    let _ = write!(
-        page,
-        "<figure><img src=\"{stem}.png\" width={} height={}><figcaption>{caption}</figcaption></figure>",
-        size.x, size.y
+/// Returns the pages under a square light, whose silhouettes and parts are compared as well.
+pub fn casters(models: &Path) -> Vec<Page> {
+    let page = |name, title, about, caption| Page {
+        objects: vec![ground(12.0)],
+        lights: vec![light("square", SQUARE)],
+        shots: shots("square", caption),
+        background: Vec3::ZERO,
+        ..Page::new(name, title, about)
+    };
+    let mut cylinder = page(
+        "soft-cylinder",
+        "A cylinder under a square light",
+        "A light with a size has penumbrae: sharp at the contact, wider with the distance (figure 10 of the wedges’ paper). \
+         The truth is made of 1024 rays to the light at every pixel.",
+        "Sharp at the foot, soft at the far end.",
     );
-    Ok(())
-}
-
-pub(super) fn stage(
-    context: &RenderContext,
-    assets: &Path,
-    size: UVec2,
-    scene: &Scene,
-) -> Result<Stage, String> {
-    let camera = Camera {
-        vertical_fov: 0.75,
-        near: 0.05,
-        aspect: size.x as f32 / size.y as f32,
-        ..Camera::default()
-    };
-    let view = Transform::from_translation(scene.eye).looking_at(scene.target, Vec3::Y);
-    let mut stage = Stage::empty(size, camera, view);
-    let added = stage.add_renderer(context.clone(), RenderSettings::default());
-    added.map_err(|error| one_line(&error))?;
-    let mut put = |mesh: MeshData, place: Transform| {
-        stage.world.spawn((
-            SceneMesh(Arc::new(mesh)),
-            SceneMaterials([Arc::new(Material::matte(Vec3::splat(0.75)))].into()),
-            (ShadowCaster, ShadowReceiver),
-            place,
-        ));
-    };
-    put(MeshData::plane(12.0), Transform::IDENTITY);
-    match scene.kind {
-        Caster::Cylinder => put(cylinder(0.45, 1.3, 48), Transform::from_xyz(0.0, 0.01, 0.0)),
-        Caster::Comb => {
-            for i in 0..7 {
-                let x = 0.22 * (i as f32 - 3.0);
-                let bar = || MeshData::cuboid(Vec3::new(0.05, 0.6, 0.05));
-                put(bar(), Transform::from_xyz(x, 0.75, 0.0));
-                put(bar(), Transform::from_xyz(x + 0.08, 0.75, -0.5));
-            }
-        }
-        Caster::Model(name, place) => {
-            let loaded = load_gltf(assets.join("models").join(name)).map_err(|error| one_line(&error))?;
-            let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
-            stage.world.entity_mut(spawned.root).insert(place);
+    cylinder.objects.push(PlacedMesh {
+        transform: Transform::from_xyz(0.0, 0.01, 0.0),
+        ..mesh(round(0.45, 1.3, 48), grey())
+    });
+    let mut deer = page(
+        "soft-deer",
+        "A deer under a square light",
+        "A caster with legs and antlers (figure 11): many silhouette edges, whose penumbrae overlap.",
+        "The antlers fade out, the hooves stay sharp.",
+    );
+    deer.models.push(PlacedModel {
+        transform: Transform::from_scale(Vec3::splat(0.2)),
+        ..model(models, "deer.glb")
+    });
+    let mut comb = page(
+        "soft-comb",
+        "A comb under a square light",
+        "Bars behind one another (figures 8 and 9): the silhouette from the light’s centre is not that from the rest of the \
+         light, and what overlaps is easily counted twice.",
+        "Two rows of bars, whose penumbrae overlap on the ground.",
+    );
+    for i in 0..7 {
+        let x = 0.22 * (i as f32 - 3.0);
+        for (x, z) in [(x, 0.0), (x + 0.08, -0.5)] {
+            comb.objects.push(PlacedMesh {
+                transform: Transform::from_xyz(x, 0.75, z),
+                ..mesh(MeshData::cuboid(Vec3::new(0.05, 0.6, 0.05)), grey())
+            });
         }
     }
-    stage.schedule.run(&mut stage.world);
-    print_new_reports("soft scenes", &mut stage);
-    Ok(stage)
+    comb.ways.extend(wedges());
+    vec![cylinder, deer, comb]
 }
 
-pub(super) fn set_light(stage: &mut Stage, kind: LightKind, from: Vec3, wedge: PenumbraWedge) {
-    for light in std::mem::take(&mut stage.lights) {
-        stage.world.despawn(light);
+/// Returns further settings of wedges: the paper's silhouette, and a light in parts.
+fn wedges() -> [Way; 3] {
+    let wedge = PenumbraWedge::default();
+    let center = PenumbraWedge {
+        silhouette: WedgeSilhouette::Center,
+        ..wedge
+    };
+    let parts = |count| PenumbraWedge {
+        split: [count; 2],
+        ..wedge
+    };
+    [
+        Way::with(Settings::of(center), "center", "from the centre"),
+        Way::with(Settings::of(parts(2)), "2x2", "2×2 parts"),
+        Way::with(Settings::of(parts(3)), "3x3", "3×3 parts"),
+    ]
+}
+
+fn grey() -> Material {
+    Material::matte(Vec3::splat(0.75))
+}
+
+fn light(name: &'static str, kind: LightKind) -> NamedLight {
+    NamedLight {
+        name,
+        light: Light {
+            kind,
+            color: Vec3::ONE,
+            intensity: 70.0,
+            range: f32::INFINITY,
+        },
+        transform: Transform::from_translation(LIGHT).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y),
     }
-    let light = Light {
-        kind,
-        color: Vec3::ONE,
-        intensity: 70.0,
-        range: f32::INFINITY,
-    };
-    let place = Transform::from_translation(from).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y);
-    stage.spawn_light(light, place, Some(wedge));
 }
 
-fn rays_of(stage: &Stage, rays: &RayScene) -> Result<VisibilityImage, String> {
-    let world = &stage.world;
-    let (Some(camera), Some(view)) = (
-        world.get::<Camera>(stage.camera),
-        world.get::<GlobalTransform>(stage.camera),
-    ) else {
-        return Err("the stage has no camera".to_owned());
-    };
-    let size = world.resource::<ViewportSize>().0;
-    let hits = primary_hits(rays, camera, view, size).map_err(|error| one_line(&error))?;
-    let source = LightSource::of_entity(world, stage.lights[0]).map_err(|error| one_line(&error))?;
-    Ok(soft_visibility(rays, &hits, &source, 1024, 7))
+fn shots(light: &'static str, caption: &'static str) -> Vec<PageShot> {
+    vec![PageShot {
+        name: light,
+        caption,
+        camera: view([2.2, 2.4, 4.4], [-0.3, 0.5, 0.0], 43.0),
+        light,
+        exposure: 1.0,
+    }]
 }
 
 /// Builds a closed cylinder that stands at the origin.
-fn cylinder(radius: f32, height: f32, sides: u32) -> MeshData {
+fn round(radius: f32, height: f32, sides: u32) -> MeshData {
     let mut positions = vec![Vec3::ZERO, Vec3::Y * height];
     for i in 0..sides {
         let (sin, cos) = (i as f32 / sides as f32 * std::f32::consts::TAU).sin_cos();

@@ -10,13 +10,19 @@ mod judge;
 mod page;
 #[path = "../../examples/gallery/panels.rs"]
 mod panels;
+#[path = "../../examples/gallery/results.rs"]
+mod results;
+#[path = "../../examples/gallery/truth.rs"]
+mod truth;
 #[path = "../veil/mod.rs"]
 mod veil;
+#[path = "../../examples/gallery/way.rs"]
+mod way;
 
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::techniques::{Settings, Techniques};
+use antumbra::techniques::Techniques;
 use antumbra_stage as support;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -101,6 +107,9 @@ fn it_works_in_the_gallery() {
         material: Material::matte(Vec3::ONE),
         transform: Transform::from_xyz(0.0, height, 0.0),
     };
+    // Of the list, the first and the last, which is that of the stranger.
+    let mut of_list = way::ways_of(&techniques());
+    of_list.drain(1..of_list.len() - 1);
     let page = page::Page {
         objects: vec![
             ball(MeshData::plane(4.0), 0.0),
@@ -118,10 +127,9 @@ fn it_works_in_the_gallery() {
             light: "lamp",
             exposure: 1.0,
         }],
-        techniques: vec![Settings::of(Veil { seen: 0.5 })],
+        ways: of_list,
         ..page::Page::new("veil", "A veil", "")
     };
-    assert_eq!(page.technique_names(), "veil");
     let out = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("third_party");
     std::fs::create_dir_all(&out).expect("a folder");
     let context = own_context(RequestedFeatures {
@@ -132,16 +140,52 @@ fn it_works_in_the_gallery() {
         .device
         .features()
         .contains(wgpu::Features::TIMESTAMP_QUERY);
-    let mut bench = judge::Workbench {
+    let bench = judge::Workbench {
         context,
         size: UVec2::new(64, 36),
+        scale: 1,
+        progress: Box::new(|_| {}),
     };
     let result = bench.judge_page(&page, &out).expect("the page is drawn");
     let shot = &result.shots[0];
-    assert_eq!(shot.stats["lights"][0]["technique"], json!("veil"));
+    let [Ok(exact), Ok(veiled)] = &shot.ways[..] else {
+        panic!("both are judged");
+    };
+    assert_eq!(veiled.stats["lights"][0]["technique"], json!("veil"));
+    for cost in [veiled.cost.ratio(), veiled.cost.moving_ratio()] {
+        assert_eq!(
+            cost.is_some(),
+            has_timers,
+            "its cost is that of the light without it"
+        );
+    }
+    // The picture with ray-cast visibility is that of the exact technique, but for edges; it is not that of the veil.
+    let picture = |file: &str| image::open(out.join(file)).expect("a picture").into_rgb8();
+    let truth = picture(shot.truth_picture.as_ref().expect("nothing is cut out"));
+    let apart = |way: &results::WayResult| {
+        let got = picture(&way.files[0]);
+        let pixels = got.pixels().zip(truth.pixels());
+        let differ = |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| (0..3).any(|i| a[i].abs_diff(b[i]) > 3);
+        pixels.filter(differ).count()
+    };
+    let (exact, veiled) = (apart(exact), apart(veiled));
+    assert!(
+        exact < 64 * 36 / 50,
+        "{exact} pixels of the exact picture differ from the truth"
+    );
+    assert!(
+        veiled > 64 * 36 / 4,
+        "{veiled} pixels of the veiled picture differ from the truth"
+    );
+    let json = results::json(&[(&page, result)], &techniques());
+    let names = json["techniques"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|row| &row["name"]);
+    assert!(names.into_iter().any(|name| name == "veil"), "the page lists it");
     assert_eq!(
-        shot.cost.ratio().is_some(),
-        has_timers,
-        "its cost is that of the light without it"
+        json["scenes"][0]["shots"][0]["ways"][1]["technique"],
+        json!("veil")
     );
 }

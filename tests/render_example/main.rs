@@ -1,8 +1,9 @@
 //! `examples/render` does what its shot files say (DESIGN.md §6), or says in one line why not.
 //!
-//! Runs the built example: `cargo test` builds it; with `--test render_example` alone, build it before with
-//! `cargo build --example render` and the same features.
+//! Runs the built example.
 
+#[path = "../built_example/mod.rs"]
+mod built_example;
 #[path = "../gltf/gltf_builder/mod.rs"]
 mod gltf_builder;
 
@@ -13,42 +14,9 @@ mod reports;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use built_example::example;
 use gltf_builder::Builder;
 use serde_json::{Value, json};
-
-/// The built example, not older than what it was built from.
-fn example() -> PathBuf {
-    let test = std::env::current_exe().expect("a test knows where it is");
-    let profile = test.ancestors().nth(2).expect("target/<profile>/deps/<test>");
-    let path = profile
-        .join("examples")
-        .join(format!("render{}", std::env::consts::EXE_SUFFIX));
-    let built = modified(&path).unwrap_or_else(|| {
-        panic!(
-            "{} is missing: cargo build --example render, with the features of the tests",
-            path.display()
-        )
-    });
-    // Cargo lists beside it what it was built from, with spaces escaped.
-    let list = std::fs::read_to_string(path.with_extension("d")).expect("cargo writes a list of inputs");
-    let inputs = list
-        .split_once(": ")
-        .map_or("", |(_, inputs)| inputs)
-        .replace("\\ ", "\u{0}");
-    for input in inputs.split_whitespace().map(|input| input.replace('\u{0}', " ")) {
-        let stale = modified(Path::new(&input)).is_none_or(|time| time > built);
-        assert!(
-            !stale,
-            "{} is older than {input}: cargo build --example render",
-            path.display()
-        );
-    }
-    path
-}
-
-fn modified(path: &Path) -> Option<std::time::SystemTime> {
-    path.metadata().and_then(|metadata| metadata.modified()).ok()
-}
 
 /// An empty folder of one test.
 fn folder(test: &str) -> PathBuf {
@@ -64,7 +32,7 @@ fn folder(test: &str) -> PathBuf {
 
 /// Runs the example on a shot file.
 fn run(folder: &Path, shot: &str, out: &str, environment: &[(&str, &str)]) -> Output {
-    Command::new(example())
+    Command::new(example("render"))
         .arg(folder.join(shot))
         .arg("--out")
         .arg(folder.join(out))

@@ -1,0 +1,106 @@
+//! Ray-cast visibility of the lights of a stage, and the picture that the renderer would draw with it.
+
+use antumbra::prelude::*;
+use antumbra::reference::{
+    HitImage, LightSource, RayScene, VisibilityImage, hard_visibility, primary_hits, soft_visibility,
+};
+use bevy_transform::prelude::GlobalTransform;
+
+use super::cost::{isolate, restore};
+use super::panels;
+use super::support::stage::{Stage, one_line};
+use super::way::shadow;
+
+/// Number of samples of a light with a size at each judged pixel.
+pub const SAMPLES: u32 = 1024;
+
+/// Number of samples of a light with a size at each pixel of a picture, which has many pixels for each judged one.
+const PICTURE_SAMPLES: u32 = 16;
+
+/// Seed of all samples.
+const SEED: u64 = 7;
+
+/// Ray-cast visibility of a light.
+pub struct Truth {
+    /// Visibility of each pixel; NaN where the pixel does not count.
+    pub image: VisibilityImage,
+    /// Whether the light has a size, so that its shadows are soft.
+    pub is_soft: bool,
+}
+
+/// Returns the surfaces that the camera saw in the last frame.
+///
+/// # Errors
+/// The stage has no camera, or one that sees nothing.
+pub fn surfaces(stage: &Stage, scene: &RayScene) -> Result<HitImage, String> {
+    let world = &stage.world;
+    let (Some(camera), Some(transform)) = (
+        world.get::<Camera>(stage.camera),
+        world.get::<GlobalTransform>(stage.camera),
+    ) else {
+        return Err("the stage has no camera".to_owned());
+    };
+    let size = world.resource::<ViewportSize>().0;
+    primary_hits(scene, camera, transform, size).map_err(|error| one_line(&error))
+}
+
+/// Casts rays to every light of the last frame; `None` for a light that cannot shine.
+///
+/// # Errors
+/// The stage has no camera, or one that sees nothing.
+pub fn of_lights(stage: &Stage, scene: &RayScene, samples: u32) -> Result<Vec<Option<Truth>>, String> {
+    let hits = surfaces(stage, scene)?;
+    let of_light = |&light| {
+        let source = LightSource::of_entity(&stage.world, light).ok()?;
+        let is_soft = has_size(stage.world.get::<Light>(light)?);
+        let image = if is_soft {
+            soft_visibility(scene, &hits, &source, samples, SEED)
+        } else {
+            hard_visibility(scene, &hits, &source)
+        };
+        Some(Truth { image, is_soft })
+    };
+    Ok(stage.lights.iter().map(of_light).collect())
+}
+
+/// Whether a light has a size, so that it has penumbrae.
+pub fn has_size(light: &Light) -> bool {
+    match light.kind {
+        LightKind::Rect { width, height } => width > 0.0 || height > 0.0,
+        LightKind::Sphere { radius } => radius > 0.0,
+        LightKind::Point | LightKind::Spot { .. } | LightKind::Directional => false,
+    }
+}
+
+/// Draws the picture that the renderer would draw with ray-cast visibility: the frame without lights, and what each light
+/// adds to it without shadows, multiplied by the light's visibility. Removes the techniques from the lights.
+///
+/// # Errors
+/// Something that the device refuses, or a camera that sees nothing.
+pub fn picture(stage: &mut Stage, scene: &RayScene, exposure: f32) -> Result<Vec<u8>, String> {
+    let failed = |error: antumbra::render::RenderError| one_line(&error);
+    for light in stage.lights.clone() {
+        shadow(stage, light, None);
+    }
+    stage.schedule.run(&mut stage.world);
+    let truth = of_lights(stage, scene, PICTURE_SAMPLES)?;
+    // Beyond the last light all are off.
+    let taken = isolate(stage, stage.lights.len());
+    let dark = stage.render().map_err(failed)?.radiance;
+    restore(stage, taken);
+    let mut sum = dark.clone();
+    for (light, truth) in truth.iter().enumerate() {
+        let Some(truth) = truth else { continue };
+        let others = isolate(stage, light);
+        let alone = stage.render().map_err(failed)?.radiance;
+        restore(stage, others);
+        // A surface that faces away from the light does not count, and gets none of it.
+        let seen = truth.image.values().iter().map(|seen| seen.max(0.0));
+        for (pixel, seen) in seen.enumerate().filter(|(_, seen)| *seen > 0.0) {
+            for channel in 4 * pixel..4 * pixel + 3 {
+                sum[channel] += (alone[channel] - dark[channel]) * seen;
+            }
+        }
+    }
+    Ok(panels::tonemapped(&sum, exposure))
+}
