@@ -136,6 +136,10 @@ impl Workbench {
         };
         let added = shown.stage.add_renderer(self.context.clone(), settings);
         added.map_err(|error| in_page(page, &error))?;
+        // Of the scene, that is: what techniques report is among the results.
+        let stage = &mut shown.stage;
+        stage.schedule.run(&mut stage.world);
+        stats::print_new_reports(&format!("page {}", page.name), stage);
         Ok(shown)
     }
 
@@ -258,7 +262,6 @@ impl Session<'_> {
         let stage = &mut self.shown.stage;
         shadow_all(stage, way, &page.ways);
         let rendered = stage.render().map_err(|error| failed(&error))?;
-        stats::print_new_reports(&format!("page {}, {}", page.name, way.title), stage);
         let stats = stats::collect(stage, &rendered);
         let cpu_ms = cost::steady_cpu_ms(stage);
         let mut judged = Vec::new();

@@ -46,11 +46,12 @@ use antumbra_stage as support;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use antumbra::prelude::*;
 use clap::Parser;
 use glam::UVec2;
+use indicatif::{ProgressBar, ProgressStyle};
 use judge::Workbench;
 use results::Judged;
 use support::stage::one_line;
@@ -146,12 +147,24 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
     let begin = Instant::now();
+    let steps = pages
+        .iter()
+        .map(|page| (page.shots.len() * page.ways.len()) as u64)
+        .sum();
+    let bar = progress_bar(steps)?;
+    let shown = bar.clone();
+    bench.progress = Box::new(move |name| {
+        shown.set_message(name.to_owned());
+        shown.inc(1);
+    });
     let mut results: Vec<Judged> = Vec::new();
     for page in &pages {
+        bar.set_message(format!("{}: pictures", page.name));
         let result = bench.judge_page(page, out)?;
-        println!("{:<14} {:>6.1} s", page.name, result.seconds);
+        bar.suspend(|| println!("{:<14} {:>6.1} s", page.name, result.seconds));
         results.push((page, result));
     }
+    bar.finish_and_clear();
     let seconds = begin.elapsed().as_secs_f64();
     // A call with `--uberlight` draws this page.
     let mut more = vec![(uberlight::FILE, "The cinematographer’s light")];
@@ -160,6 +173,15 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     println!("{}", results::verdict(&results));
     println!("{}", index.display());
     Ok(())
+}
+
+/// Makes a bar that shows itself on a terminal only.
+fn progress_bar(steps: u64) -> Result<ProgressBar, String> {
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len}, {eta} left\n{msg}")
+        .map_err(|error| one_line(&error))?;
+    let bar = ProgressBar::new(steps).with_style(style);
+    bar.enable_steady_tick(Duration::from_millis(250));
+    Ok(bar)
 }
 
 fn parse_size(text: &str) -> Result<UVec2, String> {

@@ -100,13 +100,14 @@ fn scene((page, result): &Judged) -> Value {
 fn of_shot(page: &Page, shot: &PageShot, judged: &ShotResult) -> Value {
     let ways = page.ways.iter().zip(&judged.ways);
     let of_way = |(way, result): (&super::way::Way, &Result<WayResult, String>)| {
+        let technique = way.settings.row().name();
         let mut value = match result {
-            Ok(result) => of_result(result, judged.light),
+            Ok(result) => of_result(result, judged.light, technique),
             Err(reason) => json!({ "refused": reason }),
         };
         value["name"] = json!(way.name);
         value["title"] = json!(way.title);
-        value["technique"] = json!(way.settings.row().name());
+        value["technique"] = json!(technique);
         value
     };
     json!({
@@ -119,7 +120,18 @@ fn of_shot(page: &Page, shot: &PageShot, judged: &ShotResult) -> Value {
     })
 }
 
-fn of_result(result: &WayResult, light: usize) -> Value {
+/// Returns what a technique reported of the frame, each message once.
+fn notes(stats: &Value, technique: &str) -> Vec<Value> {
+    let mut notes: Vec<Value> = Vec::new();
+    for report in stats["reports"].as_array().into_iter().flatten() {
+        if report["topic"] == technique && !notes.contains(&report["message"]) {
+            notes.push(report["message"].clone());
+        }
+    }
+    notes
+}
+
+fn of_result(result: &WayResult, light: usize, technique: &str) -> Value {
     let lights = result.lights.iter().enumerate();
     let files = PANELS.iter().zip(&result.files);
     let files: serde_json::Map<String, Value> = files
@@ -146,6 +158,7 @@ fn of_result(result: &WayResult, light: usize) -> Value {
             "unshadowed_ms": cost.unshadowed_ms,
         },
         "cuts_holes": result.cuts_holes,
+        "notes": notes(&result.stats, technique),
         "batches": result.stats["lights"][light]["shadow_batches"],
         "edges": result.stats["lights"][light]["silhouette_edges"],
         "casters": result.stats["lights"][light]["S"],

@@ -5,7 +5,7 @@ const costText = (summary) => `${times(summary.rest)} at rest, ${times(summary.m
 function errorText(summary) {
   const parts = [];
   if (isNumber(summary.hard)) parts.push(`${percent(summary.hard)} wrong`);
-  if (isNumber(summary.soft)) parts.push(`soft ${rmse(summary.soft)}`);
+  if (isNumber(summary.soft)) parts.push(`soft RMSE ${rmse(summary.soft)}`);
   return parts.join(", ") || "–";
 }
 
@@ -14,9 +14,10 @@ function buildChoices() {
   const lines = results.chooser.choices.map(({ want, name }) => {
     const summary = summaries.get(name);
     return element("tr", {}, element("td", { class: "want" }, want), element("th", { scope: "row", class: "way" }, summary.title),
-      element("td", {}, errorText(summary)), element("td", {}, costText(summary)), element("td", {}, limitsOf(summary)));
+      element("td", { "data-label": "Error" }, errorText(summary)), element("td", { "data-label": "Cost" }, costText(summary)),
+      element("td", { class: "limits", "data-label": "Limits" }, limitsOf(summary)));
   });
-  byId("choices").append(element("caption", { hidden: true }, "Which technique when"),
+  byId("choices").append(
     element("thead", {}, element("tr", {}, ...heads)), element("tbody", {}, ...lines));
 }
 
@@ -37,7 +38,7 @@ function fillMeasured(order) {
     [key, Math.min(...[...summaries.values()].map((summary) => (isNumber(summary[key]) ? summary[key] : Infinity)))]));
   body.replaceChildren(...order.map((summary) => element("tr", {}, ...COLUMNS.map(([, key, text]) => {
     if (key === "title") return element("th", { scope: "row", class: "way" }, text(summary));
-    const classes = [key === "limits" ? "" : "number", summary[key] === best[key] ? "best" : ""].join(" ").trim();
+    const classes = [key === "limits" ? "limits" : "number", summary[key] === best[key] ? "best" : ""].join(" ").trim();
     return element("td", { class: classes || null }, text(summary));
   }))));
 }

@@ -60,7 +60,8 @@ function numbers(way) {
   const { error, cost } = way;
   const wrong = error ? `${error.wrong} of ${error.judged} wrong, RMSE ${rmse(error.rmse)}` : "not judged";
   const soft = error && shown.shot.soft ? `, in the penumbra ${rmse(error.rmse_penumbra)}` : "";
-  return `${way.title}: ${wrong}${soft}, cost ${times(cost.rest)} at rest, ${times(cost.moving)} moving`;
+  const notes = (way.notes || []).map((note) => ` ${note}`).join("");
+  return `${way.title}: ${wrong}${soft}, cost ${times(cost.rest)} at rest, ${times(cost.moving)} moving.${notes}`;
 }
 
 function setWipe(percent) {
