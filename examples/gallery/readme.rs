@@ -79,7 +79,11 @@ fn techniques(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), St
     let shot = page.shots.first().ok_or("the page has no shot")?;
     let mut cells = Vec::new();
     for way in &page.ways {
-        let large = bench.hero(&lit_for(&page, way), shot, way)?;
+        let lit = lit_for(&page, way);
+        if way.settings.check(&lit.lights[0].light).is_err() {
+            continue; // It takes no light without settings of its own.
+        }
+        let large = bench.hero(&lit, shot, way)?;
         let (size, pixels) = panels::halve(CELL, &large);
         report(&out.join(format!("{}.png", way.name)), size, &pixels)?;
         cells.push(&way.name);

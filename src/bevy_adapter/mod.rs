@@ -96,6 +96,7 @@
 //! | `forward_views`, `forward_shaders`, `forward_masks` | shadows of meshes that stay forward |
 //! | `deferral`, `deferred_views` | the choice of materials that are deferred for marked cameras, and their queues |
 //! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
+//! | `diagnostics` | counts and times in Bevy's diagnostics |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
 //! | `surfaces`, `cut_outs` | opaque and see-through objects, holes by alpha |
 //! | `ranges` | levels of detail |
@@ -108,6 +109,7 @@ pub(crate) mod camera_warnings;
 pub(crate) mod cut_outs;
 pub(crate) mod deferral;
 pub(crate) mod deferred_views;
+pub(crate) mod diagnostics;
 pub(crate) mod entity_map;
 pub(crate) mod forward_masks;
 pub(crate) mod forward_shaders;
@@ -139,6 +141,7 @@ pub(crate) mod view_groups;
 pub(crate) mod view_state;
 
 pub use camera::AntumbraCamera;
+pub use diagnostics::AntumbraDiagnosticsPlugin;
 pub use mesh_convert::MeshRefusal;
 pub use mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
 pub use mirror::{HostBounds, HostEntity, HostLight, Mirror, Mirrors};

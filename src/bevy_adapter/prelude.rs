@@ -1,6 +1,6 @@
 //! The names that a Bevy game needs.
 
-pub use super::{AntumbraCamera, AntumbraSettings};
+pub use super::{AntumbraCamera, AntumbraDiagnosticsPlugin, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
     Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights, ShadowOrigin,

@@ -10,8 +10,22 @@ use glam::UVec2;
 #[non_exhaustive]
 pub enum RenderError {
     /// No driver offers an adapter. The field holds the reason that wgpu gave.
-    #[error("no GPU adapter: {0} (a software Vulkan driver such as Mesa's lavapipe is enough)")]
+    #[error(
+        "no GPU adapter: {0}. Install a Vulkan driver; Mesa's software driver is enough (Debian: apt-get install \
+         libvulkan1 mesa-vulkan-drivers)"
+    )]
     NoAdapter(String),
+    /// No adapter has the name that the environment variable `WGPU_ADAPTER_NAME` asks for.
+    #[error(
+        "no GPU adapter is called {wanted} (WGPU_ADAPTER_NAME), there are: {known}. Name one of them, or install its \
+         driver"
+    )]
+    UnknownAdapter {
+        /// The value of the variable.
+        wanted: String,
+        /// The names of the adapters, separated by commas; `none` if there are none.
+        known: String,
+    },
     /// The adapter gave no device.
     #[error("adapter {adapter} gave no device: {reason}")]
     NoDevice {
@@ -116,21 +130,24 @@ pub struct RenderContext {
 }
 
 impl RenderContext {
-    /// Makes a device for this context alone, without a window. It respects the environment variables of wgpu
-    /// (`WGPU_BACKEND` and so on).
+    /// Makes a device for this context alone, without a window. It respects the environment variables of wgpu:
+    /// `WGPU_BACKEND` and so on, and `WGPU_ADAPTER_NAME`, which is a part of the adapter's name.
     ///
     /// # Errors
-    /// [`RenderError::NoAdapter`] if no driver offers an adapter, [`RenderError::NoDevice`] if the adapter
-    /// gives none.
+    /// [`RenderError::NoAdapter`] if no driver offers an adapter, [`RenderError::UnknownAdapter`] if none has the
+    /// name, [`RenderError::NoDevice`] if the adapter gives no device.
     pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = instance
-            .request_adapter(&wgpu::RequestAdapterOptions {
-                power_preference: wgpu::PowerPreference::HighPerformance,
-                ..Default::default()
-            })
-            .await
-            .map_err(|error| RenderError::NoAdapter(error.to_string()))?;
+        let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
+            Ok(wanted) if !wanted.is_empty() => named_adapter(&instance, wanted).await?,
+            _ => instance
+                .request_adapter(&wgpu::RequestAdapterOptions {
+                    power_preference: wgpu::PowerPreference::HighPerformance,
+                    ..Default::default()
+                })
+                .await
+                .map_err(|error| RenderError::NoAdapter(error.to_string()))?,
+        };
         let info = adapter.get_info();
         let mut features = wgpu::Features::empty();
         if requested.float_depth {
@@ -226,5 +243,24 @@ impl RenderContext {
         } else {
             wgpu::TextureFormat::Depth24PlusStencil8
         }
+    }
+}
+
+/// Returns the first adapter whose name contains `wanted`, whatever the case of its letters.
+async fn named_adapter(instance: &wgpu::Instance, wanted: String) -> Result<wgpu::Adapter, RenderError> {
+    let adapters = instance.enumerate_adapters(wgpu::Backends::all()).await;
+    let names: Vec<String> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+    let is_wanted = |name: &String| name.to_lowercase().contains(&wanted.to_lowercase());
+    let index = names.iter().position(is_wanted);
+    match index.and_then(|index| adapters.into_iter().nth(index)) {
+        Some(adapter) => Ok(adapter),
+        None => Err(RenderError::UnknownAdapter {
+            wanted,
+            known: if names.is_empty() {
+                "none".to_owned()
+            } else {
+                names.join(", ")
+            },
+        }),
     }
 }

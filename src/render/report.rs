@@ -37,7 +37,7 @@ pub fn report_renderer(world: &World, reports: &mut Reports) {
 /// camera.
 pub(crate) fn raise_failure(round: &mut Round<'_>, camera: Option<Entity>, error: &RenderError) {
     let (code, entity, advice) = match error {
-        RenderError::NoAdapter(_) => (1, None, "Install a driver."),
+        RenderError::NoAdapter(_) | RenderError::UnknownAdapter { .. } => (1, None, "Install a driver."),
         RenderError::NoDevice { .. } => (2, None, "Ask for fewer features or lower limits."),
         RenderError::Shader { .. } => (
             3,

@@ -11,6 +11,7 @@ mod bad_input;
 mod cameras;
 mod cut_outs;
 mod depth;
+mod diagnostics;
 mod drawn;
 mod foreign;
 mod forward;

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use antumbra::prelude::{Light, LightKind};
+
 const PAGES: [&str; 7] = [
     "README.md",
     "src/guide/engines.md",
@@ -104,4 +106,50 @@ fn a_command_that_is_not_there_is_noticed() {
 fn the_readme_is_short() {
     let lines = read("README.md").lines().count();
     assert!(lines <= 200, "{lines} lines");
+}
+
+/// Names in the table of pictures: cells of code, between its marks.
+fn pictured(readme: &str) -> Vec<&str> {
+    let rest = readme
+        .split("<!-- techniques: written by make pictures -->")
+        .nth(1);
+    let table = rest.and_then(|rest| rest.split("<!-- end of techniques -->").next());
+    table.unwrap_or_default().split('`').skip(1).step_by(2).collect()
+}
+
+#[test]
+fn the_readme_shows_every_technique() {
+    let readme = read("README.md");
+    let shown = pictured(&readme);
+    let light = Light::point(glam::Vec3::ONE, 1.0, 1.0);
+    let kinds = [
+        LightKind::Point,
+        LightKind::Directional,
+        LightKind::Rect {
+            width: 1.0,
+            height: 1.0,
+        },
+    ];
+    for row in antumbra::techniques::Techniques::default().rows() {
+        let takes = |kind| {
+            row.defaults()
+                .check(&Light {
+                    kind,
+                    ..light.clone()
+                })
+                .is_ok()
+        };
+        if kinds.into_iter().any(takes) {
+            assert!(shown.contains(&row.name()), "{}: run `make pictures`", row.name());
+            let picture = format!("(assets/readme/{}.png)", row.name());
+            assert!(readme.contains(&picture), "{picture}");
+        }
+    }
+}
+
+#[test]
+fn names_outside_the_table_do_not_count() {
+    let text = "`a` <!-- techniques: written by make pictures -->| `b` | `c` |<!-- end of techniques --> `d`";
+    assert_eq!(pictured(text), ["b", "c"]);
+    assert_eq!(pictured("`a`"), [""; 0]);
 }

@@ -288,7 +288,16 @@ fn without_an_adapter_the_line_says_so() {
         ("VK_DRIVER_FILES", "/nonexistent"),
     ];
     let output = run(&folder, "shot.json", "out", &nowhere);
-    assert_refused(&folder, "no adapter", &output, &["shot.json", "no GPU adapter"]);
+    let parts = [
+        "shot.json",
+        "no GPU adapter",
+        "apt-get install libvulkan1 mesa-vulkan-drivers",
+    ];
+    assert_refused(&folder, "no adapter", &output, &parts);
+    let unknown = [("WGPU_ADAPTER_NAME", "Voodoo 2")];
+    let output = run(&folder, "shot.json", "out", &unknown);
+    let parts = ["shot.json", "Voodoo 2", "WGPU_ADAPTER_NAME", "there are: "];
+    assert_refused(&folder, "unknown adapter", &output, &parts);
 }
 
 #[test]
