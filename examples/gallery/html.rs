@@ -21,15 +21,15 @@ const SCRIPT: [&str; 4] = [
     include_str!("web/viewer.js"),
 ];
 
-/// Writes `results.json` and `index.html`. `more` lists further pages in the same folder, each with its file and title.
-/// Returns the path of `index.html`.
+/// Writes `results.json` and `index.html`. `looks` is a scene that is shown after those that were judged. Returns the path
+/// of `index.html`.
 ///
 /// # Errors
 /// One line that names the file.
 pub fn write(
     out: &Path,
     results: &[Judged],
-    more: &[(&str, &str)],
+    looks: Option<Value>,
     bench: &Workbench,
     seconds: f64,
 ) -> Result<PathBuf, String> {
@@ -46,10 +46,9 @@ pub fn write(
     all["samples"] = json!(SAMPLES);
     all["seconds"] = json!(seconds);
     all["verdict"] = json!(verdict(results));
-    all["more"] = more
-        .iter()
-        .map(|(file, title)| json!({"file": file, "title": title}))
-        .collect();
+    if let Some(scenes) = all["scenes"].as_array_mut() {
+        scenes.extend(looks);
+    }
     all["chooser"] = chooser::json(results);
     let save = |name: &str, text: &str| {
         let path = out.join(name);

@@ -14,7 +14,7 @@
 //! | `pages`, `soft_pages`, `model_pages` | the bundled pages, and those of a folder of models |
 //! | `lantern` | the jack-o'-lantern, a hollow caster with holes, made in code |
 //! | `way` | every technique of the list with its settings |
-//! | `judge` | a shot's pictures under every way, and the comparison of its lights with the ray caster |
+//! | `judge`, `session` | pictures of every shot under every way, and their comparison with the ray caster |
 //! | `truth` | ray-cast visibility, and the picture that it makes |
 //! | `cost` | times of a light with and without its shadows, at rest and on the move |
 //! | `panels` | visibility as pictures |
@@ -36,6 +36,7 @@ mod pages;
 mod panels;
 mod readme;
 mod results;
+mod session;
 mod soft_cost;
 mod soft_pages;
 mod soft_table;
@@ -87,9 +88,6 @@ struct Arguments {
     /// Prints the time that tight wedges and culling save instead.
     #[arg(long)]
     soft_cost: bool,
-    /// Writes the page of the light model to `--out` instead. An index that is written there later links to it.
-    #[arg(long, requires = "out")]
-    uberlight: bool,
 }
 
 fn main() -> ExitCode {
@@ -125,10 +123,6 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if arguments.soft_cost {
         return soft_cost::print(&bench.context, &assets, arguments.size);
     }
-    if let (true, Some(out)) = (arguments.uberlight, &arguments.out) {
-        let shots = assets.join("../examples/shots/uberlight");
-        return uberlight::write(&bench.context, &shots, arguments.size.y * 2, out);
-    }
     if arguments.readme {
         return readme::write(&mut bench, &assets);
     }
@@ -137,14 +131,23 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if let Some(folder) = &arguments.models {
         pages.extend(model_pages::of_folder(folder)?);
     }
-    if let Some(only) = &arguments.only {
-        let names: Vec<&str> = pages.iter().map(|page| page.name).collect();
-        let names = names.join(", ");
-        pages.retain(|page| only.split(',').any(|part| page.name.contains(part)));
-        if pages.is_empty() {
-            return Err(format!("--only {only}: there are {names}"));
-        }
+    let is_chosen = |name: &str| {
+        let only = arguments.only.as_deref().unwrap_or_default();
+        only.split(',').any(|part| name.contains(part))
+    };
+    let names: Vec<&str> = pages
+        .iter()
+        .map(|page| page.name)
+        .chain([uberlight::NAME])
+        .collect();
+    if let Some(only) = arguments
+        .only
+        .as_ref()
+        .filter(|_| !names.iter().any(|name| is_chosen(name)))
+    {
+        return Err(format!("--only {only}: there are {}", names.join(", ")));
     }
+    pages.retain(|page| is_chosen(page.name));
     std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
     let begin = Instant::now();
     let steps = pages
@@ -165,11 +168,17 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         results.push((page, result));
     }
     bar.finish_and_clear();
-    let seconds = begin.elapsed().as_secs_f64();
-    // A call with `--uberlight` draws this page.
-    let mut more = vec![(uberlight::FILE, "The cinematographer’s light")];
-    more.retain(|(file, _)| out.join(file).is_file());
-    let index = html::write(out, &results, &more, &bench, seconds)?;
+    let mut looks = None;
+    if is_chosen(uberlight::NAME) {
+        let shots = assets.join("../examples/shots/uberlight");
+        looks = Some(uberlight::draw(
+            &bench.context,
+            &shots,
+            bench.scale * bench.size.y,
+            out,
+        )?);
+    }
+    let index = html::write(out, &results, looks, &bench, begin.elapsed().as_secs_f64())?;
     println!("{}", results::verdict(&results));
     println!("{}", index.display());
     Ok(())

@@ -3,13 +3,15 @@
 
 use std::path::Path;
 
-use glam::UVec2;
+use antumbra::prelude::{Light, LightKind};
+use bevy_transform::prelude::Transform;
+use glam::{UVec2, Vec3};
 
 use super::judge::Workbench;
-use super::page::{Page, PageShot};
+use super::page::{NamedLight, Page, PageShot, PlacedModel, view};
 use super::support::picture;
 use super::way::{Way, light_kinds};
-use super::{pages, panels, soft_pages};
+use super::{pages, panels};
 
 /// Twice the size of the hero picture, which is averaged down.
 const HERO: UVec2 = UVec2::new(1920, 1080);
@@ -75,7 +77,7 @@ pub fn write(bench: &mut Workbench, assets: &Path) -> Result<(), String> {
 /// Renders a scene under every technique of the list, and writes the table into the README.
 fn techniques(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), String> {
     bench.size = CELL;
-    let page = soft_pages::casters(&assets.join("models")).swap_remove(1);
+    let page = deer(&assets.join("models"));
     let shot = page.shots.first().ok_or("the page has no shot")?;
     let mut cells = Vec::new();
     for way in &page.ways {
@@ -99,15 +101,50 @@ fn techniques(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), St
     std::fs::write(&readme, text).map_err(named)
 }
 
+/// Returns a deer before a low square light, whose shadow falls towards the viewer.
+fn deer(models: &Path) -> Page {
+    let light = Light {
+        kind: LightKind::Rect {
+            width: 0.4,
+            height: 0.4,
+        },
+        color: Vec3::new(1.0, 0.84, 0.62),
+        intensity: 46.0,
+        range: f32::INFINITY,
+    };
+    let place = Transform::from_xyz(2.5, 2.7, -1.7).looking_at(Vec3::new(-0.5, 0.2, 0.4), Vec3::Y);
+    Page {
+        models: vec![PlacedModel {
+            transform: Transform::from_scale(Vec3::splat(0.2)),
+            ..pages::model(models, "deer.glb")
+        }],
+        objects: vec![pages::ground(20.0)],
+        lights: vec![NamedLight {
+            name: "lamp",
+            light,
+            transform: place,
+        }],
+        ambient: Vec3::new(0.035, 0.045, 0.065),
+        shots: vec![PageShot {
+            name: "deer",
+            caption: "",
+            camera: view([0.35, 1.55, 3.3], [-0.42, 0.42, 0.0], 38.0),
+            light: "lamp",
+            exposure: 1.0,
+        }],
+        ..Page::new("readme", "", "")
+    }
+}
+
 /// Returns the page with a light that the way takes: its own, or else the first kind that the way does not refuse.
 fn lit_for(page: &Page, way: &Way) -> Page {
     let mut page = page.clone();
     for named in &mut page.lights {
-        let refused = |light: &antumbra::prelude::Light| way.settings.check(light).is_err();
+        let refused = |light: &Light| way.settings.check(light).is_err();
         let kinds = light_kinds().into_iter().map(|(_, kind)| kind);
         if refused(&named.light)
             && let Some(kind) = kinds.clone().find(|&kind| {
-                !refused(&antumbra::prelude::Light {
+                !refused(&Light {
                     kind,
                     ..named.light.clone()
                 })

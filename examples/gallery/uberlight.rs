@@ -1,21 +1,22 @@
 //! One bust under the lights of a cinematographer: the looks of figures 10-1 to 10-8 of their paper. Each look is a shot
 //! file of `examples/shots/uberlight`, so an artist changes it without a compiler.
 //!
-//! After Pellacini and Vidimce 2004, "Cinematic Lighting", GPU Gems, chapter 10. Writes PNGs and `uberlight.html`.
+//! After Pellacini and Vidimce 2004, "Cinematic Lighting", GPU Gems, chapter 10.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use antumbra::prelude::*;
 use antumbra::techniques::Techniques;
 use glam::UVec2;
+use serde_json::{Value, json};
 
+use super::panels::halve;
 use super::support::picture::write_png;
 use super::support::shot::Shot;
 use super::support::stage::{Stage, one_line};
 
-/// File name of the page.
-pub const FILE: &str = "uberlight.html";
+/// Name for `--only`, file names and links.
+pub const NAME: &str = "uberlight";
 
 /// A look: its shot file, and text that tells the reader what to look for.
 struct Look {
@@ -66,22 +67,18 @@ const LOOKS: [Look; 7] = [
     },
 ];
 
-/// Renders every look, and writes the page. Pictures are upright, `height` pixels high.
+/// Renders every look, and writes its picture to `out`. Pictures are upright, `height` pixels high. Returns a scene of the
+/// page, whose pictures have no truth and no numbers.
 ///
 /// # Errors
 /// One line that names the file and the element.
-pub fn write(context: &RenderContext, shots: &Path, height: u32, out: &Path) -> Result<(), String> {
-    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
-    let mut page = "<!doctype html><meta charset=utf-8><title>antumbra: the cinematographer's light</title>\
-         <style>body{background:#14161c;color:#ddd;font:15px sans-serif}figure{display:inline-block;margin:8px;\
-         vertical-align:top}figcaption{width:20em;color:#aaa}img{display:block}</style>\
-         <h1>One bust, one model of light</h1>"
-        .to_owned();
+pub fn draw(context: &RenderContext, shots: &Path, height: u32, out: &Path) -> Result<Value, String> {
     let size = UVec2::new(height * 4 / 5, height);
+    let mut ways = Vec::new();
     for look in LOOKS {
         let path = shots.join(format!("{}.json", look.shot));
         let mut shot = Shot::load(&path, Techniques::default())?;
-        shot.size = size.to_array();
+        shot.size = (2 * size).to_array();
         let mut stage = Stage::of_shot(&shot)?;
         stage.world.insert_resource(FaceCulling::None);
         let settings = RenderSettings {
@@ -92,16 +89,20 @@ pub fn write(context: &RenderContext, shots: &Path, height: u32, out: &Path) -> 
             |error: antumbra::render::RenderError| format!("{}: {}", path.display(), one_line(&error));
         stage.add_renderer(context.clone(), settings).map_err(named)?;
         let rendered = stage.render().map_err(named)?;
-        let file = format!("uberlight-{}.png", look.shot);
-        write_png(&out.join(&file), size, &rendered.picture)?;
-        let _ = write!(
-            page,
-            "<figure><img src=\"{file}\" alt=\"{}\"><h2>{}</h2><figcaption>{}</figcaption></figure>",
-            look.title, look.title, look.caption
+        let (size, pixels) = halve(2 * size, &rendered.picture);
+        let file = format!("{NAME}-{}.png", look.shot);
+        write_png(&out.join(&file), size, &pixels)?;
+        let pictures = json!({ "picture": file });
+        ways.push(
+            json!({"name": look.shot, "title": look.title, "caption": look.caption, "pictures": pictures}),
         );
     }
-    let path = out.join(FILE);
-    std::fs::write(&path, page).map_err(|error| format!("{}: {error}", path.display()))?;
-    println!("{}", path.display());
-    Ok(())
+    let shot = json!({"name": "looks", "caption": "Looks of the paper, each one shot file", "truth": null, "ways": ways});
+    Ok(json!({
+        "name": NAME,
+        "title": "The cinematographer’s light",
+        "about": "The light model beside the techniques: barn doors, cookies, luminaires, coloured shadows. Open one and wipe \
+                  it against another.",
+        "shots": [shot],
+    }))
 }

@@ -80,8 +80,8 @@ pub fn shadow(stage: &mut Stage, light: Entity, settings: Option<&Settings>) {
 /// A light of each kind that there is, with the kind's name for people.
 pub fn light_kinds() -> [(&'static str, LightKind); 5] {
     let angles = LightKind::Spot {
-        inner_angle: 0.3,
-        outer_angle: 0.5,
+        inner_angle: 0.8,
+        outer_angle: 1.0,
     };
     let square = LightKind::Rect {
         width: 0.5,

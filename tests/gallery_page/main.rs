@@ -37,7 +37,7 @@ fn gallery() -> &'static Path {
                 "--scale",
                 "1",
                 "--only",
-                "figures,soft-cylinder",
+                "figures,soft-cylinder,uberlight",
                 "--out",
             ])
             .arg(&out)
@@ -113,8 +113,13 @@ fn pictures_load_and_nothing_is_logged() {
     assert!(loaded["count"].as_u64() >= Some(50), "{loaded}");
     // Every technique of the list has a card in every row, and a line in the table.
     let techniques = antumbra::techniques::Techniques::default().rows().len();
-    let rows = browser.eval("[...document.querySelectorAll('.row')].map((row) => row.children.length - 1)");
-    assert_eq!(rows, json!([techniques, techniques, techniques]));
+    let rows = browser.eval("[...document.querySelectorAll('.row')].map((row) => row.children.length)");
+    let judged = techniques + 1;
+    assert_eq!(
+        rows,
+        json!([judged, judged, judged, 7]),
+        "with the truth; and the looks of the light model"
+    );
     assert_eq!(
         browser.eval("document.querySelectorAll('#measured tbody tr').length"),
         json!(techniques)

@@ -12,6 +12,8 @@ mod page;
 mod panels;
 #[path = "../../examples/gallery/results.rs"]
 mod results;
+#[path = "../../examples/gallery/session.rs"]
+mod session;
 #[path = "../../examples/gallery/truth.rs"]
 mod truth;
 #[path = "../veil/mod.rs"]

@@ -26,6 +26,10 @@ function card(scene, shot, way, worst) {
     const why = element("div", { class: "thumb" }, element("p", {}, way.refused));
     return element("li", { class: "card refused" }, why, element("p", { class: "name" }, way.title));
   }
+  if (!way.cost) {
+    return element("li", { class: "card", "data-way": way.name }, thumb(shot, way, way.title, scene.title),
+      element("p", { class: "name" }, way.title), element("p", { class: "caption" }, way.caption));
+  }
   const error = errorOf(shot, way);
   const rest = costOf(way, "rest"), moving = costOf(way, "moving");
   const cost = `${times(rest)}, moving ${times(moving)}`;
@@ -53,13 +57,14 @@ function row(scene, shot) {
     cost: finite(drawn.flatMap((way) => [costOf(way, "rest"), costOf(way, "moving")])),
   };
   shot.scene = scene;
-  const list = element("ol", { class: "row", "aria-label": `${scene.title}, ${shot.name}` }, truthCard(scene, shot));
+  const list = element("ol", { class: shot.truth ? "row" : "row upright", "aria-label": `${scene.title}, ${shot.name}` },
+    shot.truth ? truthCard(scene, shot) : null);
   const items = shot.ways.map((way) => ({ way, item: card(scene, shot, way, worst) }));
   list.append(...items.map(({ item }) => item));
   rows.push({ shot, list, items });
   const light = `Judged: ${shot.light}, ${shot.soft ? "a light with a size" : "a light without a size"}.`;
   return element("section", { class: "shot", "aria-label": shot.name },
-    element("h3", {}, shot.caption), element("p", { class: "caption" }, light), list);
+    element("h3", {}, shot.caption), shot.truth ? element("p", { class: "caption" }, light) : null, list);
 }
 
 function buildScenes() {

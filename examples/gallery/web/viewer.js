@@ -27,9 +27,10 @@ function openViewer(shot, way) {
 }
 
 // Chooses what the panes show. A side without such a picture shows another technique that has one.
-function setView(view) {
-  shown.view = view;
+function setView(wanted) {
   const drawn = shown.shot.ways.filter((way) => !way.refused);
+  const view = drawn.some((way) => fileOf(shown.shot, way, wanted)) ? wanted : "picture";
+  shown.view = view;
   if (!fileOf(shown.shot, shown.left, view)) shown.left = drawn[0];
   if (!fileOf(shown.shot, shown.right, view)) shown.right = drawn.find((way) => way !== shown.left) || drawn[0];
   for (const input of viewer.querySelectorAll("input[name=viewer-view]")) input.checked = input.value === view;
@@ -58,6 +59,7 @@ function drawPanes() {
 
 function numbers(way) {
   const { error, cost } = way;
+  if (!cost) return `${way.title}. ${way.caption}`;
   const wrong = error ? `${error.wrong} of ${error.judged} wrong, RMSE ${rmse(error.rmse)}` : "not judged";
   const soft = error && shown.shot.soft ? `, in the penumbra ${rmse(error.rmse_penumbra)}` : "";
   const notes = (way.notes || []).map((note) => ` ${note}`).join("");

@@ -1,0 +1,198 @@
+//! A page while it is judged: every shot under every way to shadow its lights, compared with the ray caster.
+
+use std::path::Path;
+
+use antumbra::prelude::*;
+use antumbra::reference::{RayScene, ReferenceError, VisibilityImage, compare_hard, compare_soft, edge_band};
+use glam::UVec2;
+
+use super::cost::{self, Cost};
+use super::judge::{Workbench, in_page, of_light, set};
+use super::page::{Page, PageShot, PageStage};
+use super::panels;
+use super::results::{Judgement, PANELS, ShotResult, WayResult};
+use super::support::{picture, stats};
+use super::truth::{self, SAMPLES, Truth};
+use super::way::{Way, shadow_all};
+
+/// A page while it is judged.
+pub struct Session<'a> {
+    /// The workbench.
+    pub bench: &'a Workbench,
+    /// The page.
+    pub page: &'a Page,
+    /// Its stage.
+    pub shown: PageStage,
+    /// Folder of the pictures.
+    pub out: &'a Path,
+}
+
+impl Session<'_> {
+    /// Returns why a way cannot shadow the light of a shot.
+    fn refusal(&self, way: &Way, light: usize) -> Option<String> {
+        let light = self
+            .shown
+            .stage
+            .world
+            .get::<Light>(self.shown.stage.lights[light])?;
+        way.settings.check(light).err().map(|refusal| refusal.to_string())
+    }
+
+    /// Draws and writes the picture of every way. Returns the visibility of the shot's light under each, with alpha masks
+    /// as they are; it is empty for ways that refuse the light.
+    ///
+    /// # Errors
+    /// One line that names the page.
+    pub fn pictures(&mut self, shot: &PageShot) -> Result<Vec<Vec<f32>>, String> {
+        let (bench, page) = (self.bench, self.page);
+        let light = self.shown.light(page, shot.light)?;
+        let mut masks = Vec::new();
+        for way in &page.ways {
+            if self.refusal(way, light).is_some() {
+                masks.push(Vec::new());
+                continue;
+            }
+            bench.look(page, &mut self.shown, shot, bench.large())?;
+            let stage = &mut self.shown.stage;
+            shadow_all(stage, way, &page.ways);
+            let large = stage.render().map_err(|error| in_page(page, &error))?;
+            let (size, pixels) = panels::halve(bench.large(), &large.picture);
+            let file = file_name(page, shot, &way.name, PANELS[0]);
+            picture::write_png(&self.out.join(file), size, &pixels)?;
+            bench.look(page, &mut self.shown, shot, bench.size)?;
+            let stage = &mut self.shown.stage;
+            let mut rendered = stage.render().map_err(|error| in_page(page, &error))?;
+            masks.push(rendered.visibility.swap_remove(light));
+        }
+        Ok(masks)
+    }
+
+    /// Judges every way on one shot. `masks` are the visibilities with holes of alpha masks, if there are any.
+    ///
+    /// # Errors
+    /// One line that names the page.
+    pub fn judge_shot(
+        &mut self,
+        shot: &PageShot,
+        scene: &RayScene,
+        masks: Option<&Vec<Vec<f32>>>,
+    ) -> Result<ShotResult, String> {
+        let (bench, page) = (self.bench, self.page);
+        let light = self.shown.light(page, shot.light)?;
+        let truth_picture = match masks {
+            None => Some(self.truth_picture(shot, scene)?),
+            Some(_) => None,
+        };
+        bench.look(page, &mut self.shown, shot, bench.size)?;
+        let stage = &mut self.shown.stage;
+        stage.schedule.run(&mut stage.world);
+        let truths = truth::of_lights(stage, scene, SAMPLES)?;
+        let Some(Truth { image, is_soft }) = &truths[light] else {
+            return Err(format!("page {}: light {} cannot shine", page.name, shot.light));
+        };
+        let truth_visibility = file_name(page, shot, "truth", PANELS[1]);
+        let drawn = panels::visibility(image, image);
+        picture::write_png(&self.out.join(&truth_visibility), bench.size, &drawn)?;
+        let mut ways = Vec::new();
+        for (index, way) in page.ways.iter().enumerate() {
+            (bench.progress)(&format!("{}/{}: {}", page.name, shot.name, way.title));
+            ways.push(match self.refusal(way, light) {
+                Some(reason) => Err(reason),
+                None => Ok(self.judge_way(shot, way, &truths, masks.map(|masks| &masks[index][..]))?),
+            });
+        }
+        Ok(ShotResult {
+            light,
+            is_soft: *is_soft,
+            truth_picture,
+            truth_visibility,
+            ways,
+        })
+    }
+
+    /// Draws and writes the picture with ray-cast visibility.
+    fn truth_picture(&mut self, shot: &PageShot, scene: &RayScene) -> Result<String, String> {
+        let (bench, page) = (self.bench, self.page);
+        bench.look(page, &mut self.shown, shot, bench.large())?;
+        let large = truth::picture(&mut self.shown.stage, scene, shot.exposure)
+            .map_err(|error| format!("page {}: {error}", page.name))?;
+        let (size, pixels) = panels::halve(bench.large(), &large);
+        let file = file_name(page, shot, "truth", PANELS[0]);
+        picture::write_png(&self.out.join(&file), size, &pixels)?;
+        Ok(file)
+    }
+
+    /// Judges one way on one shot.
+    fn judge_way(
+        &mut self,
+        shot: &PageShot,
+        way: &Way,
+        truths: &[Option<Truth>],
+        mask: Option<&[f32]>,
+    ) -> Result<WayResult, String> {
+        let (bench, page) = (self.bench, self.page);
+        let failed = |error: &dyn std::error::Error| in_page(page, error);
+        let light = self.shown.light(page, shot.light)?;
+        let stage = &mut self.shown.stage;
+        shadow_all(stage, way, &page.ways);
+        let rendered = stage.render().map_err(|error| failed(&error))?;
+        let stats = stats::collect(stage, &rendered);
+        let cpu_ms = cost::steady_cpu_ms(stage);
+        let mut judged = Vec::new();
+        for (truth, got) in truths.iter().zip(&rendered.visibility) {
+            judged.push(match truth {
+                Some(truth) => Some(judgement(truth, got.clone()).map_err(|error| failed(&error))?),
+                None => None,
+            });
+        }
+        let truth = truths[light].as_ref().ok_or("the light cannot shine")?;
+        let panels = of_light(stage, light, truth, &rendered)?;
+        set(stage, shot.exposure, false);
+        let others = cost::isolate(stage, light);
+        let cost = cost::of_light(stage, light).map_err(|error| failed(&error))?;
+        cost::restore(stage, others);
+        let mut files = vec![file_name(page, shot, &way.name, PANELS[0])];
+        let all = [
+            &panels.visibility,
+            &panels.difference.rgba8,
+            &panels.volumes,
+            &panels.overlay,
+        ];
+        for (name, pixels) in PANELS[1..].iter().zip(all) {
+            let file = file_name(page, shot, &way.name, name);
+            picture::write_png(&self.out.join(&file), bench.size, pixels)?;
+            files.push(file);
+        }
+        let cuts_holes = mask.map(|mask| {
+            let pairs = mask.iter().zip(&rendered.visibility[light]);
+            let brighter = pairs.filter(|(open, solid)| **open - **solid > 0.5).count();
+            brighter * 1000 > mask.len()
+        });
+        Ok(WayResult {
+            files,
+            lights: self.shown.light_names.iter().cloned().zip(judged).collect(),
+            stats,
+            cost: Cost { cpu_ms, ..cost },
+            cuts_holes,
+        })
+    }
+}
+
+fn file_name(page: &Page, shot: &PageShot, way: &str, panel: &str) -> String {
+    format!("{}-{}-{way}-{panel}.png", page.name, shot.name)
+}
+
+fn judgement(truth: &Truth, got: Vec<f32>) -> Result<Judgement, ReferenceError> {
+    let truth = &truth.image;
+    let got = VisibilityImage::new(truth.size(), got)?;
+    let pixels = truth.values().iter().zip(got.values()).zip(edge_band(truth, 1));
+    let first_wrong = pixels
+        .enumerate()
+        .find(|(_, ((truth, got), in_band))| !in_band && (**truth - **got).abs() > 0.5)
+        .map(|(index, _)| UVec2::new(index as u32 % truth.size().x, index as u32 / truth.size().x));
+    Ok(Judgement {
+        hard: compare_hard(truth, &got)?,
+        soft: compare_soft(truth, &got)?,
+        first_wrong,
+    })
+}
