@@ -75,7 +75,7 @@ struct Arguments {
     /// Renders only pages whose name contains one of these, separated by commas.
     #[arg(long)]
     only: Option<String>,
-    /// Renders the pictures of the README into assets/readme instead.
+    /// Renders the pictures of the README into assets/readme instead; with `--only techniques` those of the techniques alone.
     #[arg(long)]
     readme: bool,
     /// Prints the errors and costs of soft shadows on every model of `--models` instead; `--only` selects by a part
@@ -124,7 +124,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         return soft_cost::print(&bench.context, &assets, arguments.size);
     }
     if arguments.readme {
-        return readme::write(&mut bench, &assets);
+        let all = arguments.only.as_deref() != Some("techniques");
+        return readme::write(&mut bench, &assets, all);
     }
     let out = arguments.out.as_ref().ok_or("--out is needed")?;
     let mut pages = pages::bundled(&assets.join("models"));

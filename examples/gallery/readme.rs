@@ -35,13 +35,21 @@ pub const MARKS: [&str; 2] = [
 const SHOT: &str = "dining";
 
 /// Renders `hero.png`, `judgement.png` and a picture for each technique into `readme/` of the assets, and writes the table
-/// of the techniques into the README.
+/// of the techniques into the README. Without `all`, leaves out the first two.
 ///
 /// # Errors
 /// One line that names the file and the element.
-pub fn write(bench: &mut Workbench, assets: &Path) -> Result<(), String> {
+pub fn write(bench: &mut Workbench, assets: &Path, all: bool) -> Result<(), String> {
     let out = assets.join("readme");
     std::fs::create_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
+    if all {
+        flat(bench, assets, &out)?;
+    }
+    techniques(bench, assets, &out)
+}
+
+/// Renders `hero.png` and `judgement.png`.
+fn flat(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), String> {
     let page = pages::interior(&assets.join("models"));
     let shot: &PageShot = page
         .shots
@@ -70,8 +78,7 @@ pub fn write(bench: &mut Workbench, assets: &Path) -> Result<(), String> {
     bench.size = HERO;
     let large = bench.hero(&page, shot, way)?;
     let (size, hero) = panels::halve(HERO, &large);
-    report(&out.join("hero.png"), size, &hero)?;
-    techniques(bench, assets, &out)
+    report(&out.join("hero.png"), size, &hero)
 }
 
 /// Renders a scene under every technique of the list, and writes the table into the README.
@@ -105,14 +112,14 @@ fn techniques(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), St
 fn deer(models: &Path) -> Page {
     let light = Light {
         kind: LightKind::Rect {
-            width: 0.4,
-            height: 0.4,
+            width: 0.6,
+            height: 0.6,
         },
         color: Vec3::new(1.0, 0.84, 0.62),
-        intensity: 46.0,
+        intensity: 52.0,
         range: f32::INFINITY,
     };
-    let place = Transform::from_xyz(2.5, 2.7, -1.7).looking_at(Vec3::new(-0.5, 0.2, 0.4), Vec3::Y);
+    let place = Transform::from_xyz(2.7, 3.9, 0.2).looking_at(Vec3::new(-0.6, 0.4, 0.0), Vec3::Y);
     Page {
         models: vec![PlacedModel {
             transform: Transform::from_scale(Vec3::splat(0.2)),
@@ -128,7 +135,7 @@ fn deer(models: &Path) -> Page {
         shots: vec![PageShot {
             name: "deer",
             caption: "",
-            camera: view([0.35, 1.55, 3.3], [-0.42, 0.42, 0.0], 38.0),
+            camera: view([0.6, 2.1, 5.4], [-0.75, 0.78, 0.0], 27.0),
             light: "lamp",
             exposure: 1.0,
         }],

@@ -59,6 +59,9 @@ fn gallery() -> &'static Path {
 /// Opens a file in a browser of one test's own.
 fn open(test: &str, file: &Path, window: (u32, u32), is_dark: bool) -> Browser {
     let folder = folder().join(test);
+    if folder.exists() {
+        std::fs::remove_dir_all(&folder).expect("what the browser of the last run remembers goes");
+    }
     std::fs::create_dir_all(&folder).expect("a folder");
     let mut browser = Browser::start(&folder);
     browser.open(file, window, is_dark);
