@@ -113,7 +113,7 @@ impl Summary {
         let mut limits = Vec::new();
         let refused = self.refuses();
         if !refused.is_empty() {
-            limits.push(format!("refuses {} lights", refused.join(" and ")));
+            limits.push(format!("refuses {} lights", refused.join(", ")));
         }
         if self.cuts_holes == Some(false) {
             limits.push("alpha masks cast whole".to_owned());

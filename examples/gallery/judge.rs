@@ -59,7 +59,7 @@ impl Workbench {
             shown,
             out,
         };
-        // Pictures and masks as they are, before alpha-tested surfaces are made solid for the ray caster.
+        // Pictures as they are, before alpha-tested surfaces are made solid for the ray caster.
         let mut masks = Vec::new();
         for shot in &page.shots {
             masks.push(session.pictures(shot)?);
@@ -68,7 +68,7 @@ impl Workbench {
         let scene = RayScene::from_world(&mut session.shown.stage.world);
         let mut shots = Vec::new();
         for (shot, masks) in page.shots.iter().zip(masks) {
-            shots.push(session.judge_shot(shot, &scene, (made_solid > 0).then_some(&masks))?);
+            shots.push(session.judge_shot(shot, &scene, (made_solid > 0).then_some(masks))?);
         }
         Ok(PageResult {
             seconds: begin.elapsed().as_secs_f64(),

@@ -135,6 +135,13 @@ fn figures(models: &Path) -> Page {
 }
 
 fn bonsai(models: &Path) -> Page {
+    let shot = |name, caption, light| PageShot {
+        name,
+        caption,
+        camera: view([1.5, 2.0, 2.9], [-0.1, 0.9, 0.0], 45.0),
+        light,
+        exposure: 1.0,
+    };
     Page {
         models: vec![PlacedModel {
             transform: Transform::from_xyz(0.3, 1.17, 0.0).with_scale(Vec3::splat(0.05)),
@@ -145,13 +152,14 @@ fn bonsai(models: &Path) -> Page {
             directional("directional", [-0.55, -1.0, -0.45], [1.0, 0.95, 0.85], 2.6),
             point("point", [-1.2, 1.6, 1.4], [0.55, 0.7, 1.0], 3.0, 8.0),
         ],
-        shots: vec![PageShot {
-            name: "leaves",
-            caption: "Look at the gaps between the leaves: techniques that know texels let light through them.",
-            camera: view([1.5, 2.0, 2.9], [-0.1, 0.9, 0.0], 45.0),
-            light: "directional",
-            exposure: 1.0,
-        }],
+        shots: vec![
+            shot(
+                "leaves",
+                "Look at the gaps between the leaves: techniques that know texels let light through them.",
+                "directional",
+            ),
+            shot("lamp", "The same under the lamp.", "point"),
+        ],
         ..Page::new(
             "bonsai",
             "Leaves with an alpha mask",

@@ -13,7 +13,7 @@ use super::panels;
 use super::results::{Judgement, PANELS, ShotResult, WayResult};
 use super::support::{picture, stats};
 use super::truth::{self, SAMPLES, Truth};
-use super::way::{Way, shadow_all};
+use super::way::{Way, shadow, shadow_all};
 
 /// A page while it is judged.
 pub struct Session<'a> {
@@ -27,6 +27,14 @@ pub struct Session<'a> {
     pub out: &'a Path,
 }
 
+/// What was seen of a shot with alpha masks as they are.
+pub struct Masked {
+    /// Visibility of the shot's light under each way; empty for ways that refuse the light.
+    visibility: Vec<Vec<f32>>,
+    /// Radiance without shadows, which tells surfaces apart.
+    radiance: Vec<f32>,
+}
+
 impl Session<'_> {
     /// Returns why a way cannot shadow the light of a shot.
     fn refusal(&self, way: &Way, light: usize) -> Option<String> {
@@ -38,12 +46,11 @@ impl Session<'_> {
         way.settings.check(light).err().map(|refusal| refusal.to_string())
     }
 
-    /// Draws and writes the picture of every way. Returns the visibility of the shot's light under each, with alpha masks
-    /// as they are; it is empty for ways that refuse the light.
+    /// Draws and writes the picture of every way. Returns what was seen with alpha masks as they are.
     ///
     /// # Errors
     /// One line that names the page.
-    pub fn pictures(&mut self, shot: &PageShot) -> Result<Vec<Vec<f32>>, String> {
+    pub fn pictures(&mut self, shot: &PageShot) -> Result<Masked, String> {
         let (bench, page) = (self.bench, self.page);
         let light = self.shown.light(page, shot.light)?;
         let mut masks = Vec::new();
@@ -64,10 +71,40 @@ impl Session<'_> {
             let mut rendered = stage.render().map_err(|error| in_page(page, &error))?;
             masks.push(rendered.visibility.swap_remove(light));
         }
-        Ok(masks)
+        bench.look(page, &mut self.shown, shot, bench.size)?;
+        Ok(Masked {
+            visibility: masks,
+            radiance: self.unshadowed()?,
+        })
     }
 
-    /// Judges every way on one shot. `masks` are the visibilities with holes of alpha masks, if there are any.
+    /// Returns the radiance of the view without shadows. Removes the techniques from the lights.
+    fn unshadowed(&mut self) -> Result<Vec<f32>, String> {
+        let stage = &mut self.shown.stage;
+        for light in stage.lights.clone() {
+            shadow(stage, light, None);
+        }
+        Ok(stage
+            .render()
+            .map_err(|error| in_page(self.page, &error))?
+            .radiance)
+    }
+
+    /// Returns the visibilities with alpha masks, NaN where a pixel shows another surface now that they are solid.
+    fn on_same_surfaces(&mut self, mut masked: Masked) -> Result<Vec<Vec<f32>>, String> {
+        let solid = self.unshadowed()?;
+        for visibility in &mut masked.visibility {
+            let pixels = masked.radiance.chunks_exact(4).zip(solid.chunks_exact(4));
+            for (seen, (before, now)) in visibility.iter_mut().zip(pixels) {
+                if before != now {
+                    *seen = f32::NAN;
+                }
+            }
+        }
+        Ok(masked.visibility)
+    }
+
+    /// Judges every way on one shot. `masked` is what was seen with holes of alpha masks, if there are any.
     ///
     /// # Errors
     /// One line that names the page.
@@ -75,15 +112,19 @@ impl Session<'_> {
         &mut self,
         shot: &PageShot,
         scene: &RayScene,
-        masks: Option<&Vec<Vec<f32>>>,
+        masked: Option<Masked>,
     ) -> Result<ShotResult, String> {
         let (bench, page) = (self.bench, self.page);
         let light = self.shown.light(page, shot.light)?;
-        let truth_picture = match masks {
+        let truth_picture = match masked {
             None => Some(self.truth_picture(shot, scene)?),
             Some(_) => None,
         };
         bench.look(page, &mut self.shown, shot, bench.size)?;
+        let masks = match masked {
+            Some(masked) => Some(self.on_same_surfaces(masked)?),
+            None => None,
+        };
         let stage = &mut self.shown.stage;
         stage.schedule.run(&mut stage.world);
         let truths = truth::of_lights(stage, scene, SAMPLES)?;
@@ -98,7 +139,9 @@ impl Session<'_> {
             (bench.progress)(&format!("{}/{}: {}", page.name, shot.name, way.title));
             ways.push(match self.refusal(way, light) {
                 Some(reason) => Err(reason),
-                None => Ok(self.judge_way(shot, way, &truths, masks.map(|masks| &masks[index][..]))?),
+                None => {
+                    Ok(self.judge_way(shot, way, &truths, masks.as_ref().map(|masks| &masks[index][..]))?)
+                }
             });
         }
         Ok(ShotResult {
