@@ -112,7 +112,11 @@ impl Summary {
     fn limits(&self) -> Vec<String> {
         let mut limits = Vec::new();
         let refused = self.refuses();
-        if !refused.is_empty() {
+        let kinds = light_kinds();
+        if refused.len() == kinds.len() {
+            // Not for the light: it needs settings that nobody can guess.
+            limits.extend(refusal(self.way.settings.row(), kinds[0].1));
+        } else if !refused.is_empty() {
             limits.push(format!("refuses {} lights", refused.join(", ")));
         }
         if self.cuts_holes == Some(false) {

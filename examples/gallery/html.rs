@@ -49,6 +49,7 @@ pub fn write(
     if let Some(scenes) = all["scenes"].as_array_mut() {
         scenes.extend(looks);
     }
+    all["more"] = other_pages(out);
     all["chooser"] = chooser::json(results);
     let save = |name: &str, text: &str| {
         let path = out.join(name);
@@ -67,6 +68,25 @@ pub fn page(results: &Value) -> String {
     PAGE.replace("/* style */", &STYLE.concat())
         .replace("/* script */", &SCRIPT.concat())
         .replace("/* results */", &data)
+}
+
+/// Returns the other web pages of the folder, with their titles; further commands of the gallery write them.
+fn other_pages(out: &Path) -> Value {
+    let entries = std::fs::read_dir(out).into_iter().flatten().flatten();
+    let mut pages: Vec<(String, String)> = entries
+        .filter_map(|entry| {
+            let file = entry.file_name().into_string().ok()?;
+            let is_other = file.ends_with(".html") && file != "index.html";
+            let text = is_other.then(|| std::fs::read_to_string(entry.path()).ok())??;
+            let title = text.split_once("<title>")?.1.split_once("</title>")?.0;
+            Some((file, title.to_owned()))
+        })
+        .collect();
+    pages.sort();
+    pages
+        .iter()
+        .map(|(file, title)| json!({"file": file, "title": title}))
+        .collect()
 }
 
 /// Removes the statistics of frames, which are many and which the page does not show.

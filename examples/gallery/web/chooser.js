@@ -82,9 +82,10 @@ function buildMethod() {
     element("ul", { class: "legend" }, colour("#ff5418", "too bright"), colour("#1e90ff", "too dark"),
       colour("#00ff00", "right, lit"), colour("#008000", "right, in shadow"), colour("#ff0000", "wrong"), colour("#606060", "does not count")));
   byId("intro").textContent = `${results.scenes.length} scenes, ${results.techniques.length} techniques, each beside what rays say.`;
+  const more = results.more.flatMap(({ file, title }) => [element("a", { href: file }, title), " · "]);
   byId("footer").append(element("p", {}, `${results.adapter}.${software}`),
     element("p", {}, `Drawn in ${Math.round(results.seconds)} s. ${results.verdict}.`),
-    element("p", {}, element("a", { href: "results.json" }, "All numbers as JSON")));
+    element("p", {}, ...more, element("a", { href: "results.json" }, "All numbers as JSON")));
 }
 
 // Without a choice of the reader, the system's setting counts.
