@@ -9,7 +9,8 @@ use bevy::render::{ExtractSchedule, RenderApp};
 use super::systems::AntumbraExtractSystems;
 use super::techniques::{TouchedLights, collect_touched};
 use crate::scene::{
-    Cookie, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+    BarnMap, Cookie, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin, ShadowSoftness,
+    ShadowTint,
 };
 
 /// Calls a macro with every component of the light model.
@@ -18,6 +19,7 @@ macro_rules! for_parts {
         $call!(
             Cookie,
             LightShape,
+            BarnMap,
             LightDistance,
             LightProfile,
             LightWeights,

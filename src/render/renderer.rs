@@ -2,6 +2,7 @@
 
 use std::any::TypeId;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
@@ -15,6 +16,7 @@ use super::gpu::buffers::GrowingBuffer;
 use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
 use super::light_function::LightFunction;
+use super::light_model::barn_maps::BarnMapParts;
 use super::light_model::function::{LightModelFunction, is_scaled};
 use super::light_model::textures::function::LightTextureFunction;
 use super::nodes::depth_copy::DepthCopy;
@@ -254,6 +256,12 @@ impl Renderer {
     /// The number of pipelines made so far for all views of the device. It does not grow in a steady frame.
     pub fn pipelines_created(&self) -> usize {
         self.gpu.pipeline_count()
+    }
+
+    /// The number of barn maps ([`BarnMap`](crate::scene::BarnMap)) drawn so far for all views of the device. It does
+    /// not grow in a steady frame.
+    pub fn barn_maps_made(&self) -> usize {
+        self.gpu.part(BarnMapParts::new).made.load(Ordering::Relaxed)
     }
 
     /// The objects that are not drawn because the device allows no buffer of their mesh's size.

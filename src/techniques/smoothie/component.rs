@@ -140,6 +140,20 @@ const SHARE_OF_POINT: f32 = 0.02;
 const METRES_OF_SUN: f32 = 0.1;
 
 impl Smoothie {
+    /// Returns the component with the width of a light of another size
+    /// ([`ShadowSoftness`](crate::scene::ShadowSoftness)): that of a sphere with the radius `softness`, and the width
+    /// itself for a directional light, metres.
+    pub fn softened(&self, softness: f32, light: &Light) -> Self {
+        let metres = match light.kind {
+            LightKind::Directional => softness,
+            _ => RAMP_OF_DISC * softness,
+        };
+        Self {
+            width: SmoothieWidth::Metres(metres),
+            ..*self
+        }
+    }
+
     /// Width and drop of the smoothies in a light.
     fn beside(&self, light: &Light) -> Result<Beside, Refusal> {
         let is_directional = light.kind == LightKind::Directional;
