@@ -10,7 +10,7 @@ use super::systems::AntumbraExtractSystems;
 use super::techniques::{TouchedLights, collect_touched};
 use crate::scene::{
     BarnMap, Cookie, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin, ShadowSoftness,
-    ShadowTint,
+    ShadowTint, SurfaceWeights,
 };
 
 /// Calls a macro with every component of the light model.
@@ -36,6 +36,7 @@ pub fn register(app: &mut App) {
         ($($part:ty),*) => {{ $(app.register_type::<$part>();)* }};
     }
     for_parts!(register);
+    app.register_type::<SurfaceWeights>();
 }
 
 /// Lists the lights on which a component of the light model was inserted, changed or removed.
@@ -75,7 +76,8 @@ pub(super) fn remove_model(light: &mut EntityWorldMut) {
     for_parts!(remove);
 }
 
-fn copy_part<T: Component<Mutability = Mutable> + Clone + PartialEq>(
+/// Makes a component of a mirror's entity that of the game's.
+pub(super) fn copy_part<T: Component<Mutability = Mutable> + Clone + PartialEq>(
     from: &EntityRef,
     to: &mut EntityWorldMut,
 ) {

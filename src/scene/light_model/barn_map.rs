@@ -188,6 +188,7 @@ mod tests {
             },
             LightShape {
                 width: 0.001,
+                height: 0.001,
                 ..closed
             },
         ] {

@@ -119,7 +119,7 @@ impl CookieImage {
     /// [`CookieImageError`] names the file.
     #[cfg(any(feature = "render", feature = "gltf"))]
     pub fn load_cube(path: &Path) -> Result<Arc<Self>, CookieImageError> {
-        Self::cube_from(&*Self::load(path)?)
+        Self::cube_from(&Self::load(path)?)
     }
 }
 
@@ -273,15 +273,18 @@ mod tests {
             turn: FRAC_PI_2,
             ..Cookie::new(image())
         };
+        let shows = |cookie: &Cookie, direction: DVec3, face: usize| {
+            let apart = at(cookie, direction) - of_face(face);
+            apart.abs().max_element() < 1e-4
+        };
         // Counterclockwise: what was to the right is above.
-        assert_eq!(at(&turned, DVec3::Y), of_face(0));
-        assert_eq!(at(&turned, DVec3::Z), of_face(4));
+        assert!(shows(&turned, DVec3::Y, 0) && shows(&turned, DVec3::Z, 4));
         let moved = |offset| Cookie {
             offset,
             ..Cookie::new(image())
         };
-        assert_eq!(at(&moved(Vec2::new(FRAC_PI_2, 0.0)), DVec3::X), of_face(4));
-        assert_eq!(at(&moved(Vec2::new(0.0, FRAC_PI_2)), DVec3::Y), of_face(4));
+        assert!(shows(&moved(Vec2::new(FRAC_PI_2, 0.0)), DVec3::X, 4));
+        assert!(shows(&moved(Vec2::new(0.0, FRAC_PI_2)), DVec3::Y, 4));
     }
 
     #[test]
@@ -297,7 +300,7 @@ mod tests {
             let mut texels = Vec::new();
             for (row, half) in rows.iter().flat_map(|row| [(row, 0), (row, 1)]) {
                 for letter in row.chars() {
-                    let value = letter.to_digit(10).map_or(0.0, |digit| digit as f32 + 1.0);
+                    let value = letter.to_digit(10).map_or(9.0, |digit| digit as f32 + 1.0);
                     texels.extend([
                         Vec3::splat(if half == 0 { value - 0.5 } else { value }),
                         Vec3::splat(value),
