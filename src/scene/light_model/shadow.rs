@@ -60,7 +60,7 @@ pub enum ShadowOrigin {
 ///
 /// Penumbra wedges take it as the extent of the light: point, spot and sphere lights cast as spheres of this
 /// radius, and rectangles keep their proportions and get this radius around them. Smoothies take it as the radius of
-/// the light from which their width follows, or as the width itself for a directional light. Maps, perspective ones too,
+/// the light from which their width follows; for a directional light it is the width, and their spread grows with it. Maps, perspective ones too,
 /// take it as the softness of their filter ([`MapFilter`](crate::techniques::maps::MapFilter)): a share of the distance
 /// from the light, or metres for a directional light. Stencil volumes are always hard and ignore it, and wedges ignore
 /// it for directional lights, which have no extent in metres.

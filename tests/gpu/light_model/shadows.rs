@@ -223,7 +223,7 @@ fn softness_reaches_perspective_maps_and_smoothies() {
     assert!(differences(&own, &of_sphere).0 > 50);
     let sun =
         |stage: &mut Stage, softness| softened(stage, LightKind::Directional, Smoothie::default(), softness);
-    let (narrow, wide) = (sun(&mut stage, None), sun(&mut stage, Some(0.5)));
+    let (narrow, wide) = (sun(&mut stage, None), sun(&mut stage, Some(5.0)));
     assert!(differences(&narrow, &wide).0 > 20);
 }
 

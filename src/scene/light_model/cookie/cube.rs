@@ -119,7 +119,8 @@ impl CookieImage {
     /// [`CookieImageError`] names the file.
     #[cfg(any(feature = "render", feature = "gltf"))]
     pub fn load_cube(path: &Path) -> Result<Arc<Self>, CookieImageError> {
-        Self::cube_from(&Self::load(path)?)
+        let picture = Self::load(path)?;
+        Self::cube_from(&picture)
     }
 }
 
