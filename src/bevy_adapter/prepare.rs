@@ -273,7 +273,8 @@ fn prepare_lights(
         let active = active.ok().map(|at| &drawn[at]);
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
-            let draw = with_model(describe(&host, lights)?, light);
+            let mut draw = with_model(describe(&host, lights)?, light);
+            draw.index[1] = u32::from(!renderer.frame().weighted.is_empty());
             let wanted = [
                 (VisibilitySource::Stencil, true),
                 (VisibilitySource::Unshadowed, view.unshadowed_in_view),

@@ -248,6 +248,14 @@ fn collect_draws(
     let (batches, instances) = (&mut frame.batches, &mut frame.instances);
     let (opaque, shown) = (ItemFilter::Opaque, (Shadows::OnReceivers(u32::MAX), false));
     frame.ambient = draw_lists.build(&input, &visible.set, opaque, shown, batches, instances);
+    if is_hosted && host_terms {
+        frame.unlit.clone_from(&visible.set);
+        frame.unlit.intersect_with(&input.table.weighted);
+        if !frame.unlit.is_clear() {
+            frame.weighted = draw_lists.build(&input, &frame.unlit, opaque, UNSHOWN, batches, instances);
+        }
+    }
+    let has_weights = !frame.weighted.is_empty();
     for (index, light) in lights.lights.iter().enumerate() {
         if labels.len() <= index {
             labels.push(format!("light {index}"));
@@ -286,7 +294,7 @@ fn collect_draws(
                 || (is_hosted && shadow.is_some() && shows_selectively(light, objects)),
             is_tinted: match host {
                 // A host computes light by itself, so it must weight the terms by itself as well.
-                Some(_) => host_terms && light.model.is_weighted(),
+                Some(_) => host_terms && (has_weights || light.model.is_weighted()),
                 None => light.model.lights_shadows(),
             },
             scissor: frame.viewport.place(if settings.scissor {
