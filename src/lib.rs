@@ -125,6 +125,13 @@ pub mod insides {
         pub use crate::techniques::smoothie::{expand::*, outline::*, records::*, shade::*};
     }
 
+    /// Records and CPU twins of occlusion textures.
+    pub mod occlusion_textures {
+        pub use crate::techniques::occlusion_texture::{
+            face::*, filter::*, fit::*, kernel::*, light_slices::*, records::*,
+        };
+    }
+
     /// Constants that shaders define with the same values.
     #[cfg(feature = "render")]
     pub mod constants {
@@ -155,6 +162,7 @@ pub mod prelude {
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
     pub use super::techniques::{
-        AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+        AddTechnique, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie,
+        StencilVolume,
     };
 }
