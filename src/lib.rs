@@ -138,6 +138,7 @@ pub mod insides {
         pub use crate::render::nodes::receiver_plane::NO_PLANE;
         pub use crate::techniques::maps::gpu::pipelines::filter_constant;
         pub use crate::techniques::maps::jitter::{DEPTH, RIM, TILE};
+        pub use crate::techniques::occlusion_texture::gpu::textures::RADIX;
         pub use crate::techniques::penumbra_wedge::geometry::shell::RIM as RIM_POINTS;
         pub use crate::techniques::penumbra_wedge::geometry::topology::{
             END, FAR_END, FAR_START, FIRST_APEX, FIRST_RIM,

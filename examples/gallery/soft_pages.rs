@@ -13,6 +13,8 @@ use antumbra::reference::{
 };
 use antumbra::scene::gltf_import::{load_gltf, spawn_scene};
 use antumbra::techniques::penumbra_wedge::WedgeSilhouette;
+use antumbra::techniques::{OcclusionTexture, Settings, SliceCombination, SliceFilter};
+use bevy_ecs::prelude::Bundle;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
 
@@ -114,19 +116,29 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
         }
         page += "<br>";
         let mut truth = None;
-        let ways = [
-            ("center", 1, WedgeSilhouette::Center),
-            ("split1", 1, WedgeSilhouette::Receiver),
-            ("split2", 2, WedgeSilhouette::Receiver),
-            ("split3", 3, WedgeSilhouette::Receiver),
+        let silhouettes = [
+            (
+                "center",
+                "1×1, silhouette from the centre",
+                1,
+                WedgeSilhouette::Center,
+            ),
+            ("split1", "1×1", 1, WedgeSilhouette::Receiver),
+            ("split2", "2×2", 2, WedgeSilhouette::Receiver),
+            ("split3", "3×3", 3, WedgeSilhouette::Receiver),
         ];
-        for (name, parts, silhouette) in ways {
+        let wedges = silhouettes.map(|(stem, title, parts, silhouette)| {
             let wedge = PenumbraWedge {
                 split: [parts; 2],
                 silhouette,
                 ..Default::default()
             };
-            set_light(&mut stage, SQUARE, scene.light, wedge);
+            (stem, title, Settings::of(wedge))
+        });
+        for (stem, title, shadow) in wedges.into_iter().chain(slices()) {
+            set_light(&mut stage, SQUARE, scene.light, ());
+            let light = stage.lights[0];
+            stage.shadow(light, &shadow);
             let rendered = stage.render().map_err(|error| one_line(&error))?;
             let got = VisibilityImage::new(size, rendered.visibility[0].clone())
                 .map_err(|error| one_line(&error))?;
@@ -137,16 +149,11 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
             let error = compare_soft(truth, &got).map_err(|error| one_line(&error))?;
             let error = error.ok_or("no pixel counts")?;
             let title = format!(
-                "{parts}×{parts}{}: RMSE {:.4}, penumbra {:.4}",
-                match silhouette {
-                    WedgeSilhouette::Center => ", silhouette from the centre",
-                    WedgeSilhouette::Receiver => "",
-                },
-                error.rmse,
-                error.rmse_penumbra
+                "{title}: RMSE {:.4}, penumbra {:.4}",
+                error.rmse, error.rmse_penumbra
             );
             println!("{:<10} {title}", scene.name);
-            let stem = format!("{}-{name}", scene.name);
+            let stem = format!("{}-{stem}", scene.name);
             figure(
                 &mut page,
                 out,
@@ -181,6 +188,39 @@ pub fn write(context: &RenderContext, assets: &Path, size: UVec2, out: &Path) ->
     std::fs::write(&file, page).map_err(|error| format!("{}: {error}", file.display()))?;
     println!("{}", file.display());
     Ok(())
+}
+
+/// Occlusion textures: filters and combinations side by side.
+fn slices() -> Vec<(&'static str, &'static str, Settings)> {
+    let slices = OcclusionTexture {
+        slices: 16,
+        ..Default::default()
+    };
+    let filtered = |filter| OcclusionTexture { filter, ..slices };
+    let combined = |combine| OcclusionTexture { combine, ..slices };
+    let all = [
+        ("slices", "16 slices", slices),
+        ("slices4", "4 slices", OcclusionTexture { slices: 4, ..slices }),
+        (
+            "slices-mipmaps",
+            "16 slices, mipmaps",
+            filtered(SliceFilter::Mipmaps),
+        ),
+        (
+            "slices-sums",
+            "16 slices, summed areas",
+            filtered(SliceFilter::SummedAreas),
+        ),
+        (
+            "slices-max",
+            "16 slices, the darkest alone",
+            combined(SliceCombination::Maximum),
+        ),
+        ("slices-sum", "16 slices, added", combined(SliceCombination::Sum)),
+    ];
+    all.into_iter()
+        .map(|(stem, title, shadow)| (stem, title, Settings::of(shadow)))
+        .collect()
 }
 
 fn figure(
@@ -246,7 +286,7 @@ pub(super) fn stage(
     Ok(stage)
 }
 
-pub(super) fn set_light(stage: &mut Stage, kind: LightKind, from: Vec3, wedge: PenumbraWedge) {
+pub(super) fn set_light(stage: &mut Stage, kind: LightKind, from: Vec3, shadow: impl Bundle) {
     for light in std::mem::take(&mut stage.lights) {
         stage.world.despawn(light);
     }
@@ -257,7 +297,7 @@ pub(super) fn set_light(stage: &mut Stage, kind: LightKind, from: Vec3, wedge: P
         range: f32::INFINITY,
     };
     let place = Transform::from_translation(from).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y);
-    stage.spawn_light(light, place, Some(wedge));
+    stage.spawn_light(light, place, Some(shadow));
 }
 
 fn rays_of(stage: &Stage, rays: &RayScene) -> Result<VisibilityImage, String> {

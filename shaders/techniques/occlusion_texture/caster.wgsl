@@ -60,7 +60,7 @@ fn masked_vertex(
 
 // 1 in the channels of the slices that begin at `tops` and hold the depth.
 fn channels(depth: f32, tops: vec4f, bottoms: vec4f) -> vec4f {
-    return select(vec4f(0.0), vec4f(1.0), vec4f(depth) > tops && vec4f(depth) <= bottoms);
+    return select(vec4f(0.0), vec4f(1.0), (vec4f(depth) > tops) & (vec4f(depth) <= bottoms));
 }
 
 fn slices_at(depth: f32) -> Slices {

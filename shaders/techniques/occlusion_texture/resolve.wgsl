@@ -88,26 +88,26 @@ fn corner_sum(picture: Picture, x: f32, y: f32) -> f32 {
 
 // Sums are large; their differences are small and exact, so they are taken before anything is interpolated.
 fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> f32 {
-    let from = floor(y_from);
-    let to = floor(y_to);
-    let at_from = corner_sum(picture, x, from);
-    let at_to = corner_sum(picture, x, to);
-    return (at_to - at_from) + (y_to - to) * (corner_sum(picture, x, to + 1.0) - at_to)
-        - (y_from - from) * (corner_sum(picture, x, from + 1.0) - at_from);
+    let low = floor(y_from);
+    let high = floor(y_to);
+    let at_low = corner_sum(picture, x, low);
+    let at_high = corner_sum(picture, x, high);
+    return (at_high - at_low) + (y_to - high) * (corner_sum(picture, x, high + 1.0) - at_high)
+        - (y_from - low) * (corner_sum(picture, x, low + 1.0) - at_low);
 }
 
 fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
     let side = light.limits.z;
     let half = max(kernel.half * side, vec2f(0.5));
     let center = kernel.center * side;
-    let from = clamp(center - half, vec2f(0.0), vec2f(side));
-    let to = clamp(center + half, vec2f(0.0), vec2f(side));
-    let x_from = floor(from.x);
-    let x_to = floor(to.x);
-    let first = column_sum(picture, x_from, from.y, to.y);
-    let last = column_sum(picture, x_to, from.y, to.y);
-    let sum = (last - first) + (to.x - x_to) * (column_sum(picture, x_to + 1.0, from.y, to.y) - last)
-        - (from.x - x_from) * (column_sum(picture, x_from + 1.0, from.y, to.y) - first);
+    let start = clamp(center - half, vec2f(0.0), vec2f(side));
+    let end = clamp(center + half, vec2f(0.0), vec2f(side));
+    let x_from = floor(start.x);
+    let x_to = floor(end.x);
+    let first = column_sum(picture, x_from, start.y, end.y);
+    let last = column_sum(picture, x_to, start.y, end.y);
+    let sum = (last - first) + (end.x - x_to) * (column_sum(picture, x_to + 1.0, start.y, end.y) - last)
+        - (start.x - x_from) * (column_sum(picture, x_from + 1.0, start.y, end.y) - first);
     return sum / (4.0 * half.x * half.y);
 }
 

@@ -9,7 +9,7 @@ use super::filter::{MOST_TAPS, level_count, tap_count};
 use super::fit::{SceneBox, SliceFaces, SliceSettings, SlicedKind, SlicedLight, fit_faces};
 use super::records::{OcclusionFace, OcclusionLight};
 use crate::scene::LightKind;
-use crate::sets::{FrameLight, Objects};
+use crate::sets::{FrameLight, LightVolume, Objects};
 
 /// Half of the side of a square as large as a disc of radius 1.
 const SQUARE_OF_DISC: f64 = 0.886_226_925_452_758;
@@ -39,6 +39,7 @@ pub struct LightSlices {
     /// Changes when the pictures must be drawn again.
     pub revision: u64,
     pub(super) layout: u64,
+    pub(super) volume: LightVolume,
     pub(super) sliced: Option<SlicedLight>,
 }
 
@@ -56,6 +57,7 @@ impl LightSlices {
             is_active: false,
             revision: 0,
             layout: 0,
+            volume: LightVolume::Infinite,
             sliced: None,
         }
     }
@@ -69,8 +71,11 @@ impl LightSlices {
         exchanged: &FixedBitSet,
         scratch: &mut Scratch,
     ) -> bool {
-        scratch.casters.clear();
-        scratch.casters.grow(objects.len());
+        if scratch.casters.len() == objects.len() {
+            scratch.casters.clear();
+        } else {
+            scratch.casters = FixedBitSet::with_capacity(objects.len()); // sets of unequal length are not equal
+        }
         for object in light.reached_casters(objects) {
             scratch.casters.insert(object);
         }
@@ -79,6 +84,7 @@ impl LightSlices {
         let is_same = self.revision != 0
             && self.settings == *settings
             && self.sliced == Some(sliced)
+            && self.volume == light.volume
             && self.layout == objects.layout_generation
             && self.casters == scratch.casters
             && !moved(&self.casters)
@@ -88,6 +94,7 @@ impl LightSlices {
         }
         self.settings = *settings;
         self.sliced = Some(sliced);
+        self.volume = light.volume;
         self.layout = objects.layout_generation;
         std::mem::swap(&mut self.casters, &mut scratch.casters);
         self.closing.clear();
