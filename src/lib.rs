@@ -125,12 +125,20 @@ pub mod insides {
         pub use crate::techniques::smoothie::{expand::*, outline::*, records::*, shade::*};
     }
 
+    /// Records and CPU twins of occlusion textures.
+    pub mod occlusion_textures {
+        pub use crate::techniques::occlusion_texture::{
+            face::*, filter::*, fit::*, kernel::*, light_slices::*, records::*,
+        };
+    }
+
     /// Constants that shaders define with the same values.
     #[cfg(feature = "render")]
     pub mod constants {
         pub use crate::render::nodes::receiver_plane::NO_PLANE;
         pub use crate::techniques::maps::gpu::pipelines::filter_constant;
         pub use crate::techniques::maps::jitter::{DEPTH, RIM, TILE};
+        pub use crate::techniques::occlusion_texture::gpu::textures::RADIX;
         pub use crate::techniques::penumbra_wedge::geometry::shell::RIM as RIM_POINTS;
         pub use crate::techniques::penumbra_wedge::geometry::topology::{
             END, FAR_END, FAR_START, FIRST_APEX, FIRST_RIM,
@@ -155,6 +163,7 @@ pub mod prelude {
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
     pub use super::techniques::{
-        AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+        AddTechnique, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie,
+        StencilVolume,
     };
 }

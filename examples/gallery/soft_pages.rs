@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use antumbra::prelude::*;
-use antumbra::techniques::Settings;
 use antumbra::techniques::penumbra_wedge::WedgeSilhouette;
+use antumbra::techniques::{OcclusionTexture, Settings, SliceCombination, SliceFilter};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
@@ -106,6 +106,7 @@ pub fn casters(models: &Path) -> Vec<Page> {
         }
     }
     comb.ways.extend(wedges());
+    comb.ways.extend(slices());
     vec![cylinder, deer, comb]
 }
 
@@ -124,6 +125,24 @@ fn wedges() -> [Way; 3] {
         Way::with(Settings::of(center), "center", "from the centre"),
         Way::with(Settings::of(parts(2)), "2x2", "2×2 parts"),
         Way::with(Settings::of(parts(3)), "3x3", "3×3 parts"),
+    ]
+}
+
+/// Returns further settings of occlusion textures: their number of slices, filters and combinations.
+fn slices() -> [Way; 5] {
+    let slices = OcclusionTexture {
+        slices: 16,
+        ..Default::default()
+    };
+    let few = OcclusionTexture { slices: 4, ..slices };
+    let filtered = |filter| Settings::of(OcclusionTexture { filter, ..slices });
+    let combined = |combine| Settings::of(OcclusionTexture { combine, ..slices });
+    [
+        Way::with(Settings::of(few), "4", "4 slices"),
+        Way::with(filtered(SliceFilter::Mipmaps), "mipmaps", "16 slices, mipmaps"),
+        Way::with(filtered(SliceFilter::SummedAreas), "sums", "16 slices, summed areas"),
+        Way::with(combined(SliceCombination::Maximum), "max", "16 slices, the darkest alone"),
+        Way::with(combined(SliceCombination::Sum), "sum", "16 slices, added"),
     ]
 }
 

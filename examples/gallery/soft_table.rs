@@ -1,5 +1,5 @@
 //! The table of soft shadows. For every model below a folder, under a light of 0.5 m at 4 m, it gives the errors of
-//! wedges, split wedges and accumulated hard shadows against ray-cast truth, and the time of a frame with each.
+//! wedges, split wedges, occlusion textures and accumulated hard shadows against ray-cast truth, and the time of a frame with each.
 //!
 //! Models are scaled to a radius of 1 m and stand on a ground.
 
@@ -13,6 +13,7 @@ use antumbra::reference::{
 use antumbra::techniques::penumbra_wedge::{
     CoverageMaths, Overlap, WedgeBounds, WedgeCulling, WedgeSilhouette,
 };
+use antumbra::techniques::{OcclusionTexture, SliceFilter};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
@@ -32,13 +33,14 @@ const LIGHT: (f32, f32) = (0.5, 4.0);
 /// A way to draw soft shadows.
 enum Way {
     Wedges(&'static str, PenumbraWedge),
+    Slices(&'static str, OcclusionTexture),
     /// Accumulated hard shadows; the number is the count along a side of the light.
     Hard(&'static str, u32),
 }
 
 impl Way {
     fn name(&self) -> &'static str {
-        let (Self::Wedges(name, _) | Self::Hard(name, _)) = self;
+        let (Self::Wedges(name, _) | Self::Slices(name, _) | Self::Hard(name, _)) = self;
         name
     }
 }
@@ -97,6 +99,11 @@ fn ways() -> Vec<Way> {
                 ..wedge
             },
         ),
+        Way::Slices("16 slices", slices(16, SliceFilter::NBuffers)),
+        Way::Slices("8 slices", slices(8, SliceFilter::NBuffers)),
+        Way::Slices("4 slices", slices(4, SliceFilter::NBuffers)),
+        Way::Slices("8 mipmaps", slices(8, SliceFilter::Mipmaps)),
+        Way::Slices("8 sums", slices(8, SliceFilter::SummedAreas)),
         Way::Hard("hard 4", 2),
         Way::Hard("hard 16", 4),
         Way::Hard("hard 64", 8),
@@ -130,6 +137,14 @@ fn ways() -> Vec<Way> {
             },
         ),
     ]
+}
+
+fn slices(slices: u32, filter: SliceFilter) -> OcclusionTexture {
+    OcclusionTexture {
+        slices,
+        filter,
+        ..Default::default()
+    }
 }
 
 /// Selects rows and columns of the table.
@@ -359,6 +374,7 @@ impl Subject {
     fn judge(&mut self, way: &Way, truth: &VisibilityImage) -> Result<(SoftError, f64), String> {
         match *way {
             Way::Wedges(_, wedge) => self.spawn(self.kind(), self.light, Some(wedge)),
+            Way::Slices(_, slices) => self.spawn(self.kind(), self.light, Some(slices)),
             Way::Hard(_, side) => {
                 let extent = LIGHT.0 * self.unit;
                 for cell in 0..side * side {

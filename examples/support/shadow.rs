@@ -10,6 +10,15 @@ use serde_json::{Map, Value, json};
 pub struct ShotShadow(Map<String, Value>);
 
 impl ShotShadow {
+    /// Adds a setting that the file has beside the technique. A setting of the technique itself goes first, and the
+    /// technique `none` takes no settings.
+    pub fn with(mut self, setting: &str, value: f32) -> Self {
+        if self.0.get("technique").is_some_and(|name| name != "none") {
+            self.0.entry(setting).or_insert_with(|| value.into());
+        }
+        self
+    }
+
     /// Returns the settings; `None` for the name `none`.
     ///
     /// # Errors

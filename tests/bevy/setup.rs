@@ -130,6 +130,7 @@ fn the_marker_brings_what_it_needs() {
         "ShadowMap",
         "OmniMap",
         "PerspectiveMap",
+        "OcclusionTexture",
         "LightSelection",
         "LightShape",
         "LightDistance",

@@ -8,6 +8,7 @@ mod light_hull;
 mod occlusion_harness;
 #[cfg(feature = "reference")]
 mod occlusion_never_hides;
+mod occlusion_texture;
 mod readme;
 #[cfg(feature = "reference")]
 mod reference;

@@ -122,11 +122,18 @@ fn every_technique_shadows_glass() {
         },
         ..point.clone()
     };
+    // Nearly a point, for techniques of lights with a size.
+    let sphere = Light {
+        kind: LightKind::Sphere { radius: 0.01 },
+        ..point.clone()
+    };
     for row in Techniques::default().rows() {
         let settings = row.defaults();
-        let mut lights = [&point, &spot].into_iter();
-        let light = lights.find(|light| settings.check(light).is_ok());
-        let (error, rendered) = shadowed(light.expect("it fits some light").clone(), &settings);
+        let mut lights = [&point, &spot, &sphere].into_iter();
+        let light = lights
+            .find(|light| settings.check(light).is_ok())
+            .expect("it fits some light");
+        let (error, rendered) = shadowed(light.clone(), &settings);
         let dark = rendered.visibility[0].iter().filter(|&&v| v < 0.5).count();
         println!("{row:?}: {error:?}, {dark} dark");
         assert!(
@@ -135,7 +142,13 @@ fn every_technique_shadows_glass() {
         );
         // Maps, which compare with planes, may be off by a texel; other techniques are exact for a light without extent.
         let is_exact = !row.needs().receiver_planes;
-        let allowed = if is_exact { 0 } else { error.inner / 200 };
+        // Slices are not where their casters are.
+        let is_sliced = matches!(light.kind, LightKind::Sphere { .. });
+        let allowed = match (is_exact, is_sliced) {
+            (true, _) => 0,
+            (false, false) => error.inner / 200,
+            (false, true) => error.inner / 20,
+        };
         assert!(error.wrong_inner <= allowed, "{row:?}: {error:?}");
     }
 }

@@ -5,8 +5,11 @@ use std::mem::offset_of;
 
 use antumbra::conventions;
 use antumbra::insides::constants as mirrored;
-use antumbra::insides::{COMMON, MapShape, PASSES, gpu_types, records, silhouette_layers, smoothies};
+use antumbra::insides::{
+    COMMON, MapShape, PASSES, gpu_types, occlusion_textures, records, silhouette_layers, smoothies,
+};
 use antumbra::techniques::maps::{MapFilter, MapFormat, MapSurface};
+use antumbra::techniques::{SliceCombination, SliceFilter};
 use wgpu::naga;
 
 use crate::harness::shaders;
@@ -114,6 +117,10 @@ fn mirrors() -> Vec<Mirror> {
             in "techniques/smoothie/edge.wgsl", array: true),
         mirror!(smoothies, SmoothieFace { row_x, row_y, row_z, projection, limits }
             in "techniques/smoothie/edge.wgsl", array: false),
+        mirror!(occlusion_textures, OcclusionFace { row_x, row_y, row_z, projection, depth, bottoms }
+            in "techniques/occlusion_texture/caster.wgsl", array: false),
+        mirror!(occlusion_textures, OcclusionLight { faces, kernel, point_relative, half_right, half_up, limits }
+            in "techniques/occlusion_texture/resolve.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
@@ -361,6 +368,26 @@ fn mirrored_constants() -> Vec<Constant> {
             ("LEAST", f64::from(smoothies::LEAST)),
             ("FARTHEST", f64::from(smoothies::FARTHEST)),
         ],
+    );
+    of(
+        "techniques/occlusion_texture/kernel.wgsl",
+        &[
+            ("PRODUCT", f64::from(SliceCombination::Product as u32)),
+            ("MAXIMUM", f64::from(SliceCombination::Maximum as u32)),
+            ("SUM", f64::from(SliceCombination::Sum as u32)),
+        ],
+    );
+    of(
+        "techniques/occlusion_texture/resolve.wgsl",
+        &[
+            ("N_BUFFERS", f64::from(SliceFilter::NBuffers as u32)),
+            ("MIPMAPS", f64::from(SliceFilter::Mipmaps as u32)),
+            ("SUMMED_AREAS", f64::from(SliceFilter::SummedAreas as u32)),
+        ],
+    );
+    of(
+        "techniques/occlusion_texture/filter.wgsl",
+        &[("RADIX", f64::from(mirrored::RADIX))],
     );
     of(
         "techniques/penumbra_wedge/wedge.wgsl",

@@ -14,6 +14,7 @@ mod light_textures;
 mod maps;
 mod mask_contract;
 mod occlusion_pictures;
+mod occlusion_texture;
 mod orthographic;
 mod penumbra_wedge;
 mod perspective_map;

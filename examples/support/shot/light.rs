@@ -61,6 +61,8 @@ pub enum ShotEmission {
     /// A light that shines from infinity.
     Directional {
         direction: [f32; 3],
+        /// Angle that the light covers in the sky, degrees, for techniques that have this setting.
+        angle_deg: Option<f32>,
         color: Option<[f32; 3]>,
         intensity: Option<f32>,
         shadow: Option<ShotShadow>,
@@ -171,6 +173,7 @@ impl ShotEmission {
             ),
             Self::Directional {
                 direction,
+                angle_deg,
                 color,
                 intensity,
                 shadow,
@@ -180,7 +183,10 @@ impl ShotEmission {
                 None,
                 color,
                 intensity.or(Some(LUX)),
-                shadow,
+                match angle_deg {
+                    Some(angle) => shadow.map(|shadow| shadow.with("angle_deg", angle)),
+                    None => shadow,
+                },
             ),
             Self::Rect {
                 position,

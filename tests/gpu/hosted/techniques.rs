@@ -61,7 +61,7 @@ fn every_technique_leaves_in_a_host_what_it_leaves_in_a_frame_of_our_own() {
         let kinds = if row.needs().emitter_texture {
             vec![rect]
         } else {
-            vec![LightKind::Point, spot]
+            vec![LightKind::Point, spot, LightKind::Sphere { radius: 0.2 }]
         };
         let kind = kinds
             .into_iter()

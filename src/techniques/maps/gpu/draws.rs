@@ -8,8 +8,6 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, Mat4};
 
 use super::gpu_types::MapCaster;
-use super::pipelines::{Key, Peel};
-use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
@@ -148,13 +146,13 @@ impl MapDraws {
             .flatten()
     }
 
-    /// Records a range of draws. Groups 0 and 1 must be set.
-    pub fn record(
+    /// Records a range of draws. Groups 0 and 1 must be set. `pipeline` returns the pipeline for casters with holes (`true`)
+    /// or for solid casters; draws without one are left out.
+    pub fn record<'a>(
         &self,
         range: Range<usize>,
-        peel: Peel,
         pass: &mut wgpu::RenderPass,
-        pipelines: &Variants<Key>,
+        pipeline: impl Fn(bool) -> Option<&'a wgpu::RenderPipeline>,
         meshes: &MeshPool,
         materials: &MaterialPool,
     ) {
@@ -165,7 +163,7 @@ impl MapDraws {
             };
             let masked = draw.material.is_some();
             if last_masked != Some(masked) {
-                let Some(pipeline) = pipelines.get(Key::Caster { masked, peel }) else {
+                let Some(pipeline) = pipeline(masked) else {
                     continue;
                 };
                 pass.set_pipeline(pipeline);

@@ -116,15 +116,11 @@ impl MapNode {
         if let Some((group, _)) = peel {
             pass.set_bind_group(1, group, &[]);
         }
+        let peel = peel.map_or(Peel::No, |(_, peel)| peel);
         for range in ranges {
-            self.draws.record(
-                range.clone(),
-                peel.map_or(Peel::No, |(_, peel)| peel),
-                &mut pass,
-                &self.pipelines,
-                input.meshes,
-                input.materials,
-            );
+            let pipeline = |masked| self.pipelines.get(Key::Caster { masked, peel });
+            self.draws
+                .record(range.clone(), &mut pass, pipeline, input.meshes, input.materials);
         }
     }
 

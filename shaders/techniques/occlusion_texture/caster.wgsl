@@ -1,0 +1,93 @@
+// Casters in one drawing into all slices: four colour targets with a slice in each channel. The depth of a fragment chooses
+// the channel; blending keeps the maximum.
+// Host    src/techniques/occlusion_texture/gpu/pipelines.rs
+// Groups  0 casters, 1 face, 2 material (`masked` alone)
+// Spaces  in: local; out: clip of the picture, whose third coordinate is depth in light space before it leaves the vertex
+//         stage
+#import antumbra::surface::{Fragment, base_color, material}
+#import antumbra::occlusion_kernel::OcclusionFace
+
+struct MapCaster {                  // mirror: render::pools::gpu_types::MapCaster
+    clip_from_local: mat4x4f,
+}
+
+@group(0) @binding(0) var<storage, read> casters: array<MapCaster>;
+@group(1) @binding(0) var<uniform> face: OcclusionFace;
+
+// Whether casters fill the next slice too.
+override CLOSE: bool = false;
+
+struct Solid {
+    @builtin(position) position_clip: vec4f,
+    @location(0) depth: f32,
+}
+
+struct Masked {
+    @builtin(position) position_clip: vec4f,
+    @location(0) depth: f32,
+    @location(1) uv: vec4f,
+    @location(2) color: vec4f,
+}
+
+struct Slices {
+    @location(0) a: vec4f,
+    @location(1) b: vec4f,
+    @location(2) c: vec4f,
+    @location(3) d: vec4f,
+}
+
+// Nothing is clipped by depth.
+fn flattened(place: vec4f) -> vec4f {
+    return vec4f(place.xy, 0.5 * place.w, place.w);
+}
+
+@vertex
+fn solid_vertex(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> Solid {
+    let place = casters[caster].clip_from_local * vec4f(position_local, 1.0);
+    return Solid(flattened(place), place.z);
+}
+
+@vertex
+fn masked_vertex(
+    @location(0) position_local: vec3f,
+    @location(3) uv: vec4f,
+    @location(4) color: vec4f,
+    @builtin(instance_index) caster: u32,
+) -> Masked {
+    let place = casters[caster].clip_from_local * vec4f(position_local, 1.0);
+    return Masked(flattened(place), place.z, uv, color);
+}
+
+// 1 in the channels of the slices that begin at `tops` and hold the depth.
+fn channels(depth: f32, tops: vec4f, bottoms: vec4f) -> vec4f {
+    return select(vec4f(0.0), vec4f(1.0), (vec4f(depth) > tops) & (vec4f(depth) <= bottoms));
+}
+
+fn slices_at(depth: f32) -> Slices {
+    var before = vec2f(face.depth.z);   // ends of the two slices before a group
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < 4; group++) {
+        let bottoms = face.bottoms[group];
+        // A slice that is filled by the one before begins where that one begins.
+        let tops = select(vec4f(before.y, bottoms.xyz), vec4f(before, bottoms.xy), CLOSE);
+        out[group] = channels(depth, tops, bottoms);
+        before = bottoms.zw;
+    }
+    return Slices(out[0], out[1], out[2], out[3]);
+}
+
+@fragment
+fn solid(in: Solid) -> Slices {
+    return slices_at(in.depth);
+}
+
+@fragment
+fn masked(in: Masked) -> Slices {
+    var surface: Fragment;
+    surface.uv = in.uv;
+    surface.color = in.color;
+    if base_color(surface).a < material.alpha_cutoff {
+        discard;
+    }
+    return slices_at(in.depth);
+}

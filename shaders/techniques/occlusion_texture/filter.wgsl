@@ -1,0 +1,74 @@
+// One step of a filter of the slices' pictures, for up to four targets of four slices each.
+// Host    src/techniques/occlusion_texture/gpu/passes.rs
+// Groups  0 the level below
+// Twin    techniques::occlusion_texture::filter
+// Sources: Décoret 2005, "N-Buffers for efficient depth map query"; Williams 1983, "Pyramidal parametrics"; Hensley et al.
+//         2005, "Fast summed-area table generation and its applications", for sums by few passes with several loads.
+
+@group(0) @binding(0) var below: texture_2d_array<f32>;
+
+override GROUPS: u32 = 1u;
+
+// Texels that one pass of a sum adds up.
+const RADIX: i32 = 8;               // mirror: techniques::occlusion_texture::gpu::textures::RADIX
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) instance: u32,
+}
+
+struct Targets {
+    @location(0) a: vec4f,
+    @location(1) b: vec4f,
+    @location(2) c: vec4f,
+    @location(3) d: vec4f,
+}
+
+fn load(texel: vec2i, group: i32) -> vec4f {
+    let size = vec2i(textureDimensions(below));
+    let inside = all(texel >= vec2i(0)) && all(texel < size);
+    let value = textureLoad(below, clamp(texel, vec2i(0), size - 1), group, 0);
+    return select(vec4f(0.0), value, inside);
+}
+
+// Mean of four texels that are `step` apart.
+fn mean(texel: vec2i, step: i32, group: i32) -> vec4f {
+    let top = load(texel, group) + load(texel + vec2i(step, 0), group);
+    let bottom = load(texel + vec2i(0, step), group) + load(texel + vec2i(step, step), group);
+    return 0.25 * (top + bottom);
+}
+
+fn means(texel: vec2i, step: i32) -> Targets {
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        out[group] = mean(texel, step, group);
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
+}
+
+// The next level of an N-buffer. The instance is the side of the squares of the level below, texels.
+@fragment
+fn n_buffer(in: Corner) -> Targets {
+    return means(vec2i(in.position.xy), i32(in.instance));
+}
+
+// The next level of mipmaps.
+@fragment
+fn mipmap(in: Corner) -> Targets {
+    return means(2 * vec2i(in.position.xy), 1);
+}
+
+// One step of the sums along one axis. The instance holds the distance of the texels that are added, in its lower 16 bits;
+// then whether they stand below each other; then the layer.
+@fragment
+fn sum(in: Corner) -> @location(0) vec4f {
+    let distance = i32(in.instance & 0xffffu);
+    let is_down = (in.instance & 0x10000u) != 0u;
+    let step = select(vec2i(distance, 0), vec2i(0, distance), is_down);
+    let layer = i32(in.instance >> 17u);
+    var total = vec4f(0.0);
+    for (var index = 0; index < RADIX; index++) {
+        total += load(vec2i(in.position.xy) - index * step, layer);
+    }
+    return total;
+}

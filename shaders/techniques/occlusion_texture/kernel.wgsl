@@ -1,0 +1,66 @@
+// What a receiver looks up in each slice of the casters, and how the answers are combined.
+// Host    src/techniques/occlusion_texture/records.rs
+// Spaces  relative: world axes, origin at the eye
+//         light: origin at the light, x right, y up, z away from the light
+// Twin    techniques::occlusion_texture::kernel, functions of the same names
+// Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows": eq. 4, eq. 5, §3.4.
+#define_import_path antumbra::occlusion_kernel
+
+struct OcclusionFace {              // mirror: techniques::occlusion_texture::records::OcclusionFace
+    row_x: vec4f,                   // rows of the transform from relative to light
+    row_y: vec4f,
+    row_z: vec4f,
+    projection: vec4f,              // scales of x and y, then offsets of x and y
+    depth: vec4f,                   // divisor of the projection: x z + y; top of the first slice; thickness behind the last
+    bottoms: array<vec4f, 4>,       // depth at which each slice ends
+}
+
+struct OcclusionLight {             // mirror: techniques::occlusion_texture::records::OcclusionLight
+    faces: array<OcclusionFace, 6>,
+    kernel: vec4f,                  // half of the kernel's sides on the light; 1: at a position; 1: a sphere
+    point_relative: vec4f,          // the light as a homogeneous point
+    half_right: vec4f,              // half of the first side; radius of a sphere, or sine of half the angle
+    half_up: vec4f,                 // half of the second side; squares of a lookup in N-buffers
+    limits: vec4f,                  // nearest and farthest depth; texels along a side, and their reciprocal
+}
+
+// Values of COMBINE: techniques::occlusion_texture::SliceCombination in its order.
+const PRODUCT: u32 = 0u;            // mirror: techniques::occlusion_texture::SliceCombination::Product
+const MAXIMUM: u32 = 1u;            // mirror: techniques::occlusion_texture::SliceCombination::Maximum
+const SUM: u32 = 2u;                // mirror: techniques::occlusion_texture::SliceCombination::Sum
+
+// A rectangle of a slice's picture: the light as it is projected through a receiver.
+struct Kernel {
+    center: vec2f,                  // 0..1 inside the picture, from the upper left
+    half: vec2f,                    // half of the sides
+}
+
+// Share of a slice's shadow that a receiver at a depth gets. A slice fades in over the thickness of the slice behind it.
+fn slice_weight(bottom: f32, thickness: f32, depth: f32) -> f32 {
+    return clamp((depth - bottom) / max(thickness, 1e-30), 0.0, 1.0);
+}
+
+// The rectangle of a slice's picture through which a receiver, in light space and behind the slice, sees the light.
+fn slice_kernel(projection: vec4f, depth: vec4f, light: vec4f, receiver: vec3f, bottom: f32) -> Kernel {
+    let behind = receiver.z - bottom;
+    let at_position = light.z > 0.5;
+    let middle = receiver.xy * select(1.0, bottom / receiver.z, at_position);
+    // A sphere that is seen at an angle casts a longer cone on the slice.
+    let slope = receiver.xy / receiver.z;
+    let longer = select(vec2f(1.0), sqrt(1.0 + slope * slope), light.w > 0.5);
+    let half = light.xy * longer * (behind / select(1.0, receiver.z, at_position));
+    let scale = projection.xy / (depth.x * bottom + depth.y);
+    let ndc = middle * scale + projection.zw;
+    return Kernel(ndc * vec2f(0.5, -0.5) + 0.5, half * scale * 0.5);
+}
+
+// Adds the hidden share that one more slice leaves to what the slices before it left.
+fn combine(combination: u32, hidden: f32, more: f32) -> f32 {
+    if combination == MAXIMUM {
+        return max(hidden, more);
+    }
+    if combination == SUM {
+        return min(hidden + more, 1.0);
+    }
+    return 1.0 - (1.0 - hidden) * (1.0 - more);
+}

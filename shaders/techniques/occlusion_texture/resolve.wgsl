@@ -1,0 +1,174 @@
+// Visibility of each pixel from the filtered pictures of the casters' slices, written into the mask.
+// Host    src/techniques/occlusion_texture/gpu/recorder.rs
+// Groups  0 view, 1 receiver, 2 light, 3 pictures
+// Spaces  as in kernel.wgsl
+// Twin    techniques::occlusion_texture::{kernel, filter}
+#import antumbra::receiver::{Receiver, receiver_at}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_kernel, combine}
+
+@group(2) @binding(0) var<uniform> light: OcclusionLight;
+@group(3) @binding(0) var pictures: texture_2d_array<f32>;
+@group(3) @binding(1) var between_texels: sampler;
+
+override SLICES: u32 = 1u;
+override FACES: u32 = 1u;
+override COMBINE: u32 = 0u;
+override FILTER: u32 = 0u;
+
+// Values of FILTER: techniques::occlusion_texture::SliceFilter in its order.
+const N_BUFFERS: u32 = 0u;          // mirror: techniques::occlusion_texture::SliceFilter::NBuffers
+const MIPMAPS: u32 = 1u;            // mirror: techniques::occlusion_texture::SliceFilter::Mipmaps
+const SUMMED_AREAS: u32 = 2u;       // mirror: techniques::occlusion_texture::SliceFilter::SummedAreas
+
+// The picture of one slice: a channel of a layer, or of several layers with levels.
+struct Picture {
+    face: u32,
+    group: u32,
+    channel: u32,
+}
+
+fn group_count() -> u32 {
+    return (SLICES + 3u) / 4u;
+}
+
+// Share of a kernel around the nearest place inside the picture that a kernel beyond the border still reaches.
+fn share_inside(kernel: Kernel) -> f32 {
+    let beyond = abs(kernel.center - 0.5) - 0.5;
+    let left = 1.0 - max(beyond / max(kernel.half, vec2f(0.5 * light.limits.w)), vec2f(0.0));
+    return max(left.x, 0.0) * max(left.y, 0.0);
+}
+
+fn n_buffer_level(picture: Picture, place: vec2f, level: u32, levels: u32) -> f32 {
+    let layer = (picture.face * levels + level) * group_count() + picture.group;
+    // The square around the place begins half its side before it.
+    let corner = place + 0.5 - 0.5 * f32(1u << level);
+    return textureSampleLevel(pictures, between_texels, corner * light.limits.w, layer, 0.0)[picture.channel];
+}
+
+fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
+    let side = light.limits.z;
+    let levels = u32(log2(side) + 0.5) + 1u;
+    let taps = light.half_up.w;
+    let size = 2.0 * kernel.half * side;
+    let long = max(max(size.x, size.y), 1.0);
+    let square = min(max(max(min(size.x, size.y), 1.0), long / taps), side);
+    let level = min(u32(log2(square)), levels - 1u);
+    let between = clamp(square / f32(1u << level) - 1.0, 0.0, 1.0);
+    let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), size.x > size.y) * max(long - square, 0.0);
+    let spread = taps / max(taps - 1.0, 1.0);
+    let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0)) * side;
+    var sum = 0.0;
+    for (var tap = 0.0; tap < taps; tap += 1.0) {
+        let place = center + along * (((tap + 0.5) / taps - 0.5) * spread);
+        let fine = n_buffer_level(picture, place, level, levels);
+        let coarse = n_buffer_level(picture, place, min(level + 1u, levels - 1u), levels);
+        sum += mix(fine, coarse, between);
+    }
+    return sum / taps * share_inside(kernel);
+}
+
+fn mipmap_mean(picture: Picture, kernel: Kernel) -> f32 {
+    let layer = picture.face * group_count() + picture.group;
+    let size = max(2.0 * kernel.half, vec2f(light.limits.w));
+    let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
+    let dx = vec2f(size.x, 0.0);
+    let dy = vec2f(0.0, size.y);
+    let mean = textureSampleGrad(pictures, between_texels, center, layer, dx, dy)[picture.channel];
+    return mean * share_inside(kernel);
+}
+
+// Sum over all texels before a corner of the grid.
+fn corner_sum(picture: Picture, x: f32, y: f32) -> f32 {
+    let last = i32(light.limits.z) - 1;
+    let texel = vec2i(i32(x), i32(y)) - 1;
+    let layer = picture.face * group_count() + picture.group;
+    let sum = textureLoad(pictures, clamp(texel, vec2i(0), vec2i(last)), layer, 0)[picture.channel];
+    return select(sum, 0.0, any(texel < vec2i(0)));
+}
+
+// Sums are large; their differences are small and exact, so they are taken before anything is interpolated.
+fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> f32 {
+    let low = floor(y_from);
+    let high = floor(y_to);
+    let at_low = corner_sum(picture, x, low);
+    let at_high = corner_sum(picture, x, high);
+    return (at_high - at_low) + (y_to - high) * (corner_sum(picture, x, high + 1.0) - at_high)
+        - (y_from - low) * (corner_sum(picture, x, low + 1.0) - at_low);
+}
+
+fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
+    let side = light.limits.z;
+    let half = max(kernel.half * side, vec2f(0.5));
+    let center = kernel.center * side;
+    let start = clamp(center - half, vec2f(0.0), vec2f(side));
+    let end = clamp(center + half, vec2f(0.0), vec2f(side));
+    let x_from = floor(start.x);
+    let x_to = floor(end.x);
+    let first = column_sum(picture, x_from, start.y, end.y);
+    let last = column_sum(picture, x_to, start.y, end.y);
+    let sum = (last - first) + (end.x - x_to) * (column_sum(picture, x_to + 1.0, start.y, end.y) - last)
+        - (start.x - x_from) * (column_sum(picture, x_from + 1.0, start.y, end.y) - first);
+    return sum / (4.0 * half.x * half.y);
+}
+
+fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
+    if FILTER == MIPMAPS {
+        return mipmap_mean(picture, kernel);
+    }
+    if FILTER == SUMMED_AREAS {
+        return summed_mean(picture, kernel);
+    }
+    return n_buffer_mean(picture, kernel);
+}
+
+// Share of the light that the slices of one picture hide.
+fn hidden_share(face: u32, receiver: vec3f) -> f32 {
+    let projection = light.faces[face].projection;
+    let depth = light.faces[face].depth;
+    var hidden = 0.0;
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
+        if receiver.z <= bottom {
+            break;
+        }
+        let next = min(slice + 1u, SLICES - 1u);
+        let next_bottom = light.faces[face].bottoms[next / 4u][next % 4u];
+        let thickness = select(depth.w, next_bottom - bottom, slice + 1u < SLICES);
+        let weight = slice_weight(bottom, thickness, receiver.z);
+        let kernel = slice_kernel(projection, depth, light.kernel, receiver, bottom);
+        let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
+        hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
+    }
+    return hidden;
+}
+
+// Share of the light that is above the receiver's horizon, as if the light were as long in all directions as it is along
+// the normal.
+fn share_above(receiver: Receiver) -> f32 {
+    let n = receiver.normal;
+    let to_light = light.point_relative.xyz - receiver.position * light.point_relative.w;
+    let height = dot(n, to_light);
+    let extent = abs(dot(n, light.half_right.xyz)) + abs(dot(n, light.half_up.xyz)) + light.half_right.w;
+    let share = clamp(0.5 + 0.5 * height / max(extent, 1e-20), 0.0, 1.0);
+    return select(share, 1.0, all(n == vec3f(0.0)) || extent == 0.0);
+}
+
+@fragment
+fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
+    let receiver = receiver_at(position.xy);
+    // No surface is there, or it is out of the light's reach: the value is not used.
+    if receiver.depth == 0.0 || receiver.depth > light.limits.x || receiver.depth < light.limits.y {
+        return vec4f(1.0);
+    }
+    let p = vec4f(receiver.position, 1.0);
+    var face = 0u;
+    var along = dot(light.faces[0].row_z, p);
+    for (var other = 1u; other < FACES; other++) {
+        let along_other = dot(light.faces[other].row_z, p);
+        face = select(face, other, along_other > along);
+        along = max(along, along_other);
+    }
+    let in_light = vec3f(dot(light.faces[face].row_x, p), dot(light.faces[face].row_y, p), along);
+    let seen = clamp(1.0 - hidden_share(face, in_light), 0.0, 1.0);
+    return vec4f(vec3f(seen), seen * share_above(receiver));
+}

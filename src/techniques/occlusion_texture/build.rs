@@ -1,0 +1,130 @@
+//! The frame's occlusion textures: which lights have them, what they show, and which are drawn again.
+//!
+//! Pictures show everything that the light reaches, whether or not it is in view, so that shadows do not change as the
+//! camera moves. They are kept from frame to frame, and drawn and filtered again when a caster, the light or a setting
+//! changes.
+
+use bevy_ecs::prelude::*;
+use fixedbitset::FixedBitSet;
+
+use super::component::OcclusionTexture;
+use super::light_slices::{LightSlices, Scratch};
+use crate::scene::{SceneMaterials, SceneMesh};
+use crate::sets::{FrameLights, Objects};
+use crate::techniques::registry::Technique;
+use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
+
+/// Least resolution that a shortage of memory leaves, texels.
+const LEAST: u32 = 32;
+
+/// Layers of a texture array that every device has. Source: the WebGPU specification, `maxTextureArrayLayers`.
+pub const MOST_LAYERS: u32 = 256;
+
+/// The occlusion textures of this frame. Written by [`ask_for_slices`] and [`build_slices`].
+#[derive(Resource, Clone, Debug, Default)]
+pub struct OcclusionTextures {
+    /// All lights with occlusion textures, ascending by light. They include lights out of view, because their pictures are
+    /// kept.
+    pub lights: Vec<LightSlices>,
+    /// Lights that have coarser pictures than asked for, because six pictures of them do not fit into one texture, with
+    /// their resolution.
+    pub coarser: Vec<(Entity, u32)>,
+    previous: Vec<LightSlices>,
+    exchanged: FixedBitSet,
+    scratch: Scratch,
+    revision: u64,
+}
+
+impl OcclusionTextures {
+    /// Returns the pictures of a light of [`FrameLights`], if they are looked up in this frame.
+    pub fn of_light(&self, light: usize) -> Option<&LightSlices> {
+        let at = self
+            .lights
+            .binary_search_by_key(&light, |slices| slices.light)
+            .ok()?;
+        Some(&self.lights[at]).filter(|slices| slices.is_active)
+    }
+}
+
+/// Lists the lights with occlusion textures, fits their slices to what they reach, and asks for their memory.
+///
+/// Set: `BuildTechniques`, in [`TextureMemorySystems::Ask`](crate::techniques::TextureMemorySystems::Ask). Reads
+/// [`FrameLights`] and [`Objects`]; writes [`OcclusionTextures`] and [`TextureMemory`]. Cost: O(words of L) for a light of
+/// which nothing changed, else O(L).
+pub fn ask_for_slices(
+    mut textures: ResMut<OcclusionTextures>,
+    mut memory: ResMut<TextureMemory>,
+    lights: Res<FrameLights>,
+    objects: Res<Objects>,
+    components: Query<&OcclusionTexture>,
+    exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+) {
+    let textures = &mut *textures;
+    std::mem::swap(&mut textures.lights, &mut textures.previous);
+    textures.lights.clear();
+    textures.coarser.clear();
+    textures.exchanged.clear();
+    textures.exchanged.grow(objects.len());
+    for object in exchanged.iter().filter_map(|entity| objects.index_of(entity)) {
+        textures.exchanged.insert(object);
+    }
+    let mut old = textures.previous.drain(..).peekable();
+    for (index, light) in lights.lights.iter().enumerate() {
+        if !light.is_shadowed_by::<OcclusionTexture>() {
+            continue;
+        }
+        let Ok(settings) = components.get(light.entity) else {
+            continue;
+        };
+        while old.next_if(|slices| slices.entity < light.entity).is_some() {}
+        let known = old.next_if(|slices| slices.entity == light.entity);
+        let mut slices = known.unwrap_or_else(|| LightSlices::new(light.entity));
+        slices.light = index;
+        slices.is_active = false;
+        let changed = slices.follow(
+            light,
+            settings,
+            &objects,
+            &textures.exchanged,
+            &mut textures.scratch,
+        );
+        if changed {
+            textures.revision += 1;
+            slices.revision = textures.revision;
+        }
+        let resolution = slices.largest(MOST_LAYERS);
+        if resolution < settings.resolution {
+            textures.coarser.push((light.entity, resolution));
+        }
+        let want = TextureWant {
+            bytes_per_square: slices.bytes_per_square(),
+            resolution,
+            least: LEAST.min(resolution),
+            storage: Storage::OwnElseNothing,
+        };
+        memory.ask(index, OcclusionTexture::NAME, want);
+        textures.lights.push(slices);
+    }
+}
+
+/// Takes over the memory that each light gets.
+///
+/// Set: `BuildTechniques`, in [`TextureMemorySystems::Build`](crate::techniques::TextureMemorySystems::Build). Reads
+/// [`FrameLights`] and [`TextureMemory`]; writes [`OcclusionTextures`].
+pub fn build_slices(
+    mut textures: ResMut<OcclusionTextures>,
+    memory: Res<TextureMemory>,
+    lights: Res<FrameLights>,
+) {
+    let textures = &mut *textures;
+    for slices in &mut textures.lights {
+        let grant = memory.grant(slices.light, OcclusionTexture::NAME);
+        let resolution = grant.map_or(0, |grant| grant.resolution);
+        if slices.resolution != resolution {
+            slices.resolution = resolution;
+            textures.revision += 1;
+            slices.revision = textures.revision;
+        }
+        slices.is_active = resolution > 0 && !lights.lights[slices.light].is_skipped();
+    }
+}

@@ -1,0 +1,177 @@
+//! The component that gives a light soft shadows by occlusion textures.
+
+use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
+
+use crate::scene::{Light, LightKind};
+use crate::techniques::registry::Refusal;
+
+/// Most slices of a light: four channels of four colour targets, which every WebGPU device can draw at once.
+pub const MOST_SLICES: u32 = 16;
+
+/// Smallest and largest resolution, texels along a side.
+const RESOLUTIONS: std::ops::RangeInclusive<u32> = 16..=4096;
+
+/// Gives a rectangle, sphere or directional light soft shadows whose cost does not depend on the size of the light.
+///
+/// The casters are cut into slices parallel to the light. A picture of each slice is filtered once, and a pixel looks up
+/// one filtered value for each slice between itself and the light. Shadows are smooth and plausible, not exact: casters
+/// cast from the far side of their slice, nothing within one slice shadows itself, and the slices are combined as if they
+/// were statistically independent. Alpha-tested casters cast the holes of their texture. Casters block from both sides.
+/// An [`EmitterTexture`](crate::techniques::penumbra_wedge::EmitterTexture) is ignored: shadows are those of a light of
+/// one colour.
+///
+/// Everything within reach of the light shares the texels, so give the light a range.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct OcclusionTexture {
+    /// Number of slices, 1 to 16. Multiples of four use memory fully. Higher values bring shadows closer to their casters
+    /// and let objects shadow themselves; each slice costs lookups at every pixel. Default: 8.
+    pub slices: u32,
+    /// How much thinner slices are away from the light than near it, 0 to 1: 0 makes all slices equally thick, 1 makes the
+    /// farthest slice thinnest, by a factor of about twice the number of slices. Higher values help where casters stand on
+    /// a ground that faces the light. Default: 0.
+    pub weight: f32,
+    /// Texels along a side of the pictures; a power of two, 16 to 4096. Higher values keep finer casters; each doubling
+    /// takes somewhat more than four times the memory and filter time. Default: 256.
+    pub resolution: u32,
+    /// How means over rectangles of the pictures are prepared.
+    pub filter: SliceFilter,
+    /// How the shadows of the slices are combined.
+    pub combine: SliceCombination,
+    /// Mask of the selection layers whose casters also fill the picture of the next slice. It closes gaps where a thin
+    /// caster passes from slice to slice, and darkens the penumbra of these casters. In files `true` stands for all layers
+    /// and `false` for none. Default: 0, no layers.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "layers_in_file"))]
+    pub close_leaks: u32,
+    /// Angle that a directional light covers in the sky, degrees, from 0 to less than 180. Higher values soften shadows.
+    /// Other lights ignore it. Default: 0.53, the sun.
+    pub angle_deg: f32,
+}
+
+/// How means over rectangles of a slice's picture are prepared and looked up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq, Hash)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
+pub enum SliceFilter {
+    /// Level `l` holds, at each texel, the mean over the 2^l × 2^l texels from there on. A lookup blends two levels. Smooth
+    /// and still while casters move; takes 8 bytes for each texel, level and four slices. This is the default.
+    #[default]
+    NBuffers,
+    /// Level `l` holds the mean over each aligned block of 2^l × 2^l texels. Takes the least memory. Shadows are blurred
+    /// further than they should be, and shimmer as casters move. Devices with anisotropic filters keep the shape of long
+    /// lights; others blur them equally in both directions.
+    Mipmaps,
+    /// Each texel holds the sum over all texels above and to the left of it, in 32 bits. The mean over any rectangle is exact.
+    /// Takes 40 bytes for each texel and four slices, and 16 loads in each lookup.
+    SummedAreas,
+}
+
+/// How the shadows of a light's slices are combined.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Default, Debug, Clone, PartialEq, Hash)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(rename_all = "snake_case")
+)]
+pub enum SliceCombination {
+    /// Multiplies the visibilities of the slices, as if each hid a random part of the light. This is the default, and the
+    /// closest to the truth unless a single slice casts.
+    #[default]
+    Product,
+    /// Takes the darkest slice. Shadows of several objects are too light.
+    Maximum,
+    /// Adds the hidden shares, at most the whole light. Shadows of several objects are too dark.
+    Sum,
+}
+
+/// Reads a mask of layers: a number, or whether it holds all layers.
+#[cfg(feature = "serde")]
+fn layers_in_file<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    #[derive(serde::Deserialize)]
+    #[serde(untagged, expecting = "true, false or a mask of layers")]
+    enum Layers {
+        All(bool),
+        Mask(u32),
+    }
+    Ok(match <Layers as serde::Deserialize>::deserialize(from)? {
+        Layers::All(true) => u32::MAX,
+        Layers::All(false) => 0,
+        Layers::Mask(mask) => mask,
+    })
+}
+
+impl Default for OcclusionTexture {
+    fn default() -> Self {
+        Self {
+            slices: 8,
+            weight: 0.0,
+            resolution: 256,
+            filter: SliceFilter::default(),
+            combine: SliceCombination::default(),
+            close_leaks: 0,
+            angle_deg: 0.53,
+        }
+    }
+}
+
+impl OcclusionTexture {
+    /// Checks whether the light can be shadowed with these settings.
+    pub(super) fn validated(&self, light: &Light) -> Result<(), Refusal> {
+        if matches!(light.kind, LightKind::Point | LightKind::Spot { .. }) {
+            let instead =
+                "occlusion textures need a light with a size: use a sphere or a rectangle, or a map";
+            return Err(Refusal::kind(light, instead));
+        }
+        let refuse = |setting, value, allowed| Err(Refusal::setting(setting, value, allowed));
+        if !(1..=MOST_SLICES).contains(&self.slices) {
+            return refuse("slices", self.slices as f32, "1 to 16 are possible");
+        }
+        if !(RESOLUTIONS.contains(&self.resolution) && self.resolution.is_power_of_two()) {
+            let allowed = "it must be a power of two from 16 to 4096";
+            return refuse("resolution", self.resolution as f32, allowed);
+        }
+        if !(0.0..=1.0).contains(&self.weight) {
+            return refuse("weight", self.weight, "0 to 1 are possible");
+        }
+        if light.kind == LightKind::Directional && !(self.angle_deg >= 0.0 && self.angle_deg < 180.0) {
+            return Err(Refusal::Setting {
+                setting: "angle_deg",
+                value: self.angle_deg,
+                unit: "°",
+                allowed: "it must be at least 0 and less than 180",
+            });
+        }
+        Ok(())
+    }
+
+    /// Number of colour targets, each of which holds four slices.
+    pub fn groups(&self) -> u32 {
+        self.slices.div_ceil(4)
+    }
+}

@@ -1,0 +1,291 @@
+//! The pictures of a light: how many there are, which way they look, and how they are fitted to the scene.
+//!
+//! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows", §3.4 and figure 5: the centre of
+//! projection lies behind the light, and the frustum holds the light and the scene. A frustum that holds a point and the
+//! light holds every kernel of the point. The paper fits the frustum to the light; here the distance of the centre is
+//! searched, because a scene beside the light needs another one, and the frustum need not be symmetric.
+
+use glam::{DVec2, DVec3};
+use smallvec::SmallVec;
+
+use super::face::{SliceFace, Slices};
+use crate::geometry::Aabb;
+
+/// The pictures of one light.
+pub type SliceFaces = SmallVec<[SliceFace; 6]>;
+
+/// A box of an object in world space.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneBox {
+    /// Bounds, cut by those of the light's volume.
+    pub bounds: Aabb,
+    /// Whether the object casts.
+    pub casts: bool,
+}
+
+/// The part of a light that its pictures depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlicedLight {
+    /// Position of the light; for a directional light any point.
+    pub origin: DVec3,
+    /// Axes of the light: right, up, the direction in which it shines.
+    pub axes: [DVec3; 3],
+    /// Half of the kernel's sides on the light, metres; tangents for a directional light.
+    pub half: DVec2,
+    /// Kind of the light.
+    pub kind: SlicedKind,
+}
+
+/// Kinds of lights with slices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SlicedKind {
+    /// The light shines to one side, in the direction of its third axis.
+    Rect,
+    /// The light shines in all directions.
+    Sphere,
+    /// The light shines in parallel along its third axis.
+    Directional,
+}
+
+/// Settings that the pictures depend on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliceSettings {
+    /// Number of slices.
+    pub count: u32,
+    /// How much thinner slices are away from the light, 0 to 1.
+    pub weight: f64,
+    /// Share of a picture's side that stays empty on each side.
+    pub guard: f64,
+}
+
+/// Least depth of the scene before the light as a share of its largest depth. What is nearer does not cast.
+const NEAREST: f64 = 1e-3;
+
+/// Share of the depth by which the slices reach beyond the casters, so that rounding leaves none out.
+const SLACK: f64 = 1e-4;
+
+/// Largest tangent of the directions to casters with which a sphere has one picture instead of six.
+const WIDEST: f64 = 4.0;
+
+/// A box in light space.
+#[derive(Clone, Copy, Debug)]
+struct LightBox {
+    min: DVec3,
+    max: DVec3,
+    casts: bool,
+}
+
+impl LightBox {
+    fn new(scene: &SceneBox, origin: DVec3, axes: &[DVec3; 3]) -> Self {
+        let center = 0.5 * (scene.bounds.min.as_dvec3() + scene.bounds.max.as_dvec3()) - origin;
+        let half = 0.5 * (scene.bounds.max.as_dvec3() - scene.bounds.min.as_dvec3());
+        let of = |values: [f64; 3]| DVec3::from_array(values);
+        let center = of(axes.map(|axis| axis.dot(center)));
+        let half = of(axes.map(|axis| axis.abs().dot(half)));
+        Self {
+            min: center - half,
+            max: center + half,
+            casts: scene.casts,
+        }
+    }
+}
+
+/// Fits the pictures of a light to the objects that it reaches.
+pub fn fit_faces(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBox]) -> SliceFaces {
+    match light.kind {
+        SlicedKind::Rect => std::iter::once(fit_before(light, light.axes, settings, scene)).collect(),
+        SlicedKind::Directional => std::iter::once(fit_parallel(light, settings, scene)).collect(),
+        SlicedKind::Sphere => match axis_of_one(light, scene) {
+            Some(z) => {
+                let (x, y) = z.any_orthonormal_pair();
+                std::iter::once(fit_before(light, [x, y, z], settings, scene)).collect()
+            }
+            None => CUBE
+                .iter()
+                .map(|&z| fit_side(light, z, settings, scene))
+                .collect(),
+        },
+    }
+}
+
+/// The directions of six pictures around a sphere.
+const CUBE: [DVec3; 6] = [
+    DVec3::NEG_Y,
+    DVec3::Y,
+    DVec3::X,
+    DVec3::NEG_X,
+    DVec3::Z,
+    DVec3::NEG_Z,
+];
+
+/// Returns the direction of the one picture that shows all casters of a sphere; `None` if they are all around it.
+fn axis_of_one(light: &SlicedLight, scene: &[SceneBox]) -> Option<DVec3> {
+    let radius = light.half.max_element();
+    let widest = |z: DVec3| {
+        let (x, y) = z.any_orthonormal_pair();
+        let mut widest: f64 = 0.0;
+        for caster in scene.iter().filter(|scene| scene.casts) {
+            let LightBox { min, max, .. } = LightBox::new(caster, light.origin, &[x, y, z]);
+            if min.z <= radius {
+                return f64::INFINITY;
+            }
+            let beside = min.truncate().abs().max(max.truncate().abs()).max_element();
+            widest = widest.max(beside / max.z.max(min.z));
+            widest = widest.max(beside / (2.0 * min.z)); // near casters may be a little wider
+        }
+        widest
+    };
+    let best = CUBE.into_iter().map(|z| (widest(z), z));
+    let (widest, z) = best.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+    (widest <= WIDEST).then_some(z)
+}
+
+/// The depths of the casters, with some slack; `None` without casters.
+fn depths(boxes: &[LightBox], nearest: f64) -> Option<[f64; 2]> {
+    let (mut top, mut bottom) = (f64::INFINITY, f64::NEG_INFINITY);
+    for caster in boxes.iter().filter(|light| light.casts && light.max.z > nearest) {
+        top = top.min(caster.min.z.max(nearest));
+        bottom = bottom.max(caster.max.z);
+    }
+    if !(top <= bottom) {
+        return None;
+    }
+    let slack = SLACK * (bottom - top).max(1e-2 * bottom.abs()).max(1e-6);
+    Some([top - slack, bottom + slack])
+}
+
+/// Least and greatest coordinate over the divisor, of the light and of all boxes, for a centre of projection `behind`
+/// metres behind the light.
+fn slopes(boxes: &[LightBox], half: DVec2, nearest: f64, behind: f64) -> [DVec2; 2] {
+    let (mut least, mut greatest) = (-half / behind, half / behind);
+    for light in boxes.iter().filter(|light| light.max.z > nearest) {
+        for z in [light.min.z.max(nearest), light.max.z] {
+            least = least.min(light.min.truncate() / (z + behind));
+            greatest = greatest.max(light.max.truncate() / (z + behind));
+        }
+    }
+    [least, greatest]
+}
+
+/// Scale and offset that map a range of slopes to the picture inside its guard.
+fn placed([least, greatest]: [DVec2; 2], guard: f64) -> (DVec2, DVec2) {
+    let size = (greatest - least).max(DVec2::splat(1e-9));
+    let scale = 2.0 * (1.0 - 2.0 * guard) / size;
+    (scale, -scale * 0.5 * (least + greatest))
+}
+
+/// Fits one picture to everything before a light.
+fn fit_before(
+    light: &SlicedLight,
+    axes: [DVec3; 3],
+    settings: &SliceSettings,
+    scene: &[SceneBox],
+) -> SliceFace {
+    let boxes: Vec<LightBox> = scene
+        .iter()
+        .map(|scene| LightBox::new(scene, light.origin, &axes))
+        .collect();
+    let farthest = boxes.iter().map(|light| light.max.z).fold(0.0, f64::max);
+    let nearest = NEAREST * farthest;
+    let slices = depths(&boxes, nearest).map_or(Slices::NONE, |range| {
+        Slices::new(range, settings.count, settings.weight)
+    });
+    let scale_of_scene = if farthest > 0.0 { farthest } else { 1.0 };
+    // The picture is best where its texels are smallest, in the mean over the slices.
+    let cost = |behind: f64| {
+        let [least, greatest] = slopes(&boxes, light.half, nearest, behind);
+        let size = greatest - least;
+        let area = |bottom: f64| (size.x * size.y) * (bottom + behind).powi(2);
+        slices.bottoms[..slices.count]
+            .iter()
+            .map(|&b| area(b))
+            .sum::<f64>()
+    };
+    let distances = (0..=24).map(|step| scale_of_scene * (0.5 * f64::from(step) - 7.0).exp2());
+    let behind = distances
+        .min_by(|a, b| cost(*a).total_cmp(&cost(*b)))
+        .unwrap_or(scale_of_scene);
+    let (scale, offset) = placed(slopes(&boxes, light.half, nearest, behind), settings.guard);
+    SliceFace {
+        origin: light.origin,
+        axes,
+        scale,
+        offset,
+        divisor: DVec2::new(1.0, behind),
+        slices,
+    }
+}
+
+/// Fits one of six pictures around a sphere: a pyramid of 90°, moved back so that kernels stay inside.
+fn fit_side(light: &SlicedLight, z: DVec3, settings: &SliceSettings, scene: &[SceneBox]) -> SliceFace {
+    let (x, y) = z.any_orthonormal_pair();
+    let axes = [x, y, z];
+    let radius = light.half.max_element();
+    let boxes: Vec<LightBox> = scene
+        .iter()
+        .map(|scene| LightBox::new(scene, light.origin, &axes))
+        .collect();
+    let farthest = boxes.iter().map(|light| light.max.z).fold(0.0, f64::max);
+    // Kernels of oblique receivers are longer, by at most the square root of 2.
+    let behind = (1.5 * radius).max(1e-3 * farthest).max(1e-6);
+    let seen: Vec<LightBox> = boxes
+        .into_iter()
+        .filter(|light| {
+            let widest = light.max.z + behind;
+            light.min.truncate().max_element() < widest && light.max.truncate().min_element() > -widest
+        })
+        .collect();
+    let slices = depths(&seen, NEAREST * farthest).map_or(Slices::NONE, |range| {
+        Slices::new(range, settings.count, settings.weight)
+    });
+    let (scale, offset) = placed([DVec2::NEG_ONE, DVec2::ONE], settings.guard);
+    SliceFace {
+        origin: light.origin,
+        axes,
+        scale,
+        offset,
+        divisor: DVec2::new(1.0, behind),
+        slices,
+    }
+}
+
+/// Fits the picture of a directional light. Its rays are parallel: a centre of projection anywhere else would cut surfaces
+/// into patches that are seen from the light.
+fn fit_parallel(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBox]) -> SliceFace {
+    let all = scene
+        .iter()
+        .fold(Aabb::EMPTY, |all, scene| all.union(scene.bounds));
+    let origin = if all.is_empty() {
+        light.origin
+    } else {
+        0.5 * (all.min.as_dvec3() + all.max.as_dvec3())
+    };
+    let boxes: Vec<LightBox> = scene
+        .iter()
+        .map(|scene| LightBox::new(scene, origin, &light.axes))
+        .collect();
+    let slices = depths(&boxes, f64::NEG_INFINITY).map_or(Slices::NONE, |range| {
+        Slices::new(range, settings.count, settings.weight)
+    });
+    let (mut least, mut greatest) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for light in &boxes {
+        least = least.min(light.min.truncate());
+        greatest = greatest.max(light.max.truncate());
+    }
+    if !least.cmple(greatest).all() {
+        (least, greatest) = (DVec2::NEG_ONE, DVec2::ONE);
+    }
+    // Kernels at the first slice reach beyond the scene; a wide one finds nothing there, and may be cut.
+    let size = greatest - least;
+    let deep = slices.bottoms[slices.count - 1] - slices.top;
+    let reach = (light.half * deep).min(0.25 * size);
+    let (scale, offset) = placed([least - reach, greatest + reach], settings.guard);
+    SliceFace {
+        origin,
+        axes: light.axes,
+        scale,
+        offset,
+        divisor: DVec2::Y,
+        slices,
+    }
+}

@@ -1,0 +1,134 @@
+//! The passes of one light's pictures: casters into slices, the filter, and the lookup.
+//!
+//! Shaders `shaders/techniques/occlusion_texture/{caster,filter,resolve}.wgsl`
+
+use smallvec::SmallVec;
+
+use super::pipelines::Key;
+use super::recorder::{LightPlan, SliceNode};
+use super::textures::{SliceTextures, Step};
+use crate::render::gpu::strided::Strided;
+use crate::render::recorder::{PictureInput, ResolveInput};
+use crate::techniques::occlusion_texture::component::SliceFilter;
+use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
+
+type Attachments<'a> = SmallVec<[Option<wgpu::RenderPassColorAttachment<'a>>; 4]>;
+
+/// Returns the attachments of a pass that clears the layers and writes all of them.
+fn cleared(views: &[wgpu::TextureView]) -> Attachments<'_> {
+    let attachment = |view| {
+        Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
+        })
+    };
+    views.iter().map(attachment).collect()
+}
+
+impl SliceNode {
+    /// Records the passes of one light's pictures.
+    pub(super) fn draw_light(
+        &self,
+        plan: &LightPlan,
+        textures: &SliceTextures,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &PictureInput,
+    ) {
+        for (slot, layers) in plan.faces.clone().zip(&textures.drawn) {
+            self.draw_face(slot, plan, layers, encoder, input);
+        }
+        let key = match plan.key.filter {
+            SliceFilter::SummedAreas => Key::Sum,
+            filter => Key::Level {
+                filter,
+                groups: plan.key.groups,
+            },
+        };
+        let Some(pipeline) = self.pipelines.get(key) else {
+            return;
+        };
+        for step in &textures.steps {
+            filter_step(step, pipeline, plan.light, encoder, input);
+        }
+    }
+
+    /// Draws all casters into the slices of one picture.
+    fn draw_face(
+        &self,
+        slot: usize,
+        plan: &LightPlan,
+        layers: &[wgpu::TextureView],
+        encoder: &mut wgpu::CommandEncoder,
+        input: &PictureInput,
+    ) {
+        let face = &self.faces[slot];
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("slices"),
+            color_attachments: &cleared(layers),
+            timestamp_writes: input.timings.pass_of(input.label(plan.light), "slices"),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.caster_group, &[]);
+        pass.set_bind_group(1, &self.face_group, &[Strided::<OcclusionFace>::offset(slot)]);
+        for (range, closes) in [(&face.own, false), (&face.closing, true)] {
+            let groups = plan.key.groups;
+            let pipeline = |masked| {
+                self.pipelines.get(Key::Caster {
+                    masked,
+                    closes,
+                    groups,
+                })
+            };
+            self.draws
+                .record(range.clone(), &mut pass, pipeline, input.meshes, input.materials);
+        }
+    }
+
+    /// Records the lookup, for every pixel of the scissor. `pictures` is group 3.
+    pub(super) fn look_up(
+        &self,
+        slot: usize,
+        pictures: &wgpu::BindGroup,
+        pipeline: &wgpu::RenderPipeline,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &ResolveInput,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("slice lookup"),
+            color_attachments: &[Some(input.masks.attachment(wgpu::LoadOp::Load))],
+            timestamp_writes: input.timings.pass_of(input.label, "slice lookup"),
+            ..Default::default()
+        });
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(0, input.record.view, &[]);
+        pass.set_bind_group(1, &input.masks.receiver_group, &[]);
+        pass.set_bind_group(2, &self.light_group, &[Strided::<OcclusionLight>::offset(slot)]);
+        pass.set_bind_group(3, pictures, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}
+
+fn filter_step(
+    step: &Step,
+    pipeline: &wgpu::RenderPipeline,
+    light: usize,
+    encoder: &mut wgpu::CommandEncoder,
+    input: &PictureInput,
+) {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some("slice filter"),
+        color_attachments: &cleared(&step.targets),
+        timestamp_writes: input.timings.pass_of(input.label(light), "slice filter"),
+        ..Default::default()
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(0, &step.below, &[]);
+    pass.draw(0..3, step.instance..step.instance + 1);
+}

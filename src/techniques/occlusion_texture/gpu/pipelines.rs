@@ -1,0 +1,223 @@
+//! The pipelines that draw, filter and look up slices, as descriptions for the shared cache.
+//!
+//! Shaders `shaders/techniques/occlusion_texture/{caster,filter,resolve}.wgsl`
+
+use crate::render::Gpu;
+use crate::render::frame::targets::MASK_FORMAT;
+use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
+use crate::render::gpu::pipeline_cache::{EVERYWHERE, EVERYWHERE_WITH_INSTANCE, PipelineDesc, Stage};
+use crate::techniques::maps::gpu::gpu_types::MapCaster;
+use crate::techniques::maps::gpu::pipelines::{CASTER_MASKED, CASTER_SOLID};
+use crate::techniques::occlusion_texture::component::{SliceCombination, SliceFilter};
+use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
+
+/// The format of pictures. Every WebGPU device can blend and filter it, and can draw four of it at once: together they take
+/// 32 bytes a sample, the least limit that a device may have. Means in eight bits would add up rounding over the levels.
+pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// The format of sums, which are whole numbers up to the square of the resolution.
+pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
+/// Everything that distinguishes two pipelines of one stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Key {
+    /// Draws casters into the channels of their slices.
+    Caster {
+        /// True if holes are cut out of the casters.
+        masked: bool,
+        /// True if casters fill the next slice too.
+        closes: bool,
+        /// Number of colour targets.
+        groups: u32,
+    },
+    /// Makes the next level of a filter.
+    Level {
+        /// The filter: N-buffers or mipmaps.
+        filter: SliceFilter,
+        /// Number of colour targets.
+        groups: u32,
+    },
+    /// Makes one step of the sums.
+    Sum,
+    /// Looks up visibility.
+    Resolve {
+        /// The filter.
+        filter: SliceFilter,
+        /// The combination of slices.
+        combine: SliceCombination,
+        /// Number of slices.
+        slices: u32,
+        /// Number of pictures.
+        faces: u32,
+    },
+}
+
+const CASTER: &str = "techniques/occlusion_texture/caster.wgsl";
+const FILTER: &str = "techniques/occlusion_texture/filter.wgsl";
+const RESOLVE: &str = "techniques/occlusion_texture/resolve.wgsl";
+
+/// The shader files of occlusion textures.
+pub const FILES: [&str; 3] = [CASTER, FILTER, RESOLVE];
+
+/// The bind group layouts of occlusion textures.
+#[derive(Debug)]
+pub struct SliceLayouts {
+    /// The layout of group 0 of casters: their matrices.
+    pub casters: wgpu::BindGroupLayout,
+    /// The layout of group 1 of casters: the picture at a dynamic offset.
+    pub face: wgpu::BindGroupLayout,
+    /// The layout of group 0 of filters: the level below.
+    pub below: wgpu::BindGroupLayout,
+    /// The layout of group 2 of the lookup: the light at a dynamic offset.
+    pub light: wgpu::BindGroupLayout,
+    /// The layout of group 3 of the lookup in pictures that hardware filters.
+    pub filtered: wgpu::BindGroupLayout,
+    /// The layout of group 3 of the lookup in sums.
+    pub sums: wgpu::BindGroupLayout,
+}
+
+impl SliceLayouts {
+    /// Creates the layouts.
+    pub fn new(device: &wgpu::Device) -> Self {
+        use wgpu::{BufferBindingType::Uniform, ShaderStages};
+        let layout = |label, entries: &[wgpu::BindGroupLayoutEntry]| {
+            device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some(label),
+                entries,
+            })
+        };
+        let texture = |filterable| wgpu::BindGroupLayoutEntry {
+            binding: 0,
+            visibility: ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: wgpu::TextureSampleType::Float { filterable },
+                view_dimension: wgpu::TextureViewDimension::D2Array,
+                multisampled: false,
+            },
+            count: None,
+        };
+        let sampler = |kind| wgpu::BindGroupLayoutEntry {
+            binding: 1,
+            visibility: ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Sampler(kind),
+            count: None,
+        };
+        let uniform = |size| buffer_entry(0, ShaderStages::FRAGMENT, Uniform, true, size);
+        let caster = size_of::<MapCaster>();
+        Self {
+            casters: layout(
+                "slice casters",
+                &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, caster)],
+            ),
+            face: layout("slice face", &[uniform(size_of::<OcclusionFace>())]),
+            below: layout("slice level below", &[texture(false)]),
+            light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
+            filtered: layout(
+                "slice pictures",
+                &[texture(true), sampler(wgpu::SamplerBindingType::Filtering)],
+            ),
+            // The shader names a sampler for the other filters. One that does not filter fits any texture.
+            sums: layout(
+                "slice sums",
+                &[texture(false), sampler(wgpu::SamplerBindingType::NonFiltering)],
+            ),
+        }
+    }
+
+    /// Returns the layout of group 3 of the lookup.
+    pub fn pictures(&self, filter: SliceFilter) -> &wgpu::BindGroupLayout {
+        match filter {
+            SliceFilter::NBuffers | SliceFilter::Mipmaps => &self.filtered,
+            SliceFilter::SummedAreas => &self.sums,
+        }
+    }
+}
+
+/// Keeps the maximum, of each channel by itself.
+const MAXIMUM: wgpu::BlendState = {
+    let component = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Max,
+    };
+    wgpu::BlendState {
+        color: component,
+        alpha: component,
+    }
+};
+
+/// Adds the targets of several groups of slices.
+fn with_targets(desc: PipelineDesc, groups: u32, blend: Option<wgpu::BlendState>) -> PipelineDesc {
+    (0..groups).fold(desc, |desc, _| {
+        desc.with_target(PICTURE_FORMAT, blend, wgpu::ColorWrites::ALL)
+    })
+}
+
+/// Describes the pipeline of a key.
+pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
+    match key {
+        Key::Caster {
+            masked,
+            closes,
+            groups,
+        } => {
+            let (vertex, fragment, buffers) = if masked {
+                ("masked_vertex", "masked", CASTER_MASKED)
+            } else {
+                ("solid_vertex", "solid", CASTER_SOLID)
+            };
+            let fragment = Some(Stage::new(CASTER, fragment));
+            let desc = PipelineDesc {
+                buffers,
+                ..PipelineDesc::new("slice caster", Stage::new(CASTER, vertex), fragment)
+                    .with_groups([
+                        Some(&layouts.casters),
+                        Some(&layouts.face),
+                        masked.then_some(&gpu.layouts.material),
+                    ])
+                    .with_constants([("CLOSE", f64::from(u8::from(closes)))])
+            };
+            with_targets(desc, groups, Some(MAXIMUM))
+        }
+        Key::Level { filter, groups } => {
+            let entry = match filter {
+                SliceFilter::Mipmaps => "mipmap",
+                SliceFilter::NBuffers | SliceFilter::SummedAreas => "n_buffer",
+            };
+            let fragment = Some(Stage::new(FILTER, entry));
+            let desc = PipelineDesc::new("slice filter", EVERYWHERE_WITH_INSTANCE, fragment)
+                .with_groups([Some(&layouts.below)])
+                .with_constants([("GROUPS", f64::from(groups))]);
+            with_targets(desc, groups, None)
+        }
+        Key::Sum => PipelineDesc::new(
+            "slice sums",
+            EVERYWHERE_WITH_INSTANCE,
+            Some(Stage::new(FILTER, "sum")),
+        )
+        .with_groups([Some(&layouts.below)])
+        .with_target(SUM_FORMAT, None, wgpu::ColorWrites::ALL),
+        Key::Resolve {
+            filter,
+            combine,
+            slices,
+            faces,
+        } => {
+            let shared = &gpu.layouts;
+            PipelineDesc::new("slice lookup", EVERYWHERE, Some(Stage::new(RESOLVE, "fragment")))
+                .with_groups([
+                    Some(&shared.view),
+                    Some(&shared.receiver),
+                    Some(&layouts.light),
+                    Some(layouts.pictures(filter)),
+                ])
+                .with_constants([
+                    ("FILTER", f64::from(filter as u32)),
+                    ("COMBINE", f64::from(combine as u32)),
+                    ("SLICES", f64::from(slices)),
+                    ("FACES", f64::from(faces)),
+                ])
+                .with_target(MASK_FORMAT, None, wgpu::ColorWrites::ALL)
+        }
+    }
+}

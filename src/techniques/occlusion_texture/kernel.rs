@@ -1,0 +1,67 @@
+//! What a receiver looks up in each slice, and how the answers are combined: twin of the functions of the same names in
+//! `shaders/techniques/occlusion_texture/kernel.wgsl`.
+//!
+//! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows": eq. 4 for the kernel, eq. 5 for the
+//! product, §3.4 for the slice that fades.
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::component::SliceCombination;
+use super::records::OcclusionFace;
+
+/// A rectangle of a slice's picture: the light as it is projected through a receiver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    /// Middle of the rectangle, 0 to 1 inside the picture, from the upper left.
+    pub center: Vec2,
+    /// Half of the sides, in the same unit.
+    pub half: Vec2,
+}
+
+/// Returns the depth at which a slice ends.
+pub fn slice_bottom(face: &OcclusionFace, slice: usize) -> f32 {
+    face.bottoms[slice / 4][slice % 4]
+}
+
+/// Returns the share of a slice's shadow that a receiver at a depth gets. A slice fades in over the thickness of the slice
+/// behind it; the slice that holds the receiver gives nothing.
+pub fn slice_weight(face: &OcclusionFace, slice: usize, count: usize, depth: f32) -> f32 {
+    let bottom = slice_bottom(face, slice);
+    let thickness = if slice + 1 < count {
+        slice_bottom(face, slice + 1) - bottom
+    } else {
+        face.depth[3]
+    };
+    ((depth - bottom) / thickness.max(1e-30)).clamp(0.0, 1.0)
+}
+
+/// Returns the rectangle of a slice's picture through which a receiver sees the light. The receiver, in light space, lies
+/// behind the slice. `light` is [`OcclusionLight::kernel`](super::records::OcclusionLight::kernel).
+pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, bottom: f32) -> Kernel {
+    let behind = receiver.z - bottom;
+    let (mut middle, mut half) = (receiver.truncate(), light.truncate().truncate() * behind);
+    if light.z > 0.5 {
+        middle *= bottom / receiver.z;
+        half /= receiver.z;
+    }
+    if light.w > 0.5 {
+        // A sphere that is seen at an angle casts a longer cone on the slice.
+        let slope = receiver.truncate() / receiver.z;
+        half *= Vec2::new((1.0 + slope.x * slope.x).sqrt(), (1.0 + slope.y * slope.y).sqrt());
+    }
+    let scale = Vec2::new(face.projection[0], face.projection[1]) / (face.depth[0] * bottom + face.depth[1]);
+    let ndc = middle * scale + Vec2::new(face.projection[2], face.projection[3]);
+    Kernel {
+        center: ndc * Vec2::new(0.5, -0.5) + 0.5,
+        half: half * scale * 0.5,
+    }
+}
+
+/// Adds the hidden share that one more slice leaves to what the slices before it left. Both begin at 0.
+pub fn combine(combination: SliceCombination, hidden: f32, more: f32) -> f32 {
+    match combination {
+        SliceCombination::Product => 1.0 - (1.0 - hidden) * (1.0 - more),
+        SliceCombination::Maximum => hidden.max(more),
+        SliceCombination::Sum => (hidden + more).min(1.0),
+    }
+}

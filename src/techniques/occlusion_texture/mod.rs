@@ -1,0 +1,56 @@
+//! Occlusion textures: soft shadows of large lights from filtered pictures of the casters, at a cost that does not depend
+//! on the size of the light.
+//!
+//! ```text
+//! casters ──► slices parallel to the light ──► filter ──► a lookup for each slice between pixel and light ──► product
+//!             one drawing, a slice a channel    means over rectangles       kernel: the light as seen through the pixel
+//! ```
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `component` | [`OcclusionTexture`], which a user sets on a light |
+//! | `technique` | how the component joins the frame |
+//! | `build` | the lights with occlusion textures, and their memory |
+//! | `light_slices` | the pictures of one light, and whether they changed |
+//! | `fit` | number, direction and size of the pictures |
+//! | `face` | one picture: its projection and its slices |
+//! | `records` | records of pictures and lights, for the GPU |
+//! | `kernel`, `filter` | what a receiver looks up; twins of the shaders |
+//! | `gpu` | the recorder (feature `render`) |
+//!
+//! **Lights.** A rectangle has one picture, drawn from behind it. A sphere has one picture if all casters lie to one side
+//! of it, else six; its kernel is a square as large as its disc, and slices do not match where two of the six pictures
+//! meet. A directional light has one picture along its rays; [`OcclusionTexture::angle_deg`] makes it soft. A light without
+//! a size casts hard shadows, as wide as a texel. The picture that a light may show is not considered: shadows are those of
+//! its mean colour.
+//!
+//! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
+//! casters that the light reaches. A caster casts from the far end of its slice. The slice that holds a receiver does not
+//! shadow it, and the slice before it fades in with the distance, so nothing jumps where geometry passes from slice to
+//! slice. Objects therefore lose the contact shadow within about one slice, and gain it with more slices.
+//!
+//! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices; see [`SliceFilter`]. Pictures are
+//! kept while nothing changes. Drawing is one pass over the casters for up to 16 slices; a pixel costs two lookups for each
+//! slice between itself and the light, whatever the size of the light.
+//!
+//! **Limits.** Occluders in different slices count as independent: an object whose near and far side lie in different slices
+//! darkens its penumbra twice. Everything that the light reaches shares one picture, so lights without a range spend
+//! their texels on the whole scene.
+//!
+//! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
+//! a few textures, because its hardware could not index textures; here they are layers of an array.
+
+pub(crate) mod build;
+pub(crate) mod component;
+pub(crate) mod face;
+pub(crate) mod filter;
+pub(crate) mod fit;
+#[cfg(feature = "render")]
+pub(crate) mod gpu;
+pub(crate) mod kernel;
+pub(crate) mod light_slices;
+pub(crate) mod records;
+pub(crate) mod technique;
+
+pub use build::OcclusionTextures;
+pub use component::{MOST_SLICES, OcclusionTexture, SliceCombination, SliceFilter};

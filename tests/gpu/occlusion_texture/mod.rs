@@ -1,0 +1,8 @@
+//! Occlusion textures against the ray caster, against their CPU twin, and on input that is bad.
+
+mod bad_input;
+mod cost;
+mod properties;
+mod scenes;
+mod truth;
+mod twin;

@@ -1,0 +1,233 @@
+//! The GPU draws, filters, looks up and combines as the CPU twins do.
+
+use antumbra::insides::occlusion_textures::{
+    LightSlices, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean, n_buffers,
+    slice_bottom, slice_kernel, slice_weight, summed_areas, summed_mean,
+};
+use antumbra::prelude::*;
+use antumbra::reference::RayScene;
+use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
+use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+
+use super::scenes::{Scene, boxes, hits, lamp, rendered, staged};
+use crate::harness::strict_context;
+
+/// The pictures of one face by rays through the middle of each texel.
+fn cast_pictures(face: &SliceFace, scene: &RayScene, side: usize, closes: bool) -> Vec<Picture> {
+    let slices = &face.slices;
+    let mut pictures = vec![Picture::from_fn(side, |_| 0.0); slices.count];
+    let place = |ndc: DVec2, depth: f64| {
+        let divisor = face.divisor.x * depth + face.divisor.y;
+        let across = (ndc - face.offset) * divisor / face.scale;
+        let [x, y, z] = face.axes;
+        face.origin + x * across.x + y * across.y + z * depth
+    };
+    for index in 0..side * side {
+        let texel = DVec2::new((index % side) as f64, (index / side) as f64);
+        let ndc = ((texel + 0.5) / side as f64 * 2.0 - 1.0) * DVec2::new(1.0, -1.0);
+        let (from, to) = (
+            place(ndc, slices.top),
+            place(ndc, slices.bottoms[slices.count - 1]),
+        );
+        for triangle in scene.triangles() {
+            let [a, b, c] = triangle.corners;
+            let (u, v, along) = (b - a, c - a, to - from);
+            let determinant = along.dot(u.cross(v));
+            if determinant.abs() < 1e-12 {
+                continue;
+            }
+            let from_a = from - a;
+            let share = -from_a.dot(u.cross(v)) / determinant;
+            let (s, t) = (
+                from_a.dot(v.cross(along)) / determinant,
+                from_a.dot(along.cross(u)) / determinant,
+            );
+            let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0;
+            if !inside || !(0.0..=1.0).contains(&share) {
+                continue;
+            }
+            let depth = face.light_from_world(from + along * share).z;
+            for (slice, picture) in pictures.iter_mut().enumerate() {
+                let before = if closes {
+                    slice as i32 - 2
+                } else {
+                    slice as i32 - 1
+                };
+                let top = usize::try_from(before).map_or(slices.top, |before| slices.bottoms[before]);
+                if depth > top && depth <= slices.bottoms[slice] {
+                    picture.texels[index] = 1.0;
+                }
+            }
+        }
+    }
+    pictures
+}
+
+/// The filtered pictures of one face.
+enum Filtered {
+    Levels(Vec<Vec<Picture>>),
+    Sums(Vec<Picture>),
+}
+
+/// Visibility of a receiver by the twins.
+fn visibility(
+    slices: &LightSlices,
+    record: &OcclusionLight,
+    filtered: &[Filtered],
+    receiver_world: DVec3,
+) -> f32 {
+    let depth_of = |face: &SliceFace| face.light_from_world(receiver_world).z;
+    let (index, face) = slices
+        .faces
+        .iter()
+        .enumerate()
+        .max_by(|(_, a), (_, b)| depth_of(a).total_cmp(&depth_of(b)))
+        .expect("a face");
+    let receiver = face.light_from_world(receiver_world).as_vec3();
+    let (count, record_face) = (slices.settings.slices as usize, &record.faces[index]);
+    let mut hidden = 0.0;
+    for slice in 0..count {
+        let bottom = slice_bottom(record_face, slice);
+        if receiver.z <= bottom {
+            break;
+        }
+        let kernel = slice_kernel(record_face, Vec4::from(record.kernel), receiver, bottom);
+        let mean = match &filtered[index] {
+            Filtered::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
+                n_buffer_mean(&levels[slice], &kernel, slices.taps())
+            }
+            Filtered::Levels(levels) => mipmap_mean(&levels[slice], &kernel),
+            Filtered::Sums(sums) => summed_mean(&sums[slice], &kernel),
+        };
+        let weight = slice_weight(record_face, slice, count, receiver.z);
+        hidden = combine(slices.settings.combine, hidden, (weight * mean).clamp(0.0, 1.0));
+    }
+    1.0 - hidden
+}
+
+/// Largest and mean difference between the GPU and the twins on surfaces that face up; `spoil` changes the twins' kernels.
+fn difference(
+    context: &RenderContext,
+    scene: &Scene,
+    (kind, from): (LightKind, Vec3),
+    settings: OcclusionTexture,
+    spoil: impl Fn(&mut OcclusionLight),
+) -> (f32, f32, usize) {
+    let mut stage = staged(context, scene);
+    let (light, place) = lamp(kind, from);
+    stage.spawn_light(light, place, Some(settings));
+    let got = rendered(&mut stage);
+    let (rays, hits) = hits(&mut stage);
+    let world = &stage.world;
+    let slices = &world.resource::<OcclusionTextures>().lights[0];
+    let frame_light = &world.resource::<FrameLights>().lights[0];
+    let mut record = slices.record(frame_light, DVec3::ZERO, (1.0, 0.0));
+    spoil(&mut record);
+    let side = slices.resolution as usize;
+    let filtered: Vec<Filtered> = slices
+        .faces
+        .iter()
+        .map(|face| {
+            let pictures = cast_pictures(face, &rays, side, settings.close_leaks != 0).into_iter();
+            match settings.filter {
+                SliceFilter::NBuffers => Filtered::Levels(pictures.map(n_buffers).collect()),
+                SliceFilter::Mipmaps => Filtered::Levels(pictures.map(mipmaps).collect()),
+                SliceFilter::SummedAreas => Filtered::Sums(pictures.map(summed_areas).collect()),
+            }
+        })
+        .collect();
+    let (mut largest, mut sum, mut count, mut soft) = (0.0f32, 0.0, 0, 0);
+    for (hit, got) in hits.hits.iter().zip(&got) {
+        let Some(hit) = hit.as_ref().filter(|hit| hit.normal.y > 0.9) else {
+            continue;
+        };
+        let expected = visibility(slices, &record, &filtered, hit.position);
+        largest = largest.max((expected - got).abs());
+        sum += (expected - got).abs();
+        count += 1;
+        soft += usize::from((0.05..0.95).contains(&expected));
+    }
+    (largest, sum / count as f32, soft)
+}
+
+fn settings(filter: SliceFilter) -> OcclusionTexture {
+    OcclusionTexture {
+        filter,
+        resolution: 64,
+        slices: 6,
+        angle_deg: 7.0,
+        ..Default::default()
+    }
+}
+
+const LONG: LightKind = LightKind::Rect {
+    width: 1.4,
+    height: 0.4,
+};
+
+#[test]
+fn pictures_are_filtered_and_looked_up_as_the_twins_do() {
+    let context = strict_context();
+    let above = Vec3::new(0.2, 3.0, 0.1);
+    let cases = [
+        (LONG, above, SliceFilter::NBuffers),
+        (LONG, above, SliceFilter::SummedAreas),
+        (LightKind::Sphere { radius: 0.4 }, above, SliceFilter::Mipmaps),
+        (LightKind::Directional, above, SliceFilter::NBuffers),
+        // Casters are all around it.
+        (
+            LightKind::Sphere { radius: 0.1 },
+            Vec3::new(0.9, 1.1, 0.5),
+            SliceFilter::SummedAreas,
+        ),
+    ];
+    for (kind, from, filter) in cases {
+        let (largest, mean, soft) = difference(&context, &boxes(), (kind, from), settings(filter), |_| {});
+        println!("{kind:?} {filter:?}: largest {largest:.4}, mean {mean:.5}, {soft} soft");
+        assert!(soft > 60, "{kind:?} {filter:?}: {soft} soft pixels");
+        // A texel whose middle lies on an edge may be drawn or not.
+        assert!(
+            mean < 2e-3 && largest < 0.1,
+            "{kind:?} {filter:?}: {mean}, {largest}"
+        );
+    }
+}
+
+#[test]
+fn the_comparison_with_the_twins_finds_a_wrong_kernel_and_a_wrong_combination() {
+    let context = strict_context();
+    let above = Vec3::new(0.2, 3.0, 0.1);
+    let (_, mean, _) = difference(
+        &context,
+        &boxes(),
+        (LONG, above),
+        settings(SliceFilter::SummedAreas),
+        |light| light.kernel[0] *= 0.8,
+    );
+    assert!(mean > 4e-3, "{mean}");
+    for combine in [SliceCombination::Maximum, SliceCombination::Sum] {
+        let settings = OcclusionTexture {
+            combine,
+            close_leaks: u32::MAX,
+            ..settings(SliceFilter::SummedAreas)
+        };
+        let (largest, mean, _) = difference(&context, &boxes(), (LONG, above), settings, |_| {});
+        assert!(mean < 2e-3 && largest < 0.1, "{combine:?}: {mean}, {largest}");
+    }
+}
+
+/// A kernel of a size and place has the same mean under all filters where the picture is even.
+#[test]
+fn filters_agree_on_even_pictures() {
+    let picture = Picture::from_fn(32, |_| 1.0);
+    let kernel = antumbra::insides::occlusion_textures::Kernel {
+        center: Vec2::new(0.5, 0.45),
+        half: Vec2::new(0.2, 0.1),
+    };
+    let means = [
+        n_buffer_mean(&n_buffers(picture.clone()), &kernel, 2),
+        mipmap_mean(&mipmaps(picture.clone()), &kernel),
+        summed_mean(&summed_areas(picture), &kernel),
+    ];
+    assert!(means.iter().all(|mean| (mean - 1.0).abs() < 1e-5), "{means:?}");
+}
