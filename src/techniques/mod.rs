@@ -9,6 +9,7 @@
 //! the trait, added by one call ([`AddTechnique`]).
 
 pub mod maps;
+pub mod occlusion_interval;
 pub mod omni_map;
 pub mod penumbra_wedge;
 pub mod perspective_map;
@@ -22,6 +23,7 @@ pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
 /// The crate whose deserializers [`Technique::parse`] reads from.
 #[cfg(feature = "serde")]
 pub use erased_serde;
+pub use occlusion_interval::{IntervalLibrary, IntervalMaps, OcclusionInterval};
 pub use omni_map::OmniMap;
 pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
 pub use perspective_map::{PerspectiveMap, PerspectiveMaps};

@@ -1,7 +1,9 @@
 //! The list of the crate's techniques.
 
 use super::add_technique::AddTechnique;
-use crate::techniques::{OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume};
+use crate::techniques::{
+    OcclusionInterval, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+};
 
 /// Adds the crate's own techniques. This is their only list. If a light has several techniques, the one that
 /// was added first shadows it.
@@ -12,4 +14,5 @@ pub fn add_builtin(to: &mut impl AddTechnique) {
     to.add_technique::<OmniMap>();
     to.add_technique::<Smoothie>();
     to.add_technique::<PerspectiveMap>();
+    to.add_technique::<OcclusionInterval>();
 }

@@ -1,0 +1,475 @@
+//! Maps on disk.
+//!
+//! ```text
+//! maps.json                    what the maps are of; sizes and hashes of the other files
+//! corners.bin                  12 bytes a corner, little endian: page (u32), x, y (f32), texels
+//! page<p>.pair<q>.rise.png     RGBA, 8 bits: first steps of four intervals
+//! page<p>.pair<q>.fall.png     RGBA, 8 bits: last steps of four intervals
+//! ```
+//!
+//! Step `i` of 256 lasts from `i / 256` to `(i + 1) / 256` of the path. A channel whose fall is before its rise is empty.
+//! The manifest is written last, so an interrupted write leaves no maps that look whole.
+
+use std::path::{Path, PathBuf};
+
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+
+use super::maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_LAYERS, MAX_SIZE, Page, Pair};
+use super::surface::StableHash;
+use crate::scene::LightPath;
+
+/// Name of the manifest.
+pub const MANIFEST: &str = "maps.json";
+
+const CORNERS: &str = "corners.bin";
+
+/// Bytes of a corner in its file.
+const CORNER_BYTES: usize = 12;
+
+/// What the manifest calls its format.
+const FORMAT: &str = "antumbra occlusion interval maps";
+
+/// The version of the format. It increases when older readers would misread newer files.
+const VERSION: u32 = 1;
+
+/// Why maps cannot be read or written. Variants name the file and the element.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MapsError {
+    /// The file cannot be read or written.
+    #[error("{}: {error}", file.display())]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The manifest is no JSON, or lacks something.
+    #[error("{}: {error}", file.display())]
+    Manifest {
+        /// The manifest.
+        file: PathBuf,
+        /// What is wrong, and where.
+        error: serde_json::Error,
+    },
+    /// The file is a picture that cannot be decoded or encoded.
+    #[error("{}: {error}", file.display())]
+    Picture {
+        /// The picture.
+        file: PathBuf,
+        /// What is wrong.
+        error: image::ImageError,
+    },
+    /// The file holds something else than it should.
+    #[error("{}: {element}: {problem}", file.display())]
+    Content {
+        /// The file.
+        file: PathBuf,
+        /// The part of the file.
+        element: String,
+        /// What is wrong with it.
+        problem: String,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Manifest {
+    format: String,
+    version: u32,
+    key: String,
+    path: ManifestPath,
+    texels_per_metre: f32,
+    size: u32,
+    /// Hashes of the pairs of each page, those of rise and fall together.
+    pages: Vec<Vec<String>>,
+    corners: ManifestCorners,
+    surfaces: Vec<ManifestSurface>,
+    statistics: ManifestStatistics,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+enum ManifestPath {
+    Arc {
+        direction: [f32; 3],
+        axis: [f32; 3],
+        degrees: f32,
+    },
+    Sun {
+        latitude_deg: f32,
+        day: f32,
+        hours: [f32; 2],
+    },
+    Positions(Vec<[f32; 3]>),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ManifestCorners {
+    count: u32,
+    hash: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ManifestSurface {
+    mesh: String,
+    hash: String,
+    world_from_local: [f32; 12],
+    two_sided: bool,
+    /// First and end.
+    corners: [u32; 2],
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ManifestStatistics {
+    texels: u64,
+    rays: u64,
+    seconds: f64,
+    most_intervals: u32,
+    coarser_charts: u32,
+}
+
+fn hex(hash: u64) -> String {
+    format!("{hash:016x}")
+}
+
+fn picture_name(page: usize, pair: usize, edge: &str) -> String {
+    format!("page{page}.pair{pair}.{edge}.png")
+}
+
+fn pair_hash(pair: &Pair) -> String {
+    let mut hash = StableHash::default();
+    hash.add_bytes(&pair.rise);
+    hash.add_bytes(&pair.fall);
+    hex(hash.value())
+}
+
+fn bytes_hash(bytes: &[u8]) -> String {
+    let mut hash = StableHash::default();
+    hash.add_bytes(bytes);
+    hex(hash.value())
+}
+
+fn corner_bytes(corners: &[Corner]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(corners.len() * CORNER_BYTES);
+    for corner in corners {
+        bytes.extend(corner.page.to_le_bytes());
+        bytes.extend(corner.texel.x.to_le_bytes());
+        bytes.extend(corner.texel.y.to_le_bytes());
+    }
+    bytes
+}
+
+fn corner_of(bytes: &[u8]) -> Corner {
+    let word = |at: usize| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
+    Corner {
+        page: u32::from_le_bytes(word(0)),
+        texel: Vec2::new(f32::from_le_bytes(word(4)), f32::from_le_bytes(word(8))),
+    }
+}
+
+fn manifest_path(path: &LightPath) -> ManifestPath {
+    match path {
+        LightPath::Arc {
+            direction,
+            axis,
+            degrees,
+        } => ManifestPath::Arc {
+            direction: direction.to_array(),
+            axis: axis.to_array(),
+            degrees: *degrees,
+        },
+        LightPath::Sun {
+            latitude_degrees,
+            day,
+            hours,
+        } => ManifestPath::Sun {
+            latitude_deg: *latitude_degrees,
+            day: *day,
+            hours: *hours,
+        },
+        LightPath::Positions(positions) => {
+            ManifestPath::Positions(positions.iter().map(|position| position.to_array()).collect())
+        }
+    }
+}
+
+fn light_path(path: ManifestPath) -> LightPath {
+    match path {
+        ManifestPath::Arc {
+            direction,
+            axis,
+            degrees,
+        } => LightPath::Arc {
+            direction: direction.into(),
+            axis: axis.into(),
+            degrees,
+        },
+        ManifestPath::Sun {
+            latitude_deg,
+            day,
+            hours,
+        } => LightPath::Sun {
+            latitude_degrees: latitude_deg,
+            day,
+            hours,
+        },
+        ManifestPath::Positions(positions) => {
+            LightPath::Positions(positions.into_iter().map(Vec3::from).collect())
+        }
+    }
+}
+
+impl IntervalMaps {
+    /// Writes the maps into a folder, which is made if it is missing.
+    ///
+    /// # Errors
+    /// [`MapsError`] names the file.
+    pub fn save(&self, folder: &Path) -> Result<(), MapsError> {
+        let in_file = |file: &Path| {
+            let file = file.to_owned();
+            move |error| MapsError::File { file, error }
+        };
+        std::fs::create_dir_all(folder).map_err(in_file(folder))?;
+        for (page_index, page) in self.pages.iter().enumerate() {
+            for (pair_index, pair) in page.pairs.iter().enumerate() {
+                for (edge, texels) in [("rise", &pair.rise), ("fall", &pair.fall)] {
+                    let file = folder.join(picture_name(page_index, pair_index, edge));
+                    let format = image::ExtendedColorType::Rgba8;
+                    image::save_buffer(&file, texels, self.size, self.size, format)
+                        .map_err(|error| MapsError::Picture { file, error })?;
+                }
+            }
+        }
+        let corners = corner_bytes(&self.corners);
+        let file = folder.join(CORNERS);
+        std::fs::write(&file, &corners).map_err(in_file(&file))?;
+        let manifest = self.manifest(&corners);
+        let file = folder.join(MANIFEST);
+        let text = serde_json::to_string_pretty(&manifest).map_err(|error| MapsError::Manifest {
+            file: file.clone(),
+            error,
+        })?;
+        std::fs::write(&file, text).map_err(in_file(&file))
+    }
+
+    fn manifest(&self, corners: &[u8]) -> Manifest {
+        let surface = |surface: &BakedSurface| ManifestSurface {
+            mesh: surface.mesh.clone(),
+            hash: hex(surface.hash),
+            world_from_local: surface.world_from_local,
+            two_sided: surface.is_two_sided,
+            corners: [surface.corners.start, surface.corners.end],
+        };
+        let statistics = self.statistics;
+        Manifest {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            key: hex(self.key),
+            path: manifest_path(&self.path),
+            texels_per_metre: self.texels_per_metre,
+            size: self.size,
+            pages: self
+                .pages
+                .iter()
+                .map(|page| page.pairs.iter().map(pair_hash).collect())
+                .collect(),
+            corners: ManifestCorners {
+                count: self.corners.len() as u32,
+                hash: bytes_hash(corners),
+            },
+            surfaces: self.surfaces.iter().map(surface).collect(),
+            statistics: ManifestStatistics {
+                texels: statistics.texels,
+                rays: statistics.rays,
+                seconds: statistics.seconds,
+                most_intervals: statistics.most_intervals,
+                coarser_charts: statistics.coarser_charts,
+            },
+        }
+    }
+
+    /// Reads the maps of a folder.
+    ///
+    /// # Errors
+    /// [`MapsError`] names the file and the element: what is missing, truncated, of another size, or not of these maps.
+    pub fn load(folder: &Path) -> Result<Self, MapsError> {
+        let file = folder.join(MANIFEST);
+        let bytes = read(&file)?;
+        let manifest: Manifest = serde_json::from_slice(&bytes).map_err(|error| MapsError::Manifest {
+            file: file.clone(),
+            error,
+        })?;
+        check_manifest(&manifest, &file)?;
+        let mut pages = Vec::with_capacity(manifest.pages.len());
+        for (page_index, hashes) in manifest.pages.iter().enumerate() {
+            let mut page = Page::default();
+            for (pair_index, hash) in hashes.iter().enumerate() {
+                page.pairs
+                    .push(load_pair(folder, (page_index, pair_index), manifest.size, hash)?);
+            }
+            pages.push(page);
+        }
+        let corners = load_corners(folder, &manifest)?;
+        let key = hash_of(&manifest.key, &file, "key")?;
+        let mut surfaces = Vec::with_capacity(manifest.surfaces.len());
+        for (index, surface) in manifest.surfaces.into_iter().enumerate() {
+            surfaces.push(baked_surface(surface, index, &file)?);
+        }
+        let statistics = manifest.statistics;
+        Ok(Self {
+            key,
+            path: light_path(manifest.path),
+            texels_per_metre: manifest.texels_per_metre,
+            size: manifest.size,
+            pages,
+            surfaces,
+            corners,
+            statistics: BakeStatistics {
+                texels: statistics.texels,
+                rays: statistics.rays,
+                seconds: statistics.seconds,
+                most_intervals: statistics.most_intervals,
+                coarser_charts: statistics.coarser_charts,
+            },
+        })
+    }
+}
+
+fn read(file: &Path) -> Result<Vec<u8>, MapsError> {
+    std::fs::read(file).map_err(|error| MapsError::File {
+        file: file.to_owned(),
+        error,
+    })
+}
+
+fn content(file: &Path, element: impl Into<String>, problem: impl Into<String>) -> MapsError {
+    MapsError::Content {
+        file: file.to_owned(),
+        element: element.into(),
+        problem: problem.into(),
+    }
+}
+
+/// Checks everything in the manifest that the files beside it are read by.
+fn check_manifest(manifest: &Manifest, file: &Path) -> Result<(), MapsError> {
+    if manifest.format != FORMAT {
+        let problem = format!("\"{}\" is not \"{FORMAT}\"", manifest.format);
+        return Err(content(file, "format", problem));
+    }
+    if manifest.version != VERSION {
+        let problem = format!("{} is not {VERSION}: bake the maps again", manifest.version);
+        return Err(content(file, "version", problem));
+    }
+    if !(1..=MAX_SIZE).contains(&manifest.size) {
+        let problem = format!("{} is not from 1 to {MAX_SIZE} texels", manifest.size);
+        return Err(content(file, "size", problem));
+    }
+    if !(manifest.texels_per_metre > 0.0 && manifest.texels_per_metre.is_finite()) {
+        let problem = format!("{} is not greater than 0", manifest.texels_per_metre);
+        return Err(content(file, "texels_per_metre", problem));
+    }
+    let layers: usize = manifest.pages.iter().map(Vec::len).sum();
+    if layers > MAX_LAYERS || manifest.pages.iter().any(Vec::is_empty) {
+        let problem =
+            format!("{layers} pairs; every page needs one, and all together have at most {MAX_LAYERS}");
+        return Err(content(file, "pages", problem));
+    }
+    let mut next = 0;
+    for (index, surface) in manifest.surfaces.iter().enumerate() {
+        let [first, end] = surface.corners;
+        if first != next || end < first || (end - first) % 3 != 0 {
+            let problem = format!("{first} to {end} are no triangles that begin at {next}");
+            return Err(content(file, format!("surfaces[{index}].corners"), problem));
+        }
+        next = end;
+    }
+    if next != manifest.corners.count {
+        let problem = format!("{} are not the {next} of the surfaces", manifest.corners.count);
+        return Err(content(file, "corners.count", problem));
+    }
+    Ok(())
+}
+
+fn load_pair(
+    folder: &Path,
+    (page, pair): (usize, usize),
+    size: u32,
+    expected: &str,
+) -> Result<Pair, MapsError> {
+    let load = |edge: &str| {
+        let file = folder.join(picture_name(page, pair, edge));
+        let bytes = read(&file)?;
+        let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png);
+        let picture = match decoded {
+            Ok(image::DynamicImage::ImageRgba8(picture)) => picture,
+            Ok(other) => {
+                return Err(content(
+                    &file,
+                    "texels",
+                    format!("{:?} is not Rgba8", other.color()),
+                ));
+            }
+            Err(error) => return Err(MapsError::Picture { file, error }),
+        };
+        if picture.dimensions() != (size, size) {
+            let (width, height) = picture.dimensions();
+            let problem = format!("{width}×{height} texels are not {size}×{size}");
+            return Err(content(&file, "size", problem));
+        }
+        Ok(picture.into_raw())
+    };
+    let loaded = Pair {
+        rise: load("rise")?,
+        fall: load("fall")?,
+    };
+    if pair_hash(&loaded) != expected {
+        let file = folder.join(picture_name(page, pair, "rise"));
+        return Err(content(
+            &file,
+            "texels",
+            "they are not those of the manifest, or those of its fall are not: bake the maps again",
+        ));
+    }
+    Ok(loaded)
+}
+
+fn load_corners(folder: &Path, manifest: &Manifest) -> Result<Vec<Corner>, MapsError> {
+    let file = folder.join(CORNERS);
+    let bytes = read(&file)?;
+    let expected = manifest.corners.count as usize * CORNER_BYTES;
+    if bytes.len() != expected {
+        let problem = format!("{} bytes are not {expected}", bytes.len());
+        return Err(content(&file, "length", problem));
+    }
+    if bytes_hash(&bytes) != manifest.corners.hash {
+        let problem = "they are not those of the manifest: bake the maps again";
+        return Err(content(&file, "corners", problem));
+    }
+    let corners: Vec<Corner> = bytes.chunks_exact(CORNER_BYTES).map(corner_of).collect();
+    for (index, corner) in corners.iter().enumerate() {
+        if corner.page as usize >= manifest.pages.len().max(1) || !corner.texel.is_finite() {
+            let problem = format!("page {} of {}", corner.page, manifest.pages.len());
+            return Err(content(&file, format!("corner {index}"), problem));
+        }
+    }
+    Ok(corners)
+}
+
+fn hash_of(text: &str, file: &Path, element: &str) -> Result<u64, MapsError> {
+    u64::from_str_radix(text, 16).map_err(|_| content(file, element, format!("\"{text}\" is no hash")))
+}
+
+fn baked_surface(surface: ManifestSurface, index: usize, file: &Path) -> Result<BakedSurface, MapsError> {
+    Ok(BakedSurface {
+        hash: hash_of(&surface.hash, file, &format!("surfaces[{index}].hash"))?,
+        mesh: surface.mesh,
+        world_from_local: surface.world_from_local,
+        is_two_sided: surface.two_sided,
+        corners: surface.corners[0]..surface.corners[1],
+    })
+}
