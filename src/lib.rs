@@ -99,6 +99,7 @@ pub mod insides {
     pub mod gpu_types {
         pub use crate::render::pools::gpu_types::*;
         pub use crate::techniques::maps::gpu::gpu_types::*;
+        pub use crate::techniques::occlusion_interval::gpu::gpu_types::*;
         pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
     }
     pub use crate::sets::index::boxes::WORD;

@@ -9,7 +9,21 @@ use serde_json::{Map, Value, json};
 #[serde(transparent)]
 pub struct ShotShadow(Map<String, Value>);
 
+/// Settings that are paths, relative to the shot file.
+const PATHS: [&str; 1] = ["maps"];
+
 impl ShotShadow {
+    /// Makes paths among the settings relative to the current folder instead of to `folder`.
+    pub fn find_files(&mut self, folder: &std::path::Path) {
+        for key in PATHS {
+            if let Some(Value::String(path)) = self.0.get_mut(key)
+                && !path.is_empty()
+            {
+                *path = folder.join(&*path).to_string_lossy().into_owned();
+            }
+        }
+    }
+
     /// Returns the settings; `None` for the name `none`.
     ///
     /// # Errors

@@ -3,7 +3,9 @@
 pub use super::{AntumbraCamera, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
-    Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights, ShadowOrigin,
-    ShadowSoftness, ShadowTint,
+    Cookie, CookieImage, LightDistance, LightPath, LightProfile, LightSelection, LightShape, LightWeights,
+    ShadowOrigin, ShadowSoftness, ShadowTint,
 };
-pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+pub use crate::techniques::{
+    AddTechnique, OcclusionInterval, OmniMap, PenumbraWedge, ShadowMap, StencilVolume,
+};

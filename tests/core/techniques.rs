@@ -273,6 +273,7 @@ fn an_app_takes_techniques_before_and_after_the_plugin_and_each_once() {
                 "omni_map",
                 "smoothie",
                 "perspective_map",
+                "occlusion_interval",
                 "keeper"
             ],
             "before: {before}"

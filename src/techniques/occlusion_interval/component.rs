@@ -30,7 +30,7 @@ use crate::techniques::registry::Refusal;
     serde(default, deny_unknown_fields)
 )]
 pub struct OcclusionInterval {
-    /// Folder of the maps. It is read once, in the first frame that needs it ([`IntervalLibrary`](super::IntervalLibrary)).
+    /// Folder of the maps; it must be given. It is read once, in the first frame that needs it ([`IntervalLibrary`](super::IntervalLibrary)).
     pub maps: String,
     /// Time, as a share of the path, 0 to 1. It stops at the ends of an open path, and wraps around a closed one. Default: 0.
     pub time: f32,
@@ -67,6 +67,12 @@ impl OcclusionInterval {
                     "its light is a line along a path; use a point or directional light, or a PenumbraWedge",
                 ));
             }
+        }
+        if self.maps.is_empty() {
+            return Err(Refusal::Missing {
+                setting: "maps",
+                needed: "it names the folder of the baked maps",
+            });
         }
         if !self.time.is_finite() {
             return Err(Refusal::setting("time", self.time, "it must be finite"));

@@ -225,7 +225,7 @@ fn light_path(path: ManifestPath) -> LightPath {
 }
 
 impl IntervalMaps {
-    /// Writes the maps into a folder, which is made if it is missing.
+    /// Writes the maps into a folder, which is made if it is missing. Older maps in it are removed.
     ///
     /// # Errors
     /// [`MapsError`] names the file.
@@ -235,6 +235,7 @@ impl IntervalMaps {
             move |error| MapsError::File { file, error }
         };
         std::fs::create_dir_all(folder).map_err(in_file(folder))?;
+        remove_old(folder).map_err(in_file(folder))?;
         for (page_index, page) in self.pages.iter().enumerate() {
             for (pair_index, pair) in page.pairs.iter().enumerate() {
                 for (edge, texels) in [("rise", &pair.rise), ("fall", &pair.fall)] {
@@ -338,6 +339,19 @@ impl IntervalMaps {
             },
         })
     }
+}
+
+/// Removes the manifest of older maps, and their pictures.
+fn remove_old(folder: &Path) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if name == MANIFEST || (name.starts_with("page") && name.ends_with(".png")) {
+            std::fs::remove_file(entry.path())?;
+        }
+    }
+    Ok(())
 }
 
 fn read(file: &Path) -> Result<Vec<u8>, MapsError> {
@@ -472,4 +486,150 @@ fn baked_surface(surface: ManifestSurface, index: usize, file: &Path) -> Result<
         is_two_sided: surface.two_sided,
         corners: surface.corners[0]..surface.corners[1],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::intervals::intervals_of;
+    use super::*;
+
+    fn maps() -> IntervalMaps {
+        let mut page = Page::dark(4, 2);
+        page.write(5, &intervals_of(|step| step % 40 < 3));
+        let corner = |at: u32| Corner {
+            page: 0,
+            texel: Vec2::new(at as f32, 0.25),
+        };
+        IntervalMaps {
+            key: 0x0123_4567_89ab_cdef,
+            path: LightPath::Sun {
+                latitude_degrees: 50.3,
+                day: 172.0,
+                hours: [0.1, 23.7],
+            },
+            texels_per_metre: 8.1,
+            size: 4,
+            pages: vec![page, Page::dark(4, 1)],
+            surfaces: vec![BakedSurface {
+                mesh: "a \"mesh\"".to_owned(),
+                hash: u64::MAX,
+                world_from_local: std::array::from_fn(|i| 0.1 * i as f32),
+                is_two_sided: true,
+                corners: 0..3,
+            }],
+            corners: (0..3).map(corner).collect(),
+            statistics: BakeStatistics {
+                texels: 7,
+                rays: 1 << 40,
+                seconds: 0.1,
+                most_intervals: 7,
+                coarser_charts: 1,
+            },
+        }
+    }
+
+    /// A folder with the maps, gone when it is dropped.
+    struct Scratch(PathBuf);
+
+    impl Scratch {
+        fn new(name: &str) -> Self {
+            let folder = std::env::temp_dir().join(format!("antumbra-{}-{name}", std::process::id()));
+            maps().save(&folder).expect("they are saved");
+            Self(folder)
+        }
+
+        fn change(&self, file: &str, change: impl FnOnce(Vec<u8>) -> Vec<u8>) -> String {
+            let path = self.0.join(file);
+            let bytes = std::fs::read(&path).expect("the file");
+            std::fs::write(&path, change(bytes.clone())).expect("it is written");
+            let error = IntervalMaps::load(&self.0)
+                .expect_err("it is noticed")
+                .to_string();
+            std::fs::write(&path, bytes).expect("it is put back");
+            assert!(
+                error.contains(file) || error.contains(&file.replace("fall", "rise")),
+                "{error}"
+            );
+            error
+        }
+    }
+
+    impl Drop for Scratch {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
+    }
+
+    #[test]
+    fn maps_are_read_as_they_were_written() {
+        let scratch = Scratch::new("round");
+        assert_eq!(IntervalMaps::load(&scratch.0).expect("they are read"), maps());
+        for path in [
+            LightPath::Positions(vec![Vec3::new(0.1, -2.5, 1e-7), Vec3::X]),
+            LightPath::Arc {
+                direction: Vec3::NEG_Y,
+                axis: Vec3::Z,
+                degrees: 33.3,
+            },
+        ] {
+            assert_eq!(light_path(manifest_path(&path)), path);
+        }
+    }
+
+    #[test]
+    fn truncated_and_foreign_files_are_named_with_the_element() {
+        let scratch = Scratch::new("faults");
+        let cut = |bytes: Vec<u8>| bytes[..bytes.len() / 2].to_vec();
+        for file in [
+            "page0.pair1.rise.png",
+            "page1.pair0.fall.png",
+            "corners.bin",
+            MANIFEST,
+        ] {
+            scratch.change(file, cut);
+        }
+        assert!(scratch.change("corners.bin", cut).contains("18 bytes are not 36"));
+        let other = std::fs::read(scratch.0.join("page1.pair0.rise.png")).expect("the file");
+        assert!(
+            scratch
+                .change("page0.pair0.rise.png", |_| other)
+                .contains("bake the maps again")
+        );
+        assert!(
+            scratch
+                .change("page0.pair0.fall.png", |_| b"no picture".to_vec())
+                .contains("fall")
+        );
+        let text = |from: &'static str, to: &'static str| {
+            move |bytes: Vec<u8>| {
+                String::from_utf8(bytes)
+                    .expect("text")
+                    .replace(from, to)
+                    .into_bytes()
+            }
+        };
+        for (from, to, element) in [
+            ("\"version\": 1", "\"version\": 2", "version"),
+            ("interval maps", "cookies", "format"),
+            ("\"size\": 4", "\"size\": 8", "size"),
+            ("\"size\": 4", "\"size\": 99999", "size"),
+            ("\"count\": 3", "\"count\": 6", "corners.count"),
+            ("ffffffffffffffff", "nothing", "surfaces[0].hash"),
+            ("texels_per_metre", "texels", "texels"),
+        ] {
+            let path = scratch.0.join(MANIFEST);
+            let bytes = std::fs::read(&path).expect("the file");
+            std::fs::write(&path, text(from, to)(bytes.clone())).expect("it is written");
+            let error = IntervalMaps::load(&scratch.0)
+                .expect_err("it is noticed")
+                .to_string();
+            std::fs::write(&path, bytes).expect("it is put back");
+            assert!(error.contains(element), "{element}: {error}");
+        }
+        std::fs::remove_file(scratch.0.join("page0.pair1.fall.png")).expect("it is removed");
+        let error = IntervalMaps::load(&scratch.0)
+            .expect_err("it is noticed")
+            .to_string();
+        assert!(error.contains("page0.pair1.fall.png"), "{error}");
+    }
 }

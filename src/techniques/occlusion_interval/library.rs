@@ -43,9 +43,6 @@ impl IntervalLibrary {
 
 #[cfg(any(feature = "render", feature = "reference"))]
 fn load(name: &str) -> Result<IntervalMaps, String> {
-    if name.is_empty() {
-        return Err("no folder is named".to_owned());
-    }
     let loaded = IntervalMaps::load(std::path::Path::new(name));
     loaded.map_err(|error| error.to_string().replace('\n', " "))
 }
