@@ -164,13 +164,24 @@ pub fn truth(
     time: f32,
     width: f32,
 ) -> Vec<Option<(f32, bool)>> {
+    truth_of(scene, hits, path, (time, width), TEXELS_PER_METRE)
+}
+
+/// The same for any density of texels.
+pub fn truth_of(
+    scene: &RayScene,
+    hits: &HitImage,
+    path: &LightPath,
+    (time, width): (f32, f32),
+    texels_per_metre: f32,
+) -> Vec<Option<(f32, bool)>> {
     let span = Window::new(time, width, false).spans[0];
     let light = towards(path, time);
+    let step = 1.0 / f64::from(texels_per_metre);
     let at_pixel = |hit: &Option<SurfaceHit>| {
         let hit = hit.as_ref().filter(|hit| hit.normal.dot(light) > 1e-3)?;
         let visibility = truth_at(scene, hit, path, span, 24);
         let (right, up) = hit.normal.any_orthonormal_pair();
-        let step = 1.0 / f64::from(TEXELS_PER_METRE);
         let around = [right + up, right - up, up - right, -right - up].map(|offset| {
             let position = hit.position + offset * step;
             truth_at(scene, &SurfaceHit { position, ..*hit }, path, span, 12)
