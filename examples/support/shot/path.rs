@@ -79,10 +79,13 @@ impl ShotPath {
 
     /// Adds the keys of the light that the path makes superfluous.
     fn complete(&self, light: &mut Map<String, Value>) {
+        let is_directional = light.get("kind").is_some_and(|kind| kind == "directional");
         let (key, value) = match self {
-            Self::Arc(_) => return,
-            Self::Sun(_) => ("direction", json!([0, -1, 0])),
-            Self::Positions(line) => ("position", json!(line.positions.first().unwrap_or(&[0.0; 3]))),
+            Self::Sun(_) if is_directional => ("direction", json!([0, -1, 0])),
+            Self::Positions(line) if !is_directional => {
+                ("position", json!(line.positions.first().unwrap_or(&[0.0; 3])))
+            }
+            _ => return,
         };
         light.entry(key).or_insert(value);
     }

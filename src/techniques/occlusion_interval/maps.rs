@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{UVec2, Vec2};
 
-use super::intervals::{Interval, Intervals, PER_PAIR, STEPS, Window, blended};
+use super::intervals::{Interval, Intervals, PER_PAIR, Window, blended};
 use crate::scene::LightPath;
 
 /// Most layers of the texture arrays: those that WebGPU guarantees. All pairs of all pages are layers.
@@ -176,13 +176,8 @@ impl IntervalMaps {
 }
 
 /// Number of pairs that a number of intervals takes, at least one.
+#[cfg(any(feature = "reference", test))]
 pub fn pairs_for(intervals: usize) -> usize {
-    const {
-        assert!(
-            STEPS.div_ceil(2) % PER_PAIR == 0,
-            "the most intervals fill whole pairs"
-        )
-    }
     intervals.div_ceil(PER_PAIR).max(1)
 }
 

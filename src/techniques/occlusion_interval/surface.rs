@@ -35,6 +35,7 @@ impl StableHash {
     }
 
     /// Adds bytes and their number.
+    #[cfg(any(feature = "render", feature = "reference", test))]
     pub fn add_bytes(&mut self, bytes: &[u8]) {
         self.add(bytes.len() as u64);
         for word in bytes.chunks(8) {

@@ -23,7 +23,7 @@ fn the_mask_holds_what_the_twin_computes() {
         stage.world.entity_mut(light).insert(settings(time, width));
         let rendered = stage.render().expect("the frame renders");
         let window = maps.window(time, width);
-        let other = maps.window(time + 0.07, width);
+        let other = maps.window(if time > 0.5 { time - 0.07 } else { time + 0.07 }, width);
         let (mut wrong, mut wrong_of_other, mut soft, mut all) = (0, 0, 0, 0);
         for (hit, drawn) in hits.hits.iter().zip(&rendered.visibility[0]) {
             let Some(hit) = hit else { continue };

@@ -53,7 +53,7 @@ fn shadows_are_as_smooth_as_truth_and_not_blocky() {
     let mut stage = lit_ladder(maps.clone(), 0.5, 0.3);
     stage.schedule.run(&mut stage.world);
     let (scene, hits) = seen(&mut stage);
-    // A line over the ground, right of the wall, on which its shadow ends. Eight points a texel.
+    // A line over the ground behind the wall, on which its shadow ends. Eight points a texel.
     let ground = |hit: &&SurfaceHit| hit.position.y.abs() < 1e-6 && hit.normal.y > 0.9;
     let mut on_ground = hits.hits.iter().flatten().filter(ground);
     let any = *on_ground.next().expect("the ground is seen");
@@ -62,10 +62,10 @@ fn shadows_are_as_smooth_as_truth_and_not_blocky() {
     for (time, width) in [(0.12, 0.16), (0.88, 0.2)] {
         let window = maps.window(time, width);
         let span = window.spans[0];
-        let side = if time < 0.5 { -1.0 } else { 1.0 };
-        let line: Vec<SurfaceHit> = (0..120)
+        let side = if time < 0.5 { 1.0 } else { -1.0 };
+        let line: Vec<SurfaceHit> = (0..112)
             .map(|i| {
-                let position = DVec3::new(side * (0.2 + step * f64::from(i)), 0.0, 0.6);
+                let position = DVec3::new(side * (0.2 + step * f64::from(i)), 0.0, -1.3);
                 let slot = scene.triangles().iter().position(|triangle| {
                     let [a, b, c] = triangle.corners;
                     let inside = |from: DVec3, to: DVec3| (to - from).cross(position - from).y >= 0.0;

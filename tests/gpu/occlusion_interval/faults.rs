@@ -202,7 +202,9 @@ fn baked_folders_are_used_as_they_are_while_scene_and_path_are_theirs() {
         let mut calls = 0;
         let bake =
             bake_into(&folder, &mut stage.world, path, &settings, |_| calls += 1).expect("it is baked");
-        (bake.maps, calls)
+        let mut maps = bake.maps;
+        maps.statistics.seconds = 0.0;
+        (maps, calls)
     };
     let (first, calls) = bake(&path);
     assert!(calls > 1);

@@ -5,3 +5,4 @@ mod drawn;
 mod exactness;
 mod faults;
 mod scenes;
+mod shots;
