@@ -8,7 +8,8 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `bake` | [`bake_intervals`] and [`bake_into`], which do all of it |
+//! | `bake`, `job` | [`bake_intervals`] and [`bake_into`], which do all of it |
+//! | `settings` | what a bake takes and gives |
 //! | `surfaces` | what stands still in a world |
 //! | `unwrap`, `overlap`, `chart` | surfaces laid flat, and cut into charts |
 //! | `texels` | the surface point that each texel stands for |
@@ -38,13 +39,16 @@
 
 pub(crate) mod bake;
 pub(crate) mod chart;
+pub(crate) mod job;
 pub(crate) mod overlap;
 pub(crate) mod pack;
 pub(crate) mod partial;
+pub(crate) mod settings;
 pub(crate) mod surfaces;
 pub(crate) mod texels;
 pub(crate) mod trace;
 pub(crate) mod unwrap;
 
-pub use bake::{Bake, BakeError, BakeNote, BakeProgress, BakeSettings, bake_intervals, bake_into};
+pub use bake::{bake_intervals, bake_into};
+pub use settings::{Bake, BakeError, BakeNote, BakeProgress, BakeSettings};
 pub use unwrap::UnwrapNote;

@@ -131,11 +131,19 @@ fn by_new_set(triangles: &[Option<SurfaceTriangle>], texels_per_metre: f32) -> R
             triangles: vec![None; triangles.len()],
         });
     };
-    // Near its own origin a surface far from the world's has exact positions in `f32`, too.
-    let positions: Vec<[f32; 3]> = corners()
-        .map(|corner| (corner - origin).as_vec3().to_array())
-        .collect();
-    let indices: Vec<u32> = (0..positions.len() as u32).collect();
+    // Near its own origin a surface far from the world's has exact positions in `f32`, too. Corners at one place are one
+    // vertex, so that triangles that share an edge may share a chart.
+    let (mut positions, mut known) = (Vec::new(), HashMap::new());
+    let vertex = |corner: DVec3| {
+        let position = (corner - origin).as_vec3() + 0.0;
+        *known
+            .entry(position.to_array().map(f32::to_bits))
+            .or_insert_with(|| {
+                positions.push(position.to_array());
+                positions.len() as u32 - 1
+            })
+    };
+    let indices: Vec<u32> = corners().map(vertex).collect();
     let options = Options {
         density: Density::Fixed {
             texels_per_unit: texels_per_metre,

@@ -12,12 +12,15 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{Vec2, Vec3};
-use serde::{Deserialize, Serialize};
+use glam::Vec2;
 
-use super::maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_LAYERS, MAX_SIZE, Page, Pair};
+use super::manifest::{
+    FORMAT, Manifest, ManifestCorners, ManifestStatistics, ManifestSurface, VERSION, check_manifest,
+    light_path, manifest_path,
+};
+use super::maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, Page, Pair};
+use super::maps_error::{MapsError, content};
 use super::surface::StableHash;
-use crate::scene::LightPath;
 
 /// Name of the manifest.
 pub const MANIFEST: &str = "maps.json";
@@ -26,112 +29,6 @@ const CORNERS: &str = "corners.bin";
 
 /// Bytes of a corner in its file.
 const CORNER_BYTES: usize = 12;
-
-/// What the manifest calls its format.
-const FORMAT: &str = "antumbra occlusion interval maps";
-
-/// The version of the format. It increases when older readers would misread newer files.
-const VERSION: u32 = 1;
-
-/// Why maps cannot be read or written. Variants name the file and the element.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum MapsError {
-    /// The file cannot be read or written.
-    #[error("{}: {error}", file.display())]
-    File {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        error: std::io::Error,
-    },
-    /// The manifest is no JSON, or lacks something.
-    #[error("{}: {error}", file.display())]
-    Manifest {
-        /// The manifest.
-        file: PathBuf,
-        /// What is wrong, and where.
-        error: serde_json::Error,
-    },
-    /// The file is a picture that cannot be decoded or encoded.
-    #[error("{}: {error}", file.display())]
-    Picture {
-        /// The picture.
-        file: PathBuf,
-        /// What is wrong.
-        error: image::ImageError,
-    },
-    /// The file holds something else than it should.
-    #[error("{}: {element}: {problem}", file.display())]
-    Content {
-        /// The file.
-        file: PathBuf,
-        /// The part of the file.
-        element: String,
-        /// What is wrong with it.
-        problem: String,
-    },
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Manifest {
-    format: String,
-    version: u32,
-    key: String,
-    path: ManifestPath,
-    texels_per_metre: f32,
-    size: u32,
-    /// Hashes of the pairs of each page, those of rise and fall together.
-    pages: Vec<Vec<String>>,
-    corners: ManifestCorners,
-    surfaces: Vec<ManifestSurface>,
-    statistics: ManifestStatistics,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum ManifestPath {
-    Arc {
-        direction: [f32; 3],
-        axis: [f32; 3],
-        degrees: f32,
-    },
-    Sun {
-        latitude_deg: f32,
-        day: f32,
-        hours: [f32; 2],
-    },
-    Positions(Vec<[f32; 3]>),
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ManifestCorners {
-    count: u32,
-    hash: String,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ManifestSurface {
-    mesh: String,
-    hash: String,
-    world_from_local: [f32; 12],
-    two_sided: bool,
-    /// First and end.
-    corners: [u32; 2],
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ManifestStatistics {
-    texels: u64,
-    rays: u64,
-    seconds: f64,
-    most_intervals: u32,
-    coarser_charts: u32,
-}
 
 fn hex(hash: u64) -> String {
     format!("{hash:016x}")
@@ -169,58 +66,6 @@ fn corner_of(bytes: &[u8]) -> Corner {
     Corner {
         page: u32::from_le_bytes(word(0)),
         texel: Vec2::new(f32::from_le_bytes(word(4)), f32::from_le_bytes(word(8))),
-    }
-}
-
-fn manifest_path(path: &LightPath) -> ManifestPath {
-    match path {
-        LightPath::Arc {
-            direction,
-            axis,
-            degrees,
-        } => ManifestPath::Arc {
-            direction: direction.to_array(),
-            axis: axis.to_array(),
-            degrees: *degrees,
-        },
-        LightPath::Sun {
-            latitude_degrees,
-            day,
-            hours,
-        } => ManifestPath::Sun {
-            latitude_deg: *latitude_degrees,
-            day: *day,
-            hours: *hours,
-        },
-        LightPath::Positions(positions) => {
-            ManifestPath::Positions(positions.iter().map(|position| position.to_array()).collect())
-        }
-    }
-}
-
-fn light_path(path: ManifestPath) -> LightPath {
-    match path {
-        ManifestPath::Arc {
-            direction,
-            axis,
-            degrees,
-        } => LightPath::Arc {
-            direction: direction.into(),
-            axis: axis.into(),
-            degrees,
-        },
-        ManifestPath::Sun {
-            latitude_deg,
-            day,
-            hours,
-        } => LightPath::Sun {
-            latitude_degrees: latitude_deg,
-            day,
-            hours,
-        },
-        ManifestPath::Positions(positions) => {
-            LightPath::Positions(positions.into_iter().map(Vec3::from).collect())
-        }
     }
 }
 
@@ -361,54 +206,6 @@ fn read(file: &Path) -> Result<Vec<u8>, MapsError> {
     })
 }
 
-fn content(file: &Path, element: impl Into<String>, problem: impl Into<String>) -> MapsError {
-    MapsError::Content {
-        file: file.to_owned(),
-        element: element.into(),
-        problem: problem.into(),
-    }
-}
-
-/// Checks everything in the manifest that the files beside it are read by.
-fn check_manifest(manifest: &Manifest, file: &Path) -> Result<(), MapsError> {
-    if manifest.format != FORMAT {
-        let problem = format!("\"{}\" is not \"{FORMAT}\"", manifest.format);
-        return Err(content(file, "format", problem));
-    }
-    if manifest.version != VERSION {
-        let problem = format!("{} is not {VERSION}: bake the maps again", manifest.version);
-        return Err(content(file, "version", problem));
-    }
-    if !(1..=MAX_SIZE).contains(&manifest.size) {
-        let problem = format!("{} is not from 1 to {MAX_SIZE} texels", manifest.size);
-        return Err(content(file, "size", problem));
-    }
-    if !(manifest.texels_per_metre > 0.0 && manifest.texels_per_metre.is_finite()) {
-        let problem = format!("{} is not greater than 0", manifest.texels_per_metre);
-        return Err(content(file, "texels_per_metre", problem));
-    }
-    let layers: usize = manifest.pages.iter().map(Vec::len).sum();
-    if layers > MAX_LAYERS || manifest.pages.iter().any(Vec::is_empty) {
-        let problem =
-            format!("{layers} pairs; every page needs one, and all together have at most {MAX_LAYERS}");
-        return Err(content(file, "pages", problem));
-    }
-    let mut next = 0;
-    for (index, surface) in manifest.surfaces.iter().enumerate() {
-        let [first, end] = surface.corners;
-        if first != next || end < first || (end - first) % 3 != 0 {
-            let problem = format!("{first} to {end} are no triangles that begin at {next}");
-            return Err(content(file, format!("surfaces[{index}].corners"), problem));
-        }
-        next = end;
-    }
-    if next != manifest.corners.count {
-        let problem = format!("{} are not the {next} of the surfaces", manifest.corners.count);
-        return Err(content(file, "corners.count", problem));
-    }
-    Ok(())
-}
-
 fn load_pair(
     folder: &Path,
     (page, pair): (usize, usize),
@@ -490,8 +287,11 @@ fn baked_surface(surface: ManifestSurface, index: usize, file: &Path) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::super::intervals::intervals_of;
     use super::*;
+    use crate::scene::LightPath;
 
     fn maps() -> IntervalMaps {
         let mut page = Page::dark(4, 2);

@@ -10,7 +10,7 @@
 //! | `component` | [`OcclusionInterval`], which a user sets on a light; the system that moves the light |
 //! | `technique` | how the component joins the frame |
 //! | `intervals` | the mathematics; twin of the shader |
-//! | `maps`, `files` | maps in memory and on disk |
+//! | `maps`, `files`, `manifest`, `maps_error` | maps in memory and on disk |
 //! | `library`, `scenes` | which maps a world has, and which of its objects are in them |
 //! | `surface` | how an object is recognized |
 //! | `gpu` | the recorder (feature `render`) |
@@ -49,18 +49,24 @@ pub(crate) mod files;
 pub(crate) mod gpu;
 pub(crate) mod intervals;
 pub(crate) mod library;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub(crate) mod manifest;
 pub(crate) mod maps;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub(crate) mod maps_error;
 pub(crate) mod scenes;
 pub(crate) mod surface;
 pub(crate) mod technique;
 
 pub use component::OcclusionInterval;
 #[cfg(any(feature = "render", feature = "reference"))]
-pub use files::{MANIFEST, MapsError};
+pub use files::MANIFEST;
 pub use intervals::{
     Interval, Intervals, LEAST_WIDTH, PER_PAIR, STEPS, Window, blended, intervals_of, seen_share,
 };
 pub use library::IntervalLibrary;
 pub use maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_LAYERS, MAX_SIZE, Page, Pair};
+#[cfg(any(feature = "render", feature = "reference"))]
+pub use maps_error::MapsError;
 pub use scenes::{IntervalFault, IntervalLight, IntervalScene, IntervalScenes, MatchedSurface};
 pub use surface::surface_hash;

@@ -37,9 +37,9 @@ pub fn spawn(world: &mut World, mesh: MeshData, place: Transform) {
     ));
 }
 
-/// A ladder against a wall, without a light and a renderer.
+/// A ladder against a wall below a roof, without a light and a renderer.
 pub fn ladder() -> Stage {
-    let view = Transform::from_xyz(0.5, 1.8, 4.0).looking_at(Vec3::new(0.0, 0.8, 0.0), Vec3::Y);
+    let view = Transform::from_xyz(0.5, 1.6, 3.2).looking_at(Vec3::new(0.0, 0.9, 0.0), Vec3::Y);
     let camera = Camera {
         aspect: SIZE.x as f32 / SIZE.y as f32,
         ..Default::default()
@@ -52,6 +52,8 @@ pub fn ladder() -> Stage {
         MeshData::cuboid(Vec3::new(1.5, 1.0, 0.1)),
         Transform::from_xyz(0.0, 1.0, -0.8),
     );
+    let roof = MeshData::cuboid(Vec3::new(1.5, 0.05, 0.6));
+    spawn(world, roof, Transform::from_xyz(0.0, 2.05, -0.3));
     let leaning = Transform::from_xyz(0.0, 0.0, 0.1).with_rotation(Quat::from_rotation_x(-0.35));
     for x in [-0.3, 0.3] {
         let rail = Transform::from_xyz(x, 0.9, 0.0);

@@ -23,7 +23,7 @@ use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resol
 use crate::render::{Gpu, RenderError};
 use crate::scene::FaceCulling;
 use crate::sets::{FrameLights, Objects};
-use crate::techniques::occlusion_interval::OcclusionInterval;
+use crate::techniques::occlusion_interval::component::OcclusionInterval;
 use crate::techniques::occlusion_interval::scenes::IntervalScenes;
 use crate::techniques::registry::Technique;
 use crate::techniques::shared::texture_memory::TextureMemory;
