@@ -25,7 +25,7 @@
 //! Dependencies point one way: a module may use the modules above it in this table and none below it
 //! (`tests/core/layers.rs` tests this). [`reference`](mod@reference) stands apart. It uses only `conventions`,
 //! `geometry`, `scene` and `sets`, because it must not depend on the code that it judges, and no other module
-//! uses it.
+//! uses it, except `baking`.
 //!
 //! | folder | holds |
 //! | --- | --- |
@@ -38,6 +38,7 @@
 //! | [`reference`](mod@reference) | ray-cast visibility, slow and exact, with which techniques are compared (feature `reference`) |
 //! | [`render`] | all code on wgpu that belongs to no technique (feature `render`) |
 //! | [`techniques`] | one folder for each technique: component, CPU geometry, recorder; also the trait and the list of techniques |
+//! | [`baking`] | maps of static scenes, cast by the rays of `reference` (feature `reference`) |
 //! | [`schedule`] | system sets and schedules |
 //! | [`bevy_adapter`] | the connection to Bevy's renderer (feature `bevy`) |
 //! | [`plugin`] | the plugin for a plain `App` and for a Bevy game |
@@ -63,6 +64,8 @@
 //!
 //! Without any feature the ECS core remains: sets, silhouettes, and the CPU geometry of the techniques.
 
+#[cfg(feature = "reference")]
+pub mod baking;
 #[cfg(feature = "bevy")]
 pub mod bevy_adapter;
 pub mod conventions;
@@ -96,6 +99,7 @@ pub mod insides {
     pub mod gpu_types {
         pub use crate::render::pools::gpu_types::*;
         pub use crate::techniques::maps::gpu::gpu_types::*;
+        pub use crate::techniques::occlusion_interval::gpu::gpu_types::*;
         pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
     }
     pub use crate::sets::index::boxes::WORD;
@@ -157,13 +161,13 @@ pub mod prelude {
     pub use super::render::{RenderContext, RenderSettings, Renderer, RequestedFeatures};
     pub use super::scene::{
         AlphaMode, Camera, Cell, Cookie, CookieImage, CulledCasters, FaceCulling, InCells, Light, LightKind,
-        LightProfile, LightSelection, Material, MeshData, Occluder, Portal, SceneMaterials, SceneMesh,
-        SelectionLayers, ShadowCaster, ShadowReceiver,
+        LightPath, LightProfile, LightSelection, Material, MeshData, Occluder, Portal, SceneMaterials,
+        SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
     };
     pub use super::schedule::AntumbraSystems;
     pub use super::sets::{FrameLights, ViewportSize};
     pub use super::techniques::{
-        AddTechnique, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie,
-        StencilVolume,
+        AddTechnique, OcclusionInterval, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap,
+        Smoothie, StencilVolume,
     };
 }

@@ -140,8 +140,16 @@ fn slices() -> [Way; 5] {
     [
         Way::with(Settings::of(few), "4", "4 slices"),
         Way::with(filtered(SliceFilter::Mipmaps), "mipmaps", "16 slices, mipmaps"),
-        Way::with(filtered(SliceFilter::SummedAreas), "sums", "16 slices, summed areas"),
-        Way::with(combined(SliceCombination::Maximum), "max", "16 slices, the darkest alone"),
+        Way::with(
+            filtered(SliceFilter::SummedAreas),
+            "sums",
+            "16 slices, summed areas",
+        ),
+        Way::with(
+            combined(SliceCombination::Maximum),
+            "max",
+            "16 slices, the darkest alone",
+        ),
         Way::with(combined(SliceCombination::Sum), "sum", "16 slices, added"),
     ]
 }

@@ -9,6 +9,9 @@ use serde_json::{Map, Value, json};
 #[serde(transparent)]
 pub struct ShotShadow(Map<String, Value>);
 
+/// Settings that are paths, relative to the shot file.
+const PATHS: [&str; 1] = ["maps"];
+
 impl ShotShadow {
     /// Adds a setting that the file has beside the technique. A setting of the technique itself goes first, and the
     /// technique `none` takes no settings.
@@ -17,6 +20,17 @@ impl ShotShadow {
             self.0.entry(setting).or_insert_with(|| value.into());
         }
         self
+    }
+
+    /// Makes paths among the settings relative to the current folder instead of to `folder`.
+    pub fn find_files(&mut self, folder: &std::path::Path) {
+        for key in PATHS {
+            if let Some(Value::String(path)) = self.0.get_mut(key)
+                && !path.is_empty()
+            {
+                *path = folder.join(&*path).to_string_lossy().into_owned();
+            }
+        }
     }
 
     /// Returns the settings; `None` for the name `none`.

@@ -1,5 +1,6 @@
 //! A world with a scene, a camera and lights, and a renderer that draws it headlessly.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use antumbra::geometry::Aabb;
@@ -15,7 +16,7 @@ use antumbra::scene::apply_animation;
 use antumbra::scene::camera_place;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
 use antumbra::schedule::{init_resources, standalone_schedule};
-use antumbra::techniques::{Settings, Techniques, add_row};
+use antumbra::techniques::{IntervalLibrary, IntervalMaps, Settings, Techniques, add_row};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -91,6 +92,9 @@ impl Stage {
                 for (index, light) in lights.iter().enumerate() {
                     let parts = light.parts(&shot.techniques)?;
                     let entity = stage.spawn_shadowed(parts.light, parts.transform, parts.shadow.as_ref());
+                    if let Some(path) = parts.path {
+                        stage.world.entity_mut(entity).insert(path);
+                    }
                     parts
                         .model
                         .insert(&mut stage.world, entity, (&loaded, &spawned))
@@ -113,6 +117,24 @@ impl Stage {
             eprintln!("{file}: nothing to draw");
         }
         Ok(stage)
+    }
+
+    /// Reads the maps that lights name, so that faults in them are errors instead of reports.
+    ///
+    /// # Errors
+    /// One line that names the light, the file and the element.
+    pub fn load_interval_maps(&mut self) -> Result<(), String> {
+        for (index, &light) in self.lights.iter().enumerate() {
+            let Some(settings) = self.world.get::<OcclusionInterval>(light) else {
+                continue;
+            };
+            let name = settings.maps.clone();
+            let maps = IntervalMaps::load(std::path::Path::new(&name))
+                .map_err(|error| format!("lights[{index}].shadow.maps: {}", one_line(&error)))?;
+            let mut library = self.world.resource_mut::<IntervalLibrary>();
+            library.insert(name, Arc::new(maps));
+        }
+        Ok(())
     }
 
     fn pose(

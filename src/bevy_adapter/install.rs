@@ -17,6 +17,7 @@ use bevy::pbr::{
 use bevy::render::render_phase::AddRenderCommand;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderStartup, RenderSystems};
 use bevy::shader::Shader;
+use bevy::transform::TransformSystems;
 
 use super::camera::{AntumbraCamera, keep_msaa_off, put_back};
 use super::camera_warnings::{warn_of_marked, warn_of_unmarked, warn_without_renderer};
@@ -49,6 +50,7 @@ use crate::sets::OcclusionSettings;
 use crate::silhouettes::LightClearance;
 use crate::techniques::add_builtin;
 use crate::techniques::maps::MapSettings;
+use crate::techniques::occlusion_interval::component::follow_light_paths;
 
 /// Registers types, and adds the system that an app without a renderer needs. Every app gets these.
 pub fn register(app: &mut App) {
@@ -87,6 +89,7 @@ pub fn install(app: &mut App) -> bool {
                 .in_set(AntumbraMainSystems::CheckCameras),
         )
         .add_systems(Last, keep_msaa_off)
+        .add_systems(PostUpdate, follow_light_paths.before(TransformSystems::Propagate))
         .add_systems(
             PostUpdate,
             collect_meshes

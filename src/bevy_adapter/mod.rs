@@ -105,6 +105,7 @@
 //! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `diagnostics` | counts and times in Bevy's diagnostics |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
+//! | `still_scene` | a copy of what stands still, to bake maps from |
 //! | `surfaces`, `cut_outs` | opaque and see-through objects, holes by alpha |
 //! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
@@ -136,6 +137,7 @@ pub(crate) mod refused;
 pub(crate) mod report;
 pub(crate) mod settings;
 pub(crate) mod shared_targets;
+pub(crate) mod still_scene;
 pub(crate) mod surfaces;
 pub(crate) mod sync;
 pub(crate) mod sync_lights;
@@ -154,4 +156,5 @@ pub use mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
 pub use mirror::{HostBounds, HostEntity, HostLight, Mirror, Mirrors};
 pub use refused::RefusedMeshes;
 pub use settings::AntumbraSettings;
+pub use still_scene::still_scene;
 pub use systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRenderSystems};

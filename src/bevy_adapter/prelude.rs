@@ -3,7 +3,10 @@
 pub use super::{AntumbraCamera, AntumbraDiagnosticsPlugin, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
-    BarnMap, Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights,
-    ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
+    BarnMap, Cookie, CookieImage, LightDistance, LightPath, LightProfile, LightSelection, LightShape,
+    LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
 };
-pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+pub use crate::techniques::{
+    AddTechnique, OcclusionInterval, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap,
+    Smoothie, StencilVolume,
+};

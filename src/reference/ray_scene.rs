@@ -172,23 +172,80 @@ impl RayScene {
         self.is_blocked(&ray, f64::INFINITY, receiver, casts_for)
     }
 
+    /// A triangle that blocks the segment from the surface point to `light_world`, as in
+    /// [`RayScene::blocks_segment`]. `guess` is looked at first: it saves the search if it blocks again, as the blocker
+    /// of a neighbouring segment often does.
+    pub fn segment_blocker(
+        &self,
+        surface: DVec3,
+        light_world: DVec3,
+        receiver: Option<u32>,
+        casts_for: u32,
+        guess: Option<u32>,
+    ) -> Option<u32> {
+        let ray = Ray {
+            origin: surface,
+            direction: light_world - surface,
+        };
+        self.blocker(&ray, LIGHT_END, receiver, casts_for, guess)
+    }
+
+    /// A triangle that blocks the half-line from the surface point along `towards_light`, as in
+    /// [`RayScene::blocks_direction`]. `guess` is looked at first.
+    pub fn direction_blocker(
+        &self,
+        surface: DVec3,
+        towards_light: DVec3,
+        receiver: Option<u32>,
+        casts_for: u32,
+        guess: Option<u32>,
+    ) -> Option<u32> {
+        let ray = Ray {
+            origin: surface,
+            direction: towards_light,
+        };
+        self.blocker(&ray, f64::INFINITY, receiver, casts_for, guess)
+    }
+
     /// Whether a blocking triangle crosses the ray at `0 < t < t_max` without touching its origin.
     fn is_blocked(&self, ray: &Ray, t_max: f64, receiver: Option<u32>, casts_for: u32) -> bool {
+        self.blocker(ray, t_max, receiver, casts_for, None).is_some()
+    }
+
+    fn blocker(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        receiver: Option<u32>,
+        casts_for: u32,
+        guess: Option<u32>,
+    ) -> Option<u32> {
         let sheared = ShearedRay::new(ray);
-        let mut blocked = false;
+        let blocks = |slot: usize| {
+            let triangle = &self.triangles[slot];
+            triangle.blocks
+                && triangle.layers & casts_for != 0
+                && receiver != Some(slot as u32)
+                && sheared
+                    .intersect(&triangle.corners)
+                    .is_some_and(|(t, _)| t > 0.0 && t < t_max)
+                && !touches(&triangle.corners, ray.origin)
+        };
+        if let Some(guess) = guess
+            && (guess as usize) < self.triangles.len()
+            && blocks(guess as usize)
+        {
+            return Some(guess);
+        }
+        let mut blocker = None;
         self.bvh.walk(ray, t_max, |slots| {
-            blocked = slots.into_iter().any(|slot| {
-                let triangle = &self.triangles[slot];
-                triangle.blocks
-                    && triangle.layers & casts_for != 0
-                    && receiver != Some(slot as u32)
-                    && sheared
-                        .intersect(&triangle.corners)
-                        .is_some_and(|(t, _)| t > 0.0 && t < t_max)
-                    && !touches(&triangle.corners, ray.origin)
-            });
-            if blocked { f64::NEG_INFINITY } else { t_max }
+            blocker = slots.into_iter().find(|&slot| blocks(slot));
+            if blocker.is_some() {
+                f64::NEG_INFINITY
+            } else {
+                t_max
+            }
         });
-        blocked
+        blocker.map(|slot| slot as u32)
     }
 }

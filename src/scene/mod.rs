@@ -9,6 +9,7 @@
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
 //! | [`Light`] | a light; its shadow technique is a further component ([`techniques`](crate::techniques)) |
 //! | [`LightShape`], [`LightDistance`], [`LightWeights`], [`ShadowTint`], [`ShadowOrigin`], [`ShadowSoftness`], [`Cookie`], [`LightProfile`] | the light model (`light_model`): what an artist sets on a light |
+//! | [`LightPath`] | the path along which a light moves, such as the sun's through a day |
 //! | [`SurfaceWeights`] | how an object answers ambient, diffuse and specular light |
 //! | [`Camera`], [`IgnoresScale`] | the view, and whether it leaves the scale of its transform out |
 //! | [`Skin`], [`MorphWeights`] | how a mesh is posed each frame into [`PosedMesh`] |
@@ -29,6 +30,7 @@ pub(crate) mod churn;
 pub mod gltf_import;
 pub(crate) mod light;
 pub(crate) mod light_model;
+pub(crate) mod light_path;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod occluder;
@@ -53,6 +55,7 @@ pub use light_model::{
     LoadProfileError, ProfileError, ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint,
     SurfaceWeights, TooManyLayers,
 };
+pub use light_path::{LightPath, PathError, PathPoint};
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;

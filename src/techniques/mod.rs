@@ -9,6 +9,7 @@
 //! the trait, added by one call ([`AddTechnique`]).
 
 pub mod maps;
+pub mod occlusion_interval;
 pub mod occlusion_texture;
 pub mod omni_map;
 pub mod penumbra_wedge;
@@ -23,6 +24,7 @@ pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
 /// The crate whose deserializers [`Technique::parse`] reads from.
 #[cfg(feature = "serde")]
 pub use erased_serde;
+pub use occlusion_interval::{IntervalLibrary, IntervalMaps, OcclusionInterval};
 pub use occlusion_texture::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
 pub use omni_map::OmniMap;
 pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};

@@ -16,6 +16,7 @@ mod drawn;
 mod foreign;
 mod forward;
 mod harness;
+mod interval_maps;
 mod lifetimes;
 mod light_model;
 mod light_textures;

@@ -274,6 +274,7 @@ fn an_app_takes_techniques_before_and_after_the_plugin_and_each_once() {
                 "smoothie",
                 "perspective_map",
                 "occlusion_texture",
+                "occlusion_interval",
                 "keeper"
             ],
             "before: {before}"

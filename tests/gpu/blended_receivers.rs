@@ -127,12 +127,14 @@ fn every_technique_shadows_glass() {
         kind: LightKind::Sphere { radius: 0.01 },
         ..point.clone()
     };
+    let mut tried = 0;
     for row in Techniques::default().rows() {
         let settings = row.defaults();
         let mut lights = [&point, &spot, &sphere].into_iter();
-        let light = lights
-            .find(|light| settings.check(light).is_ok())
-            .expect("it fits some light");
+        let Some(light) = lights.find(|light| settings.check(light).is_ok()) else {
+            continue; // it needs more than its defaults
+        };
+        tried += 1;
         let (error, rendered) = shadowed(light.clone(), &settings);
         let dark = rendered.visibility[0].iter().filter(|&&v| v < 0.5).count();
         println!("{row:?}: {error:?}, {dark} dark");
@@ -151,6 +153,7 @@ fn every_technique_shadows_glass() {
         };
         assert!(error.wrong_inner <= allowed, "{row:?}: {error:?}");
     }
+    assert!(tried >= 6, "{tried} techniques");
 }
 
 /// Radiance of the picture at pixels where light 0 is seen or not.

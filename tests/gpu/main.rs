@@ -13,6 +13,7 @@ mod light_model;
 mod light_textures;
 mod maps;
 mod mask_contract;
+mod occlusion_interval;
 mod occlusion_pictures;
 mod occlusion_texture;
 mod orthographic;

@@ -65,6 +65,9 @@ impl Shot {
                 .model
                 .find_files(folder)
                 .map_err(|error| format!("{}: lights[{index}].{error}", path.display()))?;
+            if let Some(shadow) = light.emission.shadow_mut() {
+                shadow.find_files(folder);
+            }
             if let ShotEmission::Rect {
                 texture: Some(texture),
                 ..

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use antumbra::prelude::*;
-use antumbra::techniques::{Row, Settings, Techniques};
+use antumbra::techniques::{Row, Settings, Technique, Techniques};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 use serde::Deserialize;
@@ -12,6 +12,7 @@ use serde_json::{Map, Value};
 use super::super::shadow::ShotShadow;
 use super::camera::frame;
 use super::model::ShotModel;
+use super::path::ShotPath;
 
 /// A light of a shot.
 #[derive(Clone, Debug, Deserialize)]
@@ -21,6 +22,8 @@ pub struct ShotLight {
     pub emission: ShotEmission,
     /// The light model.
     pub model: ShotModel,
+    /// The path along which the light moves, if any.
+    pub path: Option<ShotPath>,
 }
 
 impl TryFrom<Map<String, Value>> for ShotLight {
@@ -28,8 +31,13 @@ impl TryFrom<Map<String, Value>> for ShotLight {
 
     fn try_from(mut light: Map<String, Value>) -> Result<Self, String> {
         let model = ShotModel::take(&mut light)?;
+        let path = ShotPath::take(&mut light)?;
         let emission = ShotEmission::deserialize(Value::Object(light)).map_err(|error| error.to_string())?;
-        Ok(Self { emission, model })
+        Ok(Self {
+            emission,
+            model,
+            path,
+        })
     }
 }
 
@@ -105,6 +113,8 @@ pub struct LightParts {
     pub texture: Option<PathBuf>,
     /// The light model.
     pub model: ShotModel,
+    /// The path along which the light moves, if any.
+    pub path: Option<LightPath>,
 }
 
 /// Returns a rotation like [`frame`], for lights whose turn about their axis does not matter.
@@ -124,10 +134,18 @@ impl ShotLight {
     /// # Errors
     /// A number of the light or of its model, or a setting of its technique, is wrong.
     pub fn parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
+        let emitted = self.emission.parts(techniques)?;
+        let path = self
+            .path
+            .as_ref()
+            .map(|path| path.of_light(&emitted))
+            .transpose()?;
         let parts = LightParts {
             model: self.model.clone(),
-            ..self.emission.parts(techniques)?
+            path,
+            ..emitted
         };
+        parts.check_path()?;
         self.model.check(&parts.light)?;
         Ok(parts)
     }
@@ -258,6 +276,33 @@ impl ShotEmission {
             shadow,
             texture: picture,
             model: ShotModel::default(),
+            path: None,
         })
+    }
+
+    /// The technique of the light as the file has it, if any.
+    pub fn shadow_mut(&mut self) -> Option<&mut ShotShadow> {
+        let (Self::Point { shadow, .. }
+        | Self::Spot { shadow, .. }
+        | Self::Directional { shadow, .. }
+        | Self::Rect { shadow, .. }
+        | Self::Sphere { shadow, .. }) = self;
+        shadow.as_mut()
+    }
+}
+
+impl LightParts {
+    /// Checks that a path and a technique that follows it stand together.
+    fn check_path(&self) -> Result<(), String> {
+        let follows = OcclusionInterval::NAME;
+        let is_followed = self
+            .shadow
+            .as_ref()
+            .is_some_and(|shadow| shadow.row().name() == follows);
+        match (&self.path, is_followed) {
+            (Some(_), false) => Err(format!("path: needs the technique {follows}")),
+            (None, true) => Err(format!("path: {follows} needs one")),
+            _ => Ok(()),
+        }
     }
 }

@@ -30,14 +30,26 @@
 //!  "shadow_color": [0, 0, 0.2], "shadow_darkness": 0.8, "shadow_origin": [1, 3, 0], "shadow_softness": 0.2,
 //!  "affects": ["hero"], "casts_for": ["set"], "shows_on": ["floor"]}
 //! ```
+//!
+//! # The path
+//!
+//! A light with the technique `occlusion_interval` has a key `path`, which is one of these:
+//!
+//! | path | meaning |
+//! | --- | --- |
+//! | `{"axis": [0, 0, 1], "degrees": 150}` | a directional light turns about the axis; `direction` is that of time 0 |
+//! | `{"latitude_deg": 50, "day": 172}` | a directional light is the sun from midnight to midnight; `"hours": [6, 18]` takes a part of the day. +X is east, −Z is north |
+//! | `{"positions": [[0, 2, 0], [4, 2, 0]]}` | a point or spot light moves along a polyline |
 
 mod camera;
 mod file;
 mod light;
 mod model;
+mod path;
 mod textures;
 
 pub use camera::ShotCamera;
 pub use file::Shot;
 pub use light::{ShotEmission, ShotLight};
 pub use model::ShotModel;
+pub use path::ShotPath;

@@ -2,7 +2,8 @@
 
 use super::add_technique::AddTechnique;
 use crate::techniques::{
-    OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie, StencilVolume,
+    OcclusionInterval, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, Smoothie,
+    StencilVolume,
 };
 
 /// Adds the crate's own techniques. This is their only list. If a light has several techniques, the one that
@@ -15,4 +16,5 @@ pub fn add_builtin(to: &mut impl AddTechnique) {
     to.add_technique::<Smoothie>();
     to.add_technique::<PerspectiveMap>();
     to.add_technique::<OcclusionTexture>();
+    to.add_technique::<OcclusionInterval>();
 }

@@ -30,6 +30,14 @@ pub enum Refusal {
         /// Text that says which values are allowed.
         allowed: &'static str,
     },
+    /// A setting without a default is not given.
+    #[error("{setting} is not given: {needed}")]
+    Missing {
+        /// Name of the setting.
+        setting: &'static str,
+        /// Text that says what the setting holds.
+        needed: &'static str,
+    },
 }
 
 impl Refusal {
@@ -61,6 +69,7 @@ impl Refusal {
         match self {
             Self::Kind { .. } => u32::MAX,
             Self::Setting { .. } => u32::MAX - 1,
+            Self::Missing { .. } => u32::MAX - 2,
         }
     }
 }

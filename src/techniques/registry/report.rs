@@ -23,7 +23,7 @@ pub fn report_techniques(world: &World, reports: &mut Reports) {
                     Refusal::Kind { light, instead } => format!(
                         "The light has no shadow: {component} does not fit a {light} light: {instead}."
                     ),
-                    Refusal::Setting { .. } => {
+                    Refusal::Setting { .. } | Refusal::Missing { .. } => {
                         format!("The light has no shadow: {refusal}. Set it in its {component}.")
                     }
                 }

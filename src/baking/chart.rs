@@ -1,0 +1,199 @@
+//! Charts: connected pieces of a surface, flat on a page.
+
+use std::collections::HashMap;
+
+use glam::{DVec2, UVec2, Vec2};
+
+/// Texels around a chart that no other chart may use. Blending reads one texel beyond the surface; the second one keeps
+/// rounding apart.
+pub const PADDING: u32 = 2;
+
+/// A triangle of a chart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChartTriangle {
+    /// Index of the triangle in its surface.
+    pub triangle: u32,
+    /// Corners, texels from the upper left corner of the chart, padding included.
+    pub texels: [Vec2; 3],
+}
+
+/// A connected piece of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Chart {
+    /// Index of the surface.
+    pub surface: u32,
+    /// Width and height, texels, padding included.
+    pub size: UVec2,
+    /// The triangles.
+    pub triangles: Vec<ChartTriangle>,
+    /// Texels per metre, where they are fewer than asked for because the chart would not fit onto a page.
+    pub coarser: Option<f32>,
+}
+
+/// A surface laid flat: the corners of each triangle.
+#[derive(Clone, Debug, Default)]
+pub struct Flat {
+    /// The triangles; `None` for those that are left out.
+    pub triangles: Vec<Option<FlatTriangle>>,
+}
+
+/// A triangle laid flat.
+#[derive(Clone, Copy, Debug)]
+pub struct FlatTriangle {
+    /// Corners, in any unit of length.
+    pub corners: [DVec2; 3],
+    /// Numbers of the corners. Triangles that share two of them are connected.
+    pub ids: [u32; 3],
+    /// Area of the triangle in space, m².
+    pub area: f64,
+}
+
+/// Cuts a flat surface into its connected pieces. Each is scaled to `texels_per_metre`, or to fewer if it is larger than
+/// `page_size` texels.
+pub fn charts_of(surface: u32, flat: &Flat, texels_per_metre: f32, page_size: u32) -> Vec<Chart> {
+    let mut pieces: Vec<Vec<u32>> = Vec::new();
+    let mut piece_of: HashMap<u32, usize> = HashMap::new();
+    let mut roots = Roots::default();
+    for (index, triangle) in (0u32..).zip(&flat.triangles) {
+        if let Some(triangle) = triangle {
+            roots.join(index, &triangle.ids);
+        }
+    }
+    for (index, triangle) in (0u32..).zip(&flat.triangles) {
+        if triangle.is_some() {
+            let root = roots.root(index);
+            let piece = *piece_of.entry(root).or_insert_with(|| {
+                pieces.push(Vec::new());
+                pieces.len() - 1
+            });
+            pieces[piece].push(index);
+        }
+    }
+    let chart = |piece: &Vec<u32>| lay_out(surface, flat, piece, texels_per_metre, page_size);
+    pieces.iter().filter_map(chart).collect()
+}
+
+fn lay_out(surface: u32, flat: &Flat, piece: &[u32], texels_per_metre: f32, page_size: u32) -> Option<Chart> {
+    let triangles = || {
+        piece
+            .iter()
+            .filter_map(|&at| Some((at, flat.triangles[at as usize].as_ref()?)))
+    };
+    let (mut area, mut flat_area) = (0.0, 0.0);
+    let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for (_, triangle) in triangles() {
+        let [a, b, c] = triangle.corners;
+        area += triangle.area;
+        flat_area += 0.5 * (b - a).perp_dot(c - a).abs();
+        min = min.min(a).min(b).min(c);
+        max = max.max(a).max(b).max(c);
+    }
+    if !(flat_area > 0.0 && area > 0.0 && min.is_finite() && max.is_finite()) {
+        return None;
+    }
+    let mut scale = f64::from(texels_per_metre) * (area / flat_area).sqrt();
+    let room = f64::from(page_size.saturating_sub(2 * PADDING).max(1));
+    let largest = (max - min).max_element() * scale;
+    let mut coarser = None;
+    if largest > room {
+        scale *= room / largest;
+        coarser = Some((f64::from(texels_per_metre) * room / largest) as f32);
+    }
+    let size = ((max - min) * scale).ceil().as_uvec2().max(UVec2::ONE) + 2 * PADDING;
+    let texel = |corner: DVec2| ((corner - min) * scale + f64::from(PADDING)).as_vec2();
+    let triangles = triangles().map(|(triangle, flat)| ChartTriangle {
+        triangle,
+        texels: flat.corners.map(texel),
+    });
+    Some(Chart {
+        surface,
+        size,
+        triangles: triangles.collect(),
+        coarser,
+    })
+}
+
+/// Connected triangles, as a forest with a root for each piece.
+#[derive(Default)]
+struct Roots {
+    parents: Vec<u32>,
+    /// A triangle at each edge, by the numbers of its ends.
+    edges: HashMap<(u32, u32), u32>,
+}
+
+impl Roots {
+    fn root(&mut self, mut at: u32) -> u32 {
+        while self.parents[at as usize] != at {
+            let up = self.parents[self.parents[at as usize] as usize];
+            self.parents[at as usize] = up;
+            at = up;
+        }
+        at
+    }
+
+    fn join(&mut self, index: u32, ids: &[u32; 3]) {
+        while self.parents.len() <= index as usize {
+            self.parents.push(self.parents.len() as u32);
+        }
+        for side in 0..3 {
+            let (a, b) = (ids[side], ids[(side + 1) % 3]);
+            let other = *self.edges.entry((a.min(b), a.max(b))).or_insert(index);
+            let (root, other) = (self.root(index), self.root(other));
+            self.parents[root as usize] = other;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quad(at: DVec2, first_id: u32) -> [Option<FlatTriangle>; 2] {
+        let corner = |x: f64, y: f64| at + DVec2::new(x, y);
+        let [a, b, c, d] = [
+            corner(0.0, 0.0),
+            corner(1.0, 0.0),
+            corner(1.0, 1.0),
+            corner(0.0, 1.0),
+        ];
+        let ids = |ids: [u32; 3]| ids.map(|id| id + first_id);
+        [
+            Some(FlatTriangle {
+                corners: [a, b, c],
+                ids: ids([0, 1, 2]),
+                area: 2.0,
+            }),
+            Some(FlatTriangle {
+                corners: [a, c, d],
+                ids: ids([0, 2, 3]),
+                area: 2.0,
+            }),
+        ]
+    }
+
+    #[test]
+    fn connected_triangles_share_a_chart_at_the_density_asked_for() {
+        let mut triangles = quad(DVec2::ZERO, 0).to_vec();
+        triangles.push(None);
+        triangles.extend(quad(DVec2::new(5.0, 5.0), 4));
+        let charts = charts_of(3, &Flat { triangles }, 8.0, 1024);
+        assert_eq!(charts.len(), 2);
+        for chart in &charts {
+            // The quad is 4 m² large, and so 16 texels wide.
+            assert_eq!(chart.size, UVec2::splat(16 + 2 * PADDING));
+            assert_eq!(
+                (chart.triangles.len(), chart.surface, chart.coarser),
+                (2, 3, None)
+            );
+        }
+        assert_eq!(charts[1].triangles[0].triangle, 3);
+    }
+
+    #[test]
+    fn charts_larger_than_a_page_are_coarser_and_say_so() {
+        let triangles = quad(DVec2::ZERO, 0).to_vec();
+        let charts = charts_of(0, &Flat { triangles }, 100.0, 54);
+        assert_eq!(charts[0].size, UVec2::splat(54));
+        assert!((charts[0].coarser.expect("it is coarser") - 25.0).abs() < 1e-3);
+    }
+}

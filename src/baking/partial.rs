@@ -1,0 +1,211 @@
+//! The file that an interrupted bake goes on from.
+//!
+//! A header, then one record for each batch of texels: length and hash of the body, and the body: rays (u64), seconds
+//! (f64), and for each texel the number of intervals and two bytes for each. Numbers are little endian. A record that was
+//! cut off by the interruption is dropped.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use crate::techniques::occlusion_interval::intervals::{Interval, Intervals};
+use crate::techniques::occlusion_interval::surface::StableHash;
+
+/// First bytes of the file; the number is the version of its format.
+const MAGIC: &[u8; 16] = b"antumbra bake 1\n";
+
+/// What came of one batch of texels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Batch {
+    /// Intervals of each texel.
+    pub texels: Vec<Intervals>,
+    /// Number of rays.
+    pub rays: u64,
+    /// Time that they took, seconds.
+    pub seconds: f64,
+}
+
+/// An open file of batches.
+#[derive(Debug)]
+pub struct PartialFile {
+    path: PathBuf,
+    file: File,
+}
+
+impl PartialFile {
+    /// Opens a file, and returns the batches that are whole. A file of another bake (another `key`), or of none, is begun
+    /// anew.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn open(path: &Path, key: u64) -> std::io::Result<(Self, Vec<Batch>)> {
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)?;
+        }
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(path)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes)?;
+        let header = header(key);
+        let mut batches = Vec::new();
+        let mut whole = 0;
+        if bytes.starts_with(&header) {
+            whole = header.len();
+            while let Some((batch, end)) = read_record(&bytes, whole) {
+                batches.push(batch);
+                whole = end;
+            }
+        }
+        file.set_len(whole as u64)?;
+        file.seek(SeekFrom::End(0))?;
+        if whole == 0 {
+            file.write_all(&header)?;
+        }
+        let path = path.to_owned();
+        Ok((Self { path, file }, batches))
+    }
+
+    /// Appends a batch.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn append(&mut self, batch: &Batch) -> std::io::Result<()> {
+        let body = body(batch);
+        let mut record = Vec::with_capacity(body.len() + 12);
+        record.extend((body.len() as u32).to_le_bytes());
+        record.extend(hash(&body).to_le_bytes());
+        record.extend(body);
+        self.file.write_all(&record)?;
+        self.file.flush()
+    }
+
+    /// Removes the file, once its bake is saved.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn remove(self) -> std::io::Result<()> {
+        drop(self.file);
+        std::fs::remove_file(self.path)
+    }
+}
+
+fn header(key: u64) -> Vec<u8> {
+    [&MAGIC[..], &key.to_le_bytes()].concat()
+}
+
+fn hash(body: &[u8]) -> u64 {
+    let mut hash = StableHash::default();
+    hash.add_bytes(body);
+    hash.value()
+}
+
+fn body(batch: &Batch) -> Vec<u8> {
+    let mut body = Vec::new();
+    body.extend(batch.rays.to_le_bytes());
+    body.extend(batch.seconds.to_le_bytes());
+    for intervals in &batch.texels {
+        body.push(intervals.len() as u8);
+        body.extend(
+            intervals
+                .iter()
+                .flat_map(|interval| [interval.rise, interval.fall]),
+        );
+    }
+    body
+}
+
+fn eight(bytes: &[u8]) -> Option<[u8; 8]> {
+    bytes.get(..8)?.try_into().ok()
+}
+
+/// Reads the record at an offset, and returns where the next one begins. `None` if it is not whole.
+fn read_record(bytes: &[u8], at: usize) -> Option<(Batch, usize)> {
+    let length: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
+    let length = u32::from_le_bytes(length) as usize;
+    let expected = u64::from_le_bytes(eight(bytes.get(at + 4..)?)?);
+    let body = bytes.get(at + 12..at + 12 + length)?;
+    if hash(body) != expected {
+        return None;
+    }
+    let mut batch = Batch {
+        texels: Vec::new(),
+        rays: u64::from_le_bytes(eight(body)?),
+        seconds: f64::from_le_bytes(eight(body.get(8..)?)?),
+    };
+    let mut rest = body.get(16..)?;
+    while let Some((&count, after)) = rest.split_first() {
+        let bytes = after.get(..2 * usize::from(count))?;
+        let interval = |edges: &[u8]| Interval {
+            rise: edges[0],
+            fall: edges[1],
+        };
+        batch.texels.push(bytes.chunks_exact(2).map(interval).collect());
+        rest = &after[bytes.len()..];
+    }
+    Some((batch, at + 12 + length))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::techniques::occlusion_interval::intervals::intervals_of;
+
+    fn batch(seed: usize) -> Batch {
+        Batch {
+            texels: (0..7)
+                .map(|i| intervals_of(|step| step / (i + seed + 1) % 2 == 0))
+                .collect(),
+            rays: 100 + seed as u64,
+            seconds: 0.25 * seed as f64,
+        }
+    }
+
+    fn scratch(name: &str) -> PathBuf {
+        std::env::temp_dir().join(format!("antumbra-{}-{name}", std::process::id()))
+    }
+
+    #[test]
+    fn batches_are_read_back_and_a_cut_one_is_dropped() {
+        let path = scratch("partial");
+        let (mut file, known) = PartialFile::open(&path, 7).expect("a new file");
+        assert!(known.is_empty());
+        for seed in 0..3 {
+            file.append(&batch(seed)).expect("it is written");
+        }
+        drop(file);
+        let (_, known) = PartialFile::open(&path, 7).expect("the file");
+        assert_eq!(known, [batch(0), batch(1), batch(2)]);
+        let length = std::fs::metadata(&path).expect("the file").len();
+        let cut = OpenOptions::new().write(true).open(&path).expect("the file");
+        cut.set_len(length - 1).expect("it is cut");
+        let (mut file, known) = PartialFile::open(&path, 7).expect("the file");
+        assert_eq!(known.len(), 2);
+        file.append(&batch(5)).expect("it is written");
+        drop(file);
+        let (file, known) = PartialFile::open(&path, 7).expect("the file");
+        assert_eq!(known, [batch(0), batch(1), batch(5)]);
+        file.remove().expect("it is removed");
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn another_bake_and_foreign_bytes_begin_anew() {
+        let path = scratch("foreign");
+        let (mut file, _) = PartialFile::open(&path, 7).expect("a new file");
+        file.append(&batch(0)).expect("it is written");
+        drop(file);
+        let (_, known) = PartialFile::open(&path, 8).expect("the file");
+        assert!(known.is_empty(), "of another bake");
+        std::fs::write(&path, b"something else entirely").expect("it is written");
+        let (file, known) = PartialFile::open(&path, 8).expect("the file");
+        assert!(known.is_empty());
+        drop(file);
+        let (file, known) = PartialFile::open(&path, 8).expect("it was begun anew");
+        assert!(known.is_empty());
+        file.remove().expect("it is removed");
+    }
+}

@@ -1,0 +1,124 @@
+//! What a bake takes and gives.
+
+use std::path::PathBuf;
+
+use bevy_ecs::prelude::*;
+
+use super::unwrap::UnwrapNote;
+use crate::scene::PathError;
+use crate::techniques::occlusion_interval::MapsError;
+use crate::techniques::occlusion_interval::maps::{IntervalMaps, MAX_LAYERS};
+
+/// How maps are baked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// Texels per metre of surfaces; greater than 0. Twice as many take four times the memory and time. Default: 8.
+    pub texels_per_metre: f32,
+    /// Most texels along each side of a page, 16 to 4096. Surfaces that need more are coarser. Default: 2048.
+    pub page_size: u32,
+    /// Layers of the objects that block the light, as in [`LightSelection`](crate::scene::LightSelection). Default: all.
+    pub casts_for: u32,
+    /// Objects that will move. They neither show nor cast shadows in the maps. Skinned and morphed ones need not be named.
+    pub moving: Vec<Entity>,
+}
+
+impl Default for BakeSettings {
+    fn default() -> Self {
+        Self {
+            texels_per_metre: 8.0,
+            page_size: 2048,
+            casts_for: u32::MAX,
+            moving: Vec::new(),
+        }
+    }
+}
+
+/// How far a bake is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BakeProgress {
+    /// Texels that are done.
+    pub done: u64,
+    /// All texels.
+    pub all: u64,
+    /// Texels that an interrupted bake had done.
+    pub resumed: u64,
+}
+
+/// Why maps cannot be baked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BakeError {
+    /// The path of the light cannot be used.
+    #[error("path: {0}")]
+    Path(#[from] PathError),
+    /// A setting cannot be used.
+    #[error("{setting} is {value}, it must be {allowed}")]
+    Setting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// Value of the setting.
+        value: f32,
+        /// Values that are allowed.
+        allowed: &'static str,
+    },
+    /// Nothing in the scene stands still and shows shadows.
+    #[error("nothing in the scene stands still and shows shadows")]
+    Nothing,
+    /// The maps would need more layers than a device holds.
+    #[error(
+        "{texels} texels with up to {pairs} pairs of textures need more than {MAX_LAYERS} layers; use fewer texels per metre"
+    )]
+    TooLarge {
+        /// Number of texels.
+        texels: u64,
+        /// Most pairs that a texel needs.
+        pairs: usize,
+    },
+    /// The file of an interrupted bake cannot be read or written.
+    #[error("{}: {error}", file.display())]
+    Partial {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        error: std::io::Error,
+    },
+    /// The maps cannot be written.
+    #[error(transparent)]
+    Maps(#[from] MapsError),
+}
+
+/// Something that a bake did otherwise than asked.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BakeNote {
+    /// The texture coordinates of a mesh are not used, or some of its triangles are left out.
+    #[error("mesh \"{mesh}\": {note}")]
+    Unwrap {
+        /// Name of the mesh.
+        mesh: String,
+        /// What was wrong.
+        note: UnwrapNote,
+    },
+    /// A chart is larger than a page.
+    #[error(
+        "mesh \"{mesh}\": a part has {texels_per_metre} texels per metre only, because a page is too small for more"
+    )]
+    Coarser {
+        /// Name of the mesh.
+        mesh: String,
+        /// Density of the chart.
+        texels_per_metre: f32,
+    },
+    /// No texel sees the light at any time: it never rises, or its path lies inside of geometry.
+    #[error("nothing sees the light at any time: it never rises, or its path lies inside of geometry")]
+    NeverSeen,
+}
+
+/// Baked maps, and what is to be said about them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bake {
+    /// The maps.
+    pub maps: IntervalMaps,
+    /// What was done otherwise than asked.
+    pub notes: Vec<BakeNote>,
+}

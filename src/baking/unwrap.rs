@@ -1,0 +1,323 @@
+//! Lays a surface flat: by its second texture coordinates if every place has coordinates of its own, else by a new set.
+//!
+//! New sets come from `uvunwrap`: charts grow within a cone of normals and are flattened by least squares conformal maps.
+//! Its charts are packed by us, as the islands of existing coordinates are, because pages of maps also depend on how many
+//! intervals charts need.
+
+use std::collections::HashMap;
+
+use glam::{DVec2, DVec3, Vec2};
+use uvunwrap::{Density, MeshInput, Options, Packing};
+
+use super::chart::{Chart, Flat, FlatTriangle, charts_of};
+use super::overlap::{BadCoordinates, bad_coordinates};
+use super::surfaces::{Surface, SurfaceTriangle};
+
+/// Something about a surface that was laid flat.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum UnwrapNote {
+    /// The second texture coordinates are not used.
+    #[error("triangles {0} and {1} overlap in the second texture coordinates, so a new set is used")]
+    Overlap(u32, u32),
+    /// The second texture coordinates are not used.
+    #[error("triangle {0} has no area in the second texture coordinates, so a new set is used")]
+    Degenerate(u32),
+    /// Triangles are left out.
+    #[error(
+        "{count} triangles have no area or are not finite, the first is triangle {first}; they are left out"
+    )]
+    NoArea {
+        /// Number of the triangles.
+        count: usize,
+        /// Index of the first one.
+        first: usize,
+    },
+    /// The surface cannot be laid flat as a whole.
+    #[error("it cannot be laid flat ({0}), so each triangle is a chart of its own")]
+    Single(String),
+}
+
+/// A surface cut into charts.
+#[derive(Clone, Debug, Default)]
+pub struct Unwrapped {
+    /// The charts.
+    pub charts: Vec<Chart>,
+    /// What is to be said about it.
+    pub notes: Vec<UnwrapNote>,
+}
+
+/// Least area of a triangle, m²: a square of a hundredth of a millimetre.
+const LEAST_AREA: f64 = 1e-10;
+
+/// Largest ratio between areas on the page and in space within a chart of a new set. Density differs by its root.
+const DISTORTION: f32 = 2.0;
+
+/// Lays a surface flat and cuts it into charts.
+pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u32) -> Unwrapped {
+    let mut notes = Vec::new();
+    let usable = |triangle: &Option<SurfaceTriangle>| triangle.filter(|triangle| area(triangle) > LEAST_AREA);
+    let triangles: Vec<Option<SurfaceTriangle>> = surface.triangles.iter().map(usable).collect();
+    let missing = || {
+        triangles
+            .iter()
+            .enumerate()
+            .filter(|(_, triangle)| triangle.is_none())
+    };
+    if let Some((first, _)) = missing().next() {
+        let count = missing().count();
+        notes.push(UnwrapNote::NoArea { count, first });
+    }
+    let existing = surface.has_coordinates.then(|| {
+        let coordinates: Vec<_> = triangles
+            .iter()
+            .map(|triangle| triangle.map(|triangle| triangle.coordinates))
+            .collect();
+        bad_coordinates(&coordinates)
+    });
+    let flat = match existing {
+        Some(None) => by_coordinates(&triangles),
+        bad => {
+            notes.extend(bad.flatten().map(|bad| match bad {
+                BadCoordinates::Overlap(a, b) => UnwrapNote::Overlap(a, b),
+                BadCoordinates::Degenerate(triangle) => UnwrapNote::Degenerate(triangle),
+            }));
+            by_new_set(&triangles, texels_per_metre).unwrap_or_else(|error| {
+                notes.push(UnwrapNote::Single(error));
+                one_by_one(&triangles)
+            })
+        }
+    };
+    Unwrapped {
+        charts: charts_of(index, &flat, texels_per_metre, page_size),
+        notes,
+    }
+}
+
+fn area(triangle: &SurfaceTriangle) -> f64 {
+    let [a, b, c] = triangle.corners;
+    0.5 * (b - a).cross(c - a).length()
+}
+
+/// The surface by its second texture coordinates. Triangles are connected where they share both ends of an edge in space
+/// and on the page.
+fn by_coordinates(triangles: &[Option<SurfaceTriangle>]) -> Flat {
+    let mut known: HashMap<([u64; 3], [u32; 2]), u32> = HashMap::new();
+    let mut id = |position: DVec3, coordinate: Vec2| {
+        let key = (
+            position.to_array().map(|value| (value + 0.0).to_bits()),
+            coordinate.to_array().map(|value| (value + 0.0).to_bits()),
+        );
+        let next = known.len() as u32;
+        *known.entry(key).or_insert(next)
+    };
+    let flat = |triangle: &Option<SurfaceTriangle>| {
+        let triangle = triangle.as_ref()?;
+        Some(FlatTriangle {
+            corners: triangle.coordinates.map(|corner| corner.as_dvec2()),
+            ids: [0, 1, 2].map(|at| id(triangle.corners[at], triangle.coordinates[at])),
+            area: area(triangle),
+        })
+    };
+    Flat {
+        triangles: triangles.iter().map(flat).collect(),
+    }
+}
+
+/// The surface by a new set of texture coordinates.
+fn by_new_set(triangles: &[Option<SurfaceTriangle>], texels_per_metre: f32) -> Result<Flat, String> {
+    let corners = || triangles.iter().flatten().flat_map(|triangle| triangle.corners);
+    let Some(origin) = corners().next() else {
+        return Ok(Flat {
+            triangles: vec![None; triangles.len()],
+        });
+    };
+    // Near its own origin a surface far from the world's has exact positions in `f32`, too. Corners at one place are one
+    // vertex, so that triangles that share an edge may share a chart.
+    let (mut positions, mut known) = (Vec::new(), HashMap::new());
+    let vertex = |corner: DVec3| {
+        let position = (corner - origin).as_vec3() + 0.0;
+        *known
+            .entry(position.to_array().map(f32::to_bits))
+            .or_insert_with(|| {
+                positions.push(position.to_array());
+                positions.len() as u32 - 1
+            })
+    };
+    let indices: Vec<u32> = corners().map(vertex).collect();
+    let options = Options {
+        density: Density::Fixed {
+            texels_per_unit: texels_per_metre,
+            page_size: None,
+        },
+        max_area_distortion: DISTORTION,
+        padding: 0,
+        packing: Packing::Fast,
+        ..Options::default()
+    };
+    let atlas = uvunwrap::generate(&[MeshInput::new(&positions, &indices)], &options)
+        .map_err(|error| error.to_string())?;
+    let size = DVec2::new(f64::from(atlas.width), f64::from(atlas.height));
+    let mesh = atlas.meshes.first().ok_or("it gave no mesh")?;
+    let mut of_triangles = mesh.indices.chunks_exact(3);
+    let flat = |triangle: &Option<SurfaceTriangle>| {
+        let triangle = triangle.as_ref()?;
+        let ids: [u32; 3] = of_triangles.next()?.try_into().ok()?;
+        let vertex = |id: u32| mesh.vertices.get(id as usize);
+        vertex(ids[0])?.chart?;
+        let corner =
+            |id: u32| vertex(id).map_or(DVec2::ZERO, |vertex| Vec2::from(vertex.uv).as_dvec2() * size);
+        Some(FlatTriangle {
+            corners: ids.map(corner),
+            ids,
+            area: area(triangle),
+        })
+    };
+    Ok(Flat {
+        triangles: triangles.iter().map(flat).collect(),
+    })
+}
+
+/// The surface as triangles that are not connected.
+fn one_by_one(triangles: &[Option<SurfaceTriangle>]) -> Flat {
+    let flat = |(index, triangle): (usize, &Option<SurfaceTriangle>)| {
+        let triangle = triangle.as_ref()?;
+        let [a, b, c] = triangle.corners;
+        let along = (b - a).normalize_or_zero();
+        let across = (b - a).cross(c - a).cross(along).normalize_or_zero();
+        let first = 3 * index as u32;
+        Some(FlatTriangle {
+            corners: [a, b, c].map(|corner| DVec2::new((corner - a).dot(along), (corner - a).dot(across))),
+            ids: [first, first + 1, first + 2],
+            area: area(triangle),
+        })
+    };
+    Flat {
+        triangles: triangles.iter().enumerate().map(flat).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::surfaces::world_triangles;
+    use super::*;
+    use crate::scene::MeshData;
+    use glam::{Affine3A, Vec3};
+
+    fn surface(mesh: &MeshData) -> Surface {
+        Surface {
+            mesh: "test".to_owned(),
+            hash: 0,
+            world_from_local: [0.0; 12],
+            is_two_sided: false,
+            receives: true,
+            triangles: world_triangles(mesh, &mesh.submeshes[0], &Affine3A::IDENTITY),
+            has_coordinates: !mesh.uv1.is_empty(),
+        }
+    }
+
+    /// Largest ratio by which the area of a triangle on the page differs from that in space.
+    fn distortion(surface: &Surface, unwrapped: &Unwrapped, density: f64) -> f64 {
+        let triangles = unwrapped.charts.iter().flat_map(|chart| &chart.triangles);
+        triangles
+            .map(|flat| {
+                let [a, b, c] = flat.texels.map(|texel| texel.as_dvec2());
+                let texels = 0.5 * (b - a).perp_dot(c - a).abs();
+                let triangle = surface.triangles[flat.triangle as usize].expect("a triangle with area");
+                let ratio = texels / (area(&triangle) * density * density);
+                ratio.max(1.0 / ratio)
+            })
+            .fold(1.0, f64::max)
+    }
+
+    fn all_triangles(unwrapped: &Unwrapped) -> Vec<u32> {
+        let triangles = unwrapped.charts.iter().flat_map(|chart| &chart.triangles);
+        let mut all: Vec<u32> = triangles.map(|triangle| triangle.triangle).collect();
+        all.sort_unstable();
+        all
+    }
+
+    #[test]
+    fn a_mesh_without_coordinates_gets_a_set_without_overlaps() {
+        for mesh in [
+            MeshData::cuboid(Vec3::new(1.0, 0.5, 2.0)),
+            MeshData::icosphere(1.0, 2),
+        ] {
+            let surface = surface(&mesh);
+            let unwrapped = unwrap(0, &surface, 16.0, 512);
+            assert_eq!(unwrapped.notes, []);
+            assert_eq!(
+                all_triangles(&unwrapped),
+                (0..mesh.triangle_count() as u32).collect::<Vec<_>>()
+            );
+            assert!(distortion(&surface, &unwrapped, 16.0) < 2.5);
+            for chart in &unwrapped.charts {
+                let texels: Vec<_> = chart
+                    .triangles
+                    .iter()
+                    .map(|triangle| Some(triangle.texels))
+                    .collect();
+                assert_eq!(bad_coordinates(&texels), None);
+            }
+        }
+        let cuboid = unwrap(0, &surface(&MeshData::cuboid(Vec3::ONE)), 16.0, 512);
+        assert!(
+            cuboid.charts.len() <= 6,
+            "its sides are not cut: {}",
+            cuboid.charts.len()
+        );
+    }
+
+    #[test]
+    fn good_coordinates_are_used_and_scaled_to_the_density() {
+        let mut mesh = MeshData::plane(2.0);
+        mesh.uv1 = mesh
+            .positions
+            .iter()
+            .map(|p| Vec2::new(p.x, p.z) * 0.1 + 0.5)
+            .collect();
+        let surface = surface(&mesh);
+        let unwrapped = unwrap(0, &surface, 8.0, 512);
+        assert_eq!((unwrapped.notes.len(), unwrapped.charts.len()), (0, 1));
+        assert!(distortion(&surface, &unwrapped, 8.0) < 1.001);
+        // As they are: the first corner, at −X −Z, is the upper left one.
+        assert_eq!(unwrapped.charts[0].triangles[0].texels[0], Vec2::splat(2.0));
+    }
+
+    #[test]
+    fn bad_coordinates_are_named_and_a_new_set_is_used() {
+        let mut mesh = MeshData::cuboid(Vec3::ONE);
+        mesh.uv1 = (0..mesh.positions.len())
+            .map(|i| [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y][i % 4])
+            .collect();
+        let unwrapped = unwrap(0, &surface(&mesh), 8.0, 512);
+        assert_eq!(unwrapped.notes, [UnwrapNote::Overlap(0, 2)]);
+        assert_eq!(all_triangles(&unwrapped).len(), 12);
+        mesh.uv1 = vec![Vec2::ONE; mesh.positions.len()];
+        let unwrapped = unwrap(0, &surface(&mesh), 8.0, 512);
+        assert_eq!(unwrapped.notes, [UnwrapNote::Degenerate(0)]);
+        assert_eq!(all_triangles(&unwrapped).len(), 12);
+    }
+
+    #[test]
+    fn triangles_without_area_are_left_out_and_counted() {
+        let mut mesh = MeshData::plane(1.0);
+        mesh.positions.push(Vec3::NAN);
+        mesh.indices.extend([0, 1, 1, 0, 1, 4, 0, 1, 99]);
+        mesh.submeshes[0].index_count = mesh.indices.len() as u32;
+        let unwrapped = unwrap(0, &surface(&mesh), 8.0, 512);
+        assert_eq!(unwrapped.notes, [UnwrapNote::NoArea { count: 3, first: 2 }]);
+        assert_eq!(all_triangles(&unwrapped), [0, 1]);
+        let nothing = MeshData::from_triangles("empty", Vec::new(), Vec::new());
+        assert!(unwrap(0, &surface(&nothing), 8.0, 512).charts.is_empty());
+    }
+
+    #[test]
+    fn single_triangles_keep_their_shape() {
+        let surface = surface(&MeshData::icosphere(1.0, 0));
+        let flat = one_by_one(&surface.triangles);
+        let charts = charts_of(0, &flat, 8.0, 512);
+        assert_eq!(charts.len(), 20);
+        let notes = Vec::new();
+        assert!(distortion(&surface, &Unwrapped { charts, notes }, 8.0) < 1.001);
+    }
+}

@@ -1,0 +1,111 @@
+//! The component that shadows a light from occlusion interval maps.
+
+use bevy_ecs::prelude::*;
+#[cfg(feature = "bevy")]
+use bevy_ecs::reflect::ReflectComponent;
+#[cfg(feature = "bevy")]
+use bevy_reflect::prelude::ReflectDefault;
+use bevy_transform::prelude::Transform;
+
+use crate::scene::{Light, LightKind, LightPath};
+use crate::techniques::registry::Refusal;
+
+/// Gives a light that moves along a [`LightPath`] soft shadows of a static scene, from maps that were baked for it.
+///
+/// The light is a stretch of its path: its *width* softens shadows along the path and leaves them hard across it. Time and
+/// width may change every frame and need no new maps.
+///
+/// The maps hold everything that stood still in the scene when they were baked. Other objects show no shadows of this
+/// light and cast none: give those a light of their own with another technique
+/// ([`LightSelection`](crate::scene::LightSelection)).
+#[derive(Component, Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "bevy",
+    derive(bevy_reflect::Reflect),
+    reflect(Component, Default, Debug, Clone, PartialEq)
+)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+pub struct OcclusionInterval {
+    /// Folder of the maps; it must be given. It is read once, in the first frame that needs it ([`IntervalLibrary`](super::IntervalLibrary)).
+    pub maps: String,
+    /// Time, as a share of the path, 0 to 1. It stops at the ends of an open path, and wraps around a closed one. Default: 0.
+    pub time: f32,
+    /// Length of the light, as a share of the path, 0 to 1. Higher values soften shadows along the path, and cost nothing.
+    /// With 0 shadows are hard. Default: 0.02, half an hour of a day.
+    pub width: f32,
+    /// Texels per metre of the maps that are baked for this light; greater than 0. Twice as many sharpen shadows, and take
+    /// four times the memory and the time to bake. Frames ignore it. Default: 8.
+    pub texels_per_metre: f32,
+}
+
+impl Default for OcclusionInterval {
+    fn default() -> Self {
+        Self {
+            maps: String::new(),
+            time: 0.0,
+            width: 0.02,
+            texels_per_metre: 8.0,
+        }
+    }
+}
+
+impl OcclusionInterval {
+    /// Checks the settings for a light.
+    ///
+    /// # Errors
+    /// The first setting that cannot be used.
+    pub(super) fn check_settings(&self, light: &Light) -> Result<(), Refusal> {
+        match light.kind {
+            LightKind::Directional | LightKind::Point | LightKind::Spot { .. } => {}
+            LightKind::Rect { .. } | LightKind::Sphere { .. } => {
+                return Err(Refusal::kind(
+                    light,
+                    "its light is a line along a path; use a point or directional light, or a PenumbraWedge",
+                ));
+            }
+        }
+        if self.maps.is_empty() {
+            return Err(Refusal::Missing {
+                setting: "maps",
+                needed: "it names the folder of the baked maps",
+            });
+        }
+        if !self.time.is_finite() {
+            return Err(Refusal::setting("time", self.time, "it must be finite"));
+        }
+        if !(0.0..=1.0).contains(&self.width) {
+            let allowed = "it is a share of the path, 0 to 1";
+            return Err(Refusal::setting("width", self.width, allowed));
+        }
+        if !(self.texels_per_metre > 0.0 && self.texels_per_metre.is_finite()) {
+            let allowed = "it must be finite and greater than 0";
+            return Err(Refusal::setting(
+                "texels_per_metre",
+                self.texels_per_metre,
+                allowed,
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Puts every light with a path where its time says.
+///
+/// Runs before transforms are propagated. Reads [`LightPath`] and [`OcclusionInterval`]; writes `Transform`, if it
+/// changes. A path that cannot be used moves nothing; the technique reports it.
+pub fn follow_light_paths(
+    mut lights: Query<(&LightPath, &OcclusionInterval, &mut Transform), With<Transform>>,
+) {
+    for (path, settings, mut transform) in &mut lights {
+        if path.check().is_err() {
+            continue;
+        }
+        let mut placed = *transform;
+        path.place(settings.time, &mut placed);
+        transform.set_if_neq(placed);
+    }
+}

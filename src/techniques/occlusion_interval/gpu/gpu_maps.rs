@@ -1,0 +1,193 @@
+//! The textures and vertices of one scene's maps.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+use wgpu::util::DeviceExt;
+
+use super::gpu_types::IntervalVertex;
+use crate::render::RenderContext;
+use crate::scene::SceneMesh;
+use crate::techniques::occlusion_interval::intervals::PER_PAIR;
+use crate::techniques::occlusion_interval::maps::{Corner, IntervalMaps, Page};
+use crate::techniques::occlusion_interval::scenes::IntervalScene;
+use crate::techniques::occlusion_interval::surface::local_triangles;
+
+/// A drawable surface of the maps.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GpuSurface {
+    /// Dense index of its object.
+    pub object: u32,
+    /// Vertices of its triangles.
+    pub vertices: Range<u32>,
+    /// Whether the maps hold what its back sees, too.
+    pub is_two_sided: bool,
+}
+
+/// The maps of a scene on the GPU.
+#[derive(Debug)]
+pub struct GpuMaps {
+    /// The maps that the textures hold.
+    pub maps: Arc<IntervalMaps>,
+    /// Rises and falls, a layer for each pair of each page.
+    pub views: [wgpu::TextureView; 2],
+    /// Three vertices a triangle.
+    pub vertices: wgpu::Buffer,
+    /// The surfaces that were found and show shadows.
+    pub surfaces: Vec<GpuSurface>,
+    /// Generation of the scene whose vertices these are.
+    pub generation: u64,
+}
+
+impl GpuMaps {
+    /// Uploads maps and the vertices of the surfaces that were found. `None` if the device cannot hold them.
+    pub fn new(context: &RenderContext, world: &World, scene: &IntervalScene) -> Option<Self> {
+        let maps = &scene.maps;
+        let limits = context.device.limits();
+        let layers = maps.layer_count().max(1) as u32;
+        if maps.size > limits.max_texture_dimension_2d || layers > limits.max_texture_array_layers {
+            return None;
+        }
+        let (surfaces, vertices) = build_vertices(world, scene);
+        let bytes: &[u8] = bytemuck::cast_slice(&vertices);
+        if bytes.len() as u64 > limits.max_buffer_size {
+            return None;
+        }
+        Some(Self {
+            maps: maps.clone(),
+            views: [
+                upload(context, maps, "interval rises", |page, pair| {
+                    &page.pairs[pair].rise
+                }),
+                upload(context, maps, "interval falls", |page, pair| {
+                    &page.pairs[pair].fall
+                }),
+            ],
+            vertices: vertex_buffer(context, bytes),
+            surfaces,
+            generation: scene.generation,
+        })
+    }
+
+    /// Builds the vertices again after the scene changed.
+    pub fn refresh(&mut self, context: &RenderContext, world: &World, scene: &IntervalScene) {
+        let (surfaces, vertices) = build_vertices(world, scene);
+        self.surfaces = surfaces;
+        self.vertices = vertex_buffer(context, bytemuck::cast_slice(&vertices));
+        self.generation = scene.generation;
+    }
+}
+
+fn vertex_buffer(context: &RenderContext, bytes: &[u8]) -> wgpu::Buffer {
+    let nothing = [0; size_of::<IntervalVertex>()];
+    context
+        .device
+        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("interval vertices"),
+            contents: if bytes.is_empty() { &nothing } else { bytes }, // a buffer without room cannot be bound
+            usage: wgpu::BufferUsages::VERTEX,
+        })
+}
+
+fn upload(
+    context: &RenderContext,
+    maps: &IntervalMaps,
+    label: &'static str,
+    texels: impl Fn(&Page, usize) -> &Vec<u8>,
+) -> wgpu::TextureView {
+    let size = wgpu::Extent3d {
+        width: maps.size.max(1),
+        height: maps.size.max(1),
+        depth_or_array_layers: maps.layer_count().max(1) as u32,
+    };
+    let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let pairs = maps
+        .pages
+        .iter()
+        .flat_map(|page| (0..page.pairs.len()).map(move |pair| (page, pair)));
+    for (layer, (page, pair)) in pairs.enumerate() {
+        context.queue.write_texture(
+            wgpu::TexelCopyTextureInfo {
+                texture: &texture,
+                mip_level: 0,
+                origin: wgpu::Origin3d {
+                    z: layer as u32,
+                    ..Default::default()
+                },
+                aspect: wgpu::TextureAspect::All,
+            },
+            texels(page, pair),
+            wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(maps.size * PER_PAIR as u32),
+                rows_per_image: Some(maps.size),
+            },
+            wgpu::Extent3d {
+                depth_or_array_layers: 1,
+                ..size
+            },
+        );
+    }
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// First layer of each page in the lower half of a number, and the number of its pairs in the upper half.
+fn page_layers(maps: &IntervalMaps) -> Vec<u32> {
+    let mut first = 0;
+    maps.pages
+        .iter()
+        .map(|page| {
+            let pairs = page.pairs.len() as u32;
+            first += pairs;
+            (first - pairs) | pairs << 16
+        })
+        .collect()
+}
+
+fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec<IntervalVertex>) {
+    let maps = &scene.maps;
+    let layers = page_layers(maps);
+    let (mut surfaces, mut vertices) = (Vec::new(), Vec::new());
+    for matched in &scene.matched {
+        let baked = &maps.surfaces[matched.surface as usize];
+        let corners = &maps.corners[baked.corners.start as usize..baked.corners.end as usize];
+        let Some(mesh) = world.get::<SceneMesh>(matched.entity) else {
+            continue;
+        };
+        let Some(submesh) = mesh.0.submeshes.get(matched.submesh as usize) else {
+            continue;
+        };
+        let first = vertices.len() as u32;
+        for (triangle, corners) in local_triangles(&mesh.0, submesh).zip(corners.chunks_exact(3)) {
+            let Some(positions) = triangle else { continue };
+            let vertex = |(position, corner): (glam::Vec3, &Corner)| IntervalVertex {
+                position_local: position.to_array(),
+                texel: corner.texel.to_array(),
+                layers: layers.get(corner.page as usize).copied().unwrap_or(0),
+            };
+            vertices.extend(positions.into_iter().zip(corners).map(vertex));
+        }
+        let end = vertices.len() as u32;
+        if first < end {
+            surfaces.push(GpuSurface {
+                object: matched.object,
+                vertices: first..end,
+                is_two_sided: baked.is_two_sided,
+            });
+        }
+    }
+    (surfaces, vertices)
+}

@@ -1,0 +1,18 @@
+//! The recorder of occlusion interval maps.
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `recorder` | the draws that a frame needs, and the pass that records them |
+//! | `gpu_maps` | textures and vertices of one scene |
+//! | `pipelines` | pipelines and bind groups |
+//! | `gpu_types` | structs that the shader reads |
+
+pub(crate) mod gpu_maps;
+pub(crate) mod gpu_types;
+pub(crate) mod pipelines;
+pub(crate) mod recorder;
+
+use crate::render::shaders::{ShaderFile, shader_files};
+
+/// The WGSL files of occlusion interval maps.
+pub(crate) const SHADERS: &[ShaderFile] = shader_files!["techniques/occlusion_interval/resolve.wgsl"];

@@ -1,0 +1,299 @@
+//! Draws a light's receivers into the mask, with the visibility that the maps hold for the window of time.
+//!
+//! Shader  `shaders/techniques/occlusion_interval/resolve.wgsl`; twin `techniques::occlusion_interval::intervals`
+//! Groups  0 view, 1 window and maps
+//! Reads   depth.  Writes  the mask, inside the light's scissor
+//! Order   before `light_accumulate` of the same light
+//!
+//! The mask is cleared to 1 first: what is not in the maps shows no shadow.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use bevy_ecs::prelude::*;
+
+use super::gpu_maps::GpuMaps;
+use super::gpu_types::Window;
+use super::pipelines::{FILE, IntervalLayouts, Key, describe};
+use crate::render::gpu::bind_groups::bind_in_order;
+use crate::render::gpu::buffers::GrowingBuffer;
+use crate::render::gpu::pipeline_cache::Variants;
+use crate::render::gpu::strided::{Strided, StridedUniforms};
+use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
+use crate::render::{Gpu, RenderError};
+use crate::scene::FaceCulling;
+use crate::sets::{FrameLights, Objects};
+use crate::techniques::occlusion_interval::component::OcclusionInterval;
+use crate::techniques::occlusion_interval::scenes::IntervalScenes;
+use crate::techniques::registry::Technique;
+use crate::techniques::shared::texture_memory::TextureMemory;
+
+/// One draw: a surface of one object.
+#[derive(Clone, Debug)]
+struct Draw {
+    key: Key,
+    vertices: Range<u32>,
+    /// Index among the instances of the frame.
+    instance: u32,
+}
+
+/// The draws of one light.
+#[derive(Clone, Debug)]
+struct LightPlan {
+    light: usize,
+    /// Index of the maps in [`IntervalNode::maps`]; `None` if the light shows no shadow.
+    maps: Option<usize>,
+    draws: Range<usize>,
+    /// Index of the window among the constants.
+    window: usize,
+}
+
+/// The maps of a scene, bound with the buffer of all windows.
+#[derive(Debug)]
+struct BoundMaps {
+    maps: GpuMaps,
+    group: wgpu::BindGroup,
+    is_used: bool,
+}
+
+/// The recorder of occlusion interval maps.
+#[derive(Debug)]
+pub struct IntervalNode {
+    layouts: Arc<IntervalLayouts>,
+    pipelines: Variants<Key>,
+    maps: Vec<BoundMaps>,
+    windows: StridedUniforms<Window>,
+    instances: GrowingBuffer,
+    objects: Vec<u32>,
+    lights: Vec<LightPlan>,
+    draws: Vec<Draw>,
+}
+
+impl IntervalNode {
+    /// Compiles the shader. Pipelines and textures are made when a frame needs them.
+    ///
+    /// # Errors
+    /// [`RenderError::Shader`] names the file and the place.
+    pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
+        gpu.compile(&[FILE])?;
+        let context = &gpu.context;
+        Ok(Self {
+            layouts: gpu.part(|gpu| IntervalLayouts::new(&gpu.context.device)),
+            pipelines: Variants::default(),
+            maps: Vec::new(),
+            windows: StridedUniforms::new(context, "interval windows"),
+            instances: GrowingBuffer::new(context, "interval instances", wgpu::BufferUsages::VERTEX),
+            objects: Vec::new(),
+            lights: Vec::new(),
+            draws: Vec::new(),
+        })
+    }
+
+    fn plan_of(&self, light: usize) -> Option<&LightPlan> {
+        self.lights.iter().find(|plan| plan.light == light)
+    }
+
+    fn bind(&self, input: &PrepareInput, maps: &GpuMaps) -> wgpu::BindGroup {
+        let [rises, falls] = &maps.views;
+        bind_in_order(
+            &input.context.device,
+            "interval maps",
+            &self.layouts.maps,
+            [
+                self.windows.binding(),
+                wgpu::BindingResource::TextureView(rises),
+                wgpu::BindingResource::TextureView(falls),
+            ],
+        )
+    }
+
+    /// The index of a scene's maps, which are uploaded if they are new. `None` if the device cannot hold them.
+    fn upload(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        scenes: &IntervalScenes,
+        light: usize,
+    ) -> Option<usize> {
+        let scene = scenes.scene_of(light)?;
+        world
+            .resource::<TextureMemory>()
+            .grant(light, OcclusionInterval::NAME)?;
+        let known = self
+            .maps
+            .iter()
+            .position(|bound| Arc::ptr_eq(&bound.maps.maps, &scene.maps));
+        let index = match known {
+            Some(index) => index,
+            None => {
+                let maps = GpuMaps::new(input.context, world, scene)?;
+                let group = self.bind(input, &maps);
+                self.maps.push(BoundMaps {
+                    maps,
+                    group,
+                    is_used: true,
+                });
+                self.maps.len() - 1
+            }
+        };
+        let bound = &mut self.maps[index];
+        bound.is_used = true;
+        if bound.maps.generation != scene.generation {
+            bound.maps.refresh(input.context, world, scene);
+        }
+        Some(index)
+    }
+
+    /// Plans the draws of one light: the surfaces of the maps that it lights and that show its shadows.
+    fn plan_light(&mut self, world: &World, input: &PrepareInput, light: usize, maps: Option<usize>) {
+        let first = self.draws.len();
+        if let Some(maps) = maps {
+            let frame_light = &world.resource::<FrameLights>().lights[light];
+            let objects = world.resource::<Objects>();
+            let culls =
+                world.get_resource::<FaceCulling>().copied().unwrap_or_default() == FaceCulling::SingleSided;
+            for surface in &self.maps[maps].maps.surfaces {
+                let object = surface.object as usize;
+                let shows = frame_light.sets.i.contains(object)
+                    && objects.receivers.contains(object)
+                    && objects.layers[object] & frame_light.selection.shows_on != 0;
+                let handedness = input.table.handedness.get(object).copied().unwrap_or(0.0);
+                if !shows || handedness == 0.0 {
+                    continue;
+                }
+                self.draws.push(Draw {
+                    key: Key {
+                        mirrored: (handedness < 0.0) != input.mirrored_view,
+                        culled: culls && !surface.is_two_sided,
+                    },
+                    vertices: surface.vertices.clone(),
+                    instance: self.objects.len() as u32,
+                });
+                self.objects.push(surface.object);
+            }
+        }
+        self.lights.push(LightPlan {
+            light,
+            maps,
+            draws: first..self.draws.len(),
+            window: self.lights.len(),
+        });
+    }
+}
+
+impl Recorder for IntervalNode {
+    fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
+        self.lights.clear();
+        self.draws.clear();
+        self.objects.clear();
+        self.windows.constants.clear();
+        for bound in &mut self.maps {
+            bound.is_used = false;
+        }
+        let scenes = world.resource::<IntervalScenes>();
+        for light in &scenes.lights {
+            let maps = self.upload(world, input, scenes, light.light);
+            let window = maps.map(|at| {
+                let maps = &self.maps[at].maps.maps;
+                Window::new(&maps.window(light.time, light.width), maps.size)
+            });
+            self.windows.constants.push(&window.unwrap_or_default());
+            self.plan_light(world, input, light.light, maps);
+        }
+        for at in 0..self.draws.len() {
+            let (key, layouts) = (self.draws[at].key, &self.layouts);
+            input
+                .gpu
+                .require(&mut self.pipelines, key, |gpu| describe(gpu, layouts, key))?;
+        }
+        let is_windows_replaced = self.windows.write(input.context);
+        if is_windows_replaced {
+            for at in 0..self.maps.len() {
+                self.maps[at].group = self.bind(input, &self.maps[at].maps);
+            }
+        }
+        self.instances
+            .write(input.context, bytemuck::cast_slice(&self.objects));
+        self.forget_unused();
+        Ok(())
+    }
+
+    fn light(&self, light: usize) -> Option<Leaves<'_>> {
+        self.plan_of(light).map(|_| Leaves::Mask(self))
+    }
+
+    /// Draws nothing: the maps have no geometry of their own.
+    fn debug(&self, _light: usize, _pass: &mut wgpu::RenderPass, _input: &RecordInput) {}
+
+    fn batch_count(&self, light: usize) -> usize {
+        self.plan_of(light).map_or(0, |plan| plan.draws.len())
+    }
+}
+
+impl IntervalNode {
+    /// Frees maps that no light of the frame uses.
+    fn forget_unused(&mut self) {
+        if self.maps.iter().all(|bound| bound.is_used) {
+            return;
+        }
+        let mut kept = 0;
+        let moved: Vec<usize> = self
+            .maps
+            .iter()
+            .map(|bound| {
+                kept += usize::from(bound.is_used);
+                kept.saturating_sub(1)
+            })
+            .collect();
+        self.maps.retain(|bound| bound.is_used);
+        for plan in &mut self.lights {
+            plan.maps = plan.maps.map(|at| moved[at]);
+        }
+    }
+}
+
+impl Resolve for IntervalNode {
+    fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
+        let Some(plan) = self.plan_of(light) else { return };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("interval lookup"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &input.masks.mask_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &input.targets.depth_stencil_view,
+                depth_ops: None,
+                stencil_ops: None,
+            }),
+            timestamp_writes: input.timings.pass_of(input.label, "interval lookup"),
+            ..Default::default()
+        });
+        let Some(bound) = plan.maps.and_then(|at| self.maps.get(at)) else {
+            return;
+        };
+        input.record.viewport.set(&mut pass);
+        let [x, y, width, height] = input.scissor;
+        pass.set_scissor_rect(x, y, width, height);
+        pass.set_bind_group(0, input.record.view, &[]);
+        pass.set_bind_group(1, &bound.group, &[Strided::<Window>::offset(plan.window)]);
+        pass.set_vertex_buffer(0, bound.maps.vertices.slice(..));
+        pass.set_vertex_buffer(1, self.instances.buffer.slice(..));
+        let mut last = None;
+        for draw in &self.draws[plan.draws.clone()] {
+            if last != Some(draw.key) {
+                let Some(pipeline) = self.pipelines.get(draw.key) else {
+                    continue;
+                };
+                pass.set_pipeline(pipeline);
+                last = Some(draw.key);
+            }
+            pass.draw(draw.vertices.clone(), draw.instance..draw.instance + 1);
+        }
+    }
+}

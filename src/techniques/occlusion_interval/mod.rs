@@ -1,0 +1,72 @@
+//! Occlusion interval maps: soft shadows of a static scene under a light that moves along a path, such as the sun's.
+//!
+//! ```text
+//! once:     scene and path ──► baking ──► maps: for each texel, when it sees the light
+//! a frame:  time and width ──► window of time ──► share of the window in which four texels see it ──► blended: visibility
+//! ```
+//!
+//! | file | holds |
+//! | --- | --- |
+//! | `component` | [`OcclusionInterval`], which a user sets on a light; the system that moves the light |
+//! | `technique` | how the component joins the frame |
+//! | `intervals` | the mathematics; twin of the shader |
+//! | `maps`, `files`, `manifest`, `maps_error` | maps in memory and on disk |
+//! | `library`, `scenes` | which maps a world has, and which of its objects are in them |
+//! | `surface` | how an object is recognized |
+//! | `gpu` | the recorder (feature `render`) |
+//!
+//! Maps are baked by `antumbra::baking` (feature `reference`) or `examples/bake`.
+//!
+//! **Light.** A directional light on an arc or with the sun's path, or a point or spot light on a polyline. It is a linear
+//! light: a stretch of its path, of the *width* asked for. Shadows are soft along the path and hard across it. Width and
+//! time are settings of the frame. At the ends of an open path the stretch is cut; a closed path wraps around.
+//!
+//! **Exactness.** Maps know the path in 256 steps, so edges are right to 1/256 of the path in time, and to a texel in space.
+//! Texels are evaluated before they are blended, which is smooth where interpolated edges would be nonsense. A texel that
+//! lies below an object is dark, and blends into its neighbours: within a texel of a contact, shadows are too large.
+//!
+//! **What moves.** Maps hold what stood still. An object that is not in the maps shows no shadow of the light and casts
+//! none. A light has one technique, so a game gives moving objects a second, equal light with a shadow map or volumes, and
+//! lets the masks of [`LightSelection`](crate::scene::LightSelection) divide the objects: `affects` of the light with maps
+//! selects the static layers, that of the other the moving ones. Shadows of moving objects on static ones need both on one
+//! light and are not there.
+//!
+//! **When the scene changes.** Surfaces are recognized by their triangles and their place. If one that was baked is gone or
+//! has moved, the maps are refused and reported, and the light shines without a shadow.
+//!
+//! **Two-sided surfaces** hold what both of their sides see. A window of time in which the light passes behind such a
+//! surface counts as seen, though the side in view does not see all of it.
+//!
+//! **Cost.** One draw a surface. A pixel reads four texels of two textures for each pair that its page has, and stops at the
+//! first pair that is not full. Memory: 8 bytes a texel and pair.
+//!
+//! Source: Donnelly & Demers 2004, "Generating Soft Shadows Using Occlusion Interval Maps", GPU Gems, chapter 13.
+
+pub(crate) mod component;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub(crate) mod files;
+#[cfg(feature = "render")]
+pub(crate) mod gpu;
+pub(crate) mod intervals;
+pub(crate) mod library;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub(crate) mod manifest;
+pub(crate) mod maps;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub(crate) mod maps_error;
+pub(crate) mod scenes;
+pub(crate) mod surface;
+pub(crate) mod technique;
+
+pub use component::OcclusionInterval;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub use files::MANIFEST;
+pub use intervals::{
+    Interval, Intervals, LEAST_WIDTH, PER_PAIR, STEPS, Window, blended, intervals_of, seen_share,
+};
+pub use library::IntervalLibrary;
+pub use maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_LAYERS, MAX_SIZE, Page, Pair};
+#[cfg(any(feature = "render", feature = "reference"))]
+pub use maps_error::MapsError;
+pub use scenes::{IntervalFault, IntervalLight, IntervalScene, IntervalScenes, MatchedSurface};
+pub use surface::surface_hash;

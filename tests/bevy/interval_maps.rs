@@ -1,0 +1,79 @@
+//! Maps baked from a game's scene shadow the game's light, which follows its path.
+
+use antumbra::baking::{BakeSettings, bake_into};
+use antumbra::bevy_adapter::prelude::*;
+use antumbra::bevy_adapter::still_scene;
+use antumbra::scene::PathPoint;
+use bevy::prelude::*;
+
+use crate::harness::{self, Game, Picture, add_mesh, marked_camera};
+
+/// Pixels that are darker than in another picture.
+fn darker(picture: &Picture, other: &Picture) -> usize {
+    let green = |picture: &Picture, at: usize| f32::from(picture.texels[at][1]);
+    (0..picture.texels.len())
+        .filter(|&at| green(picture, at) < 0.7 * green(other, at))
+        .count()
+}
+
+#[test]
+fn a_game_bakes_its_scene_and_its_sun_follows_the_path() {
+    let mut app = harness::antumbra();
+    let world = app.world_mut();
+    let camera = marked_camera(world, Vec3::new(0.0, 4.0, 4.0));
+    add_mesh(
+        world,
+        Plane3d::default().mesh().size(5.0, 5.0),
+        Transform::IDENTITY,
+    );
+    let place = Transform::from_xyz(0.0, 0.5, 0.0).with_rotation(Quat::from_rotation_y(0.4));
+    add_mesh(world, Cuboid::new(0.8, 1.0, 0.8), place);
+    let path = LightPath::Arc {
+        direction: Vec3::new(-1.0, -0.7, -0.4),
+        axis: Vec3::Z,
+        degrees: 100.0,
+    };
+    let light = DirectionalLight {
+        illuminance: 3000.0,
+        ..default()
+    };
+    let light = world.spawn((light, path.clone(), Transform::default())).id();
+    let mut game = Game::start(app);
+    game.run(2);
+    let mut still = still_scene(game.world(), |_| false);
+    let folder = std::env::temp_dir().join(format!("antumbra-{}-bevy", std::process::id()));
+    let settings = BakeSettings {
+        texels_per_metre: 4.0,
+        ..default()
+    };
+    let bake = bake_into(&folder, &mut still, &path, &settings, |_| ()).expect("it is baked");
+    assert_eq!((bake.notes.len(), bake.maps.surfaces.len()), (0, 2));
+    let shadow = |time: f32| OcclusionInterval {
+        maps: folder.to_string_lossy().into_owned(),
+        time,
+        ..default()
+    };
+    let mut pictures = Vec::new();
+    for time in [0.1, 0.9] {
+        game.world().entity_mut(light).insert(shadow(time));
+        let shadowed = game.run(3).settled(camera);
+        let forward = game.world().get::<Transform>(light).expect("it stands").forward();
+        let PathPoint::Direction(expected) = path.at(time) else {
+            panic!("an arc has directions");
+        };
+        assert!(forward.distance(expected) < 1e-5, "{forward:?} {expected}");
+        // The same light without its shadow.
+        game.world().entity_mut(light).insert(LightSelection {
+            shows_on: 0,
+            ..default()
+        });
+        let bare = game.run(3).settled(camera);
+        let dark = darker(&shadowed, &bare);
+        println!("{time}: {dark} pixels are in shadow");
+        assert!(dark > 150, "{time}: {dark}");
+        game.world().entity_mut(light).remove::<LightSelection>();
+        pictures.push(shadowed);
+    }
+    assert_ne!(pictures[0], pictures[1]);
+    std::fs::remove_dir_all(&folder).expect("it is removed");
+}

@@ -1,0 +1,187 @@
+//! Tables for people: errors on models through the day, and what baking and drawing cost.
+//!
+//! ```sh
+//! cargo test --release --all-features --test gpu occlusion_interval -- --ignored --nocapture by_hand
+//! ```
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use antumbra::baking::{BakeSettings, bake_intervals};
+use antumbra::prelude::*;
+use antumbra::reference::RayScene;
+use antumbra::scene::PathPoint;
+use antumbra::techniques::{IntervalLibrary, IntervalMaps, Techniques};
+use glam::{DVec3, UVec2};
+
+use super::scenes::{seen, truth_of};
+use crate::harness::support::shot::Shot;
+use crate::harness::support::stage::Stage;
+use crate::harness::{model, strict_context};
+
+/// A model in the sun of a summer's day, seen as a whole.
+fn of_model(name: &str, size: UVec2) -> Stage {
+    let text = serde_json::json!({
+        "scene": model(name),
+        "size": size.to_array(),
+        "lights": [{
+            "kind": "directional", "path": {"latitude_deg": 40, "day": 172, "hours": [5, 19]},
+            "shadow": {"technique": "occlusion_interval", "maps": "by hand"},
+        }],
+    });
+    let shot = Shot::parse(&text.to_string(), Techniques::default()).expect("the shot is right");
+    let mut stage = Stage::of_shot(&shot).expect("the model loads");
+    stage.world.insert_resource(FaceCulling::None);
+    stage.schedule.run(&mut stage.world);
+    stage
+}
+
+fn bake(stage: &mut Stage, texels_per_metre: f32) -> Arc<IntervalMaps> {
+    let settings = BakeSettings {
+        texels_per_metre,
+        ..Default::default()
+    };
+    let path = stage
+        .world
+        .get::<LightPath>(stage.lights[0])
+        .expect("it has a path")
+        .clone();
+    let start = Instant::now();
+    let bake = bake_intervals(&mut stage.world, &path, &settings, |_| ()).expect("it is baked");
+    let statistics = bake.maps.statistics;
+    println!(
+        "{texels_per_metre} texels a metre: {} texels, {} pages of {}, {} layers, {:.1} bytes a texel; {} rays, {:.2} M/s, {:.1} s in all; {} notes",
+        statistics.texels,
+        bake.maps.pages.len(),
+        bake.maps.size,
+        bake.maps.layer_count(),
+        bake.maps.bytes() as f64 / statistics.texels as f64,
+        statistics.rays,
+        statistics.rays as f64 / statistics.seconds / 1e6,
+        start.elapsed().as_secs_f64(),
+        bake.notes.len(),
+    );
+    Arc::new(bake.maps)
+}
+
+fn insert(stage: &mut Stage, maps: Arc<IntervalMaps>) {
+    stage
+        .add_renderer(strict_context(), RenderSettings::default())
+        .expect("shaders compose");
+    stage
+        .world
+        .resource_mut::<IntervalLibrary>()
+        .insert("by hand", maps);
+}
+
+fn set(stage: &mut Stage, time: f32, width: f32) {
+    let light = stage.lights[0];
+    let mut settings = stage
+        .world
+        .get_mut::<OcclusionInterval>(light)
+        .expect("the technique");
+    (settings.time, settings.width) = (time, width);
+}
+
+/// Prints the error at 20 times of the day.
+fn errors(name: &str, texels_per_metre: f32) {
+    let mut stage = of_model(name, UVec2::new(96, 54));
+    println!("{name}");
+    let maps = bake(&mut stage, texels_per_metre);
+    let path = maps.path.clone();
+    insert(&mut stage, maps);
+    let (scene, hits) = seen(&mut stage);
+    let (mut worst, mut sum) = (0.0f32, 0.0);
+    for step in 0..20 {
+        let (time, width) = ((step as f32 + 0.5) / 20.0, 0.03);
+        set(&mut stage, time, width);
+        let rendered = stage.render().expect("the frame renders");
+        let truth = truth_of(&scene, &hits, &path, (time, width), texels_per_metre);
+        let error = |is_off: fn(bool) -> bool| {
+            let counted = truth
+                .iter()
+                .zip(&rendered.visibility[0])
+                .filter_map(|(truth, drawn)| {
+                    let (truth, varies) = (*truth)?;
+                    is_off(varies).then_some((truth - drawn).powi(2))
+                });
+            let (sum, count) = counted.fold((0.0, 0), |(sum, count), error| (sum + error, count + 1));
+            ((sum / count.max(1) as f32).sqrt(), count)
+        };
+        let ((off, off_count), (all, count)) = (error(|varies| !varies), error(|_| true));
+        println!(
+            "{time:.3}: {off:.4} over {off_count} pixels off the band of a texel, {all:.4} over all {count}"
+        );
+        worst = worst.max(off);
+        sum += off;
+    }
+    println!("{name}: mean {:.4}, worst {worst:.4}", sum / 20.0);
+}
+
+#[test]
+#[ignore = "a table, and town_A.glb is not bundled"]
+fn errors_on_a_town_by_hand() {
+    errors("town_A.glb", 2.0);
+}
+
+#[test]
+#[ignore = "a table"]
+fn errors_in_an_interior_by_hand() {
+    errors("interior.glb", 8.0);
+}
+
+#[test]
+#[ignore = "a table, and town_A.glb is not bundled"]
+fn rays_per_second_by_hand() {
+    let mut stage = of_model("town_A.glb", UVec2::new(96, 54));
+    let maps = bake(&mut stage, 0.5);
+    let scene = RayScene::from_world(&mut stage.world);
+    // The same number of points and directions, without what a bake saves.
+    let directions: Vec<DVec3> = (0..256)
+        .filter_map(|step| match maps.path.at((step as f32 + 0.5) / 256.0) {
+            PathPoint::Direction(direction) => Some(-direction.as_dvec3()),
+            PathPoint::Position(_) => None,
+        })
+        .collect();
+    let start = Instant::now();
+    let (mut rays, mut blocked) = (0u64, 0u64);
+    for (slot, triangle) in (0u32..).zip(scene.triangles()).step_by(7) {
+        let [a, b, c] = triangle.corners;
+        let (point, normal) = ((a + b + c) / 3.0, (b - a).cross(c - a));
+        for &towards in directions.iter().filter(|towards| normal.dot(**towards) > 0.0) {
+            rays += 1;
+            blocked += u64::from(scene.blocks_direction(point, towards, Some(slot), u32::MAX));
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    println!(
+        "a plain loop on one thread: {rays} rays, {blocked} blocked, {:.2} M/s",
+        rays as f64 / seconds / 1e6
+    );
+}
+
+#[test]
+#[ignore = "a table"]
+fn cost_of_a_frame_by_hand() {
+    let mut stage = of_model("interior.glb", UVec2::new(640, 360));
+    let maps = bake(&mut stage, 8.0);
+    insert(&mut stage, maps);
+    let time = |stage: &mut Stage| {
+        let frame = |stage: &mut Stage| {
+            let start = Instant::now();
+            stage.draw().expect("the frame is drawn");
+            start.elapsed().as_secs_f64() * 1e3
+        };
+        let _warm: Vec<f64> = (0..3).map(|_| frame(stage)).collect();
+        let mut times: Vec<f64> = (0..9).map(|_| frame(stage)).collect();
+        times.sort_by(f64::total_cmp);
+        times[4]
+    };
+    for (at, width) in [(0.3, 0.0), (0.3, 0.03), (0.3, 0.3)] {
+        set(&mut stage, at, width);
+        println!("time {at}, width {width}: {:.2} ms", time(&mut stage));
+    }
+    let light = stage.lights[0];
+    stage.world.entity_mut(light).remove::<OcclusionInterval>();
+    println!("unshadowed: {:.2} ms", time(&mut stage));
+}

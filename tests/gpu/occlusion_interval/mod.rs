@@ -1,0 +1,8 @@
+//! Occlusion interval maps: against a ray-traced linear light, against their CPU twin, and when something is wrong.
+
+mod by_hand;
+mod drawn;
+mod exactness;
+mod faults;
+mod scenes;
+mod shots;
