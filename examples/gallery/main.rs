@@ -20,9 +20,11 @@
 //! | `soft_pages` | soft shadows side by side, after the figures of their paper |
 //! | `soft_table` | errors and costs of soft shadows, model by model |
 //! | `soft_cost` | the time that tight wedges and culling save |
+//! | `angles` | a plot of perspective maps beside cascades |
 //! | `readme` | the pictures of the README |
 //! | `uberlight` | one bust under the light model |
 
+mod angles;
 mod cost;
 mod html;
 mod judge;
@@ -80,6 +82,10 @@ struct Arguments {
     /// Writes the page of soft shadows to `--out` instead. An index that is written there later links to it.
     #[arg(long, requires = "out")]
     soft: bool,
+    /// Writes the plot of perspective maps and cascades, for the light's angle to the view, to `--out` instead. `--models`
+    /// adds a dungeon and a town. An index that is written there later links to it.
+    #[arg(long, requires = "out")]
+    angles: bool,
     /// Writes the page of the light model to `--out` instead. An index that is written there later links to it.
     #[arg(long, requires = "out")]
     uberlight: bool,
@@ -119,6 +125,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     if let (true, Some(out)) = (arguments.soft, &arguments.out) {
         return soft_pages::write(&bench.context, &assets, arguments.size, out);
     }
+    if let (true, Some(out)) = (arguments.angles, &arguments.out) {
+        return angles::write(&bench.context, arguments.models.as_deref(), out);
+    }
     if let (true, Some(out)) = (arguments.uberlight, &arguments.out) {
         let shots = assets.join("../examples/shots/uberlight");
         return uberlight::write(&bench.context, &shots, arguments.size.y * 2, out);
@@ -149,9 +158,10 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     let seconds = begin.elapsed().as_secs_f64();
     let index = out.join("index.html");
-    // Calls with `--soft` and `--uberlight` draw these pages.
+    // Calls with `--soft`, `--angles` and `--uberlight` draw these pages.
     let mut more = vec![
         (soft_pages::FILE, "Soft shadows"),
+        (angles::FILE, "Perspective maps and the light's angle"),
         (uberlight::FILE, "The cinematographer's light"),
     ];
     more.retain(|(file, _)| out.join(file).is_file());

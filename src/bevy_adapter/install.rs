@@ -54,6 +54,7 @@ use crate::techniques::maps::MapSettings;
 pub fn register(app: &mut App) {
     app.register_type::<AntumbraCamera>()
         .register_type::<LightSelection>()
+        .register_type::<crate::scene::BlurredGround>()
         .register_type::<LightClearance>()
         .add_systems(
             Last,

@@ -3,7 +3,7 @@
 pub use super::{AntumbraCamera, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
-    Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights, ShadowOrigin,
-    ShadowSoftness, ShadowTint,
+    BlurredGround, Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape,
+    LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
 };
-pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};
+pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap, StencilVolume};

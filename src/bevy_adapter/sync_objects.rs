@@ -25,8 +25,8 @@ use super::refused::RefusedMeshes;
 use super::surfaces::{Surface, Surfaces, standard_material};
 use crate::geometry::Aabb;
 use crate::scene::{
-    LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
-    ShadowReceiver, Skin, WorldBounds,
+    BlurredGround, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers,
+    ShadowCaster, ShadowReceiver, Skin, WorldBounds,
 };
 use crate::silhouettes::CasterMeshes;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
@@ -43,6 +43,7 @@ type ObjectChanged = (
         Changed<SkinnedMesh>,
         Changed<MeshMorphWeights>,
         Changed<MeshMaterial3d<StandardMaterial>>,
+        Changed<BlurredGround>,
         Added<NotShadowCaster>,
         Added<NotShadowReceiver>,
     )>,
@@ -58,6 +59,7 @@ pub struct RemovedFromObjects<'w, 's> {
     skin: Extract<'w, 's, RemovedComponents<'static, 'static, SkinnedMesh>>,
     weights: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMorphWeights>>,
     material: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMaterial3d<StandardMaterial>>>,
+    ground: Extract<'w, 's, RemovedComponents<'static, 'static, BlurredGround>>,
 }
 
 /// Query of changed morph weights that meshes share. Such a mesh refers to the entity that has the weights.
@@ -94,6 +96,7 @@ pub(super) fn sync_objects(
     dirty.extend(removed.skin.read());
     dirty.extend(removed.weights.read());
     dirty.extend(removed.material.read());
+    dirty.extend(removed.ground.read());
     if surfaces.any_changed() {
         cut_outs.retain(|material| surfaces.is_cut_out(material));
         let uses = materials
@@ -198,6 +201,15 @@ fn sync_object(
         && level.casts()
         && surface != Surface::NotDrawn
         && !object.contains::<NotShadowCaster>();
+    match (target.get::<BlurredGround>(), object.get::<BlurredGround>()) {
+        (known, wanted) if known == wanted => {}
+        (_, Some(wanted)) => {
+            target.insert(*wanted);
+        }
+        (_, None) => {
+            target.remove::<BlurredGround>();
+        }
+    }
     set(&mut target, ShadowCaster, casts);
     if casts && material.is_some_and(|material| game.surfaces.is_cut_out(material)) {
         cut_outs.insert(&object);

@@ -18,6 +18,7 @@ mod harness;
 mod lifetimes;
 mod light_model;
 mod light_textures;
+mod map_techniques;
 mod minimal;
 mod models;
 mod reports;

@@ -111,6 +111,7 @@ fn mirrors() -> Vec<Mirror> {
             in "techniques/smoothie/edge.wgsl", array: true),
         mirror!(smoothies, SmoothieFace { row_x, row_y, row_z, projection, limits }
             in "techniques/smoothie/edge.wgsl", array: false),
+        mirror!(Grounds { planes, along } in "techniques/perspective_map/blur.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
@@ -351,6 +352,14 @@ fn mirrored_constants() -> Vec<Constant> {
             ("HALF_TURN", f64::from(smoothies::HALF_TURN)),
             ("INSIDE_TEXELS", f64::from(smoothies::INSIDE_TEXELS)),
         ],
+    );
+    of(
+        "techniques/perspective_map/blur.wgsl",
+        &[("REACH", mirrored::BLUR_REACH)],
+    );
+    of(
+        "techniques/perspective_map/ground.wgsl",
+        &[("NO_GROUND", mirrored::MOST_GROUNDS as f64)],
     );
     of(
         "common/smoothie.wgsl",

@@ -8,8 +8,6 @@ use fixedbitset::FixedBitSet;
 use glam::{DMat4, Mat4};
 
 use super::gpu_types::MapCaster;
-use super::pipelines::{Key, Peel};
-use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::pools::materials::MaterialPool;
 use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
@@ -48,6 +46,8 @@ pub struct MapDraws {
     pub draws: Vec<MapDraw>,
     /// The matrices of the casters of all draws.
     pub casters: Vec<MapCaster>,
+    /// Dense object index of each caster of a draw. Matrices that were added otherwise may follow.
+    pub objects: Vec<u32>,
     parts: Vec<Part>,
 }
 
@@ -56,6 +56,7 @@ impl MapDraws {
     pub fn clear(&mut self) {
         self.draws.clear();
         self.casters.clear();
+        self.objects.clear();
     }
 
     /// Adds the draws of a set of objects into a face, and returns their range.
@@ -82,6 +83,8 @@ impl MapDraws {
                 .and_then(|transform| placed(transform, is_skinned))
                 .map_or(DMat4::ZERO, |affine| Mat4::from(affine).as_dmat4());
             let at = self.casters.len() as u32;
+            self.objects.resize(self.casters.len(), u32::MAX);
+            self.objects.push(part.object);
             self.casters.push(MapCaster {
                 clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
             });
@@ -148,13 +151,12 @@ impl MapDraws {
             .flatten()
     }
 
-    /// Records a range of draws. Groups 0 and 1 must be set.
-    pub fn record(
+    /// Records a range of draws. Groups 0 and 1 must be set. `pipeline` returns that of casters with or without holes.
+    pub fn record<'a>(
         &self,
         range: Range<usize>,
-        peel: Peel,
         pass: &mut wgpu::RenderPass,
-        pipelines: &Variants<Key>,
+        pipeline: impl Fn(bool) -> Option<&'a wgpu::RenderPipeline>,
         meshes: &MeshPool,
         materials: &MaterialPool,
     ) {
@@ -165,7 +167,7 @@ impl MapDraws {
             };
             let masked = draw.material.is_some();
             if last_masked != Some(masked) {
-                let Some(pipeline) = pipelines.get(Key::Caster { masked, peel }) else {
+                let Some(pipeline) = pipeline(masked) else {
                     continue;
                 };
                 pass.set_pipeline(pipeline);

@@ -116,12 +116,12 @@ impl MapNode {
         if let Some((group, _)) = peel {
             pass.set_bind_group(1, group, &[]);
         }
+        let peel = peel.map_or(Peel::No, |(_, peel)| peel);
         for range in ranges {
             self.draws.record(
                 range.clone(),
-                peel.map_or(Peel::No, |(_, peel)| peel),
                 &mut pass,
-                &self.pipelines,
+                |masked| self.pipelines.get(Key::Caster { masked, peel }),
                 input.meshes,
                 input.materials,
             );

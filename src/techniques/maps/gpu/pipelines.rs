@@ -27,6 +27,35 @@ pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     }
 }
 
+const POSITION: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
+    array_stride: 12,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+};
+
+const UV_AND_COLOR: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
+    array_stride: size_of::<SurfaceVertex>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &[
+        wgpu::VertexAttribute {
+            format: wgpu::VertexFormat::Float32x4,
+            offset: offset_of!(SurfaceVertex, uv) as u64,
+            shader_location: 3,
+        },
+        wgpu::VertexAttribute {
+            format: wgpu::VertexFormat::Float32x4,
+            offset: offset_of!(SurfaceVertex, color) as u64,
+            shader_location: 4,
+        },
+    ],
+};
+
+/// The vertex buffers of casters without holes.
+pub const SOLID_BUFFERS: &[wgpu::VertexBufferLayout] = &[POSITION];
+
+/// The vertex buffers of casters whose texture cuts holes.
+pub const MASKED_BUFFERS: &[wgpu::VertexBufferLayout] = &[POSITION, UV_AND_COLOR];
+
 /// Whether the first surface is left out when casters are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Peel {
@@ -134,35 +163,12 @@ pub fn describe(gpu: &Gpu, layouts: &MapLayouts, key: Key) -> PipelineDesc {
 /// Describes the pipeline that draws casters. It draws both sides, because a triangle blocks light whichever
 /// way it faces.
 fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: Peel) -> PipelineDesc {
-    const POSITION: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
-        array_stride: 12,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-    };
-    const UV_AND_COLOR: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
-        array_stride: size_of::<SurfaceVertex>() as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &[
-            wgpu::VertexAttribute {
-                format: wgpu::VertexFormat::Float32x4,
-                offset: offset_of!(SurfaceVertex, uv) as u64,
-                shader_location: 3,
-            },
-            wgpu::VertexAttribute {
-                format: wgpu::VertexFormat::Float32x4,
-                offset: offset_of!(SurfaceVertex, color) as u64,
-                shader_location: 4,
-            },
-        ],
-    };
-    const SOLID: &[wgpu::VertexBufferLayout] = &[POSITION];
-    const MASKED: &[wgpu::VertexBufferLayout] = &[POSITION, UV_AND_COLOR];
     let peels = peel != Peel::No;
     let (vertex, fragment, buffers) = match (masked, peels) {
-        (false, false) => ("solid", None, SOLID),
-        (false, true) => ("solid", Some("peel"), SOLID),
-        (true, false) => ("masked_vertex", Some("masked"), MASKED),
-        (true, true) => ("masked_vertex", Some("masked_peel"), MASKED),
+        (false, false) => ("solid", None, SOLID_BUFFERS),
+        (false, true) => ("solid", Some("peel"), SOLID_BUFFERS),
+        (true, false) => ("masked_vertex", Some("masked"), MASKED_BUFFERS),
+        (true, true) => ("masked_vertex", Some("masked_peel"), MASKED_BUFFERS),
     };
     let fragment = fragment.map(|entry| Stage::new(CASTER, entry));
     PipelineDesc {
