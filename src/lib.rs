@@ -100,6 +100,7 @@ pub mod insides {
         pub use crate::render::pools::gpu_types::*;
         pub use crate::techniques::maps::gpu::gpu_types::*;
         pub use crate::techniques::occlusion_interval::gpu::gpu_types::*;
+        pub use crate::techniques::perspective_map::gpu::gpu_types::*;
         pub use crate::techniques::stencil_volume::gpu::gpu_types::*;
     }
     pub use crate::sets::index::boxes::WORD;
@@ -149,6 +150,7 @@ pub mod insides {
         };
         pub use crate::techniques::penumbra_wedge::tables::lookup::{ANGLE_STEPS, SECTOR_STEPS};
         pub use crate::techniques::penumbra_wedge::tables::texture::{BORDER_STEPS, NODES};
+        pub use crate::techniques::perspective_map::grounds::{BLUR_REACH, MOST_GROUNDS};
     }
 }
 

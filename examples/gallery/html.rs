@@ -76,7 +76,7 @@ fn other_pages(out: &Path) -> Value {
     let mut pages: Vec<(String, String)> = entries
         .filter_map(|entry| {
             let file = entry.file_name().into_string().ok()?;
-            let is_other = file.ends_with(".html") && file != "index.html";
+            let is_other = (file.ends_with(".html") || file.ends_with(".svg")) && file != "index.html";
             let text = is_other.then(|| std::fs::read_to_string(entry.path()).ok())??;
             let title = text.split_once("<title>")?.1.split_once("</title>")?.0;
             Some((file, title.to_owned()))

@@ -22,9 +22,11 @@
 //! | `html`, `web/` | the web page that shows them |
 //! | `soft_table` | errors and costs of soft shadows, model by model |
 //! | `soft_cost` | the time that tight wedges and culling save |
+//! | `angles` | a plot of perspective maps beside cascades |
 //! | `readme` | the pictures of the README |
 //! | `uberlight` | one bust under the light model |
 
+mod angles;
 mod chooser;
 mod cost;
 mod html;
@@ -88,6 +90,10 @@ struct Arguments {
     /// Prints the time that tight wedges and culling save instead.
     #[arg(long)]
     soft_cost: bool,
+    /// Writes the plot of perspective maps and cascades, for the light's angle to the view, to `--out` instead. `--models`
+    /// adds a dungeon and a town. An index that is written there later links to it.
+    #[arg(long, requires = "out")]
+    angles: bool,
 }
 
 fn main() -> ExitCode {
@@ -122,6 +128,9 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
     if arguments.soft_cost {
         return soft_cost::print(&bench.context, &assets, arguments.size);
+    }
+    if let (true, Some(out)) = (arguments.angles, &arguments.out) {
+        return angles::write(&bench.context, arguments.models.as_deref(), out);
     }
     if arguments.readme {
         let all = arguments.only.as_deref() != Some("techniques");

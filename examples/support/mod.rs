@@ -16,4 +16,6 @@ pub mod stats;
 #[cfg(feature = "reference")]
 pub mod table;
 #[cfg(feature = "reference")]
+pub mod texels;
+#[cfg(feature = "reference")]
 pub mod walk;

@@ -11,10 +11,10 @@ use antumbra::render::RenderError;
 use antumbra::render::VISIBILITY_FORMAT;
 use antumbra::render::create_target;
 use antumbra::render::readback::{TexelRows, read_texture};
-use antumbra::scene::WorldBounds;
 use antumbra::scene::apply_animation;
 use antumbra::scene::camera_place;
-use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, spawn_scene};
+use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, meshes_of_name, spawn_scene};
+use antumbra::scene::{BlurredGround, WorldBounds};
 use antumbra::schedule::{init_resources, standalone_schedule};
 use antumbra::techniques::{IntervalLibrary, IntervalMaps, Settings, Techniques, add_row};
 use bevy_ecs::prelude::*;
@@ -70,6 +70,19 @@ impl Stage {
         let mut stage = Self::empty(size, Camera::default(), Transform::IDENTITY);
         stage.load_time = start.elapsed();
         let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
+        for (index, ground) in shot.blurred_grounds.iter().enumerate() {
+            let meshes =
+                meshes_of_name(&stage.world, &loaded, &spawned.nodes, &ground.node).ok_or_else(|| {
+                    format!(
+                        "blurred_grounds[{index}].node: no node has the name `{}`",
+                        ground.node
+                    )
+                })?;
+            let radius = ground.radius;
+            for mesh in meshes {
+                stage.world.entity_mut(mesh).insert(BlurredGround { radius });
+            }
+        }
         if let Some(animation) = shot.animation {
             stage.pose(&loaded, &spawned, animation.clip, animation.time)?;
         }

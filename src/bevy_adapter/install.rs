@@ -56,6 +56,7 @@ use crate::techniques::occlusion_interval::component::follow_light_paths;
 pub fn register(app: &mut App) {
     app.register_type::<AntumbraCamera>()
         .register_type::<LightSelection>()
+        .register_type::<crate::scene::BlurredGround>()
         .register_type::<LightClearance>()
         .add_systems(
             Last,

@@ -3,8 +3,8 @@
 pub use super::{AntumbraCamera, AntumbraDiagnosticsPlugin, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
-    BarnMap, Cookie, CookieImage, LightDistance, LightPath, LightProfile, LightSelection, LightShape,
-    LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
+    BarnMap, BlurredGround, Cookie, CookieImage, LightDistance, LightPath, LightProfile, LightSelection,
+    LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
 };
 pub use crate::techniques::{
     AddTechnique, OcclusionInterval, OcclusionTexture, OmniMap, PenumbraWedge, PerspectiveMap, ShadowMap,

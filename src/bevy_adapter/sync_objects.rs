@@ -26,8 +26,8 @@ use super::surfaces::{Surface, Surfaces, standard_material};
 use super::sync_models::copy_part;
 use crate::geometry::Aabb;
 use crate::scene::{
-    LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
-    ShadowReceiver, Skin, SurfaceWeights, WorldBounds,
+    BlurredGround, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers,
+    ShadowCaster, ShadowReceiver, Skin, SurfaceWeights, WorldBounds,
 };
 use crate::silhouettes::CasterMeshes;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
@@ -45,6 +45,7 @@ type ObjectChanged = (
         Changed<MeshMorphWeights>,
         Changed<SurfaceWeights>,
         Changed<MeshMaterial3d<StandardMaterial>>,
+        Changed<BlurredGround>,
         Added<NotShadowCaster>,
         Added<NotShadowReceiver>,
     )>,
@@ -61,6 +62,7 @@ pub struct RemovedFromObjects<'w, 's> {
     weights: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMorphWeights>>,
     material: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMaterial3d<StandardMaterial>>>,
     surface_weights: Extract<'w, 's, RemovedComponents<'static, 'static, SurfaceWeights>>,
+    ground: Extract<'w, 's, RemovedComponents<'static, 'static, BlurredGround>>,
 }
 
 /// Query of changed morph weights that meshes share. Such a mesh refers to the entity that has the weights.
@@ -98,6 +100,7 @@ pub(super) fn sync_objects(
     dirty.extend(removed.weights.read());
     dirty.extend(removed.material.read());
     dirty.extend(removed.surface_weights.read());
+    dirty.extend(removed.ground.read());
     if surfaces.any_changed() {
         cut_outs.retain(|material| surfaces.is_cut_out(material));
         let uses = materials
@@ -203,6 +206,15 @@ fn sync_object(
         && level.casts()
         && surface != Surface::NotDrawn
         && !object.contains::<NotShadowCaster>();
+    match (target.get::<BlurredGround>(), object.get::<BlurredGround>()) {
+        (known, wanted) if known == wanted => {}
+        (_, Some(wanted)) => {
+            target.insert(*wanted);
+        }
+        (_, None) => {
+            target.remove::<BlurredGround>();
+        }
+    }
     set(&mut target, ShadowCaster, casts);
     if casts && material.is_some_and(|material| game.surfaces.is_cut_out(material)) {
         cut_outs.insert(&object);

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`SceneMesh`], [`SceneMaterials`] | what an entity looks like |
 //! | [`ShadowCaster`], [`ShadowReceiver`] | whether an entity blocks light, and whether it shows shadows |
+//! | [`BlurredGround`] | whether the shadows on a receiver are blurred |
 //! | [`Occluder`] | whether an entity may hide others |
 //! | [`SelectionLayers`] | which lights select an entity ([`LightSelection`]) |
 //! | [`Cell`], [`InCells`], [`Portal`] | rooms, what is in them, and the openings between them |
@@ -28,6 +29,7 @@ pub(crate) mod changes;
 pub(crate) mod churn;
 #[cfg(feature = "gltf")]
 pub mod gltf_import;
+pub(crate) mod ground;
 pub(crate) mod light;
 pub(crate) mod light_model;
 pub(crate) mod light_path;
@@ -48,6 +50,7 @@ pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
 pub use caster::{CulledCasters, FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
+pub use ground::BlurredGround;
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use light_model::{
     BarnMap, Cookie, CookieError, CookieImage, CookieImageError, LayerNames, LightDistance, LightModel,

@@ -20,6 +20,7 @@ mod interval_maps;
 mod lifetimes;
 mod light_model;
 mod light_textures;
+mod map_techniques;
 mod minimal;
 mod models;
 mod reports;

@@ -123,6 +123,7 @@ fn mirrors() -> Vec<Mirror> {
             in "techniques/occlusion_texture/caster.wgsl", array: false),
         mirror!(occlusion_textures, OcclusionLight { faces, kernel, point_relative, half_right, half_up, limits }
             in "techniques/occlusion_texture/resolve.wgsl", array: false),
+        mirror!(Grounds { planes, along } in "techniques/perspective_map/blur.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
@@ -363,6 +364,14 @@ fn mirrored_constants() -> Vec<Constant> {
             ("HALF_TURN", f64::from(smoothies::HALF_TURN)),
             ("INSIDE_TEXELS", f64::from(smoothies::INSIDE_TEXELS)),
         ],
+    );
+    of(
+        "techniques/perspective_map/blur.wgsl",
+        &[("REACH", mirrored::BLUR_REACH)],
+    );
+    of(
+        "techniques/perspective_map/ground.wgsl",
+        &[("NO_GROUND", mirrored::MOST_GROUNDS as f64)],
     );
     of(
         "common/smoothie.wgsl",

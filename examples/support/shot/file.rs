@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use antumbra::scene::BlurredGround;
 use antumbra::techniques::Techniques;
 use glam::UVec2;
 use serde::Deserialize;
@@ -27,9 +28,27 @@ pub struct Shot {
     pub animation: Option<ShotAnimation>,
     /// The lights. Default: those of the scene, with the first technique.
     pub lights: Option<Vec<ShotLight>>,
+    /// Grounds, floors and walls on which perspective maps blur their shadows.
+    #[serde(default)]
+    pub blurred_grounds: Vec<ShotGround>,
     /// The techniques that the lights may name.
     #[serde(skip)]
     pub techniques: Techniques,
+}
+
+/// The receivers below a node on which shadows are blurred.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ShotGround {
+    /// Name of nodes of the scene, which stand for themselves and all nodes below them.
+    pub node: String,
+    /// Standard deviation of the Gaussian, metres; greater than 0.
+    #[serde(default = "default_radius")]
+    pub radius: f32,
+}
+
+fn default_radius() -> f32 {
+    BlurredGround::default().radius
 }
 
 /// A pose at a time of a clip.
@@ -119,6 +138,14 @@ impl Shot {
                         view.height, view.far, camera.near
                     ),
                 });
+            }
+        }
+        for (index, ground) in self.blurred_grounds.iter().enumerate() {
+            if !(ground.radius > 0.0 && ground.radius.is_finite()) {
+                return Err(format!(
+                    "blurred_grounds[{index}].radius: {} must be finite and greater than 0",
+                    ground.radius
+                ));
             }
         }
         for (index, light) in self.lights.iter().flatten().enumerate() {

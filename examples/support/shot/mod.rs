@@ -1,5 +1,8 @@
 //! The shot file: a scene, a camera, lights, and the size of the picture, as JSON.
 //!
+//! `blurred_grounds` lists the receivers on which perspective maps blur their shadows, each with the name of a `node` and
+//! a `radius` in metres (default 0.2): `[{"node": "floor", "radius": 0.3}]`.
+//!
 //! # The light model
 //!
 //! Each light may have these keys beside its kind, place and technique. An unknown key is an error, and so is a
@@ -49,7 +52,7 @@ mod path;
 mod textures;
 
 pub use camera::ShotCamera;
-pub use file::Shot;
+pub use file::{Shot, ShotGround};
 pub use light::{ShotEmission, ShotLight};
 pub use model::ShotModel;
 pub use path::ShotPath;

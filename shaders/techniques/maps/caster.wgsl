@@ -21,12 +21,12 @@ const BEYOND_PARALLEL: f32 = 1e-6;
 override PARALLEL: bool = false;
 
 @vertex
-fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) vec4f {
+fn solid(@location(0) position_local: vec3f, @builtin(instance_index) caster: u32) -> @builtin(position) @invariant vec4f {
     return casters[caster].clip_from_local * vec4f(position_local, 1.0);
 }
 
 struct Masked {
-    @builtin(position) position_clip: vec4f,
+    @builtin(position) @invariant position_clip: vec4f,
     @location(0) uv: vec4f,
     @location(1) color: vec4f,
 }

@@ -245,20 +245,40 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     return mix(top, bottom, between.y);
 }
 
-// One tap in a face with a matrix. Its depth on a plane is linear in NDC.
+// 1 where a plane is nearer to the light than what a texel of a face with a matrix holds, else 0. `row` times (NDC, 1) is
+// the plane's depth.
+fn is_lit_in_matrix(face: u32, texel: vec2i, row: vec3f, deepest: f32) -> f32 {
+    let inside = clamped(texel);
+    let depth = max(dot(row, vec3f(ndc_of(inside), 1.0)), deepest) * matrix_site.slack;
+    return select(0.0, 1.0, depth >= textureLoad(depth_map, inside, face, 0));
+}
+
+// One tap in a face with a matrix. Its depth on a plane is linear in NDC. Each texel is compared with the plane's depth in
+// that texel: near the eye w, and depth with it, changes by more from texel to texel than it does from a caster to a
+// receiver close below it, so one depth for four texels, as hardware compares, would let light through.
 fn tap_matrix(site: Site, face: u32, ndc: vec2f) -> f32 {
     taps += 1.0;
-    let place = (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
-    let between = fract(place - 0.5);
+    let place = place_of(ndc);
     let plane = plane_in_face(face, site.normal, site.offset);
-    let scale = -1.0 / max(plane.z, 1e-37);
-    let slope = plane.xy * vec2f(2.0, -2.0) * (scale * map_light.size.y);
-    let lenient = max(slope * (1.0 - between), -slope * between);
+    let row = plane.xyw * (-1.0 / max(plane.z, 1e-37));
     let farthest = clip_in_face(face, matrix_site.farthest);
     let deepest = max(farthest.z, 0.0) / max(farthest.w, 1e-37);
-    var depth = dot(plane.xyw, vec3f(ndc, 1.0)) * scale + lenient.x + lenient.y;
-    depth = max(depth, deepest) * matrix_site.slack;
-    return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
+    if FILTER == JITTERED || FILTER == ADAPTIVE {
+        return is_lit_in_matrix(face, vec2i(floor(place)), row, deepest);
+    }
+    let texel = vec2i(floor(place - 0.5));
+    let between = fract(place - 0.5);
+    let top = mix(
+        is_lit_in_matrix(face, texel, row, deepest),
+        is_lit_in_matrix(face, texel + vec2i(1, 0), row, deepest),
+        between.x,
+    );
+    let bottom = mix(
+        is_lit_in_matrix(face, texel + vec2i(0, 1), row, deepest),
+        is_lit_in_matrix(face, texel + vec2i(1, 1), row, deepest),
+        between.x,
+    );
+    return mix(top, bottom, between.y);
 }
 
 // A tap at an offset from the pixel's own place, in texels; in units of the disc if the filter has one. The

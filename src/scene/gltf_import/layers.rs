@@ -46,27 +46,41 @@ pub(super) fn spawn(
 ///
 /// Returns `None` if neither a node nor a layer has the name, or if no layer is left.
 pub fn layer_of_name(world: &mut World, gltf: &LoadedGltf, nodes: &SceneNodes, name: &str) -> Option<u32> {
-    let named = |index: &usize| gltf.nodes[*index].name == name && nodes.nodes[*index].is_some();
-    let mut open: Vec<usize> = (0..gltf.nodes.len()).filter(named).collect();
+    let meshes = meshes_of_name(world, gltf, nodes, name);
     let mut names = world.get_resource_or_init::<LayerNames>();
     let bit = match names.bit(name) {
         Some(bit) => bit,
-        None if open.is_empty() => return None,
-        None => names.add(name).ok()?,
+        None => {
+            meshes.as_ref()?;
+            names.add(name).ok()?
+        }
     };
+    for mesh in meshes.into_iter().flatten() {
+        put_on(world, mesh, bit);
+    }
+    Some(bit)
+}
+
+/// Returns the meshes of all nodes with this name, and of their descendants. `None` if no node has the name.
+pub fn meshes_of_name(
+    world: &World,
+    gltf: &LoadedGltf,
+    nodes: &SceneNodes,
+    name: &str,
+) -> Option<Vec<Entity>> {
+    let named = |index: &usize| gltf.nodes[*index].name == name && nodes.nodes[*index].is_some();
+    let mut open: Vec<usize> = (0..gltf.nodes.len()).filter(named).collect();
+    let is_known = !open.is_empty();
+    let mut found = Vec::new();
     while let Some(node) = open.pop() {
         open.extend(&gltf.nodes[node].children);
         // Instances of the node's mesh are children of its entity.
         let below = nodes.nodes[node].and_then(|entity| world.get::<Children>(entity));
-        let mut meshes: Vec<Entity> = below.into_iter().flat_map(|below| below.iter()).collect();
-        meshes.extend(nodes.meshes[node]);
-        for mesh in meshes {
-            if world.get::<SceneMesh>(mesh).is_some() {
-                put_on(world, mesh, bit);
-            }
-        }
+        let meshes = below.into_iter().flat_map(|below| below.iter());
+        let meshes = meshes.chain(nodes.meshes[node]);
+        found.extend(meshes.filter(|mesh| world.get::<SceneMesh>(*mesh).is_some()));
     }
-    Some(bit)
+    is_known.then_some(found)
 }
 
 fn put_on(world: &mut World, mesh: Entity, bits: u32) {

@@ -81,7 +81,7 @@ use std::sync::Arc;
 pub use cell_extras::{GltfPortal, GltfVisibility};
 pub use error::GltfError;
 pub use extensions::SUPPORTED_EXTENSIONS;
-pub use layers::layer_of_name;
+pub use layers::{layer_of_name, meshes_of_name};
 pub use mesh::GltfMesh;
 pub use nodes::{GltfNode, GltfSkin, MAX_NODE_DEPTH};
 pub use report::{Element, Report, Skip, SkipKind};

@@ -106,9 +106,17 @@ impl Maps {
                     continue;
                 }
             }
-            map.reach = farthest(light, &map.casters, scene.objects);
+            map.reach = farthest(light, map.casters.ones(), scene.objects);
             map.near = map.request.near.map_or_else(
-                || near_plane(light, &map.casters, scene.objects, map.reach, scene.near_share),
+                || {
+                    near_plane(
+                        light,
+                        map.casters.ones(),
+                        scene.objects,
+                        map.reach,
+                        scene.near_share,
+                    )
+                },
                 f64::from,
             );
             if map.request.shape == MapShape::Cascades {

@@ -31,15 +31,13 @@ pub fn cascade_range(
         .depth_bounds
         .map_or(f64::INFINITY, |bounds| f64::from(bounds.far));
     let scale = view.frustum.shape().forward.length();
-    let last = last_shadow(light, objects, view);
+    let last = with_room(last_shadow(light, objects, view), softness / scale);
     let (around, apart) = nearest_receivers(light, objects, view.eye);
     DepthRange {
         near: view.near,
         nearest: around.min(apart) / scale,
         apart: apart / scale,
-        far: seen
-            .min(distance)
-            .min((last + 2.0 * softness / scale) * (1.0 + ROOM)),
+        far: seen.min(distance).min(last),
     }
 }
 
@@ -59,10 +57,15 @@ pub fn pixels_of_texel(map: &LightMap, range: &DepthRange, view: &ViewData) -> f
     })
 }
 
+/// Returns a depth some way beyond the last shadow. `softness` is the radius of the filter, in units of depth.
+pub fn with_room(last: f64, softness: f64) -> f64 {
+    (last + 2.0 * softness) * (1.0 + ROOM)
+}
+
 /// Returns the view depth beyond which no visible surface is shadowed by a caster of set S. Each caster moves along the
 /// light until it has left the bounds of the receivers. A shadow that is shorter than half a pixel does not count, so a
 /// ground that holds the receivers up, and shadows nothing below it, adds nothing, however large it is.
-fn last_shadow(light: &FrameLight, objects: &Objects, view: &ViewData) -> f64 {
+pub fn last_shadow(light: &FrameLight, objects: &Objects, view: &ViewData) -> f64 {
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient();
     let along = -light.point_world.truncate();
@@ -86,7 +89,7 @@ fn last_shadow(light: &FrameLight, objects: &Objects, view: &ViewData) -> f64 {
 }
 
 /// Returns how far a box moves along a unit direction until it has left the bounds; not positive if it is beyond them.
-fn travel(center: DVec3, half: DVec3, along: DVec3, bounds: &Aabb) -> f64 {
+pub fn travel(center: DVec3, half: DVec3, along: DVec3, bounds: &Aabb) -> f64 {
     let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
     let mut length = f64::INFINITY;
     for axis in 0..3 {

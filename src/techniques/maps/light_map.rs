@@ -161,10 +161,11 @@ impl LightMap {
     }
 
     /// Returns the number of textures of the map, each of 4 bytes a texel: still casters, still and moving casters,
-    /// the result of a conversion, and the pictures beside the first two.
+    /// the result of a conversion, the pictures beside the first two, and the technique's own pictures.
     pub fn texture_count(&self) -> u64 {
         let layers = 1 + u64::from(self.has_moving());
-        layers * (1 + u64::from(self.request.beside.is_some())) + u64::from(self.request.has_final())
+        let own = 2 * u64::from(self.request.pictures);
+        layers * (1 + u64::from(self.request.beside.is_some())) + u64::from(self.request.has_final()) + own
     }
 
     /// Returns the memory of the map's textures as bytes for each squared resolution.

@@ -46,7 +46,7 @@ pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameL
 
 /// Returns the distance from the light, metres, within which all casters are: the range or, without one, a
 /// distance rounded up to a power of two so that it does not follow every move.
-pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) -> f64 {
+pub fn farthest(light: &FrameLight, casters: impl Iterator<Item = usize>, objects: &Objects) -> f64 {
     let range = f64::from(light.light.range);
     if light.volume != LightVolume::Infinite && range < 1e15 {
         return range;
@@ -56,7 +56,7 @@ pub fn farthest(light: &FrameLight, casters: &FixedBitSet, objects: &Objects) ->
     }
     let point = light.point_world.truncate();
     let mut farthest: f64 = 1e-3;
-    for index in casters.ones() {
+    for index in casters {
         let (center, half) = objects.boxes.center_half(index);
         farthest = farthest.max(((center - point).abs() + half).length());
     }
@@ -77,7 +77,7 @@ const CLEARANCE_REACH: f64 = 1e3;
 /// [`LightClearance`]: crate::silhouettes::LightClearance
 pub fn near_plane(
     light: &FrameLight,
-    casters: &FixedBitSet,
+    casters: impl Iterator<Item = usize>,
     objects: &Objects,
     reach: f64,
     share: f64,
@@ -85,7 +85,7 @@ pub fn near_plane(
     let whole = share * reach;
     let point = light.point_world.truncate();
     let (mut touched, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
-    for index in casters.ones() {
+    for index in casters {
         let (center, half) = objects.boxes.center_half(index);
         let offset = (center - point).abs();
         let clearance = share * (offset + half).length().min(reach).min(CLEARANCE_REACH);

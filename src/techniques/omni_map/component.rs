@@ -87,6 +87,7 @@ impl OmniMap {
             cached: self.cached,
             cascades: Cascades::default(),
             beside: None,
+            pictures: false,
             layers: 0,
         };
         request.validated(light)

@@ -45,11 +45,11 @@ pub struct PerspectiveMap {
     /// Distance, at least 0, by which a virtual viewer stands behind the eye, in the view's units; the near
     /// plane stays where it is. 0 gives near surfaces the most texels and far ones the fewest; higher values
     /// even them out, and an infinite slide would be a uniform map. Default (`None`): measured in every frame,
-    /// so that the mean side of a texel on the screen is smallest.
+    /// so that texels on the screen are shortest, by the mean of their longer sides.
     pub slide: Option<f32>,
     /// Distance from a light at a position, metres, within which nothing casts; greater than 0 and less than
-    /// the range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): a
-    /// hundred-thousandth of the range. Directional lights ignore it.
+    /// the range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): it
+    /// follows the light's clearance and the nearest caster, as in plain maps. Directional lights ignore it.
     pub near: Option<f32>,
     /// Keeps the map while view, light and casters stand still. This takes 4 bytes a texel and face, twice that
     /// while some casters move, and draws more casters when the view moves. Without it, lights share a map that
@@ -148,6 +148,7 @@ impl PerspectiveMap {
             cached: self.cached,
             cascades: Cascades::default(),
             beside: None,
+            pictures: false,
             layers: 1,
         };
         request.validated(light)

@@ -8,10 +8,13 @@ use super::cube;
 use super::light_camera::{self, Rows};
 use super::projection::Projection;
 use super::receivers::{corners, push_cut};
+use super::shadowed::push_half_spaces;
 use super::texels::{Sample, collect_samples, mean_texel_side};
 use super::view_space::ViewSpace;
+use crate::geometry::Aabb;
 use crate::sets::{FrameLight, Objects, ViewData};
 use crate::techniques::maps::matrix_faces::{parallel_face, point_face};
+use crate::techniques::maps::members::{farthest, near_plane};
 use crate::techniques::maps::request::MapFaces;
 
 /// Ratio between the slides that are tried.
@@ -38,7 +41,8 @@ pub struct Fit {
     pub slide: f64,
     /// Number of faces.
     pub faces: usize,
-    /// Mean side of a texel on the screen, pixels, for a face with as many texels as the screen has pixels.
+    /// Mean of the longer sides of texels on the screen, pixels, for a face with as many texels as the screen has
+    /// pixels.
     pub texel_side: f64,
 }
 
@@ -63,27 +67,36 @@ pub struct FitInput<'a> {
     pub objects: &'a Objects,
     /// The light's settings.
     pub settings: &'a PerspectiveMap,
-    /// Default near distance of lights at a position, as a share of their reach.
+    /// Boxes that hold every visible point of the light's receivers, world space.
+    pub boxes: &'a [Aabb],
+    /// Distance to which the blur of grounds reaches beyond what is seen, metres.
+    pub blur_metres: f64,
+    /// Clearance of lights at a position from the surfaces that they may be on, as a share of distance.
     pub near_share: f64,
 }
 
 impl FitInput<'_> {
     /// The casters that the map shows: set S, or all that the light reaches if the map is kept.
+    fn casters(&self) -> impl Iterator<Item = usize> + '_ {
+        let kept = self
+            .settings
+            .cached
+            .then(|| self.light.reached_casters(self.objects));
+        let of_frame = (!self.settings.cached).then(|| self.light.sets.s.ones());
+        kept.into_iter().flatten().chain(of_frame.into_iter().flatten())
+    }
+
+    /// Calls `each` with the middle and the half sides of the bounds of every caster.
     fn for_each_caster(&self, mut each: impl FnMut(DVec3, DVec3)) {
-        let mut take = |index: usize| {
+        for index in self.casters() {
             let (center, half) = self.objects.boxes.center_half(index);
             each(center, half);
-        };
-        if self.settings.cached {
-            self.light.reached_casters(self.objects).for_each(&mut take);
-        } else {
-            self.light.sets.s.ones().for_each(&mut take);
         }
     }
 
     /// Half-spaces, in view coordinates, of what the view shows and the light lights.
-    fn half_spaces(&self, space: &ViewSpace) -> SmallVec<[DVec4; 12]> {
-        let mut half_spaces: SmallVec<[DVec4; 12]> = space.half_spaces.iter().copied().collect();
+    fn half_spaces(&self, space: &ViewSpace) -> SmallVec<[DVec4; 20]> {
+        let mut half_spaces: SmallVec<[DVec4; 20]> = space.half_spaces.iter().copied().collect();
         let apex = self.light.point_world.truncate();
         if let Some((axis, half_angle)) = self.light.shadow_cone() {
             let angle = half_angle + 1e-5;
@@ -95,7 +108,22 @@ impl FitInput<'_> {
                     .extend([x, -x, y, -y].map(|side| space.half_space(axis * sin - side * cos, apex)));
             }
         }
+        let reach = self.blur_metres.max(self.softness());
+        push_half_spaces(
+            self.light,
+            self.objects,
+            self.view,
+            space,
+            self.casters(),
+            reach,
+            &mut half_spaces,
+        );
         half_spaces
+    }
+
+    /// Radius of the filter: metres, or a share of the distance from a light at a position.
+    fn softness(&self) -> f64 {
+        f64::from(self.settings.filter.softness().unwrap_or(0.0))
     }
 
     /// Collects the points that the map must show, in view coordinates. Returns their least and greatest
@@ -103,7 +131,7 @@ impl FitInput<'_> {
     fn collect_points(&self, space: &ViewSpace, points: &mut Vec<DVec3>) -> Option<(f64, f64)> {
         let half_spaces = self.half_spaces(space);
         points.clear();
-        for aabb in &self.light.region.lit_receivers {
+        for aabb in self.boxes {
             push_cut(
                 &corners(aabb).map(|corner| space.point(corner)),
                 &half_spaces,
@@ -132,8 +160,9 @@ impl FitInput<'_> {
         if points.is_empty() {
             return None;
         }
-        if let Some(softness) = self.settings.filter.softness().filter(|softness| *softness > 0.0) {
-            self.widen(space, f64::from(softness), points);
+        let softness = self.softness();
+        if softness > 0.0 || self.blur_metres > 0.0 {
+            self.widen(space, softness, points);
         }
         let near = if space.is_perspective {
             near.max(space.near)
@@ -143,13 +172,14 @@ impl FitInput<'_> {
         Some((near, far.max(near + 1e-3 * near.abs().max(1e-3))))
     }
 
-    /// Adds the places that the taps of a soft filter reach.
+    /// Adds the places that the taps of a soft filter and of a blur reach.
     fn widen(&self, space: &ViewSpace, softness: f64, points: &mut Vec<DVec3>) {
         let light = self.light.point_world;
         for index in 0..points.len() {
             let world = space.eye_world + space.to_axes * (points[index] - space.eye);
             let ray = world * light.w - light.truncate();
             let radius = softness * if light.w == 0.0 { 1.0 } else { ray.length() };
+            let radius = radius.max(self.blur_metres);
             let (x, y) = ray.normalize_or(DVec3::Z).any_orthonormal_pair();
             // A square with these corners holds the disc.
             for side in [x, -x, y, -y] {
@@ -187,13 +217,7 @@ pub fn fit_faces(input: &FitInput, scratch: &mut Scratch) -> Option<(MapFaces, F
     let space = ViewSpace::new(input.view)?;
     let (near, far) = input.collect_points(&space, &mut scratch.points)?;
     let light = input.light.point_world;
-    collect_samples(
-        &space,
-        &input.light.region.lit_receivers,
-        &scratch.points,
-        light,
-        &mut scratch.samples,
-    );
+    collect_samples(&space, input.boxes, &scratch.points, light, &mut scratch.samples);
     let most = input.most_growth(&space, near);
     let several = input.settings.faces == PerspectiveFaces::Cube;
     let (growth, pictures) = choose(input, &space, (near, far), most, several, scratch)
@@ -355,17 +379,13 @@ fn base_plane(points: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
     DVec3::new(a, b, beyond + 1e-6 * (1.0 + beyond.abs()))
 }
 
-/// Distance from a light at a position within which nothing casts, metres.
+/// Distance from a light at a position within which nothing casts, metres. It is that of plain maps: it follows the
+/// casters.
 fn near_distance(input: &FitInput) -> f64 {
     if let Some(near) = input.settings.near {
         return f64::from(near);
     }
-    let range = f64::from(input.light.light.range);
-    if range < 1e15 {
-        return input.near_share * range;
-    }
-    let light = input.light.point_world.truncate();
-    let mut reach: f64 = 1e-3;
-    input.for_each_caster(|center, half| reach = reach.max(((center - light).abs() + half).length()));
-    input.near_share * reach
+    let (light, objects) = (input.light, input.objects);
+    let reach = farthest(light, input.casters(), objects);
+    near_plane(light, input.casters(), objects, reach, input.near_share)
 }

@@ -5,15 +5,18 @@ use bevy_ecs::prelude::*;
 use super::component::{PerspectiveFaces, PerspectiveMap};
 use super::fit::{Fit, FitInput, Scratch, fit_faces};
 #[cfg(feature = "render")]
+use super::gpu::{self, recorder::PerspectiveNode};
+use super::grounds::{BLUR_REACH, BlurredGrounds, LeftOut, collect_blurred_grounds};
+use super::parts::{MeshParts, Receiver, collect_boxes};
+use crate::geometry::Aabb;
+#[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::{Light, LightKind};
-use crate::sets::{FrameLights, Needs, Objects, View};
+use crate::sets::{FrameLights, Needs, Objects, View, VisibleParts};
 use crate::silhouettes::LightClearance;
-#[cfg(feature = "render")]
-use crate::techniques::maps::gpu::{self, recorder::MapNode};
 use crate::techniques::maps::request::{LightRequest, MapFaces, MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
 use crate::techniques::registry::{Refusal, Statistics, Technique};
@@ -25,6 +28,8 @@ pub struct PerspectiveMaps {
     /// has nothing to show are left out.
     pub fits: Vec<(usize, Fit)>,
     scratch: Scratch,
+    parts: MeshParts,
+    boxes: Vec<Aabb>,
 }
 
 impl PerspectiveMaps {
@@ -47,6 +52,9 @@ pub fn request_perspective_maps(
     objects: Res<Objects>,
     view: Res<View>,
     clearance: Res<LightClearance>,
+    grounds: Res<BlurredGrounds>,
+    visible: Res<VisibleParts>,
+    meshes: Query<Receiver>,
     maps: Query<&PerspectiveMap>,
 ) {
     let fitted = &mut *fitted;
@@ -68,13 +76,36 @@ pub fn request_perspective_maps(
         let Ok(mut request) = settings.request(&light.light) else {
             continue; // a refused light has no technique in this frame
         };
+        let blurs = grounds
+            .receivers
+            .iter()
+            .any(|(object, _)| light.sets.i.contains(*object));
+        let widest = grounds
+            .grounds
+            .iter()
+            .map(|ground| ground.radius)
+            .fold(0.0, f64::max);
+        request.pictures = blurs;
+        request.cached &= !blurs;
         let view = view.data.as_ref().filter(|_| light.region.scissor.is_some());
         let fit = view.and_then(|view| {
+            let (parts, boxes) = (&mut fitted.parts, &mut fitted.boxes);
+            collect_boxes(
+                light,
+                &objects,
+                &visible,
+                view.eye.as_vec3(),
+                &meshes,
+                parts,
+                boxes,
+            );
             let input = FitInput {
+                boxes: &fitted.boxes,
                 view,
                 light,
                 objects: &objects,
                 settings: &settings,
+                blur_metres: if blurs { BLUR_REACH * widest } else { 0.0 },
                 near_share: clearance.share().max(1e-7), // a perspective needs some near plane
             };
             fit_faces(&input, &mut fitted.scratch)
@@ -111,11 +142,16 @@ impl Technique for PerspectiveMap {
     fn init(world: &mut World) {
         systems::init(world);
         world.init_resource::<PerspectiveMaps>();
+        world.init_resource::<BlurredGrounds>();
     }
 
     fn add_systems(schedule: &mut Schedule) {
         systems::add(schedule);
-        schedule.add_systems(request_perspective_maps.in_set(MapSystems::Request));
+        schedule.add_systems(
+            (collect_blurred_grounds, request_perspective_maps)
+                .chain()
+                .in_set(MapSystems::Request),
+        );
     }
 
     fn statistics(world: &World, light: usize, out: &mut Statistics) {
@@ -137,6 +173,18 @@ impl Technique for PerspectiveMap {
 
     fn report(world: &World, round: &mut Round) {
         systems::report::<Self>(world, round);
+        for &(entity, left_out) in &world.resource::<BlurredGrounds>().left_out {
+            let (code, why) = match left_out {
+                LeftOut::TooMany => (
+                    2,
+                    "four other grounds are blurred already. Remove the component from some, or put grounds into one plane",
+                ),
+                LeftOut::Radius => (3, "its radius must be finite and greater than 0"),
+            };
+            round.raise(Some(entity), code, || {
+                format!("The shadows of perspective maps are not blurred on this `BlurredGround`: {why}.")
+            });
+        }
         let view = world.resource::<View>();
         if !view.data.as_ref().is_some_and(|view| view.is_orthographic()) {
             return;
@@ -165,10 +213,10 @@ impl Technique for PerspectiveMap {
     const SHADERS: &'static [ShaderFile] = gpu::SHADERS;
 
     #[cfg(feature = "render")]
-    type Recorder = MapNode;
+    type Recorder = PerspectiveNode;
 
     #[cfg(feature = "render")]
     fn recorder(gpu: &Gpu) -> Result<Self::Recorder, RenderError> {
-        MapNode::new(gpu)
+        PerspectiveNode::new(gpu)
     }
 }

@@ -1,6 +1,6 @@
 //! Texels per pixel of the screen, at sample points: the measure by which a map's slide is chosen.
 
-use glam::{DVec2, DVec3, DVec4};
+use glam::{DMat2, DVec2, DVec3, DVec4};
 
 use super::light_camera::Rows;
 use super::view_space::ViewSpace;
@@ -16,8 +16,8 @@ pub struct Sample {
     pub point: DVec3,
     /// Two vectors along the surface, view coordinates.
     pub tangents: [DVec3; 2],
-    /// Area of the screen, in NDC, that the parallelogram of the tangents covers.
-    pub screen: f64,
+    /// What the two tangents are on the screen, NDC.
+    pub screen: DMat2,
 }
 
 /// Returns the places of the samples on the screen, NDC.
@@ -31,6 +31,9 @@ pub fn places() -> impl Iterator<Item = DVec2> {
         )
     })
 }
+
+/// Side of a texel that stands for none, screens.
+const FARTHEST: f64 = 1e9;
 
 /// Number of samples below which the points that a map must show are samples too.
 const FEW: usize = 8;
@@ -87,14 +90,23 @@ fn hit(space: &ViewSpace, aabb: &Aabb, from: DVec3, along: DVec3) -> Option<f64>
     Some(if enter >= nearest { enter } else { leave })
 }
 
-/// Area of the picture with these rows that a parallelogram at a point covers, NDC.
-fn area(rows: &Rows, point: DVec3, tangents: &[DVec3; 2]) -> f64 {
+/// Returns what two small vectors at a point are in the picture with these rows, NDC.
+fn steps(rows: &Rows, point: DVec3, tangents: &[DVec3; 2]) -> DMat2 {
     let [x, y, w] = rows.map(|row| row.dot(point.extend(1.0)));
     let step = |tangent: DVec3| {
         let [dx, dy, dw] = rows.map(|row| row.truncate().dot(tangent));
         DVec2::new((dx - x / w * dw) / w, (dy - y / w * dw) / w)
     };
-    step(tangents[0]).perp_dot(step(tangents[1])).abs()
+    DMat2::from_cols(step(tangents[0]), step(tangents[1]))
+}
+
+/// Returns the longer axis of the ellipse to which a matrix maps the unit circle: its greater singular value.
+fn longer_axis(matrix: DMat2) -> f64 {
+    let squares = matrix.x_axis.length_squared() + matrix.y_axis.length_squared();
+    let difference = (squares * squares - 4.0 * matrix.determinant().powi(2))
+        .max(0.0)
+        .sqrt();
+    (0.5 * (squares + difference)).sqrt()
 }
 
 impl Sample {
@@ -108,29 +120,38 @@ impl Sample {
         let tangents = [right, up].map(|axis| space.from_axes * axis);
         let point = space.point(world);
         let w = if space.is_perspective { DVec4::Z } else { DVec4::W };
-        let screen = area(&[DVec4::X, DVec4::Y, w], point, &tangents);
-        (screen > 0.0 && screen.is_finite()).then_some(Self {
+        let screen = steps(&[DVec4::X, DVec4::Y, w], point, &tangents);
+        let area = screen.determinant().abs();
+        (area > 0.0 && area.is_finite()).then_some(Self {
             point,
             tangents,
             screen,
         })
     }
 
-    /// Area of the map's pictures, NDC, per area of the screen. `pictures` have rows for view coordinates; the
-    /// first that shows the sample counts. 0: none does.
-    pub fn texels_per_pixel(&self, pictures: &[Rows]) -> f64 {
+    /// Longer side of a texel on the screen, NDC of the screen per NDC of the map. `pictures` have rows for view
+    /// coordinates; the first that shows the sample counts.
+    fn texel_side(&self, pictures: &[Rows]) -> f64 {
         for rows in pictures {
             let [x, y, w] = rows.map(|row| row.dot(self.point.extend(1.0)));
             if w > 0.0 && x.abs().max(y.abs()) <= w * (1.0 + 1e-6) {
-                return area(rows, self.point, &self.tangents) / self.screen;
+                let map = steps(rows, self.point, &self.tangents);
+                let screen_from_map = self.screen * map.inverse();
+                let side = longer_axis(screen_from_map);
+                return if side.is_finite() {
+                    side.min(FARTHEST)
+                } else {
+                    FARTHEST
+                };
             }
         }
-        0.0
+        FARTHEST
     }
 }
 
-/// Mean side of a texel on the screen, in units of the ratio of screen and map: the aliasing that is seen.
+/// Mean of the longer sides of texels on the screen, in units of the ratio of screen and map: the aliasing that is seen.
+/// Long thin texels count by their length, because it is that which makes edges coarse and bias large.
 pub fn mean_texel_side(pictures: &[Rows], samples: &[Sample]) -> f64 {
-    let side = |sample: &Sample| sample.texels_per_pixel(pictures).max(1e-18).sqrt().recip();
-    samples.iter().map(side).sum::<f64>() / samples.len().max(1) as f64
+    let sides = samples.iter().map(|sample| sample.texel_side(pictures));
+    sides.sum::<f64>() / samples.len().max(1) as f64
 }

@@ -85,6 +85,7 @@ impl ShadowMap {
             cached: self.cached,
             cascades: self.cascades,
             beside: None,
+            pictures: false,
             layers: 0,
         };
         request.validated(light)

@@ -222,6 +222,7 @@ impl Smoothie {
             cached: self.cached,
             cascades: self.cascades,
             beside: Some(self.beside(light)?),
+            pictures: false,
             layers: 0,
         };
         request.validated(light)

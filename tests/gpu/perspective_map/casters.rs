@@ -111,6 +111,46 @@ fn casters_behind_the_viewer_and_before_the_near_plane_cast_exactly() {
     assert!(dark > 3000, "{dark}");
 }
 
+/// The eye is next to a plate that lies a hundredth of its size above the ground: between two texels the depth of the map
+/// changes by more than from the plate to the ground.
+#[test]
+fn nothing_shines_through_a_plate_close_above_the_ground() {
+    let camera = Camera {
+        vertical_fov: 0.9,
+        near: 0.004,
+        aspect: SIZE.x as f32 / SIZE.y as f32,
+        ..Camera::default()
+    };
+    let view = Transform::from_xyz(0.7, 0.012, 0.7).looking_at(Vec3::ZERO, Vec3::Y);
+    let mut stage = Stage::empty(SIZE, camera, view);
+    stage.world.insert_resource(FaceCulling::None);
+    stage
+        .add_renderer(strict_context(), RenderSettings::default())
+        .expect("shaders compose");
+    for (half, height) in [(6.0, -0.01), (0.7, 0.0)] {
+        stage.world.spawn((
+            SceneMesh(std::sync::Arc::new(MeshData::plane(half))),
+            SceneMaterials([std::sync::Arc::new(Material::matte(Vec3::ONE))].into()),
+            (ShadowCaster, ShadowReceiver),
+            Transform::from_xyz(0.0, height, 0.0),
+        ));
+    }
+    let below = Transform::from_xyz(0.68, -0.005, 0.68).looking_at(Vec3::new(0.0, -0.006, 0.0), Vec3::Y);
+    for view in [view, below] {
+        let camera = stage.camera;
+        stage.world.entity_mut(camera).insert(view);
+        for (light, place) in [
+            lamp(SPOT, Vec3::new(0.9, 1.6, 0.6), Vec3::ZERO),
+            lamp(LightKind::Point, Vec3::new(0.9, 1.6, 0.6), Vec3::ZERO),
+            sun(Vec3::new(-0.5, -1.0, -0.4)),
+        ] {
+            let error = judge(&mut stage, light.clone(), place, variants(1024)[0]);
+            println!("{:?}: {error:?}", light.kind);
+            assert!(error.wrong == 0, "{:?}: {error:?}", light.kind);
+        }
+    }
+}
+
 #[test]
 fn lights_ahead_behind_in_the_plane_of_the_eye_and_at_the_eye_are_exact() {
     let mut stage = street(&AROUND, 0.1);

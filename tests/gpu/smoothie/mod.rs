@@ -313,3 +313,57 @@ fn width_may_follow_the_distance_or_the_light() {
     let narrow = picture(LightKind::Sphere { radius: 0.1 }, SmoothieWidth::Light);
     assert!(differ(&metres, &narrow) > 100);
 }
+
+/// A skinned caster has the smoothies of its pose: those of a mesh that was made in that pose, also after it moved.
+#[test]
+fn skinned_casters_have_the_smoothies_of_their_pose() {
+    let context = strict_context();
+    let pose = [
+        Transform::from_xyz(-0.3, 1.2, 0.1).with_rotation(Quat::from_rotation_y(0.4)),
+        Transform::from_xyz(0.5, 1.7, -0.2).with_rotation(Quat::from_rotation_z(0.5)),
+    ];
+    // The left half of the box follows the first joint, the right half the second.
+    let plate = MeshData::cuboid(Vec3::new(0.6, 0.03, 0.4));
+    let joint_of = |p: &Vec3| usize::from(p.x > 0.0);
+    let mut posed = plate.clone();
+    for p in &mut posed.positions {
+        *p = pose[joint_of(p)].transform_point(*p);
+    }
+    let mut skinned = plate;
+    skinned.joints = skinned
+        .positions
+        .iter()
+        .map(|p| [joint_of(p) as u16; 4])
+        .collect();
+    skinned.joint_weights = vec![glam::Vec4::X; skinned.positions.len()];
+    for kind in [SPOT, LightKind::Point, LightKind::Directional] {
+        let mut lit = ground(&context, Vec3::new(1.5, 3.0, 3.0), Vec3::ZERO);
+        let mut moved = ground(&context, Vec3::new(1.5, 3.0, 3.0), Vec3::ZERO);
+        spawn(&mut lit, posed.clone(), Transform::IDENTITY);
+        let caster = spawn(&mut moved, skinned.clone(), Transform::IDENTITY);
+        let joints: Vec<_> = (0..2)
+            .map(|_| moved.world.spawn(Transform::from_xyz(0.0, 1.0, 0.0)).id())
+            .collect();
+        moved.world.entity_mut(caster).insert(antumbra::scene::Skin {
+            joints: joints.clone(),
+            inverse_bind: [glam::Mat4::IDENTITY; 2].into(),
+        });
+        for stage in [&mut lit, &mut moved] {
+            let (light, place) = lamp(kind, Vec3::new(0.1, 4.5, 0.2));
+            stage.spawn_light(light, place, Some(smoothie(SmoothieWidth::Metres(0.3))));
+        }
+        let before = rendered(&mut moved);
+        for (joint, place) in joints.iter().zip(pose) {
+            moved.world.entity_mut(*joint).insert(place);
+        }
+        let (expected, got) = (rendered(&mut lit), rendered(&mut moved));
+        let differ = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 0.02).count();
+        let soft = expected
+            .iter()
+            .filter(|value| (0.1..0.9).contains(*value))
+            .count();
+        // Skinning rounds.
+        assert!(differ(&expected, &got) < 3, "{kind:?}");
+        assert!(soft > 40 && differ(&before, &got) > 100, "{kind:?}: {soft}");
+    }
+}

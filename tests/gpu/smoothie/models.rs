@@ -39,6 +39,10 @@ struct Judged {
     sphere: f64,
     /// RMSE along edges to the light that smoothies imitate.
     outer: f64,
+    /// RMSE to that light beside the umbra, which smoothies leave as it is.
+    beside: f64,
+    /// Share of the squares of the error to that light where the picture is too dark.
+    dark: f64,
     /// Milliseconds of the lookup.
     lookup: f64,
     /// Milliseconds of everything that the light's shadow takes where all casters move.
@@ -63,6 +67,19 @@ fn times(stage: &mut Stage) -> (Vec<f32>, f64, f64) {
     let whole = least(&["/map", "/map lookup", "/smoothies"]);
     let lookup = least(&["/map lookup"]);
     (rendered(stage), lookup, whole)
+}
+
+/// RMSE where a penumbra is and the plain map is not dark, and the share of all squares where the picture is too dark.
+fn beside(truth: &[f32], got: &[f32], seen: &[f32], plain: &[f32]) -> (f64, f64) {
+    let (mut sums, mut count) = ([0.0; 2], 0u32);
+    let edges = (0..truth.len()).filter(|&index| (0.01..0.99).contains(&seen[index]));
+    for index in edges.filter(|&index| plain[index] > 0.0) {
+        let is_dark = got[index] < truth[index];
+        sums[usize::from(is_dark)] += f64::from(truth[index] - got[index]).powi(2);
+        count += 1;
+    }
+    let sum = sums[0] + sums[1];
+    ((sum / f64::from(count.max(1))).sqrt(), sums[1] / sum)
 }
 
 /// RMSE where the penumbra of either light is.
@@ -131,6 +148,7 @@ fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
         softness: RADIUS / 3.0,
         adaptive: true,
     };
+    let mut plain = Vec::new();
     [Some(MapFilter::Bilinear), Some(jittered), None].map(|filter| {
         let mut light = stage.stage.world.entity_mut(entity);
         light.remove::<(ShadowMap, Smoothie)>();
@@ -149,7 +167,13 @@ fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
             }),
         };
         let (got, lookup, whole) = times(&mut stage.stage);
+        if plain.is_empty() {
+            plain.clone_from(&got);
+        }
+        let (beside, dark) = beside(&outer, &got, &seen, &plain);
         Judged {
+            beside,
+            dark,
             sphere: rmse(&seen, &got, &seen),
             outer: rmse(&outer, &got, &seen),
             lookup,
@@ -164,11 +188,11 @@ fn table(names: &[&str], allowed: f64) {
         ..Default::default()
     });
     println!(
-        "{:<26} {:>23} {:>23} {:>17} {:>17}",
-        "256²", "to the sphere", "to its outer half", "lookup ratio", "with all drawn"
+        "{:<26} {:>23} {:>23} {:>23} {:>17} {:>17}",
+        "256²", "to the sphere", "to its outer half", "beside the umbra", "lookup ratio", "with all drawn"
     );
     println!(
-        "{:<26} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}",
+        "{:<26} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}",
         "model",
         "plain",
         "jitter",
@@ -176,6 +200,9 @@ fn table(names: &[&str], allowed: f64) {
         "plain",
         "jitter",
         "smooth",
+        "plain",
+        "smooth",
+        "dark",
         "/plain",
         "/jitter",
         "/plain",
@@ -186,7 +213,7 @@ fn table(names: &[&str], allowed: f64) {
         let path = model(name);
         let [plain, jittered, smoothie] = judge(&path, &context);
         println!(
-            "{:<26} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>8.2} {:>8.2} {:>8.2} {:>8.2}",
+            "{:<26} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.2} {:>8.2} {:>8.2} {:>8.2} {:>8.2}",
             file_name(&path),
             plain.sphere,
             jittered.sphere,
@@ -194,6 +221,9 @@ fn table(names: &[&str], allowed: f64) {
             plain.outer,
             jittered.outer,
             smoothie.outer,
+            plain.beside,
+            smoothie.beside,
+            smoothie.dark,
             smoothie.lookup / plain.lookup,
             smoothie.lookup / jittered.lookup,
             smoothie.whole / plain.whole,

@@ -46,6 +46,8 @@ pub struct MapDraws {
     pub draws: Vec<MapDraw>,
     /// The matrices of the casters of all draws.
     pub casters: Vec<MapCaster>,
+    /// Dense object index of each caster of a draw. Matrices that were added otherwise may follow.
+    pub objects: Vec<u32>,
     parts: Vec<Part>,
 }
 
@@ -54,6 +56,7 @@ impl MapDraws {
     pub fn clear(&mut self) {
         self.draws.clear();
         self.casters.clear();
+        self.objects.clear();
     }
 
     /// Adds the draws of a set of objects into a face, and returns their range.
@@ -80,6 +83,8 @@ impl MapDraws {
                 .and_then(|transform| placed(transform, is_skinned))
                 .map_or(DMat4::ZERO, |affine| Mat4::from(affine).as_dmat4());
             let at = self.casters.len() as u32;
+            self.objects.resize(self.casters.len(), u32::MAX);
+            self.objects.push(part.object);
             self.casters.push(MapCaster {
                 clip_from_local: (clip_from_world * world_from_local).as_mat4().to_cols_array_2d(),
             });

@@ -27,6 +27,35 @@ pub fn texture_format(format: MapFormat) -> wgpu::TextureFormat {
     }
 }
 
+const POSITION: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
+    array_stride: 12,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
+};
+
+const UV_AND_COLOR: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
+    array_stride: size_of::<SurfaceVertex>() as u64,
+    step_mode: wgpu::VertexStepMode::Vertex,
+    attributes: &[
+        wgpu::VertexAttribute {
+            format: wgpu::VertexFormat::Float32x4,
+            offset: offset_of!(SurfaceVertex, uv) as u64,
+            shader_location: 3,
+        },
+        wgpu::VertexAttribute {
+            format: wgpu::VertexFormat::Float32x4,
+            offset: offset_of!(SurfaceVertex, color) as u64,
+            shader_location: 4,
+        },
+    ],
+};
+
+/// The vertex buffers of casters without holes.
+pub const SOLID_BUFFERS: &[wgpu::VertexBufferLayout] = &[POSITION];
+
+/// The vertex buffers of casters whose texture cuts holes.
+pub const MASKED_BUFFERS: &[wgpu::VertexBufferLayout] = &[POSITION, UV_AND_COLOR];
+
 /// Whether the first surface is left out when casters are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Peel {
@@ -131,41 +160,15 @@ pub fn describe(gpu: &Gpu, layouts: &MapLayouts, key: Key) -> PipelineDesc {
     }
 }
 
-const POSITION: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
-    array_stride: 12,
-    step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &wgpu::vertex_attr_array![0 => Float32x3],
-};
-const UV_AND_COLOR: wgpu::VertexBufferLayout = wgpu::VertexBufferLayout {
-    array_stride: size_of::<SurfaceVertex>() as u64,
-    step_mode: wgpu::VertexStepMode::Vertex,
-    attributes: &[
-        wgpu::VertexAttribute {
-            format: wgpu::VertexFormat::Float32x4,
-            offset: offset_of!(SurfaceVertex, uv) as u64,
-            shader_location: 3,
-        },
-        wgpu::VertexAttribute {
-            format: wgpu::VertexFormat::Float32x4,
-            offset: offset_of!(SurfaceVertex, color) as u64,
-            shader_location: 4,
-        },
-    ],
-};
-/// The vertex buffers of solid casters: positions.
-pub const CASTER_SOLID: &[wgpu::VertexBufferLayout] = &[POSITION];
-/// The vertex buffers of casters with holes: positions, then texture coordinates and colours.
-pub const CASTER_MASKED: &[wgpu::VertexBufferLayout] = &[POSITION, UV_AND_COLOR];
-
 /// Describes the pipeline that draws casters. It draws both sides, because a triangle blocks light whichever
 /// way it faces.
 fn describe_caster(gpu: &Gpu, layouts: &MapLayouts, masked: bool, peel: Peel) -> PipelineDesc {
     let peels = peel != Peel::No;
     let (vertex, fragment, buffers) = match (masked, peels) {
-        (false, false) => ("solid", None, CASTER_SOLID),
-        (false, true) => ("solid", Some("peel"), CASTER_SOLID),
-        (true, false) => ("masked_vertex", Some("masked"), CASTER_MASKED),
-        (true, true) => ("masked_vertex", Some("masked_peel"), CASTER_MASKED),
+        (false, false) => ("solid", None, SOLID_BUFFERS),
+        (false, true) => ("solid", Some("peel"), SOLID_BUFFERS),
+        (true, false) => ("masked_vertex", Some("masked"), MASKED_BUFFERS),
+        (true, true) => ("masked_vertex", Some("masked_peel"), MASKED_BUFFERS),
     };
     let fragment = fragment.map(|entry| Stage::new(CASTER, entry));
     PipelineDesc {

@@ -59,7 +59,8 @@ impl FaceArray {
         Self { texture, layers }
     }
 
-    fn array_view(&self) -> wgpu::TextureView {
+    /// Makes a view of all layers.
+    pub fn array_view(&self) -> wgpu::TextureView {
         self.texture.create_view(&wgpu::TextureViewDescriptor {
             dimension: Some(wgpu::TextureViewDimension::D2Array),
             ..Default::default()

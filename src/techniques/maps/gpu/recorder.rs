@@ -146,6 +146,14 @@ impl MapNode {
         })
     }
 
+    /// The slots and plans of the lights whose faces stay as they are drawn until they are looked up.
+    pub(in crate::techniques) fn keepers(&self) -> impl Iterator<Item = (usize, &LightPlan)> {
+        self.lights
+            .iter()
+            .enumerate()
+            .filter(|(_, plan)| !plan.takes_turns)
+    }
+
     pub(in crate::techniques) fn plan_of(&self, light: usize) -> Option<(usize, &LightPlan)> {
         let at = self.lights.binary_search_by_key(&light, |plan| plan.light).ok()?;
         Some((at, &self.lights[at]))
@@ -334,6 +342,19 @@ impl Resolve for MapNode {
             // Another light may have used the texture since, so the texture is drawn before each lookup.
             self.draw_faces(slot, plan, encoder, &input.pictures(), &mut Recorded::default());
         }
+        self.look_up_light(slot, plan, encoder, input);
+    }
+}
+
+impl MapNode {
+    /// Looks up the map of one light, whose faces are drawn.
+    pub(in crate::techniques) fn look_up_light(
+        &self,
+        slot: usize,
+        plan: &LightPlan,
+        encoder: &mut wgpu::CommandEncoder,
+        input: &ResolveInput,
+    ) {
         if let (Some(textures), Some(pipeline)) = (
             self.pool.get(&plan.key),
             plan.lookup.and_then(|key| self.pipelines.get(key)),
@@ -341,10 +362,8 @@ impl Resolve for MapNode {
             self.look_up(slot, &textures.group, pipeline, encoder, input);
         }
     }
-}
 
-impl MapNode {
-    /// Plans the maps of the lights whose request has a picture beside the depth, or of those whose request has none.
+    /// Plans the maps of the lights whose request is the recorder's own.
     ///
     /// # Errors
     /// Any error of the device or of a shader.
@@ -352,7 +371,7 @@ impl MapNode {
         &mut self,
         world: &World,
         input: &PrepareInput,
-        beside: bool,
+        is_own: impl Fn(&MapRequest) -> bool,
     ) -> Result<(), RenderError> {
         self.lights.clear();
         self.faces.clear();
@@ -367,8 +386,7 @@ impl MapNode {
             return Ok(());
         };
         self.pool.begin();
-        let own = |map: &&LightMap| map.request.beside.is_some() == beside;
-        for map in maps.lights.iter().filter(own) {
+        for map in maps.lights.iter().filter(|map| is_own(&map.request)) {
             if map.active {
                 self.plan_light(world, input, map, view, settings.show_taps)?;
             } else if map.cached {
@@ -396,17 +414,14 @@ impl MapNode {
 
 impl Recorder for MapNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
-        self.prepare_maps(world, input, false)
+        self.prepare_maps(world, input, |request| {
+            request.beside.is_none() && request.shape != MapShape::Matrices
+        })
     }
 
     fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {
         let mut recorded = Recorded::default();
-        for (slot, plan) in self
-            .lights
-            .iter()
-            .enumerate()
-            .filter(|(_, plan)| !plan.takes_turns)
-        {
+        for (slot, plan) in self.keepers() {
             self.draw_faces(slot, plan, encoder, input, &mut recorded);
         }
         recorded.confirm_on_submission(encoder);

@@ -7,7 +7,7 @@ use crate::render::frame::targets::MASK_FORMAT;
 use crate::render::gpu::bind_groups::{STORAGE, buffer_entry};
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, EVERYWHERE_WITH_INSTANCE, PipelineDesc, Stage};
 use crate::techniques::maps::gpu::gpu_types::MapCaster;
-use crate::techniques::maps::gpu::pipelines::{CASTER_MASKED, CASTER_SOLID};
+use crate::techniques::maps::gpu::pipelines::{MASKED_BUFFERS, SOLID_BUFFERS};
 use crate::techniques::occlusion_texture::component::{SliceCombination, SliceFilter};
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
@@ -162,9 +162,9 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             groups,
         } => {
             let (vertex, fragment, buffers) = if masked {
-                ("masked_vertex", "masked", CASTER_MASKED)
+                ("masked_vertex", "masked", MASKED_BUFFERS)
             } else {
-                ("solid_vertex", "solid", CASTER_SOLID)
+                ("solid_vertex", "solid", SOLID_BUFFERS)
             };
             let fragment = Some(Stage::new(CASTER, fragment));
             let desc = PipelineDesc {

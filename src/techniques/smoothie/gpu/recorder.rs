@@ -143,7 +143,8 @@ fn bind_faces(
 
 impl Recorder for SmoothieNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
-        self.maps.prepare_maps(world, input, true)?;
+        self.maps
+            .prepare_maps(world, input, |request| request.beside.is_some())?;
         self.smoothies.clear();
         self.plans.clear();
         self.faces.constants.clear();
@@ -176,8 +177,7 @@ impl Recorder for SmoothieNode {
 
     fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {
         let mut recorded = Recorded::default();
-        let lights = self.maps.lights.iter().enumerate();
-        for (slot, plan) in lights.filter(|(_, plan)| !plan.takes_turns) {
+        for (slot, plan) in self.maps.keepers() {
             self.draw_light(slot, plan, encoder, input, &mut recorded);
         }
         recorded.confirm_on_submission(encoder);

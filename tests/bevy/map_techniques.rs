@@ -1,0 +1,106 @@
+//! Perspective maps with a blurred ground, and smoothies, in a game.
+
+use antumbra::bevy_adapter::prelude::*;
+use antumbra::techniques::maps::MapResolution;
+use antumbra::techniques::{Smoothie, SmoothieWidth};
+use bevy::prelude::*;
+
+use crate::harness::{Game, Picture, add_mesh, antumbra, marked_camera};
+
+/// A plate over a floor under a spot light with a technique. Returns the game, its camera and the floor.
+fn game(technique: Option<impl Bundle>, radius: Option<f32>) -> (Game, Entity, Entity) {
+    let mut app = antumbra();
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = marked_camera(world, Vec3::new(0.4, 5.0, 1.2));
+    let floor = Plane3d::default().mesh().size(6.0, 6.0);
+    let floor = add_mesh(world, floor, Transform::IDENTITY);
+    if let Some(radius) = radius {
+        world.entity_mut(floor).insert(BlurredGround { radius });
+    }
+    add_mesh(
+        world,
+        Cuboid::new(1.2, 0.05, 1.0),
+        Transform::from_xyz(0.2, 1.0, 0.0),
+    );
+    let light = SpotLight {
+        intensity: 2_000_000.0,
+        outer_angle: 0.9,
+        inner_angle: 0.8,
+        ..default()
+    };
+    let place = Transform::from_xyz(1.2, 4.0, 0.6).looking_at(Vec3::ZERO, Vec3::Y);
+    let light = world.spawn((light, place)).id();
+    if let Some(technique) = technique {
+        world.entity_mut(light).insert(technique);
+    }
+    (Game::start(app), camera, floor)
+}
+
+fn picture(technique: Option<impl Bundle>, radius: Option<f32>) -> Picture {
+    let (mut game, camera, _) = game(technique, radius);
+    game.run(5).settled(camera)
+}
+
+/// Numbers of pixels that see none of the light, and of those that see a part.
+fn dark_and_soft(shadowed: &Picture, lit: &Picture) -> [usize; 2] {
+    let most = lit
+        .texels
+        .iter()
+        .map(|texel| f32::from(texel[1]))
+        .fold(0.0, f32::max);
+    let mut counts = [0; 2];
+    for (a, b) in shadowed.texels.iter().zip(&lit.texels) {
+        let (a, b) = (f32::from(a[1]), f32::from(b[1]));
+        if b > 0.02 * most {
+            counts[0] += usize::from(a < 0.02 * b);
+            counts[1] += usize::from((0.1..0.9).contains(&(a / b)));
+        }
+    }
+    counts
+}
+
+#[test]
+fn perspective_maps_shadow_a_game_and_blur_its_ground() {
+    let map = PerspectiveMap {
+        resolution: MapResolution::Fixed(512),
+        ..default()
+    };
+    let lit = picture(None::<PerspectiveMap>, None);
+    let (mut game, camera, floor) = game(Some(map), None);
+    let sharp = dark_and_soft(&game.run(5).settled(camera), &lit);
+    // The component may come and go.
+    game.world()
+        .entity_mut(floor)
+        .insert(BlurredGround { radius: 0.15 });
+    let blurred = dark_and_soft(&game.run(3).settled(camera), &lit);
+    game.world().entity_mut(floor).remove::<BlurredGround>();
+    let again = dark_and_soft(&game.run(3).settled(camera), &lit);
+    println!("dark and soft: {sharp:?}, blurred {blurred:?}, again {again:?}");
+    assert!(sharp[0] > 100 && sharp[1] < sharp[0] / 2, "{sharp:?}");
+    assert!(blurred[1] > 3 * sharp[1] && blurred[1] > 150, "{blurred:?}");
+    assert_eq!(sharp, again);
+}
+
+#[test]
+fn smoothies_soften_the_shadows_of_a_game_around_the_same_umbra() {
+    let resolution = MapResolution::Fixed(512);
+    let lit = picture(None::<Smoothie>, None);
+    let plain = ShadowMap {
+        resolution,
+        ..default()
+    };
+    let smoothie = Smoothie {
+        resolution,
+        width: SmoothieWidth::Metres(0.5),
+        ..default()
+    };
+    let plain = dark_and_soft(&picture(Some(plain), None), &lit);
+    let soft = dark_and_soft(&picture(Some(smoothie), None), &lit);
+    println!("dark and soft: plain {plain:?}, smoothies {soft:?}");
+    assert!(
+        plain[0] > 100 && soft[0].abs_diff(plain[0]) < plain[0] / 8,
+        "{plain:?} {soft:?}"
+    );
+    assert!(soft[1] > 2 * plain[1].max(30), "{plain:?} {soft:?}");
+}
