@@ -27,7 +27,7 @@ FEATURES := --features bevy,gltf,gltf-meshopt,gltf-basisu,reference,profile
 # Where examples put what they draw in `make test`.
 SMALL := target/small
 BENCHES := $(shell sed -n '/^\[\[bench\]\]/,/^name/s/^name = "\(.*\)"/\1/p' Cargo.toml)
-SHOTS := $(wildcard examples/shots/*.json)
+SHOTS := $(filter-out %/schema.json,$(wildcard examples/shots/*.json))
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | while IFS=$$'\t' read -r name what; do \

@@ -5,10 +5,13 @@
 
 #[path = "../gltf/gltf_builder/mod.rs"]
 mod gltf_builder;
+#[path = "../veil/mod.rs"]
+mod veil;
 
 mod errors;
 mod outputs;
 mod reports;
+mod schema;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

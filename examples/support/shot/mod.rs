@@ -35,9 +35,11 @@ mod camera;
 mod file;
 mod light;
 mod model;
+mod schema;
 mod textures;
 
 pub use camera::ShotCamera;
-pub use file::Shot;
-pub use light::{ShotEmission, ShotLight};
+pub use file::{Shot, ShotAnimation};
+pub use light::{LightParts, ShotEmission, ShotLight};
 pub use model::ShotModel;
+pub use schema::shot_schema;
