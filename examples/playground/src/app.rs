@@ -301,14 +301,16 @@ impl App {
 
     /// Undoes or redoes a change.
     pub fn step(&mut self, back: bool) {
-        let view = self.document.view;
+        let (view, pose) = (self.document.view, self.document.pose);
         let is_done = if back {
             self.history.undo(&mut self.document)
         } else {
             self.history.redo(&mut self.document)
         };
         if is_done {
-            self.document.view = view; // the camera is not what is edited
+            // The camera and the animation are not what is edited.
+            self.document.view = view;
+            self.document.pose = pose;
         }
         let count = self.document.lights().len();
         self.shown.selected = self.shown.selected.filter(|light| *light < count);
@@ -470,7 +472,8 @@ impl App {
             size: size.clamp(UVec2::ONE, UVec2::splat(largest)),
             panes: self.shown.panes,
             selected: self.shown.selected,
-            judge: self.shown.judge && !self.shown.playing,
+            judge: self.shown.judge,
+            playing: self.shown.playing,
             debug_volumes: self.shown.debug_volumes,
         };
         let drawn = compare.draw(&self.document, &wanted, &self.techniques);

@@ -106,6 +106,8 @@ pub struct Wanted {
     pub selected: Option<usize>,
     /// Whether the truth is traced even if no half shows it.
     pub judge: bool,
+    /// Whether the animation plays, so that no truth would be traced in time.
+    pub playing: bool,
     /// Whether the techniques' own debug views are drawn over the picture.
     pub debug_volumes: bool,
 }
@@ -174,7 +176,8 @@ impl Compare {
         wanted: &Wanted,
         techniques: &Techniques,
     ) -> Result<(), String> {
-        let refining = wanted.judge || wanted.panes.iter().any(|pane| pane.needs_truth());
+        let is_asked = wanted.judge || wanted.panes.iter().any(|pane| pane.needs_truth());
+        let refining = is_asked && !wanted.playing;
         if document.pose != self.posed {
             self.posed = document.pose;
             self.pose_number += 1;
@@ -193,10 +196,20 @@ impl Compare {
             self.judged = None;
             self.judgements = [None; 2];
         }
-        if wanted.panes.contains(&Show::Truth) {
+        if wanted.panes.contains(&Show::Truth) && self.truth.answer().is_some() {
             self.draw_truth(document, wanted, techniques)?;
         }
         Ok(())
+    }
+
+    /// Whether there is a picture of what is to be shown.
+    pub fn is_known(&self, show: Show) -> bool {
+        match show {
+            Show::A | Show::B => true,
+            Show::Truth => self.truth.answer().is_some(),
+            Show::ErrorA => self.judgements[Side::A.index()].is_some(),
+            Show::ErrorB => self.judgements[Side::B.index()].is_some(),
+        }
     }
 
     /// Judges the sides that are shown, unless they are judged already.

@@ -69,15 +69,16 @@ impl App {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         for (show, part) in self.shown.panes.into_iter().zip(parts) {
             let painter = ui.painter().with_clip_rect(part.intersect(ui.clip_rect()));
-            let is_known = !matches!(show, Show::ErrorA | Show::ErrorB)
-                || show.side().is_some_and(|side| self.judgement(side).is_some());
+            let is_known = self.compare.as_ref().is_some_and(|compare| compare.is_known(show));
             match self.images[show as usize].filter(|_| is_known) {
                 Some((_, id)) => {
                     painter.image(id, rect, whole, Color32::WHITE);
                 }
                 None => {
                     painter.rect_filled(part, 0.0, theme::BEHIND);
-                    let text = if self.shown.selected.is_some() {
+                    let text = if self.shown.playing {
+                        "The truth waits until the animation stops."
+                    } else if show == Show::Truth || self.shown.selected.is_some() {
                         "The truth is traced."
                     } else {
                         "Select a light."
@@ -87,10 +88,6 @@ impl App {
                 }
             }
         }
-    }
-
-    fn judgement(&self, side: Side) -> Option<crate::compare::Judgement> {
-        self.compare.as_ref()?.judgements[side.index()]
     }
 
     fn divider(&mut self, ui: &mut Ui, rect: Rect) {
