@@ -4,7 +4,7 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo test pictures bench fuzz tools vulkan chromium \
+.PHONY: help demo playground test pictures bench fuzz tools vulkan chromium \
 	test-format test-lints test-docs test-all test-examples test-benches
 
 # rustup's default place, for shells that have not read its environment.
@@ -24,10 +24,16 @@ ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ign
 # All features but the windows: nothing here opens one, and they bring 75 crates. That they compile is seen by test-lints.
 FEATURES := --features bevy,gltf,gltf-meshopt,gltf-basisu,reference,profile
 
+# The same for the library and the playground, which scripts drive in its tests. It is selected together with the library,
+# so that nothing is compiled twice, and without its window, which the tests do not open.
+comma := ,
+BOTH := --no-default-features --features antumbra/default$(comma)antumbra/$(subst $(comma),$(comma)antumbra/,$(lastword $(FEATURES))) \
+	--package antumbra --package antumbra_playground
+
 # Where examples put what they draw in `make test`.
 SMALL := target/small
 BENCHES := $(shell sed -n '/^\[\[bench\]\]/,/^name/s/^name = "\(.*\)"/\1/p' Cargo.toml)
-SHOTS := $(wildcard examples/shots/*.json)
+SHOTS := $(filter-out %/schema.json,$(wildcard examples/shots/*.json))
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | while IFS=$$'\t' read -r name what; do \
@@ -40,6 +46,11 @@ demo: tools vulkan ## draw every technique beside its judgement, into out/galler
 	cargo run --quiet --package antumbra_demo -- --out out/gallery
 	@echo "Open this page in a browser:"
 	@echo "$(CURDIR)/out/gallery/index.html"
+
+SCENE ?= assets/models/interior.glb
+playground: tools vulkan ## a window to try and compare the techniques in (SCENE=file.glb or shot.json)
+	cargo build --release --package antumbra_playground
+	cargo run --release --quiet --package antumbra_playground -- $(SCENE)
 
 # The cheapest failure first; test-all builds what every step after it uses.
 test: tools vulkan chromium test-format test-lints test-docs test-all test-examples test-benches ## everything below
@@ -60,8 +71,8 @@ test-docs: ## API documentation, no warning allowed
 
 # By parts, for snippets that are no programs are ignored too. What comes first builds the examples, which tests run.
 test-all: ## all tests and doc tests
-	cargo test $(FEATURES) --no-run
-	cargo test $(FEATURES) --tests $(ALL_MODELS)
+	cargo test $(BOTH) --no-run
+	cargo test $(BOTH) --tests $(ALL_MODELS)
 	cargo test $(FEATURES) --doc
 
 # The gallery is drawn in small by the test `gallery_page`; what its pages judge is judged by the tests as well.

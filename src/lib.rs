@@ -58,6 +58,7 @@
 //! | `gltf-meshopt`, `gltf-basisu` | no | compressed buffer views (needs a C++ compiler) and KTX2 pictures in glTF files |
 //! | `reference` | no | ray-cast reference visibility on the CPU |
 //! | `serde` | no | reading of techniques' settings from files |
+//! | `schema` | no | JSON Schemas of these settings ([`Row::schema`](techniques::Row::schema)) |
 //! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |
 //! | `bevy` | no | the plugin for Bevy, with `render`; also Bevy's light visibility as a baseline in `benches/sets` |
 //! | `bevy-window` | no | a window for the examples with Bevy, with `bevy` |

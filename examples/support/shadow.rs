@@ -1,6 +1,7 @@
 //! Techniques in a shot file: `{"technique": NAME}` with settings beside the name.
 
 use antumbra::techniques::{Settings, Techniques};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -11,6 +12,66 @@ pub struct ShotShadow(Map<String, Value>);
 
 /// Settings that are paths, relative to the shot file.
 const PATHS: [&str; 1] = ["maps"];
+impl From<Map<String, Value>> for ShotShadow {
+    fn from(shadow: Map<String, Value>) -> Self {
+        Self(shadow)
+    }
+}
+
+/// Anything: [`shadow_schema`] says what the techniques of a list read.
+impl JsonSchema for ShotShadow {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ShotShadow".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        Schema::default()
+    }
+}
+
+/// Describes what a shot may say of a light's shadow: `none`, or a technique of the list with its settings.
+pub fn shadow_schema(techniques: &Techniques, of: &mut SchemaGenerator) -> Value {
+    let none = json!({
+        "type": "object",
+        "description": "The light casts no shadows.",
+        "properties": {"technique": {"const": "none"}},
+        "required": ["technique"],
+        "additionalProperties": false,
+    });
+    let all = techniques.rows().iter().map(|row| {
+        let described = row.schema(of).map(Schema::to_value);
+        let mut schema = described.unwrap_or_else(|| json!({"type": "object"}));
+        let mut properties = Map::new();
+        properties.insert("technique".to_owned(), json!({"const": row.name()}));
+        if let Some(settings) = schema.get_mut("properties").and_then(Value::as_object_mut) {
+            flatten_softness(settings);
+            properties.extend(std::mem::take(settings));
+        }
+        schema["properties"] = Value::Object(properties);
+        schema["required"] = json!(["technique"]);
+        schema
+    });
+    let all: Vec<Value> = [none].into_iter().chain(all).collect();
+    json!({ "oneOf": all })
+}
+
+/// Lets a filter be named with its softness beside it, as [`nest_softness`] reads it.
+fn flatten_softness(settings: &mut Map<String, Value>) {
+    let Some(filter) = settings.get_mut("filter").and_then(Value::as_object_mut) else {
+        return;
+    };
+    let nested = filter.remove("$ref").map(|reference| json!({"$ref": reference}));
+    let flat = json!({"enum": ["jittered", "jittered_full", "soft_4"]});
+    filter.insert("anyOf".to_owned(), nested.into_iter().chain([flat]).collect());
+    let softness = json!({
+        "type": "number",
+        "minimum": 0,
+        "default": SOFTNESS,
+        "description": "Radius of a filter that is given by its name `jittered`, `jittered_full` (all taps \
+                        everywhere) or `soft_4`.",
+    });
+    settings.insert("softness".to_owned(), softness);
+}
 
 impl ShotShadow {
     /// Adds a setting that the file has beside the technique. A setting of the technique itself goes first, and the
@@ -75,7 +136,7 @@ const SOFTNESS: f64 = 0.01;
 
 /// Moves the softness into the filter: a shot has it beside the filter's name, and the settings have it inside the
 /// filter.
-fn nest_softness(settings: &mut Map<String, Value>) {
+pub fn nest_softness(settings: &mut Map<String, Value>) {
     let Some(Value::String(filter)) = settings.get("filter") else {
         return;
     };

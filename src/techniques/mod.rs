@@ -33,6 +33,8 @@ pub use registry::{
     AddTechnique, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems, Techniques,
     add_builtin, add_row, choose_techniques,
 };
+#[cfg(feature = "schema")]
+pub use schemars;
 pub use shadow_map::ShadowMap;
 pub use shared::texture_memory::{
     Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,

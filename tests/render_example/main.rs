@@ -6,10 +6,13 @@
 mod built_example;
 #[path = "../gltf/gltf_builder/mod.rs"]
 mod gltf_builder;
+#[path = "../veil/mod.rs"]
+mod veil;
 
 mod errors;
 mod outputs;
 mod reports;
+mod schema;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -4,10 +4,11 @@ use antumbra::prelude::*;
 use antumbra::scene::Orthographic;
 use bevy_transform::prelude::Transform;
 use glam::{Mat3, Quat, UVec2, Vec3};
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// The view of a shot.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotCamera {
     /// Position, metres.
@@ -19,6 +20,7 @@ pub struct ShotCamera {
     pub up: [f32; 3],
     /// Vertical field of view, degrees. Default: 45.
     #[serde(default = "default_vfov")]
+    #[schemars(range(min = 1, max = 170))]
     pub vfov_deg: f32,
     /// Distance of the near plane, metres. Default: 0.1.
     #[serde(default = "default_near")]
@@ -28,7 +30,7 @@ pub struct ShotCamera {
 }
 
 /// An orthographic view.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotOrthographic {
     /// Height of the area that the picture shows, metres.

@@ -5,15 +5,19 @@ use std::path::{Path, PathBuf};
 use antumbra::scene::BlurredGround;
 use antumbra::techniques::Techniques;
 use glam::UVec2;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::super::picture::light_texture;
 use super::{ShotCamera, ShotEmission, ShotLight};
 
 /// A shot. Unknown keys are errors.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Shot {
+    /// Path of the JSON Schema of shot files, by which editors complete and check this file.
+    #[serde(rename = "$schema")]
+    pub schema: Option<String>,
     /// Path of a glTF file, relative to the shot file.
     pub scene: PathBuf,
     /// The view. Default: the scene's first camera, or else one that frames the scene.
@@ -52,7 +56,7 @@ fn default_radius() -> f32 {
 }
 
 /// A pose at a time of a clip.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotAnimation {
     /// Index of the clip.

@@ -6,6 +6,7 @@ use antumbra::prelude::*;
 use antumbra::techniques::{Row, Settings, Technique, Techniques};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
@@ -41,61 +42,131 @@ impl TryFrom<Map<String, Value>> for ShotLight {
     }
 }
 
+/// The keys of the kind, each with those of the light model.
+impl JsonSchema for ShotLight {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ShotLight".into()
+    }
+
+    fn json_schema(of: &mut SchemaGenerator) -> Schema {
+        let model = ShotModel::json_schema(of);
+        let mut light = ShotEmission::json_schema(of);
+        let kinds = light.get_mut("oneOf").and_then(Value::as_array_mut);
+        for kind in kinds.into_iter().flatten() {
+            let own = kind.get_mut("properties").and_then(Value::as_object_mut);
+            let shared = model.get("properties").and_then(Value::as_object);
+            if let (Some(own), Some(shared)) = (own, shared) {
+                own.extend(shared.clone());
+            }
+        }
+        light
+    }
+}
+
 /// Kind, place and brightness of a light, and its technique.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShotEmission {
     /// A light that shines from a point.
     Point {
         /// Position, metres.
         position: [f32; 3],
-        /// Range, metres. Default: no limit.
+        /// Distance beyond which nothing is lit, metres; greater than 0. Higher values light more and cost
+        /// more. Default: no limit.
+        #[schemars(range(min = 0))]
         range: Option<f32>,
+        /// Colour, linear RGB, at least 0. Default: white.
         color: Option<[f32; 3]>,
+        /// Luminous intensity, candela, at least 0. Default: 60.
+        #[schemars(range(min = 0))]
         intensity: Option<f32>,
+        /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
     },
     /// A light that shines from a point into a cone.
     Spot {
+        /// Position, metres.
         position: [f32; 3],
+        /// Direction in which the light shines; of any length.
         direction: [f32; 3],
+        /// Half-angle of the cone of full intensity, degrees; at most `outer_deg`.
+        #[schemars(range(min = 0, max = 90))]
         inner_deg: f32,
+        /// Half-angle of the whole cone, degrees.
+        #[schemars(range(min = 0, max = 90))]
         outer_deg: f32,
+        /// Distance beyond which nothing is lit, metres; greater than 0. Higher values light more and cost
+        /// more. Default: no limit.
+        #[schemars(range(min = 0))]
         range: Option<f32>,
+        /// Colour, linear RGB, at least 0. Default: white.
         color: Option<[f32; 3]>,
+        /// Luminous intensity, candela, at least 0. Default: 60.
+        #[schemars(range(min = 0))]
         intensity: Option<f32>,
+        /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
     },
     /// A light that shines from infinity.
     Directional {
+        /// Direction in which the light shines; of any length.
         direction: [f32; 3],
         /// Angle that the light covers in the sky, degrees, for techniques that have this setting.
+        #[schemars(range(min = 0, max = 180))]
         angle_deg: Option<f32>,
+        /// Colour, linear RGB, at least 0. Default: white.
         color: Option<[f32; 3]>,
+        /// Illuminance, lux, at least 0. Default: 3.
+        #[schemars(range(min = 0))]
         intensity: Option<f32>,
+        /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
     },
     /// A light that shines from a rectangle.
     Rect {
+        /// Position, metres.
         position: [f32; 3],
+        /// Direction in which the light shines; of any length.
         direction: [f32; 3],
+        /// Direction of the height. Default: as far up as the direction allows.
         up: Option<[f32; 3]>,
+        /// Width, metres.
+        #[schemars(range(min = 0))]
         width: f32,
+        /// Height, metres.
+        #[schemars(range(min = 0))]
         height: f32,
         /// Path of a picture with the light's colours, relative to the shot file; for `penumbra_wedge`.
         texture: Option<PathBuf>,
+        /// Distance beyond which nothing is lit, metres; greater than 0. Higher values light more and cost
+        /// more. Default: no limit.
+        #[schemars(range(min = 0))]
         range: Option<f32>,
+        /// Colour, linear RGB, at least 0. Default: white.
         color: Option<[f32; 3]>,
+        /// Luminous intensity, candela, at least 0. Default: 60.
+        #[schemars(range(min = 0))]
         intensity: Option<f32>,
+        /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
     },
     /// A light that shines from a sphere.
     Sphere {
+        /// Position, metres.
         position: [f32; 3],
+        /// Radius, metres.
+        #[schemars(range(min = 0))]
         radius: f32,
+        /// Distance beyond which nothing is lit, metres; greater than 0. Higher values light more and cost
+        /// more. Default: no limit.
+        #[schemars(range(min = 0))]
         range: Option<f32>,
+        /// Colour, linear RGB, at least 0. Default: white.
         color: Option<[f32; 3]>,
+        /// Luminous intensity, candela, at least 0. Default: 60.
+        #[schemars(range(min = 0))]
         intensity: Option<f32>,
+        /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
     },
 }

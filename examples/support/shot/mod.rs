@@ -49,10 +49,12 @@ mod file;
 mod light;
 mod model;
 mod path;
+mod schema;
 mod textures;
 
 pub use camera::ShotCamera;
-pub use file::{Shot, ShotGround};
-pub use light::{ShotEmission, ShotLight};
+pub use file::{Shot, ShotAnimation, ShotGround};
+pub use light::{LightParts, ShotEmission, ShotLight};
 pub use model::ShotModel;
 pub use path::ShotPath;
+pub use schema::shot_schema;

@@ -9,13 +9,14 @@ use antumbra::scene::{
 };
 use bevy_ecs::prelude::*;
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
 use super::textures::{ShotCookie, check_profile, load_profile};
 
 /// The light model of a light. Each key may be left out.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShotModel {
     /// Barn doors.
@@ -29,12 +30,14 @@ pub struct ShotModel {
     /// Colour of the shadows, linear RGB.
     pub shadow_color: Option<[f32; 3]>,
     /// Share of the light that casters take away, 0 to 1.
+    #[schemars(range(min = 0, max = 1))]
     pub shadow_darkness: Option<f32>,
     /// Place from which shadows are cast, metres.
     pub shadow_origin: Option<[f32; 3]>,
     /// Direction in which the shadows of a directional light fall.
     pub shadow_direction: Option<[f32; 3]>,
     /// Radius of the extent that shadows are cast with, metres.
+    #[schemars(range(min = 0))]
     pub shadow_softness: Option<f32>,
     /// Picture before the light.
     pub cookie: Option<ShotCookie>,

@@ -6,10 +6,11 @@ use std::sync::Arc;
 use antumbra::prelude::*;
 use antumbra::scene::{CookieError, CookieImage, TextureWrap};
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A cookie as the file has it.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotCookie {
     /// Path of the picture, relative to the shot file.
@@ -17,7 +18,8 @@ pub struct ShotCookie {
     /// Whether the picture holds the six faces of a cube around the light. Its proportions tell their arrangement.
     #[serde(default)]
     pub cube: bool,
-    /// Strength, 0 to 1.
+    /// Strength, 0 to 1. Default: 1.
+    #[schemars(range(min = 0, max = 1))]
     #[serde(default = "whole")]
     pub density: f32,
     /// Width: metres on the plane one metre before the light, metres for a directional light, radians around a point
@@ -39,7 +41,7 @@ fn whole() -> f32 {
 }
 
 /// How a cookie continues beyond its borders.
-#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShotWrap {
     /// The picture repeats.

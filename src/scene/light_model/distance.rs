@@ -24,19 +24,24 @@ use glam::Vec3;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LightDistance {
     /// Depth from which the light has its full intensity, metres; at most `far`. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub near: f32,
     /// Depth up to which the light has its full intensity, metres. Infinity sets no limit. Default: infinity.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub far: f32,
     /// Length of the edge before `near` across which the light fades in, metres; at least 0. At 0 the edge is
     /// sharp. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub near_edge: f32,
     /// Length of the edge beyond `far` across which the light fades out, metres; at least 0. At 0 the edge is
     /// sharp. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub far_edge: f32,
 }
 

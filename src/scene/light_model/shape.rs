@@ -24,24 +24,30 @@ use glam::{Vec2, Vec3};
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LightShape {
     /// Half the width of the region of full intensity, metres on the plane one metre before the light; at least
     /// 0. Infinity does not limit the width. Default: infinity.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub width: f32,
     /// Half the height of the region of full intensity, metres on the same plane; at least 0. Infinity does not
     /// limit the height. Default: infinity.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub height: f32,
     /// Width of the edge across which the light fades, metres beyond `width`; at least 0. At 0 the edge is
     /// sharp. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub width_edge: f32,
     /// Height of the edge across which the light fades, metres beyond `height`; at least 0. At 0 the edge is
     /// sharp. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub height_edge: f32,
     /// Roundness of the region, 0 to 1. At 0 the region is a rectangle, at 1 an ellipse, and between them a
     /// rectangle with round corners. Default: 1.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub round: f32,
 }
 

@@ -17,9 +17,10 @@ use glam::Vec3;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct LightWeights {
     /// Weight of light that arrives from everywhere: that of a surface which faces the light, without shadows and
     /// on all sides of an object; at least 0. Default: 0.
@@ -60,9 +61,10 @@ impl LightWeights {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SurfaceWeights {
     /// Weight of the ambient part of lights; at least 0. The ambient light of the view is not weighted. Default: 1.
     pub ambient: f32,

@@ -14,9 +14,10 @@ use bevy_reflect::prelude::ReflectDefault;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MapFilter {
     /// One tap: the four nearest texels, weighted by the position between them, in hardware where the format
     /// allows. It is the fastest; edges are about a texel wide.
@@ -35,6 +36,7 @@ pub enum MapFilter {
     Jittered {
         /// Radius of the disc, at least 0: for point and spot lights a share of the distance from the light,
         /// for directional lights metres. Higher values blur edges more and show more noise.
+        #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.01))]
         softness: f32,
         /// Looks up the eight taps of the rim first, and the others only where those disagree. Measured, it
         /// takes 7 times fewer taps. A caster that is inside the disc without touching its rim may be missed.
@@ -47,6 +49,7 @@ pub enum MapFilter {
         /// Radius of the circle, at least 0: for point and spot lights a share of the distance from the
         /// light, for directional lights metres. Higher values blur edges more, until four separate edges
         /// show.
+        #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.01))]
         softness: f32,
     },
 }
@@ -95,9 +98,10 @@ impl MapFilter {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MapFormat {
     /// The texel holds depth, which hardware compares. This is the fastest format.
     #[default]
@@ -123,9 +127,10 @@ pub enum MapFormat {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MapSurface {
     /// The map holds the surface nearest to the light. This is the fastest choice, and right for any caster.
     #[default]
@@ -145,7 +150,12 @@ pub enum MapSurface {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(from = "ManualBias"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "Option<ManualBias>", into = "Option<ManualBias>")
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MapBias {
     /// The bias is derived from the map's texel and the surface; there is nothing to set.
     #[default]
@@ -164,23 +174,50 @@ pub enum MapBias {
     },
 }
 
-/// A bias as a file holds it. A file without a bias gives [`MapBias::Auto`].
+/// A bias with fixed values, as a file holds it. `null`, or a file without a bias, gives [`MapBias::Auto`].
 #[cfg(feature = "serde")]
-#[derive(Default, serde::Deserialize)]
+#[derive(Default, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapBias::Manual")))]
 struct ManualBias {
+    /// Offset along the surface's normal, texels; at least 0. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     normal_texels: f32,
+    /// Offset towards the light, metres; at least 0. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     depth_metres: f32,
+    /// Offset towards the light, as a share of the distance from it; at least 0, less than 1. Directional lights
+    /// ignore it. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     distance_share: f32,
 }
 
 #[cfg(feature = "serde")]
-impl From<ManualBias> for MapBias {
-    fn from(bias: ManualBias) -> Self {
-        Self::Manual {
+impl From<Option<ManualBias>> for MapBias {
+    fn from(bias: Option<ManualBias>) -> Self {
+        bias.map_or(Self::Auto, |bias| Self::Manual {
             normal_texels: bias.normal_texels,
             depth_metres: bias.depth_metres,
             distance_share: bias.distance_share,
+        })
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<MapBias> for Option<ManualBias> {
+    fn from(bias: MapBias) -> Self {
+        match bias {
+            MapBias::Auto => None,
+            MapBias::Manual {
+                normal_texels,
+                depth_metres,
+                distance_share,
+            } => Some(ManualBias {
+                normal_texels,
+                depth_metres,
+                distance_share,
+            }),
         }
     }
 }
@@ -195,22 +232,27 @@ impl From<ManualBias> for MapBias {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(
         untagged,
         expecting = "texels along a side, or {\"least\": 128, \"most\": 1024}"
     )
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MapResolution {
     /// A fixed number of texels, greater than 0. [`MapSettings::largest`] limits it, and so does a shortage
     /// of memory, down to 64.
+    #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Fixed(_)")))]
     Fixed(u32),
     /// A power of two with which a texel is no larger than a pixel at three of four points of the visible receivers; cascades
     /// take `most`.
+    #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Auto")))]
     Auto {
         /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.
+        #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
         least: u32,
         /// Largest number of texels, at least `least`.
+        #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
         most: u32,
     },
 }
@@ -233,23 +275,28 @@ impl Default for MapResolution {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Cascades {
     /// Number of maps, 1 to 4. More give finer texels near the camera; each takes the memory and the draws of
     /// one map. Default: 4.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 4)))]
     pub count: u32,
     /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
     /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
     /// equal ratios, which gives near surfaces finer texels and far ones coarser. Where the farthest shadow is more than 256 times
     /// as far as the nearest receiver, the share grows towards 1. Default: 0.75. Source:
     /// Zhang et al. 2006, "Parallel-Split Shadow Maps".
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub log_share: f32,
     /// Share of a cascade, at its border, in which it blends into the next; 0 to 0.5. Higher values hide the
     /// change of resolution better, but more pixels look up two maps. Default: 0.1.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 0.5)))]
     pub blend: f32,
 }
 

@@ -23,15 +23,17 @@ use bevy_reflect::prelude::ReflectDefault;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PenumbraWedge {
     /// Number of parts along a rectangle's width and height, each cast as a light of its own; 1 to 8. Default: 1, 1.
     ///
     /// Higher values separate overlapping casters better, and the time grows with the number of parts. Raise
     /// it for thin or tangled casters. A sphere is split into as many smaller spheres, which do not fill its
     /// disc evenly: split spheres only where much overlaps. Section 5.2.
+    #[cfg_attr(feature = "schema", schemars(inner(range(min = 1, max = 8))))]
     pub split: [u32; 2],
     /// Which edges cast. Default: the silhouette as each receiver sees it.
     pub silhouette: WedgeSilhouette,
@@ -99,9 +101,10 @@ impl PenumbraWedge {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WedgeSilhouette {
     /// The silhouette as each receiver sees it. To the silhouette edges from the light's centre, it adds the
     /// edges of all triangles whose plane cuts the light. At each pixel, those edges count that bound what is
@@ -125,9 +128,10 @@ pub enum WedgeSilhouette {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Overlap {
     /// Estimates how much of the light is hidden from 21 soft samples on the light, corrected by the exact
     /// sum of coverages (a control variate). Takes one pass. Up to 254 casters may lie one behind the other
@@ -163,9 +167,10 @@ pub enum Overlap {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum VisibilityBuffer {
     /// A 32-bit float texture. [`VisibilityBuffer::Split8`] is used where the device cannot blend it.
     #[default]
@@ -189,9 +194,10 @@ pub enum VisibilityBuffer {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WedgeBounds {
     /// The convex hull of the penumbra of the light's own shape, which covers the fewest pixels.
     #[default]
@@ -210,9 +216,10 @@ pub enum WedgeBounds {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum WedgeCulling {
     /// Pixels where a back face of the wedge is behind the surface. All wedges are one draw.
     #[default]
@@ -233,9 +240,10 @@ pub enum WedgeCulling {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum CoverageMaths {
     /// Analytically, in the shader.
     #[default]

@@ -24,9 +24,10 @@ use crate::techniques::registry::Refusal;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PerspectiveMap {
     /// Texels along a side of each face. Higher values sharpen edges; each doubling takes four times the memory
     /// and fill rate. Default: 128 to 1024, by the light's size on the screen.
@@ -46,10 +47,12 @@ pub struct PerspectiveMap {
     /// plane stays where it is. 0 gives near surfaces the most texels and far ones the fewest; higher values
     /// even them out, and an infinite slide would be a uniform map. Default (`None`): measured in every frame,
     /// so that texels on the screen are shortest, by the mean of their longer sides.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub slide: Option<f32>,
     /// Distance from a light at a position, metres, within which nothing casts; greater than 0 and less than
     /// the range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): it
     /// follows the light's clearance and the nearest caster, as in plain maps. Directional lights ignore it.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub near: Option<f32>,
     /// Keeps the map while view, light and casters stand still. This takes 4 bytes a texel and face, twice that
     /// while some casters move, and draws more casters when the view moves. Without it, lights share a map that
@@ -66,9 +69,10 @@ pub struct PerspectiveMap {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum PerspectiveProjection {
     /// The picture sees past infinity, so casters may be anywhere. Source: Kozlov 2004, GPU Gems ch. 14,
     /// §14.2.1.
@@ -89,9 +93,10 @@ pub enum PerspectiveProjection {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum PerspectiveFaces {
     /// One picture, with the axis of the smallest cone around what it must show. A light with a position that
     /// has receivers all around gets the cube's faces while it needs them.
@@ -112,9 +117,10 @@ pub enum PerspectiveFaces {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MapFocus {
     /// The bounds of the visible receivers, cut by the view. Gives the finest texels.
     #[default]

@@ -26,6 +26,8 @@ pub struct Row {
     defaults: fn() -> Settings,
     #[cfg(feature = "serde")]
     parse: fn(&mut dyn erased_serde::Deserializer) -> Result<Settings, erased_serde::Error>,
+    #[cfg(feature = "schema")]
+    schema: fn(&mut schemars::SchemaGenerator) -> Option<schemars::Schema>,
     copy: fn(&EntityRef, &mut EntityWorldMut),
     remove: fn(&mut EntityWorldMut),
     init: fn(&mut World),
@@ -71,6 +73,8 @@ impl Row {
             defaults: || Settings::of(T::default()),
             #[cfg(feature = "serde")]
             parse: |from| T::parse(from).map(Settings::of),
+            #[cfg(feature = "schema")]
+            schema: T::schema,
             copy: copy::<T>,
             remove: |light| {
                 light.remove::<T>();
@@ -135,6 +139,12 @@ impl Row {
     #[cfg(feature = "serde")]
     pub fn parse<'de>(&self, from: impl serde::Deserializer<'de>) -> Result<Settings, erased_serde::Error> {
         (self.parse)(&mut <dyn erased_serde::Deserializer>::erase(from))
+    }
+
+    /// Describes the technique's settings ([`Technique::schema`]); `None` if the technique does not.
+    #[cfg(feature = "schema")]
+    pub fn schema(&self, of: &mut schemars::SchemaGenerator) -> Option<schemars::Schema> {
+        (self.schema)(of)
     }
 
     /// Makes the component of the light `to` equal to that of the light `from`, by inserting, changing or

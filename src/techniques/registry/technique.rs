@@ -68,6 +68,17 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
         Err(serde::de::Error::custom(reason))
     }
 
+    /// Describes the settings that [`Technique::parse`] reads, as a JSON Schema of an object. Editors complete
+    /// shot files from it, and the playground makes a widget of each property: its description is the help,
+    /// and its `minimum` and `maximum` bound the values.
+    ///
+    /// The default describes nothing. A component that derives [`schemars::JsonSchema`] can return
+    /// `Some(Self::json_schema(of))`.
+    #[cfg(feature = "schema")]
+    fn schema(_of: &mut schemars::SchemaGenerator) -> Option<schemars::Schema> {
+        None
+    }
+
     /// Registers the component for Bevy's reflection. The default does nothing. A component that derives
     /// `Reflect` calls `types.register::<Self>()`.
     #[cfg(feature = "bevy")]

@@ -22,9 +22,10 @@ use crate::techniques::registry::Refusal;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ShadowMap {
     /// Texels along a side of the map, or of each cascade. Higher values sharpen edges; each doubling takes
     /// four times the memory and fill rate. Default: 128 to 1024, so that a texel is no larger than
@@ -41,6 +42,7 @@ pub struct ShadowMap {
     /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
     /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
     /// point, so a small value costs no precision.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub near: Option<f32>,
     /// Keeps the map from frame to frame and draws only the faces that changed. This takes 4 bytes a texel
     /// and face, twice that while some casters move. Without it, lights share a map that is drawn every

@@ -26,9 +26,10 @@ use crate::techniques::registry::Refusal;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Smoothie {
     /// How wide the penumbra grows. Higher values soften shadows more and fill more texels of the picture from the
     /// light. Default: the size of the light.
@@ -36,6 +37,7 @@ pub struct Smoothie {
     /// Width of the penumbra for each metre between caster and receiver, for directional lights alone; greater than 0.
     /// It is the tangent of the light's angular radius. At a drop of `width / spread` metres the penumbra has its full
     /// width, and does not widen beyond. Higher values soften shadows sooner. Default: 0.00465, that of the sun.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub spread: f32,
     /// Texels along a side of the map, or of each cascade. Higher values sharpen what is near its caster; each
     /// doubling takes four times the memory and fill rate. Default: 128 to 1024, by the light's size on the screen;
@@ -46,6 +48,7 @@ pub struct Smoothie {
     /// Distance from the light, metres, within which nothing casts; greater than 0 and less than the range. Raise it to
     /// ignore casters close to the light, such as a lamp's shade. Directional lights ignore it. Default (`None`): a
     /// hundred-thousandth of the range.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub near: Option<f32>,
     /// Keeps map and smoothies from frame to frame and draws only the faces that changed. This takes 8 bytes a texel and
     /// face, twice that while some casters move. Without it, lights share a map that is drawn every frame. Default:
@@ -63,7 +66,12 @@ pub struct Smoothie {
     derive(bevy_reflect::Reflect),
     reflect(Default, Debug, Clone, PartialEq)
 )]
-#[cfg_attr(feature = "serde", derive(serde::Deserialize), serde(from = "WidthInFile"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "WidthInFile", into = "NamedWidth")
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SmoothieWidth {
     /// The width follows from the light: 0.855 of the radius of a sphere, or of a disc as large as a rectangle. A ramp of
     /// that width is nearest to the penumbra of a disc. A point or spot light has no size; it gets [`SmoothieWidth::Share`] 0.02. A directional light gets 0.1 m.
@@ -79,22 +87,44 @@ pub enum SmoothieWidth {
 /// A width as a file holds it: a number of metres, `"light"`, `{"metres": 0.1}` or `{"share": 0.02}`.
 #[cfg(feature = "serde")]
 #[derive(serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     untagged,
     expecting = "a width: metres, \"light\", {\"metres\": 0.1} or {\"share\": 0.02}"
 )]
 enum WidthInFile {
-    Number(f32),
+    /// The width in metres, at least 0.
+    #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Metres(_)")))]
+    Number(#[cfg_attr(feature = "schema", schemars(range(min = 0)))] f32),
+    /// A width by its name.
     Named(NamedWidth),
 }
 
 #[cfg(feature = "serde")]
-#[derive(serde::Deserialize)]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum NamedWidth {
+    /// The width follows from the size of the light.
+    #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Light")))]
     Light,
-    Metres(f32),
-    Share(f32),
+    /// The width in metres, at least 0.
+    #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Metres(_)")))]
+    Metres(#[cfg_attr(feature = "schema", schemars(range(min = 0)))] f32),
+    /// The width as a share of the distance between light and caster, at least 0.
+    #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Share(_)")))]
+    Share(#[cfg_attr(feature = "schema", schemars(range(min = 0)))] f32),
+}
+
+#[cfg(feature = "serde")]
+impl From<SmoothieWidth> for NamedWidth {
+    fn from(width: SmoothieWidth) -> Self {
+        match width {
+            SmoothieWidth::Light => Self::Light,
+            SmoothieWidth::Metres(metres) => Self::Metres(metres),
+            SmoothieWidth::Share(share) => Self::Share(share),
+        }
+    }
 }
 
 #[cfg(feature = "serde")]

@@ -85,6 +85,11 @@ impl Technique for Smoothie {
         erased_serde::deserialize(from)
     }
 
+    #[cfg(feature = "schema")]
+    fn schema(of: &mut schemars::SchemaGenerator) -> Option<schemars::Schema> {
+        Some(<Self as schemars::JsonSchema>::json_schema(of))
+    }
+
     #[cfg(feature = "bevy")]
     fn register_type(types: &mut bevy_reflect::TypeRegistry) {
         types.register::<Self>();

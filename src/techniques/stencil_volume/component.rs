@@ -25,9 +25,10 @@ use bevy_reflect::prelude::ReflectDefault;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct StencilVolume {
     /// Direction in which intersections with the volumes are counted; it affects the time, not the picture.
     /// Default: automatic.
@@ -48,9 +49,10 @@ pub const MOST_STACKED: u32 = 127;
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Counting {
     /// Decides for each caster. Where the caster provably does not shadow the viewport, volumes are counted
     /// towards the viewer (depth-pass), which needs no near cap and often no far cap. Elsewhere they are
@@ -71,9 +73,10 @@ pub enum Counting {
 )]
 #[cfg_attr(
     feature = "serde",
-    derive(serde::Deserialize),
+    derive(serde::Serialize, serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Extent {
     /// Ends volumes just beyond the visible receivers within the light's range, which fills fewer pixels. The
     /// volume is infinite if the light is directional or within the caster's bounds.

@@ -1,0 +1,273 @@
+//! The window: it passes input on, and shows what is drawn.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use antumbra::prelude::*;
+use antumbra::techniques::Techniques;
+use antumbra_playground::app::App;
+use antumbra_playground::ui::theme;
+use egui::ViewportId;
+use glam::UVec2;
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{StartCause, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+/// Opens the window and shows the file, until the window is closed.
+///
+/// # Errors
+/// One line that says what is missing, such as a display or a driver.
+pub fn open(file: Option<&Path>, out: &Path, size: UVec2) -> Result<(), String> {
+    let events = EventLoop::new().map_err(|error| {
+        format!(
+            "no window can be opened ({error}); set DISPLAY, or run a script with --script FILE --out DIR"
+        )
+    })?;
+    let mut shell = Shell {
+        file: file.map(Path::to_owned),
+        out: out.to_owned(),
+        size,
+        running: None,
+        failure: None,
+    };
+    events
+        .run_app(&mut shell)
+        .map_err(|error| format!("the window has failed: {error}"))?;
+    shell.failure.map_or(Ok(()), Err)
+}
+
+struct Shell {
+    file: Option<PathBuf>,
+    out: PathBuf,
+    size: UVec2,
+    running: Option<Running>,
+    failure: Option<String>,
+}
+
+struct Running {
+    window: Arc<Window>,
+    instance: wgpu::Instance,
+    surface: wgpu::Surface<'static>,
+    config: wgpu::SurfaceConfiguration,
+    app: App,
+    context: egui::Context,
+    input: egui_winit::State,
+    last: Instant,
+}
+
+impl ApplicationHandler for Shell {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.running.is_some() {
+            return;
+        }
+        match Running::start(events, self.size, &self.out) {
+            Ok(mut running) => {
+                if let Some(file) = &self.file {
+                    running.app.open(file);
+                }
+                running.window.request_redraw();
+                self.running = Some(running);
+            }
+            Err(failure) => self.fail(events, failure),
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(running) = &mut self.running else { return };
+        let response = running.input.on_window_event(&running.window, &event);
+        if response.repaint {
+            running.window.request_redraw();
+        }
+        match event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::Resized(size) => running.resize(size),
+            WindowEvent::RedrawRequested => {
+                if let Err(failure) = running.paint(events) {
+                    self.fail(events, failure);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+        if let (StartCause::ResumeTimeReached { .. }, Some(running)) = (cause, &self.running) {
+            running.window.request_redraw();
+        }
+    }
+}
+
+impl Shell {
+    fn fail(&mut self, events: &ActiveEventLoop, failure: String) {
+        self.failure = Some(failure);
+        events.exit();
+    }
+}
+
+/// Makes a device that can draw on a surface.
+fn device(
+    instance: &wgpu::Instance,
+    surface: &wgpu::Surface,
+) -> Result<(wgpu::Adapter, RenderContext), String> {
+    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        compatible_surface: Some(surface),
+        ..Default::default()
+    }))
+    .map_err(|error| {
+        format!("no driver draws on this window: {error} (on Debian install mesa-vulkan-drivers)")
+    })?;
+    let wanted = wgpu::Features::DEPTH32FLOAT_STENCIL8
+        | wgpu::Features::FLOAT32_BLENDABLE
+        | wgpu::Features::TIMESTAMP_QUERY;
+    let offered = adapter.limits();
+    let limits = wgpu::Limits {
+        max_color_attachment_bytes_per_sample: offered.max_color_attachment_bytes_per_sample.clamp(32, 64),
+        max_texture_dimension_2d: offered.max_texture_dimension_2d.max(8192),
+        ..Default::default()
+    };
+    let info = adapter.get_info();
+    let made = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+        label: Some("playground"),
+        required_features: wanted & adapter.features(),
+        required_limits: limits,
+        ..Default::default()
+    }));
+    let (device, queue) = made.map_err(|error| format!("{} gives no device: {error}", info.name))?;
+    let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
+    let mut context = RenderContext::from_device(device, queue, name);
+    if info.device_type == wgpu::DeviceType::Cpu {
+        context.anisotropy = 1;
+    }
+    Ok((adapter, context))
+}
+
+impl Running {
+    fn start(events: &ActiveEventLoop, size: UVec2, out: &Path) -> Result<Self, String> {
+        let attributes = Window::default_attributes()
+            .with_title("antumbra playground")
+            .with_inner_size(PhysicalSize::new(size.x, size.y));
+        let window = events
+            .create_window(attributes)
+            .map_err(|error| format!("no window can be opened: {error}"))?;
+        let window = Arc::new(window);
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let surface = instance
+            .create_surface(window.clone())
+            .map_err(|error| format!("nothing can be drawn on this window: {error}"))?;
+        let (adapter, render) = device(&instance, &surface)?;
+        let inner = window.inner_size();
+        let mut config = surface
+            .get_default_config(&adapter, inner.width.max(1), inner.height.max(1))
+            .ok_or_else(|| format!("{} cannot draw on this window", render.adapter))?;
+        // egui blends encoded colours.
+        let formats = surface.get_capabilities(&adapter).formats;
+        let plain = formats.into_iter().find(|format| !format.is_srgb());
+        config.format = plain.unwrap_or(config.format);
+        config.present_mode = wgpu::PresentMode::AutoVsync;
+        surface.configure(&render.device, &config);
+        let largest = render.device.limits().max_texture_dimension_2d as usize;
+        let app = App::new(render, config.format, Techniques::default(), out.to_owned())?;
+        let (context, input) = interface(&window, largest);
+        Ok(Self {
+            window,
+            instance,
+            surface,
+            config,
+            app,
+            context,
+            input,
+            last: Instant::now(),
+        })
+    }
+
+    fn resize(&mut self, size: PhysicalSize<u32>) {
+        let device = &self.app.gpu.context.device;
+        let largest = device.limits().max_texture_dimension_2d;
+        self.config.width = size.width.clamp(1, largest);
+        self.config.height = size.height.clamp(1, largest);
+        self.surface.configure(device, &self.config);
+        self.window.request_redraw();
+    }
+
+    /// Makes everything anew on another device. The document stays.
+    fn revive(&mut self) -> Result<(), String> {
+        self.surface = self
+            .instance
+            .create_surface(self.window.clone())
+            .map_err(|error| format!("nothing can be drawn on this window: {error}"))?;
+        let (_, render) = device(&self.instance, &self.surface)?;
+        self.surface.configure(&render.device, &self.config);
+        let largest = render.device.limits().max_texture_dimension_2d as usize;
+        self.app.revive(render, self.config.format)?;
+        (self.context, self.input) = interface(&self.window, largest);
+        Ok(())
+    }
+
+    fn paint(&mut self, events: &ActiveEventLoop) -> Result<(), String> {
+        if self.app.gpu.context.notice_loss() {
+            self.revive()?;
+        }
+        let now = Instant::now();
+        let seconds = now.duration_since(self.last).as_secs_f32().min(0.1);
+        self.last = now;
+        self.app.advance(seconds);
+        let frame = match self.surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(frame) => frame,
+            wgpu::CurrentSurfaceTexture::Suboptimal(_)
+            | wgpu::CurrentSurfaceTexture::Outdated
+            | wgpu::CurrentSurfaceTexture::Lost => {
+                self.surface.configure(&self.app.gpu.context.device, &self.config);
+                self.window.request_redraw();
+                return Ok(());
+            }
+            _ => return Ok(()), // hidden, or busy: the next event draws again
+        };
+        let input = self.input.take_egui_input(&self.window);
+        let app = &mut self.app;
+        let output = self.context.run_ui(input, |ui| app.ui(ui));
+        self.input
+            .handle_platform_output(&self.window, output.platform_output);
+        let primitives = self.context.tessellate(output.shapes, output.pixels_per_point);
+        let view = frame.texture.create_view(&Default::default());
+        self.app.painter.paint(
+            &view,
+            UVec2::new(self.config.width, self.config.height),
+            output.pixels_per_point,
+            &primitives,
+            &output.textures_delta,
+        );
+        self.window.pre_present_notify();
+        frame.present();
+        let wait = output
+            .viewport_output
+            .get(&ViewportId::ROOT)
+            .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
+        if wait.is_zero() {
+            self.window.request_redraw();
+        }
+        events.set_control_flow(match now.checked_add(wait) {
+            Some(then) if !wait.is_zero() => ControlFlow::WaitUntil(then),
+            _ => ControlFlow::Wait,
+        });
+        Ok(())
+    }
+}
+
+fn interface(window: &Window, largest: usize) -> (egui::Context, egui_winit::State) {
+    let context = egui::Context::default();
+    theme::apply(&context);
+    let scale = Some(window.scale_factor() as f32);
+    let state = egui_winit::State::new(
+        context.clone(),
+        ViewportId::ROOT,
+        window,
+        scale,
+        window.theme(),
+        Some(largest),
+    );
+    (context, state)
+}
