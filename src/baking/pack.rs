@@ -43,6 +43,11 @@ impl Packed {
     fn texels(&self) -> u64 {
         u64::from(self.size).pow(2) * self.layers() as u64
     }
+
+    /// Texels, and a little more for each page: of two packings that are nearly as small, the one with fewer is better.
+    fn cost(&self) -> u64 {
+        self.texels() * (64 + self.pairs.len() as u64)
+    }
 }
 
 /// Sizes of pages are multiples of this.
@@ -76,7 +81,7 @@ pub fn pack(charts: &[Wanted], page_size: u32) -> Option<Packed> {
     let packed = sizes.map(|size| shelves(charts, &order, size));
     packed
         .filter(|packed| packed.layers() <= MAX_LAYERS)
-        .min_by_key(|packed| (packed.texels(), packed.pairs.len()))
+        .min_by_key(Packed::cost)
 }
 
 /// Fills pages with shelves: rows that are as high as their first chart.

@@ -10,7 +10,7 @@
 //! Step `i` of 256 lasts from `i / 256` to `(i + 1) / 256` of the path. A channel whose fall is before its rise is empty.
 //! The manifest is written last, so an interrupted write leaves no maps that look whole.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::Vec2;
 
@@ -287,6 +287,8 @@ fn baked_surface(surface: ManifestSurface, index: usize, file: &Path) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use glam::Vec3;
 
     use super::super::intervals::intervals_of;
