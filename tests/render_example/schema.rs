@@ -34,12 +34,21 @@ fn the_schema_file_is_that_of_the_types() {
 fn a_technique_of_somebody_else_is_in_the_schema_without_a_line_of_it() {
     let names = |schema: &Value| -> Vec<String> {
         let all = schema["$defs"]["ShotShadow"]["oneOf"].as_array().unwrap();
-        let name = |one: &Value| one["properties"]["technique"]["const"].as_str().unwrap().to_owned();
+        let name = |one: &Value| {
+            one["properties"]["technique"]["const"]
+                .as_str()
+                .unwrap()
+                .to_owned()
+        };
         all.iter().map(name).collect()
     };
     let mut techniques = Techniques::default();
     let before = names(&shot_schema(&techniques));
-    assert_eq!(before.len(), techniques.rows().len() + 1, "all techniques and `none`");
+    assert_eq!(
+        before.len(),
+        techniques.rows().len() + 1,
+        "all techniques and `none`"
+    );
     techniques.add_technique::<Veil>();
     let after = names(&shot_schema(&techniques));
     assert_eq!(after.last().map(String::as_str), Some("veil"));
@@ -79,7 +88,9 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
         _ => panic!("unknown type {name}"),
     };
     match schema.get("type") {
-        Some(Value::Array(names)) if !names.iter().any(is) => return Some(format!("{value} is not {names:?}")),
+        Some(Value::Array(names)) if !names.iter().any(is) => {
+            return Some(format!("{value} is not {names:?}"));
+        }
         Some(name @ Value::String(_)) if !is(name) => return Some(format!("{value} is not {name}")),
         _ => {}
     }

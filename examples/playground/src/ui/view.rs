@@ -69,7 +69,10 @@ impl App {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         for (show, part) in self.shown.panes.into_iter().zip(parts) {
             let painter = ui.painter().with_clip_rect(part.intersect(ui.clip_rect()));
-            let is_known = self.compare.as_ref().is_some_and(|compare| compare.is_known(show));
+            let is_known = self
+                .compare
+                .as_ref()
+                .is_some_and(|compare| compare.is_known(show));
             match self.images[show as usize].filter(|_| is_known) {
                 Some((_, id)) => {
                     painter.image(id, rect, whole, Color32::WHITE);
