@@ -346,12 +346,12 @@ impl App {
                 keys.insert(key.to_owned(), value);
             }
         }
-        // As bright as the default is at the distance for which it is meant, 4 m.
+        // By eye: bright at the middle of the scene, and the more the larger it is.
         let reach = (radius.min(6.0) * 0.5).max(0.05);
         if keys.contains_key("position") {
             keys.insert(
                 "intensity".to_owned(),
-                json!(crate::document::rounded(4.0 * reach * reach)),
+                json!(crate::document::rounded(1.5 * reach * reach)),
             );
         }
         self.insert_light(keys);

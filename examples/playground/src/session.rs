@@ -466,6 +466,7 @@ impl Session {
             "samples": samples,
             "errors": {"a": judgement(Side::A), "b": judgement(Side::B)},
             "gpu_ms": {"a": passes(Side::A), "b": passes(Side::B)},
+            "memory_bytes": memory_stats::memory_stats().map(|memory| memory.physical_mem),
             "time": app.document.pose.map(|pose| pose.time),
         })
     }

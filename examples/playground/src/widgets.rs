@@ -69,14 +69,7 @@ fn setting(ui: &mut Ui, schemas: &Schemas, key: &str, property: &Value, value: &
     ui.horizontal(|ui| {
         let name = RichText::new(label(key));
         let name = if is_set { name.strong() } else { name };
-        let space = egui::vec2(NAMES, ui.spacing().interact_size.y);
-        let layout = egui::Layout::left_to_right(egui::Align::Center);
-        let mut shown = ui
-            .allocate_ui_with_layout(space, layout, |ui| {
-                ui.set_min_width(NAMES);
-                ui.add(egui::Label::new(name).sense(egui::Sense::click()).truncate())
-            })
-            .inner;
+        let mut shown = self::name(ui, name);
         if is_set {
             text += "\nClick to set the default.";
         }
@@ -92,6 +85,17 @@ fn setting(ui: &mut Ui, schemas: &Schemas, key: &str, property: &Value, value: &
     if is_nested {
         ui.indent("nested", |ui| body(ui, schemas, property, value));
     }
+}
+
+/// Shows the name of a setting, in a column of names.
+pub fn name(ui: &mut Ui, name: RichText) -> Response {
+    let space = egui::vec2(NAMES, ui.spacing().interact_size.y);
+    let layout = egui::Layout::left_to_right(egui::Align::Center);
+    let shown = ui.allocate_ui_with_layout(space, layout, |ui| {
+        ui.set_min_width(NAMES);
+        ui.add(egui::Label::new(name).sense(egui::Sense::click()).truncate())
+    });
+    shown.inner
 }
 
 /// Whether a value has settings of its own below it.
@@ -148,7 +152,7 @@ fn head(ui: &mut Ui, schemas: &Schemas, schema: &Value, value: &mut Value) {
                     _ => {}
                 }
             } else {
-                ui.weak("automatic");
+                ui.weak("default");
             }
         }
         Form::Other => json_text(ui, value),

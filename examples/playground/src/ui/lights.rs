@@ -169,7 +169,7 @@ fn color_row(ui: &mut Ui, keys: &mut serde_json::Map<String, serde_json::Value>)
     let mut color = [part(0), part(1), part(2)];
     let changed = ui
         .horizontal(|ui| {
-            ui.add_sized([104.0, 18.0], egui::Label::new("Color").halign(egui::Align::LEFT));
+            widgets::name(ui, egui::RichText::new("Color"));
             ui.color_edit_button_rgb(&mut color).changed()
         })
         .inner;

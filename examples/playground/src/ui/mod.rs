@@ -27,8 +27,8 @@ impl App {
             Panel::bottom("status").show_inside(ui, |ui| self.status_bar(ui));
             if self.shown.times {
                 Panel::bottom("times")
-                    .default_size(190.0)
-                    .size_range(120.0..=320.0)
+                    .default_size(210.0)
+                    .size_range(120.0..=340.0)
                     .show_inside(ui, |ui| self.times_panel(ui));
             }
             Panel::left("lights")

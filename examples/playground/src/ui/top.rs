@@ -29,7 +29,7 @@ impl App {
                         }
                     });
             }
-            if ui.button("⇄").on_hover_text("Swaps the halves.").clicked() {
+            if ui.button("Swap").on_hover_text("Swaps the halves.").clicked() {
                 self.shown.panes.swap(0, 1);
             }
             ui.checkbox(&mut self.shown.judge, "Judge").on_hover_text(
