@@ -4,7 +4,7 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_kernel, combine}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, combine}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
@@ -126,6 +126,7 @@ fn hidden_share(face: u32, receiver: vec3f) -> f32 {
     let projection = light.faces[face].projection;
     let depth = light.faces[face].depth;
     var hidden = 0.0;
+    var top = depth.z;
     for (var slice = 0u; slice < SLICES; slice++) {
         let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
         if receiver.z <= bottom {
@@ -135,7 +136,9 @@ fn hidden_share(face: u32, receiver: vec3f) -> f32 {
         let next_bottom = light.faces[face].bottoms[next / 4u][next % 4u];
         let thickness = select(depth.w, next_bottom - bottom, slice + 1u < SLICES);
         let weight = slice_weight(bottom, thickness, receiver.z);
-        let kernel = slice_kernel(projection, depth, light.kernel, receiver, bottom);
+        let plane = slice_plane(top, bottom, weight);
+        top = bottom;
+        let kernel = slice_kernel(projection, depth, light.kernel, receiver, plane);
         let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
         hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }

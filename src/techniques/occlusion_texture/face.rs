@@ -85,6 +85,12 @@ impl SliceFace {
         point.truncate() * self.scale / divisor + self.offset
     }
 
+    /// Whether the picture shows the scene as in a mirror, so that fronts are drawn clockwise.
+    pub fn is_mirrored(&self) -> bool {
+        let [x, y, z] = self.axes;
+        x.cross(y).dot(z) > 0.0
+    }
+
     /// Returns the face as it is drawn: the third row of the clip space is the depth in metres, from which the shader
     /// chooses the slice. Nothing is clipped by depth.
     pub fn drawn(&self) -> MapFace {

@@ -33,8 +33,12 @@
 //! kept while nothing changes. Drawing is one pass over the casters for up to 16 slices; a pixel costs two lookups for each
 //! slice between itself and the light, whatever the size of the light.
 //!
-//! **Limits.** Occluders in different slices count as independent: an object whose near and far side lie in different slices
-//! darkens its penumbra twice. Everything that the light reaches shares one picture, so lights without a range spend
+//! **Closed casters.** Beyond the paper, casters whose mesh is closed are drawn with their fronts alone, as seen from the
+//! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
+//!
+//! **Limits.** Occluders in different slices count as independent: a surface that passes through several slices hides
+//! disjoint parts of the light, and the product lets some of it through; [`OcclusionTexture::close_leaks`] mends that where
+//! it matters. Everything that the light reaches shares one picture, so lights without a range spend
 //! their texels on the whole scene.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
