@@ -67,9 +67,13 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     return sum / taps * share_inside(kernel);
 }
 
+// Side of the texels whose bilinear mean has the variance of a box of side 1: a texel's own variance of side² / 12, and that
+// of the weights between texels, side² / 6, are 1 / 12 together.
+const SMOOTHED: f32 = 0.57735;      // mirror: techniques::occlusion_texture::filter::SMOOTHED
+
 fn mipmap_mean(picture: Picture, kernel: Kernel) -> f32 {
     let layer = picture.face * group_count() + picture.group;
-    let size = max(2.0 * kernel.half, vec2f(light.limits.w));
+    let size = max(2.0 * SMOOTHED * kernel.half, vec2f(light.limits.w));
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
     let dx = vec2f(size.x, 0.0);
     let dy = vec2f(0.0, size.y);

@@ -17,7 +17,7 @@ const NOWHERE: f64 = 1e30;
 pub struct Slices {
     /// Depth at which the first slice begins, metres.
     pub top: f64,
-    /// Depth at which each slice ends, metres. Casters in a slice cast from there.
+    /// Depth at which each slice ends, metres.
     pub bottoms: [f64; MOST_SLICES as usize],
     /// Number of slices.
     pub count: usize,
