@@ -3,8 +3,8 @@
 use antumbra::geometry::Aabb;
 use antumbra::insides::occlusion_textures::{
     Kernel, Picture, SceneBox, SliceFace, SliceSettings, SlicedKind, SlicedLight, Slices, combine, fit_faces,
-    mipmap_mean, mipmaps, n_buffer_mean, n_buffers, slice_kernel, slice_weight, summed_areas, summed_mean,
-    tap_count,
+    mipmap_mean, mipmaps, n_buffer_mean, n_buffers, slice_kernel, slice_plane, slice_weight, summed_areas,
+    summed_mean, tap_count,
 };
 use antumbra::techniques::SliceCombination;
 use glam::{DVec2, DVec3, IVec2, Vec2, Vec3, Vec4};
@@ -297,6 +297,13 @@ fn slices_fade_in_without_steps_and_end_where_they_should() {
             let weight = |depth| slice_weight(&record, slice, 8, depth);
             assert_eq!((weight(bottom - 1e-3), weight(next + 1e-3)), (0.0, 1.0));
             assert!((weight(0.5 * (bottom + next)) - 0.5).abs() < 1e-3);
+            let top = if slice == 0 {
+                slices.top
+            } else {
+                slices.bottoms[slice - 1]
+            } as f32;
+            assert_eq!(slice_plane(&record, slice, 0.0), bottom);
+            assert!((slice_plane(&record, slice, 1.0) - 0.5 * (top + bottom)).abs() < 1e-5);
         }
     }
 }

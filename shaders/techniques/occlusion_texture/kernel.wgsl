@@ -40,16 +40,22 @@ fn slice_weight(bottom: f32, thickness: f32, depth: f32) -> f32 {
     return clamp((depth - bottom) / max(thickness, 1e-30), 0.0, 1.0);
 }
 
-// The rectangle of a slice's picture through which a receiver, in light space and behind the slice, sees the light.
-fn slice_kernel(projection: vec4f, depth: vec4f, light: vec4f, receiver: vec3f, bottom: f32) -> Kernel {
-    let behind = receiver.z - bottom;
+// Depth at which the casters of a slice are taken to be: where the slice ends for a receiver just behind it, and in its
+// middle for receivers that get its whole shadow.
+fn slice_plane(top: f32, bottom: f32, weight: f32) -> f32 {
+    return bottom - 0.5 * weight * (bottom - top);
+}
+
+// The rectangle at a depth through which a receiver behind it, in light space, sees the light, in the slice's picture.
+fn slice_kernel(projection: vec4f, depth: vec4f, light: vec4f, receiver: vec3f, plane: f32) -> Kernel {
+    let behind = receiver.z - plane;
     let at_position = light.z > 0.5;
-    let middle = receiver.xy * select(1.0, bottom / receiver.z, at_position);
+    let middle = receiver.xy * select(1.0, plane / receiver.z, at_position);
     // A sphere that is seen at an angle casts a longer cone on the slice.
     let slope = receiver.xy / receiver.z;
     let longer = select(vec2f(1.0), sqrt(1.0 + slope * slope), light.w > 0.5);
     let half = light.xy * longer * (behind / select(1.0, receiver.z, at_position));
-    let scale = projection.xy / (depth.x * bottom + depth.y);
+    let scale = projection.xy / (depth.x * plane + depth.y);
     let ndc = middle * scale + projection.zw;
     return Kernel(ndc * vec2f(0.5, -0.5) + 0.5, half * scale * 0.5);
 }

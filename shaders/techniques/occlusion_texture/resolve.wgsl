@@ -4,7 +4,7 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_kernel, combine}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, combine}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
@@ -67,9 +67,13 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     return sum / taps * share_inside(kernel);
 }
 
+// Side of the texels whose bilinear mean has the variance of a box of side 1: a texel's own variance of side² / 12, and that
+// of the weights between texels, side² / 6, are 1 / 12 together.
+const SMOOTHED: f32 = 0.57735;      // mirror: techniques::occlusion_texture::filter::SMOOTHED
+
 fn mipmap_mean(picture: Picture, kernel: Kernel) -> f32 {
     let layer = picture.face * group_count() + picture.group;
-    let size = max(2.0 * kernel.half, vec2f(light.limits.w));
+    let size = max(2.0 * SMOOTHED * kernel.half, vec2f(light.limits.w));
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
     let dx = vec2f(size.x, 0.0);
     let dy = vec2f(0.0, size.y);
@@ -126,6 +130,7 @@ fn hidden_share(face: u32, receiver: vec3f) -> f32 {
     let projection = light.faces[face].projection;
     let depth = light.faces[face].depth;
     var hidden = 0.0;
+    var top = depth.z;
     for (var slice = 0u; slice < SLICES; slice++) {
         let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
         if receiver.z <= bottom {
@@ -135,7 +140,9 @@ fn hidden_share(face: u32, receiver: vec3f) -> f32 {
         let next_bottom = light.faces[face].bottoms[next / 4u][next % 4u];
         let thickness = select(depth.w, next_bottom - bottom, slice + 1u < SLICES);
         let weight = slice_weight(bottom, thickness, receiver.z);
-        let kernel = slice_kernel(projection, depth, light.kernel, receiver, bottom);
+        let plane = slice_plane(top, bottom, weight);
+        top = bottom;
+        let kernel = slice_kernel(projection, depth, light.kernel, receiver, plane);
         let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
         hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }

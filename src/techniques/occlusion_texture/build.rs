@@ -5,12 +5,14 @@
 //! changes.
 
 use bevy_ecs::prelude::*;
+use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 
 use super::component::OcclusionTexture;
 use super::light_slices::{LightSlices, Scratch};
-use crate::scene::{SceneMaterials, SceneMesh};
+use crate::scene::{AlphaMode, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects};
+use crate::silhouettes::CasterEdges;
 use crate::techniques::registry::Technique;
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
 
@@ -58,6 +60,7 @@ pub fn ask_for_slices(
     objects: Res<Objects>,
     components: Query<&OcclusionTexture>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    casters: Query<(&CasterEdges, &GlobalTransform, Option<&SceneMaterials>)>,
 ) {
     let textures = &mut *textures;
     std::mem::swap(&mut textures.lights, &mut textures.previous);
@@ -81,11 +84,16 @@ pub fn ask_for_slices(
         let mut slices = known.unwrap_or_else(|| LightSlices::new(light.entity));
         slices.light = index;
         slices.is_active = false;
+        let is_closed = |entity| {
+            let caster = casters.get(entity);
+            caster.is_ok_and(|(edges, transform, materials)| is_closed(edges, transform, materials))
+        };
         let changed = slices.follow(
             light,
             settings,
             &objects,
             &textures.exchanged,
+            is_closed,
             &mut textures.scratch,
         );
         if changed {
@@ -105,6 +113,15 @@ pub fn ask_for_slices(
         memory.ask(index, OcclusionTexture::NAME, want);
         textures.lights.push(slices);
     }
+}
+
+/// Whether only fronts of a caster are seen from outside. A caster with holes shows its inside, and a mirrored one is
+/// turned inside out.
+fn is_closed(edges: &CasterEdges, transform: &GlobalTransform, materials: Option<&SceneMaterials>) -> bool {
+    let mut materials = materials.iter().flat_map(|materials| materials.0.iter());
+    edges.0.shows_fronts_alone
+        && transform.affine().matrix3.determinant() > 0.0
+        && !materials.any(|material| matches!(material.alpha_mode, AlphaMode::Mask(_)))
 }
 
 /// Takes over the memory that each light gets.

@@ -19,7 +19,7 @@ const RESOLUTIONS: std::ops::RangeInclusive<u32> = 16..=4096;
 ///
 /// The casters are cut into slices parallel to the light. A picture of each slice is filtered once, and a pixel looks up
 /// one filtered value for each slice between itself and the light. Shadows are smooth and plausible, not exact: casters
-/// cast from the far side of their slice, nothing within one slice shadows itself, and the slices are combined as if they
+/// cast from the middle of their slice, nothing within one slice shadows itself, and the slices are combined as if they
 /// were statistically independent. Alpha-tested casters cast the holes of their texture. Casters block from both sides.
 /// An [`EmitterTexture`](crate::techniques::penumbra_wedge::EmitterTexture) is ignored: shadows are those of a light of
 /// one colour.
@@ -101,12 +101,13 @@ pub enum SliceFilter {
 )]
 pub enum SliceCombination {
     /// Multiplies the visibilities of the slices, as if each hid a random part of the light. This is the default, and the
-    /// closest to the truth unless a single slice casts.
+    /// closest to the truth where many objects overlap. A surface that passes through several slices is too light.
     #[default]
     Product,
     /// Takes the darkest slice. Shadows of several objects are too light.
     Maximum,
-    /// Adds the hidden shares, at most the whole light. Shadows of several objects are too dark.
+    /// Adds the hidden shares, at most the whole light. Shadows of several objects are too dark; a single surface that passes
+    /// through several slices is right.
     Sum,
 }
 

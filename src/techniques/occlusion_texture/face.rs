@@ -17,7 +17,7 @@ const NOWHERE: f64 = 1e30;
 pub struct Slices {
     /// Depth at which the first slice begins, metres.
     pub top: f64,
-    /// Depth at which each slice ends, metres. Casters in a slice cast from there.
+    /// Depth at which each slice ends, metres.
     pub bottoms: [f64; MOST_SLICES as usize],
     /// Number of slices.
     pub count: usize,
@@ -83,6 +83,12 @@ impl SliceFace {
     pub fn project(&self, point: DVec3) -> DVec2 {
         let divisor = self.divisor.x * point.z + self.divisor.y;
         point.truncate() * self.scale / divisor + self.offset
+    }
+
+    /// Whether the picture shows the scene as in a mirror, so that fronts are drawn clockwise.
+    pub fn is_mirrored(&self) -> bool {
+        let [x, y, z] = self.axes;
+        x.cross(y).dot(z) > 0.0
     }
 
     /// Returns the face as it is drawn: the third row of the clip space is the depth in metres, from which the shader

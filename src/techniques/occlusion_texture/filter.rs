@@ -130,10 +130,14 @@ pub fn mipmaps(picture: Picture) -> Vec<Picture> {
     levels
 }
 
+/// Side of the texels whose bilinear mean has the variance of a box of side 1: a texel's own variance of side² / 12, and that
+/// of the weights between texels, side² / 6, are 1 / 12 together. Mipmaps of the kernel's own size would blur it too far.
+pub const SMOOTHED: f32 = 0.577_35;
+
 /// Looks up the mean around a kernel in mipmaps, on a device without anisotropic filters.
 pub fn mipmap_mean(levels: &[Picture], kernel: &Kernel) -> f32 {
     let side = levels[0].side as f32;
-    let size = (2.0 * kernel.half * side).max_element().max(1.0);
+    let size = (2.0 * SMOOTHED * kernel.half * side).max_element().max(1.0);
     let level = size.log2().min((levels.len() - 1) as f32);
     let center = kernel.center.clamp(Vec2::ZERO, Vec2::ONE);
     let of = |level: usize| {

@@ -64,6 +64,10 @@ const NEAREST: f64 = 1e-3;
 /// Share of the depth by which the slices reach beyond the casters, so that rounding leaves none out.
 const SLACK: f64 = 1e-4;
 
+/// Least range of all slices as a share of the size of the scene. Slices of a flat scene would otherwise be as thin as the
+/// rounding of receivers, which would shadow themselves.
+const LEAST_RANGE: f64 = 0.02;
+
 /// Largest tangent of the directions to casters with which a sphere has one picture instead of six.
 const WIDEST: f64 = 4.0;
 
@@ -140,8 +144,8 @@ fn axis_of_one(light: &SlicedLight, scene: &[SceneBox]) -> Option<DVec3> {
     (widest <= WIDEST).then_some(z)
 }
 
-/// The depths of the casters, with some slack; `None` without casters.
-fn depths(boxes: &[LightBox], nearest: f64) -> Option<[f64; 2]> {
+/// The depths of the casters, with some slack; `None` without casters. `size` is that of the scene, metres.
+fn depths(boxes: &[LightBox], nearest: f64, size: f64) -> Option<[f64; 2]> {
     let (mut top, mut bottom) = (f64::INFINITY, f64::NEG_INFINITY);
     for caster in boxes.iter().filter(|light| light.casts && light.max.z > nearest) {
         top = top.min(caster.min.z.max(nearest));
@@ -150,7 +154,8 @@ fn depths(boxes: &[LightBox], nearest: f64) -> Option<[f64; 2]> {
     if !(top <= bottom) {
         return None;
     }
-    let slack = SLACK * (bottom - top).max(1e-2 * bottom.abs()).max(1e-6);
+    let range = bottom - top;
+    let slack = (SLACK * range).max(0.5 * (LEAST_RANGE * size.max(1e-6) - range));
     Some([top - slack, bottom + slack])
 }
 
@@ -187,7 +192,7 @@ fn fit_before(
         .collect();
     let farthest = boxes.iter().map(|light| light.max.z).fold(0.0, f64::max);
     let nearest = NEAREST * farthest;
-    let slices = depths(&boxes, nearest).map_or(Slices::NONE, |range| {
+    let slices = depths(&boxes, nearest, farthest).map_or(Slices::NONE, |range| {
         Slices::new(range, settings.count, settings.weight)
     });
     let scale_of_scene = if farthest > 0.0 { farthest } else { 1.0 };
@@ -235,7 +240,7 @@ fn fit_side(light: &SlicedLight, z: DVec3, settings: &SliceSettings, scene: &[Sc
             light.min.truncate().max_element() < widest && light.max.truncate().min_element() > -widest
         })
         .collect();
-    let slices = depths(&seen, NEAREST * farthest).map_or(Slices::NONE, |range| {
+    let slices = depths(&seen, NEAREST * farthest, farthest).map_or(Slices::NONE, |range| {
         Slices::new(range, settings.count, settings.weight)
     });
     let (scale, offset) = placed([DVec2::NEG_ONE, DVec2::ONE], settings.guard);
@@ -264,7 +269,8 @@ fn fit_parallel(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBox
         .iter()
         .map(|scene| LightBox::new(scene, origin, &light.axes))
         .collect();
-    let slices = depths(&boxes, f64::NEG_INFINITY).map_or(Slices::NONE, |range| {
+    let size = f64::from(all.half_size().max_element()).max(0.0);
+    let slices = depths(&boxes, f64::NEG_INFINITY, size).map_or(Slices::NONE, |range| {
         Slices::new(range, settings.count, settings.weight)
     });
     let (mut least, mut greatest) = (DVec2::INFINITY, DVec2::NEG_INFINITY);

@@ -35,13 +35,24 @@ pub fn slice_weight(face: &OcclusionFace, slice: usize, count: usize, depth: f32
     ((depth - bottom) / thickness.max(1e-30)).clamp(0.0, 1.0)
 }
 
-/// Returns the rectangle of a slice's picture through which a receiver sees the light. The receiver, in light space, lies
-/// behind the slice. `light` is [`OcclusionLight::kernel`](super::records::OcclusionLight::kernel).
-pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, bottom: f32) -> Kernel {
-    let behind = receiver.z - bottom;
+/// Returns the depth at which the casters of a slice are taken to be: where the slice ends for a receiver just behind it, and
+/// in its middle for receivers that get its whole shadow. The source takes the end for all, which makes casters larger and
+/// nearer to their receivers than they are.
+pub fn slice_plane(face: &OcclusionFace, slice: usize, weight: f32) -> f32 {
+    let bottom = slice_bottom(face, slice);
+    let top = slice
+        .checked_sub(1)
+        .map_or(face.depth[2], |before| slice_bottom(face, before));
+    bottom - 0.5 * weight * (bottom - top)
+}
+
+/// Returns the rectangle at a depth through which a receiver sees the light, in a slice's picture. The receiver, in light
+/// space, lies behind `plane`. `light` is [`OcclusionLight::kernel`](super::records::OcclusionLight::kernel).
+pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, plane: f32) -> Kernel {
+    let behind = receiver.z - plane;
     let (mut middle, mut half) = (receiver.truncate(), light.truncate().truncate() * behind);
     if light.z > 0.5 {
-        middle *= bottom / receiver.z;
+        middle *= plane / receiver.z;
         half /= receiver.z;
     }
     if light.w > 0.5 {
@@ -49,7 +60,7 @@ pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, bottom: f
         let slope = receiver.truncate() / receiver.z;
         half *= Vec2::new((1.0 + slope.x * slope.x).sqrt(), (1.0 + slope.y * slope.y).sqrt());
     }
-    let scale = Vec2::new(face.projection[0], face.projection[1]) / (face.depth[0] * bottom + face.depth[1]);
+    let scale = Vec2::new(face.projection[0], face.projection[1]) / (face.depth[0] * plane + face.depth[1]);
     let ndc = middle * scale + Vec2::new(face.projection[2], face.projection[3]);
     Kernel {
         center: ndc * Vec2::new(0.5, -0.5) + 0.5,

@@ -34,6 +34,9 @@ pub struct LightSlices {
     pub casters: FixedBitSet,
     /// Those of the casters that fill the next slice too.
     pub closing: FixedBitSet,
+    /// Those of the casters whose fronts alone are drawn. A ray through a closed caster would otherwise count twice, if front
+    /// and back lie in different slices.
+    pub solid: FixedBitSet,
     /// Whether the pictures are looked up in this frame.
     pub is_active: bool,
     /// Changes when the pictures must be drawn again.
@@ -54,6 +57,7 @@ impl LightSlices {
             faces: SliceFaces::new(),
             casters: FixedBitSet::new(),
             closing: FixedBitSet::new(),
+            solid: FixedBitSet::new(),
             is_active: false,
             revision: 0,
             layout: 0,
@@ -69,6 +73,7 @@ impl LightSlices {
         settings: &OcclusionTexture,
         objects: &Objects,
         exchanged: &FixedBitSet,
+        is_closed: impl Fn(Entity) -> bool,
         scratch: &mut Scratch,
     ) -> bool {
         if scratch.casters.len() == objects.len() {
@@ -120,7 +125,32 @@ impl LightSlices {
             guard: GUARD_TEXELS / f64::from(settings.resolution),
         };
         self.faces = fit_faces(&sliced, &slice_settings, &scratch.scene);
+        self.solid.clear();
+        self.solid.grow(objects.len());
+        for object in self.casters.ones() {
+            let is_solid = is_closed(objects.entities[object]) && self.is_clear_of(objects, object);
+            self.solid.set(object, is_solid);
+        }
         true
+    }
+
+    /// Whether an object lies wholly before the centre of projection and the light, so that every ray from there enters it
+    /// through a front.
+    fn is_clear_of(&self, objects: &Objects, object: usize) -> bool {
+        let (center, half) = objects.boxes.center_half(object);
+        let Some(face) = self.faces.first() else {
+            return false;
+        };
+        if face.divisor.x == 0.0 {
+            return true;
+        }
+        let from_light = center - face.origin;
+        if self.faces.len() == 1 {
+            let z = face.axes[2];
+            return z.dot(from_light) - z.abs().dot(half) > 0.0;
+        }
+        let distance = (from_light.abs() - half).max(DVec3::ZERO).length();
+        distance > 3.0 * face.divisor.y
     }
 
     /// Bytes of all pictures of a light for each squared resolution.

@@ -78,6 +78,29 @@ fn the_product_is_best_where_several_slices_cast() {
     }
 }
 
+/// Front and back of a box hide the same rays. Boxes that are open count both.
+#[test]
+fn closed_casters_hide_once() {
+    let context = strict_context();
+    let settings = OcclusionTexture {
+        slices: 16,
+        ..Default::default()
+    };
+    let closed = boxes();
+    let mut open = boxes();
+    for (mesh, _) in &mut open.parts {
+        if mesh.indices.len() > 6 {
+            // Without half of a narrow side.
+            mesh.indices.drain(..3);
+            mesh.submeshes[0].index_count -= 3;
+        }
+    }
+    let error = |scene| errors(&context, scene, square(1.0), 144, &[settings]).0[0];
+    let (closed, open) = (error(&closed), error(&open));
+    println!("closed boxes {closed:.4}, open boxes {open:.4}");
+    assert!(closed < 0.045 && open > 1.5 * closed, "{closed}, {open}");
+}
+
 #[test]
 #[ignore = "a table for people"]
 fn errors_by_hand() {

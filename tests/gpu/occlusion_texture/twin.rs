@@ -2,10 +2,10 @@
 
 use antumbra::insides::occlusion_textures::{
     LightSlices, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean, n_buffers,
-    slice_bottom, slice_kernel, slice_weight, summed_areas, summed_mean,
+    slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas, summed_mean,
 };
 use antumbra::prelude::*;
-use antumbra::reference::RayScene;
+use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
 use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
@@ -42,7 +42,9 @@ fn cast_pictures(face: &SliceFace, scene: &RayScene, side: usize, closes: bool) 
                 from_a.dot(v.cross(along)) / determinant,
                 from_a.dot(along.cross(u)) / determinant,
             );
-            let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0;
+            // Boxes are closed, and their backs are left out; the ground is drawn from both sides.
+            let is_back = triangle_is_closed(triangle) && determinant > 0.0;
+            let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 && !is_back;
             if !inside || !(0.0..=1.0).contains(&share) {
                 continue;
             }
@@ -61,6 +63,11 @@ fn cast_pictures(face: &SliceFace, scene: &RayScene, side: usize, closes: bool) 
         }
     }
     pictures
+}
+
+/// Whether a triangle belongs to a box and not to the ground.
+fn triangle_is_closed(triangle: &SceneTriangle) -> bool {
+    triangle.corners.iter().any(|corner| corner.y > 0.01)
 }
 
 /// The filtered pictures of one face.
@@ -91,7 +98,9 @@ fn visibility(
         if receiver.z <= bottom {
             break;
         }
-        let kernel = slice_kernel(record_face, Vec4::from(record.kernel), receiver, bottom);
+        let weight = slice_weight(record_face, slice, count, receiver.z);
+        let plane = slice_plane(record_face, slice, weight);
+        let kernel = slice_kernel(record_face, Vec4::from(record.kernel), receiver, plane);
         let mean = match &filtered[index] {
             Filtered::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
                 n_buffer_mean(&levels[slice], &kernel, slices.taps())
@@ -99,7 +108,6 @@ fn visibility(
             Filtered::Levels(levels) => mipmap_mean(&levels[slice], &kernel),
             Filtered::Sums(sums) => summed_mean(&sums[slice], &kernel),
         };
-        let weight = slice_weight(record_face, slice, count, receiver.z);
         hidden = combine(slices.settings.combine, hidden, (weight * mean).clamp(0.0, 1.0));
     }
     1.0 - hidden
@@ -138,7 +146,10 @@ fn difference(
         .collect();
     let (mut largest, mut sum, mut count, mut soft) = (0.0f32, 0.0, 0, 0);
     for (hit, got) in hits.hits.iter().zip(&got) {
-        let Some(hit) = hit.as_ref().filter(|hit| hit.normal.y > 0.9) else {
+        // Light below the horizon is cut, which the twins do not know.
+        let sees_all = |y: f64| kind == LightKind::Directional || y < f64::from(from.y) - 0.2;
+        let faces_up = |hit: &&SurfaceHit| hit.normal.y > 0.9 && sees_all(hit.position.y);
+        let Some(hit) = hit.as_ref().filter(faces_up) else {
             continue;
         };
         let expected = visibility(slices, &record, &filtered, hit.position);

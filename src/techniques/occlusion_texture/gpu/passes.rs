@@ -5,7 +5,7 @@
 use smallvec::SmallVec;
 
 use super::pipelines::Key;
-use super::recorder::{LightPlan, SliceNode};
+use super::recorder::{LightPlan, SetPlan, SliceNode};
 use super::textures::{SliceTextures, Step};
 use crate::render::gpu::strided::Strided;
 use crate::render::recorder::{PictureInput, ResolveInput};
@@ -75,17 +75,24 @@ impl SliceNode {
         });
         pass.set_bind_group(0, &self.caster_group, &[]);
         pass.set_bind_group(1, &self.face_group, &[Strided::<OcclusionFace>::offset(slot)]);
-        for (range, closes) in [(&face.own, false), (&face.closing, true)] {
-            let groups = plan.key.groups;
+        let groups = plan.key.groups;
+        for set in &face.draws {
+            let SetPlan { closes, culled, .. } = *set;
             let pipeline = |masked| {
                 self.pipelines.get(Key::Caster {
                     masked,
                     closes,
+                    culled,
                     groups,
                 })
             };
-            self.draws
-                .record(range.clone(), &mut pass, pipeline, input.meshes, input.materials);
+            self.draws.record(
+                set.draws.clone(),
+                &mut pass,
+                pipeline,
+                input.meshes,
+                input.materials,
+            );
         }
     }
 

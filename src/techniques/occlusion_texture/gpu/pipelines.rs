@@ -27,6 +27,8 @@ pub enum Key {
         masked: bool,
         /// True if casters fill the next slice too.
         closes: bool,
+        /// The faces that are left out: the backs of closed casters.
+        culled: Option<wgpu::Face>,
         /// Number of colour targets.
         groups: u32,
     },
@@ -159,6 +161,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
         Key::Caster {
             masked,
             closes,
+            culled,
             groups,
         } => {
             let (vertex, fragment, buffers) = if masked {
@@ -169,6 +172,10 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             let fragment = Some(Stage::new(CASTER, fragment));
             let desc = PipelineDesc {
                 buffers,
+                primitive: wgpu::PrimitiveState {
+                    cull_mode: culled,
+                    ..Default::default()
+                },
                 ..PipelineDesc::new("slice caster", Stage::new(CASTER, vertex), fragment)
                     .with_groups([
                         Some(&layouts.casters),

@@ -31,13 +31,18 @@ use crate::techniques::occlusion_texture::component::SliceFilter;
 use crate::techniques::occlusion_texture::light_slices::LightSlices;
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
-/// The draws of one picture.
+/// The draws of one picture: casters by whether they close leaks, and by whether their fronts alone are drawn.
 #[derive(Debug)]
 pub(super) struct FacePlan {
-    /// Draws of casters that fill their own slice.
-    pub own: Range<usize>,
-    /// Draws of casters that fill the next slice too.
-    pub closing: Range<usize>,
+    pub draws: [SetPlan; 4],
+}
+
+/// Draws that share their pipelines.
+#[derive(Debug)]
+pub(super) struct SetPlan {
+    pub draws: Range<usize>,
+    pub closes: bool,
+    pub culled: Option<wgpu::Face>,
 }
 
 /// The passes and draws that one light needs.
@@ -118,26 +123,39 @@ impl SliceNode {
         let objects = world.resource::<Objects>();
         let first = self.faces.len();
         let groups = slices.settings.groups();
-        let mut own = slices.casters.clone();
-        own.difference_with(&slices.closing);
         for face in &slices.faces {
             let drawn = face.drawn();
-            let mut push = |set| self.draws.push(world, input, objects, &drawn, set);
-            let plan = FacePlan {
-                own: push(&own),
-                closing: push(&slices.closing),
+            let backs = if face.is_mirrored() {
+                wgpu::Face::Front
+            } else {
+                wgpu::Face::Back
             };
-            for (range, closes) in [(&plan.own, false), (&plan.closing, true)] {
-                for masked in self.draws.masked(range.clone()) {
+            let plan =
+                [(false, false), (false, true), (true, false), (true, true)].map(|(closes, is_solid)| {
+                    let own = |object: &usize| {
+                        slices.closing.contains(*object) == closes
+                            && slices.solid.contains(*object) == is_solid
+                    };
+                    let set = slices.casters.ones().filter(own).collect();
+                    SetPlan {
+                        draws: self.draws.push(world, input, objects, &drawn, &set),
+                        closes,
+                        culled: is_solid.then_some(backs),
+                    }
+                });
+            for set in &plan {
+                let SetPlan { closes, culled, .. } = *set;
+                for masked in self.draws.masked(set.draws.clone()) {
                     let key = Key::Caster {
                         masked,
                         closes,
+                        culled,
                         groups,
                     };
                     self.require(input.gpu, key)?;
                 }
             }
-            self.faces.push(plan);
+            self.faces.push(FacePlan { draws: plan });
             self.face_records.constants.push(&face.record(face.origin));
         }
         match slices.settings.filter {
@@ -270,7 +288,8 @@ impl Recorder for SliceNode {
     fn batch_count(&self, light: usize) -> usize {
         let plan = self.plan_of(light);
         let faces = plan.map_or(&[][..], |(_, plan)| &self.faces[plan.faces.clone()]);
-        faces.iter().map(|face| face.own.len() + face.closing.len()).sum()
+        let sets = faces.iter().flat_map(|face| &face.draws);
+        sets.map(|set| set.draws.len()).sum()
     }
 }
 
