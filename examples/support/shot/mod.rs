@@ -42,4 +42,4 @@ pub use camera::ShotCamera;
 pub use file::{Shot, ShotAnimation};
 pub use light::{LightParts, ShotEmission, ShotLight};
 pub use model::ShotModel;
-pub use schema::shot_schema;
+pub use schema::{shot_schema, tidy};
