@@ -41,6 +41,10 @@ struct Arguments {
     /// Requests no device feature beyond WebGPU's baseline.
     #[arg(long)]
     baseline: bool,
+    /// Folder with the results of the same shot from another device or version; says how many pixels of the picture
+    /// differ from those.
+    #[arg(long)]
+    against: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
@@ -93,6 +97,11 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     let out = &arguments.out;
     std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
     picture::write_png(&out.join("image.png"), rendered.size, &rendered.picture)?;
+    if let Some(other) = &arguments.against {
+        let path = other.join("image.png");
+        let difference = picture::difference(&path, rendered.size, &rendered.picture)?;
+        println!("{}: {difference}", path.display());
+    }
     picture::write_rgb_exr(&out.join("image.exr"), rendered.size, &rendered.radiance)?;
     for (light, visibility) in rendered.visibility.iter().enumerate() {
         let path = out.join(format!("light{light}.visibility.exr"));

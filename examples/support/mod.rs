@@ -6,6 +6,7 @@
 pub mod model;
 pub mod picture;
 pub mod shadow;
+pub mod shared_gpu;
 pub mod shot;
 pub mod soak;
 pub mod solid;

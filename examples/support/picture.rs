@@ -19,6 +19,56 @@ pub fn write_png(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), String> {
         .map_err(|error| format!("{}: {error}", path.display()))
 }
 
+/// How far two pictures differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Difference {
+    /// Number of pixels with a channel that differs by more than [`ROUNDING`].
+    pub pixels: usize,
+    /// Number of pixels of the picture.
+    pub of: usize,
+    /// Largest difference of a channel, in steps of 1/255.
+    pub most: u8,
+}
+
+/// Steps of 1/255 that two devices may round apart.
+pub const ROUNDING: u8 = 2;
+
+impl std::fmt::Display for Difference {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { pixels, of, most } = self;
+        write!(
+            f,
+            "{pixels} of {of} pixels differ by more than {ROUNDING}/255, at most by {most}/255"
+        )
+    }
+}
+
+/// Compares sRGB RGBA with a PNG of the same size.
+///
+/// # Errors
+/// One line that names the file: it cannot be read, or has another size.
+pub fn difference(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<Difference, String> {
+    let other = image::open(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let other = other.to_rgba8();
+    if other.dimensions() != (size.x, size.y) {
+        let (width, height) = other.dimensions();
+        return Err(format!(
+            "{}: {width}x{height} pixels, not {}x{}",
+            path.display(),
+            size.x,
+            size.y
+        ));
+    }
+    let mut difference = Difference::default();
+    for (a, b) in other.as_raw().chunks_exact(4).zip(rgba8.chunks_exact(4)) {
+        let most = a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
+        difference.of += 1;
+        difference.pixels += usize::from(most > ROUNDING);
+        difference.most = difference.most.max(most);
+    }
+    Ok(difference)
+}
+
 /// Writes linear RGB (of RGBA rows) as OpenEXR.
 ///
 /// # Errors

@@ -21,6 +21,7 @@ use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
 use super::picture;
+use super::shared_gpu::shared_gpu;
 use super::shot::Shot;
 
 /// Format of the picture.
@@ -208,7 +209,7 @@ impl Stage {
         first.unwrap_or_else(|| framing_camera(self.scene_bounds(), aspect))
     }
 
-    /// Adds a renderer to the stage.
+    /// Adds a renderer to the stage. It shares shaders and pipelines with other stages on the same device.
     ///
     /// # Errors
     /// Something that the device refuses.
@@ -217,7 +218,7 @@ impl Stage {
         context: RenderContext,
         settings: RenderSettings,
     ) -> Result<(), RenderError> {
-        let mut renderer = Renderer::new(context)?;
+        let mut renderer = Renderer::on(shared_gpu(context)?)?;
         renderer.settings = settings;
         self.world.insert_resource(renderer);
         Ok(())

@@ -202,6 +202,12 @@ impl RenderContext {
         self.lost.store(true, Ordering::Release);
     }
 
+    /// Returns true if `other` is a clone of this context. (`wgpu::Device` cannot tell: devices of two instances may
+    /// be equal.)
+    pub fn is_clone_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.lost, &other.lost)
+    }
+
     /// Returns whether the device is lost. Nothing that a lost device held can be used again.
     pub fn is_lost(&self) -> bool {
         self.lost.load(Ordering::Acquire)

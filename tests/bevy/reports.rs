@@ -50,7 +50,7 @@ fn lines(name: &str) -> Vec<String> {
 /// There are so many lines of an entity, the last says this, and further frames add none.
 fn expect(game: &mut Game, name: &str, count: usize, text: &[&str]) {
     game.run(2);
-    for frame in 0..6 {
+    for frame in 0..3 {
         let lines = lines(name);
         assert_eq!(lines.len(), count, "{name}, {frame} frames later: {lines:#?}");
         let last = lines.last().expect("there is one");

@@ -118,23 +118,26 @@ fn what_a_light_does_not_affect_it_does_not_light() {
 /// with them; and so do ours.
 #[test]
 fn render_layers_of_lights_are_as_bevy_has_them() {
+    let mut games = [false, true].map(|ours| {
+        let mut floors = floors(ours);
+        let world = floors.game.world();
+        if ours {
+            world.entity_mut(floors.light).insert(StencilVolume::default());
+        }
+        // Bevy shows no shadow, and neither do we.
+        let meshes: Vec<Entity> = world
+            .query_filtered::<Entity, With<Mesh3d>>()
+            .iter(world)
+            .collect();
+        for mesh in meshes {
+            world.entity_mut(mesh).insert(bevy::light::NotShadowCaster);
+        }
+        floors
+    });
     for (layers, lights) in [(&[0][..], true), (&[1], true), (&[0, 1], true), (&[2], false)] {
-        let pictures = [false, true].map(|ours| {
-            let mut floors = floors(ours);
+        let pictures = games.each_mut().map(|floors| {
             let mut light = floors.game.world().entity_mut(floors.light);
             light.insert(RenderLayers::from_layers(layers));
-            if ours {
-                light.insert(StencilVolume::default());
-            }
-            // Bevy shows no shadow, and neither do we.
-            let world = floors.game.world();
-            let meshes: Vec<Entity> = world
-                .query_filtered::<Entity, With<Mesh3d>>()
-                .iter(world)
-                .collect();
-            for mesh in meshes {
-                world.entity_mut(mesh).insert(bevy::light::NotShadowCaster);
-            }
             let camera = floors.camera;
             halves(&floors.game.run(5).settled(camera))
         });

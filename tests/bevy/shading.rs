@@ -61,14 +61,40 @@ fn add_mesh(
         .id()
 }
 
-fn game(scene: Scene) -> (Game, Entity) {
-    let mut app = if scene.ours {
+/// A game of ours and one of Bevy's, in which one scene takes the place of another. They start when a scene first needs them.
+#[derive(Default)]
+struct Games([Option<Game>; 2]);
+
+impl Games {
+    fn picture(&mut self, scene: Scene) -> Picture {
+        let game = self.0[usize::from(scene.ours)].get_or_insert_with(|| start(scene.ours));
+        let world = game.world();
+        clear(world);
+        let camera = fill(world, scene);
+        game.run(4).settled(camera)
+    }
+}
+
+fn start(ours: bool) -> Game {
+    let mut app = if ours {
         harness::antumbra()
     } else {
         harness::headless()
     };
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
-    let world = app.world_mut();
+    Game::start(app)
+}
+
+/// Despawns cameras, lights and meshes.
+fn clear(world: &mut World) {
+    let mut placed = world.query_filtered::<Entity, (With<Transform>, Without<ChildOf>)>();
+    for entity in placed.iter(world).collect::<Vec<_>>() {
+        world.despawn(entity);
+    }
+}
+
+/// Spawns a scene, and returns its first camera.
+fn fill(world: &mut World, scene: Scene) -> Entity {
     let camera = harness::camera(
         world,
         Transform::from_xyz(-2.5, 4.5, 9.0).looking_at(Vec3::ZERO, Vec3::Y),
@@ -241,7 +267,7 @@ fn game(scene: Scene) -> (Game, Entity) {
     if let Some(factor) = scene.dimmed {
         world.get_mut::<PointLight>(managed[0]).unwrap().intensity *= factor;
     }
-    (Game::start(app), camera)
+    camera
 }
 
 /// Stripes, and darker ones from face to face of a cube.
@@ -263,16 +289,12 @@ fn stripes() -> Image {
     Image::new(size, TextureDimension::D2, texels, TextureFormat::R8Unorm, usages)
 }
 
-fn picture(scene: Scene) -> Picture {
-    let (mut game, camera) = game(scene);
-    game.run(4).settled(camera)
-}
-
 #[test]
 fn without_managed_lights_every_channel_is_bevys() {
+    let mut games = Games::default();
     for look in [Look::Plain, Look::Fog, Look::Orthographic] {
-        let bevy = picture(Scene { look, ..default() });
-        let ours = picture(Scene {
+        let bevy = games.picture(Scene { look, ..default() });
+        let ours = games.picture(Scene {
             look,
             ours: true,
             ..default()
@@ -288,6 +310,7 @@ fn without_managed_lights_every_channel_is_bevys() {
 
 #[test]
 fn managed_lights_add_up_to_bevys_light() {
+    let mut games = Games::default();
     for look in [
         Look::Plain,
         Look::Fog,
@@ -297,14 +320,14 @@ fn managed_lights_add_up_to_bevys_light() {
         Look::Orthographic,
         Look::OrthographicJitter,
     ] {
-        let bevy = picture(Scene { look, ..default() });
+        let bevy = games.picture(Scene { look, ..default() });
         let scene = Scene {
             look,
             ours: true,
             managed: true,
             ..default()
         };
-        let ours = picture(scene);
+        let ours = games.picture(scene);
         bevy.save(&format!("shading_{look:?}_bevy"));
         ours.save(&format!("shading_{look:?}_managed"));
         let difference = ours.difference(&bevy);
@@ -318,9 +341,10 @@ fn managed_lights_add_up_to_bevys_light() {
 #[test]
 fn textures_of_managed_lights_are_bevys() {
     let look = Look::Textures;
-    let bevy = picture(Scene { look, ..default() });
-    let has_textures = picture(Scene::default()).difference(&bevy).steps > MANAGED;
-    let ours = picture(Scene {
+    let mut games = Games::default();
+    let bevy = games.picture(Scene { look, ..default() });
+    let has_textures = games.picture(Scene::default()).difference(&bevy).steps > MANAGED;
+    let ours = games.picture(Scene {
         look,
         ours: true,
         managed: true,
@@ -334,8 +358,9 @@ fn textures_of_managed_lights_are_bevys() {
 
 #[test]
 fn a_managed_light_that_is_off_by_a_hundredth_is_found() {
-    let bevy = picture(Scene::default());
-    let ours = picture(Scene {
+    let mut games = Games::default();
+    let bevy = games.picture(Scene::default());
+    let ours = games.picture(Scene {
         ours: true,
         managed: true,
         dimmed: Some(0.99),

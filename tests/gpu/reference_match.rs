@@ -16,15 +16,15 @@ fn stencil_equals_ray_cast_on_every_model() {
     let folder = models_folder();
     let context = strict_context();
     let mut failures = Vec::new();
-    for path in models_below(&folder) {
-        let name = file_name(&path);
-        let Some(mut model) = ModelStage::new(&path, &context, SIZE) else {
+    for (index, path) in models_below(&folder).iter().enumerate() {
+        let name = file_name(path);
+        let Some(mut model) = ModelStage::new(path, &context, SIZE) else {
             println!("{name:<32} has no triangles");
             continue;
         };
         show_lights_alone(&mut model.stage);
         let (mut inner, mut lit, mut dark, mut worst) = (0, 0, 0, (0.0, String::new()));
-        for (label, case) in model.cases() {
+        for (label, case) in model.some_cases(index, 2) {
             model.set(&case, StencilVolume::default());
             let rendered = model.stage.render().expect("the frame renders");
             let error = judge(&model.stage, &model.scene, 0, &rendered.visibility[0]);
@@ -48,7 +48,7 @@ fn stencil_equals_ray_cast_on_every_model() {
             worst.0, worst.1
         );
         assert!(
-            inner > 30_000 && lit > 20_000 && dark > 10_000,
+            inner > 15_000 && lit > 10_000 && dark > 4_000,
             "{name}: too little was judged"
         );
     }

@@ -3,17 +3,17 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::Vec3;
 use gltf::json::mesh::{Mesh, Mode, Primitive, Semantic};
 use gltf::json::validation::Checked;
 use smallvec::SmallVec;
 
 use super::accessors::Accessors;
+use super::append_vertices::append;
 use super::draco::{self, Corners};
 use super::triangles::{split_flat, triangulate};
 use super::vertices::{self, Vertices, attribute};
 use super::{Element, GltfError, Report, SkipKind};
-use crate::scene::mesh::MorphTarget;
 use crate::scene::{Material, MeshData, Submesh};
 
 /// A mesh and its materials.
@@ -118,6 +118,27 @@ struct Import<'i, 'a> {
     vertex_runs: HashMap<Vec<Option<usize>>, (usize, usize)>,
 }
 
+/// The vertices of one primitive.
+enum VertexRun {
+    /// The mesh has them, since another primitive uses the same accessors.
+    Known {
+        /// Index of the first vertex.
+        base: usize,
+        count: usize,
+    },
+    /// They were read and are in no mesh yet.
+    Fresh(Vertices),
+}
+
+impl VertexRun {
+    fn vertex_count(&self) -> usize {
+        match self {
+            Self::Known { count, .. } => *count,
+            Self::Fresh(vertices) => vertices.positions.len(),
+        }
+    }
+}
+
 impl Import<'_, '_> {
     /// Appends a primitive as a submesh. Returns `false` if the primitive has no triangles.
     fn primitive(&mut self, primitive_index: usize, primitive: &Primitive) -> Result<bool, GltfError> {
@@ -125,44 +146,74 @@ impl Import<'_, '_> {
             mesh: self.index,
             primitive: primitive_index,
         };
-        let mode = match primitive.mode {
-            // Compressed primitives are lists of triangles, whatever mode the file states.
-            _ if self.decoded.contains_key(&element) => Mode::Triangles,
-            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => mode,
-            Checked::Valid(mode) => {
-                self.report.add(
-                    SkipKind::DrawMode,
-                    element,
-                    1,
-                    format!("{mode:?} have no surface"),
-                );
-                return Ok(false);
-            }
-            Checked::Invalid => return Err(self.accessors.invalid(element, "its mode is unknown")),
+        let Some(mode) = self.surface_mode(element, primitive)? else {
+            return Ok(false);
         };
         let Some(position_accessor) = attribute(primitive, Semantic::Positions) else {
             self.report
                 .add(SkipKind::EmptyPrimitive, element, 1, "it has no POSITION");
             return Ok(false);
         };
-
         draco::refuse_unread(self.accessors, element, primitive)?;
-        let has_normals = attribute(primitive, Semantic::Normals).is_some();
-        let key = vertex_key(primitive);
-        let known = self.vertex_runs.get(&key).copied().filter(|_| has_normals);
-        let (fresh, vertex_count) = match known {
-            Some((_, count)) => (None, count),
-            None => {
-                let vertices =
-                    vertices::read(self.accessors, element, primitive, position_accessor, self.report)?;
-                let count = vertices.positions.len();
-                (Some(vertices), count)
-            }
-        };
+        let run = self.vertex_run(element, primitive, position_accessor)?;
+        let corners = self.corners(element, primitive_index, primitive, run.vertex_count())?;
+        let mut triangles = self.triangles(element, mode, &corners, &run)?;
+        if triangles.is_empty() {
+            self.report
+                .add(SkipKind::EmptyPrimitive, element, 1, "it has no triangles");
+            return Ok(false);
+        }
+        let base = self.place(element, primitive, run, &mut triangles)?;
+        self.push_submesh(element, base, &triangles)?;
+        Ok(true)
+    }
 
-        let corners = self.corners(element, primitive_index, primitive, vertex_count)?;
+    /// Returns how the primitive's indices form triangles; `None`, reported, for points and lines.
+    fn surface_mode(&mut self, element: Element, primitive: &Primitive) -> Result<Option<Mode>, GltfError> {
+        // Compressed primitives are lists of triangles, whatever mode the file states.
+        if self.decoded.contains_key(&element) {
+            return Ok(Some(Mode::Triangles));
+        }
+        match primitive.mode {
+            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => {
+                Ok(Some(mode))
+            }
+            Checked::Valid(mode) => {
+                let reason = format!("{mode:?} have no surface");
+                self.report.add(SkipKind::DrawMode, element, 1, reason);
+                Ok(None)
+            }
+            Checked::Invalid => Err(self.accessors.invalid(element, "its mode is unknown")),
+        }
+    }
+
+    /// Reads the vertices of a primitive, or finds them among those that the mesh already has.
+    fn vertex_run(
+        &mut self,
+        element: Element,
+        primitive: &Primitive,
+        position_accessor: usize,
+    ) -> Result<VertexRun, GltfError> {
+        // Vertices without normals are split by triangle, so no other primitive can use them.
+        let has_normals = attribute(primitive, Semantic::Normals).is_some();
+        let known = self.vertex_runs.get(&vertex_key(primitive)).copied();
+        if let Some((base, count)) = known.filter(|_| has_normals) {
+            return Ok(VertexRun::Known { base, count });
+        }
+        let vertices = vertices::read(self.accessors, element, primitive, position_accessor, self.report)?;
+        Ok(VertexRun::Fresh(vertices))
+    }
+
+    /// Returns the triangles whose corners are finite, and reports what is left out.
+    fn triangles(
+        &mut self,
+        element: Element,
+        mode: Mode,
+        corners: &[u32],
+        run: &VertexRun,
+    ) -> Result<Vec<[u32; 3]>, GltfError> {
         self.accessors.charge(element, corners.len(), 36)?;
-        let mut triangles = triangulate(mode, &corners);
+        let mut triangles = triangulate(mode, corners);
         let left_over = if mode == Mode::Triangles {
             corners.len() % 3
         } else {
@@ -173,18 +224,13 @@ impl Import<'_, '_> {
             self.report
                 .add(SkipKind::IncompleteTriangle, element, left_over, reason);
         }
-
-        let known_base = known.map_or(0, |(base, _)| base);
-        let positions = match &fresh {
-            Some(vertices) => &vertices.positions,
-            None => &self.data.positions[known_base..known_base + vertex_count],
+        let positions = match run {
+            VertexRun::Fresh(vertices) => &vertices.positions,
+            VertexRun::Known { base, count } => &self.data.positions[*base..base + count],
         };
         let before = triangles.len();
-        triangles.retain(|corners| {
-            corners
-                .iter()
-                .all(|&corner| positions[corner as usize].is_finite())
-        });
+        let is_finite = |corner: &u32| positions[*corner as usize].is_finite();
+        triangles.retain(|corners| corners.iter().all(is_finite));
         if triangles.len() < before {
             let count = before - triangles.len();
             self.report.add(
@@ -194,35 +240,48 @@ impl Import<'_, '_> {
                 "a corner is not finite",
             );
         }
-        if triangles.is_empty() {
-            self.report
-                .add(SkipKind::EmptyPrimitive, element, 1, "it has no triangles");
-            return Ok(false);
-        }
+        Ok(triangles)
+    }
 
-        let base = match fresh {
-            Some(vertices) if has_normals => {
-                let base = self.append(element, vertices)?;
-                self.vertex_runs.insert(key, (base, vertex_count));
-                base
-            }
-            Some(vertices) => {
-                let flat = split_flat(self.accessors, element, &vertices, &triangles)?;
-                for (triangle, corners) in triangles.iter_mut().enumerate() {
-                    *corners = [0, 1, 2].map(|corner| (triangle * 3 + corner) as u32);
-                }
-                self.append(element, flat)?
-            }
-            None => known_base,
+    /// Puts the vertices of a primitive into the mesh and returns the index of the first. Vertices without normals
+    /// are split by triangle, which changes the corners of `triangles`.
+    fn place(
+        &mut self,
+        element: Element,
+        primitive: &Primitive,
+        run: VertexRun,
+        triangles: &mut [[u32; 3]],
+    ) -> Result<usize, GltfError> {
+        let vertices = match run {
+            VertexRun::Known { base, .. } => return Ok(base),
+            VertexRun::Fresh(vertices) => vertices,
         };
+        if attribute(primitive, Semantic::Normals).is_some() {
+            let count = vertices.positions.len();
+            let base = append(self.accessors, element, &mut self.data, vertices)?;
+            self.vertex_runs.insert(vertex_key(primitive), (base, count));
+            return Ok(base);
+        }
+        let flat = split_flat(self.accessors, element, &vertices, triangles)?;
+        for (triangle, corners) in triangles.iter_mut().enumerate() {
+            *corners = [0, 1, 2].map(|corner| (triangle * 3 + corner) as u32);
+        }
+        append(self.accessors, element, &mut self.data, flat)
+    }
+
+    /// Appends the indices of `triangles`, which count from the vertex `base`, as a submesh.
+    fn push_submesh(
+        &mut self,
+        element: Element,
+        base: usize,
+        triangles: &[[u32; 3]],
+    ) -> Result<(), GltfError> {
         let first_index = self.data.indices.len();
         // `append` holds the number of vertices below 2³², so these sums fit.
-        self.data.indices.extend(
-            triangles
-                .as_flattened()
-                .iter()
-                .map(|&corner| base as u32 + corner),
-        );
+        let corners = triangles.as_flattened().iter();
+        self.data
+            .indices
+            .extend(corners.map(|&corner| base as u32 + corner));
         if self.data.indices.len() > u32::MAX as usize {
             return Err(self
                 .accessors
@@ -232,7 +291,7 @@ impl Import<'_, '_> {
             first_index: first_index as u32,
             index_count: (triangles.len() * 3) as u32,
         });
-        Ok(true)
+        Ok(())
     }
 
     /// Vertex indices in drawing order, all of them in range.
@@ -261,68 +320,6 @@ impl Import<'_, '_> {
             }),
             None => Ok(corners),
         }
-    }
-
-    /// Appends streams to those of the mesh. Where only one side has a stream, default values fill the other
-    /// side. Returns the index of the first new vertex.
-    fn append(&mut self, element: Element, new: Vertices) -> Result<usize, GltfError> {
-        let base = self.data.positions.len();
-        let end = base + new.positions.len();
-        if end > u32::MAX as usize {
-            return Err(self
-                .accessors
-                .invalid(element, "the mesh has more than 2³² vertices"));
-        }
-        let join = Join {
-            accessors: self.accessors,
-            element,
-            base,
-            end,
-        };
-        let data = &mut self.data;
-        join.stream(&mut data.positions, Some(new.positions), Vec3::ZERO)?;
-        join.stream(&mut data.normals, new.normals, Vec3::Y)?;
-        join.stream(&mut data.tangents, new.tangents, Vec4::X)?;
-        let [uv0, uv1] = new.uv;
-        join.stream(&mut data.uv0, uv0, Vec2::ZERO)?;
-        join.stream(&mut data.uv1, uv1, Vec2::ZERO)?;
-        join.stream(&mut data.colors, new.colors, Vec4::ONE)?;
-        let (joints, weights) = new.skin.unzip();
-        join.stream(&mut data.joints, joints, [0; 4])?;
-        join.stream(&mut data.joint_weights, weights, Vec4::X)?;
-
-        let mut targets = new.targets;
-        let target_count = targets.len().max(data.morph_targets.len());
-        targets.resize_with(target_count, MorphTarget::default);
-        data.morph_targets.resize_with(target_count, MorphTarget::default);
-        for (target, new) in data.morph_targets.iter_mut().zip(targets) {
-            let present = |stream: Vec<Vec3>| Some(stream).filter(|stream| !stream.is_empty());
-            join.stream(&mut target.positions, present(new.positions), Vec3::ZERO)?;
-            join.stream(&mut target.normals, present(new.normals), Vec3::ZERO)?;
-            join.stream(&mut target.tangents, present(new.tangents), Vec3::ZERO)?;
-        }
-        Ok(base)
-    }
-}
-
-struct Join<'j, 'a> {
-    accessors: &'j Accessors<'a>,
-    element: Element,
-    base: usize,
-    end: usize,
-}
-
-impl Join<'_, '_> {
-    fn stream<T: Clone>(&self, stream: &mut Vec<T>, new: Option<Vec<T>>, fill: T) -> Result<(), GltfError> {
-        if new.is_none() && stream.is_empty() {
-            return Ok(());
-        }
-        self.accessors
-            .charge(self.element, self.end - stream.len(), size_of::<T>())?;
-        stream.resize(self.base, fill.clone());
-        stream.extend(new.into_iter().flatten());
-        stream.resize(self.end, fill);
-        Ok(())
     }
 }
 

@@ -45,6 +45,7 @@
 //! | glTF 1.0, broken JSON, indices out of range, forests that are none, data that runs past its end | an error that names the element |
 
 mod accessors;
+mod append_vertices;
 mod bake;
 mod buffers;
 mod cell_extras;

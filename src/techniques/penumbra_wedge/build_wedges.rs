@@ -3,12 +3,13 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-use super::chunks::{Chunk, ChunkKey, chunks_of, light_from_local};
+use super::chunks::{Chunk, ChunkKey, SeenCaster, chunks_of, light_from_local};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
 use super::geometry::cut::cutting_distance;
 use super::light_parts::{LightPart, PartShape, push_parts};
+use super::part_patches::Placed;
 use super::tables::texture::EmitterTexture;
-use super::wedges::{LightWedges, PartWedges, PenumbraWedges, Placed};
+use super::wedges::{LightWedges, PartWedges, PenumbraWedges};
 use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
@@ -228,8 +229,8 @@ impl PenumbraWedges {
         if stale {
             chunk.key = key;
             let scratch = &mut self.scratch.chunk;
-            let placed = (caster, &world_from_local);
-            chunk.build(light, part.part, &light_from_local, silhouette, placed, scratch);
+            let seen = SeenCaster::new(part.part, caster, &world_from_local, light_from_local);
+            chunk.build(seen.as_ref(), silhouette.mode, scratch);
         }
         if let Some(this) = self.lights.last_mut() {
             this.is_layered |= chunk.is_layered;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-use glam::{DMat4, DVec3, Mat4, Vec3};
+use glam::{DMat4, DVec3, Mat4, Vec3, Vec4};
 
 use super::component::{WedgeBounds, WedgeSilhouette};
 use super::geometry::cut::{can_be_cut, cut_record, cutting_distance, find_cuts, in_light};
@@ -12,11 +12,9 @@ use super::geometry::records::{Wedge, push_edge, side_plane};
 use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
 use super::light_parts::{LightPart, PartShape};
 use crate::conventions::CLUSTER_TRIANGLES;
-use crate::sets::FrameLight;
 use crate::silhouettes::cache::light_in_local;
 use crate::silhouettes::{
-    CapMode, CasterShapeItem, FacingBits, GrazingLight, LightExtent, Silhouette, classify, find_grazed,
-    find_turning,
+    CapMode, CasterShapeItem, FacingBits, GrazingLight, LightExtent, classify, find_grazed, find_turning,
 };
 
 /// Everything that a chunk depends on; a chunk whose key changed is rebuilt.
@@ -120,13 +118,51 @@ fn extent_local(shape: PartShape, local_from_light: &DMat4) -> Option<LightExten
     }
 }
 
-/// Light space as one caster is transformed to it.
-#[derive(Clone, Copy)]
-struct LightSpace<'a> {
-    light_from_local: &'a DMat4,
-    shape: PartShape,
-    is_directional: bool,
-    mirrored: bool,
+/// A caster where it stands, as one part of a light sees it.
+pub(super) struct SeenCaster<'a, 'w, 's> {
+    pub(super) part: &'a LightPart,
+    pub(super) caster: &'a CasterShapeItem<'w, 's>,
+    pub(super) world_from_local: &'a DMat4,
+    pub(super) light_from_local: DMat4,
+    local_from_light: DMat4,
+    light_local: Vec4,
+}
+
+impl<'a, 'w, 's> SeenCaster<'a, 'w, 's> {
+    /// Returns `None` if the transform of the caster has no inverse.
+    pub(super) fn new(
+        part: &'a LightPart,
+        caster: &'a CasterShapeItem<'w, 's>,
+        world_from_local: &'a DMat4,
+        light_from_local: DMat4,
+    ) -> Option<Self> {
+        Some(Self {
+            part,
+            caster,
+            world_from_local,
+            light_from_local,
+            local_from_light: light_from_local.inverse(),
+            light_local: light_in_local(world_from_local, part.point_world)?,
+        })
+    }
+
+    fn is_directional(&self) -> bool {
+        self.part.point_world.w == 0.0
+    }
+
+    /// Returns the plane of a triangle in light space, with the centre of the light, which is the origin, strictly on
+    /// the side for which the hard shadow is made.
+    fn plane_light(&self, slot: u32, facing: &FacingBits) -> [f32; 4] {
+        let plane = self.caster.planes().plane(slot as usize).as_dvec4();
+        let plane = self.local_from_light.transpose() * plane;
+        let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
+        let offset = if facing.is_facing(slot as usize) {
+            offset.max(f32::MIN_POSITIVE)
+        } else {
+            offset.min(-f32::MIN_POSITIVE)
+        };
+        [x, y, z, offset]
+    }
 }
 
 impl Chunk {
@@ -146,140 +182,145 @@ impl Chunk {
         }
     }
 
-    /// Rebuilds edges and caps.
+    /// Rebuilds edges and caps for a `seen` caster; without one the chunk is left empty.
     pub(super) fn build(
         &mut self,
-        light: &FrameLight,
-        part: &LightPart,
-        light_from_local: &DMat4,
-        silhouette: &Silhouette,
-        (caster, world_from_local): (&CasterShapeItem, &DMat4),
+        seen: Option<&SeenCaster<'_, '_, '_>>,
+        mode: CapMode,
         scratch: &mut ChunkScratch,
     ) {
+        self.wedges.clear();
+        self.caps.clear();
+        self.patches.clear();
+        let Some(seen) = seen else {
+            return;
+        };
+        self.light_local = seen.light_local.to_array();
+        classify(
+            &seen.caster.edges.0.edges,
+            seen.caster.planes(),
+            seen.light_local,
+            &mut scratch.bits,
+        );
+        self.find_turning_triangles(seen, scratch);
+        self.find_cutting_triangles(seen, scratch);
+        // Points of a light that is cut may be within the caster, where only fronts hide them.
+        let mode = if self.is_cutting {
+            CapMode::AllTriangles
+        } else {
+            mode
+        };
+        self.extract_contour(seen, mode, scratch);
+        self.push_patches(seen, scratch);
+        self.push_cuts(seen, scratch);
+    }
+
+    /// Marks the triangles that some points of the light see from the front and others from behind.
+    fn find_turning_triangles(&self, seen: &SeenCaster<'_, '_, '_>, scratch: &mut ChunkScratch) {
+        scratch.turning.clear();
+        if self.key.silhouette == WedgeSilhouette::Receiver
+            && !seen.is_directional()
+            && let Some(extent) = extent_local(seen.part.shape, &seen.local_from_light)
+        {
+            let center_local = seen.light_local.truncate();
+            let (edges, planes) = (&seen.caster.edges.0.edges, seen.caster.planes());
+            find_turning(edges, planes, center_local, &extent, &mut scratch.turning);
+        }
+    }
+
+    /// Marks the triangles that block nothing since they touch the light, and collects those that cut it.
+    fn find_cutting_triangles(&mut self, seen: &SeenCaster<'_, '_, '_>, scratch: &mut ChunkScratch) {
+        let ChunkScratch {
+            turning,
+            grazed,
+            cuts,
+            ..
+        } = scratch;
+        (self.is_cutting, self.cuts_left_out) = (false, 0);
+        grazed.clear();
+        cuts.clear();
+        let Some(clearance) = self.key.touches else {
+            return;
+        };
+        let shape = seen.part.shape;
+        let (edges, positions) = (&seen.caster.edges.0.edges, seen.caster.positions());
+        let grazing = GrazingLight {
+            light_world: seen.part.point_world,
+            light_local: seen.light_local,
+            world_from_local: seen.world_from_local,
+            clearance: cutting_distance(shape, clearance),
+        };
+        find_grazed(edges, seen.caster.planes(), positions, &grazing, grazed);
+        if can_be_cut(shape, clearance) {
+            let part = (shape, clearance);
+            self.cuts_left_out = find_cuts(edges, positions, &seen.light_from_local, part, grazed, cuts);
+            self.is_cutting = !cuts.is_empty();
+        }
+        // A triangle that blocks nothing, or cuts, has no edge that turns.
+        for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
+            *turning &= !grazed;
+        }
+    }
+
+    /// Extracts the edges and caps of both layers into the contour, by patch if the chunk is divided into patches.
+    fn extract_contour(&mut self, seen: &SeenCaster<'_, '_, '_>, mode: CapMode, scratch: &mut ChunkScratch) {
         let ChunkScratch {
             bits,
             turning,
             grazed,
-            cuts,
             contour,
+            ..
         } = scratch;
-        self.wedges.clear();
-        self.caps.clear();
-        self.patches.clear();
-        let Some(light_local) = light_in_local(world_from_local, part.point_world) else {
-            return;
-        };
-        let (edges, positions, planes) = (caster.edges, caster.positions(), caster.planes());
-        classify(&edges.0.edges, planes, light_local, bits);
-        let by_patch = self.key.by_patch;
-        let local_from_light = light_from_local.inverse();
-        turning.clear();
-        if self.key.silhouette == WedgeSilhouette::Receiver
-            && light.point_world.w != 0.0
-            && let Some(extent) = extent_local(part.shape, &local_from_light)
-        {
-            find_turning(&edges.0.edges, planes, light_local.truncate(), &extent, turning);
-        }
-        let shape = part.shape;
-        let mut mode = silhouette.mode;
-        (self.is_cutting, self.cuts_left_out) = (false, 0);
-        grazed.clear();
-        cuts.clear();
-        if let Some(clearance) = self.key.touches {
-            let grazing = GrazingLight {
-                light_world: part.point_world,
-                light_local,
-                world_from_local,
-                clearance: cutting_distance(shape, clearance),
-            };
-            find_grazed(&edges.0.edges, planes, positions, &grazing, grazed);
-            if can_be_cut(shape, clearance) {
-                let part = (shape, clearance);
-                self.cuts_left_out =
-                    find_cuts(&edges.0.edges, positions, light_from_local, part, grazed, cuts);
-                self.is_cutting = !cuts.is_empty();
-            }
-            if self.is_cutting {
-                // Points of the light may be within the caster, where only fronts hide them.
-                mode = CapMode::AllTriangles;
-            }
-            // A triangle that blocks nothing, or cuts, has no edge that turns.
-            for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
-                *turning &= !grazed;
-            }
-        }
         let facets = Facets {
             facing: bits,
             turning,
             grazed,
         };
-        extract_layers(&edges.0.edges, positions, facets, mode, by_patch, contour);
-        self.light_local = light_local.to_array();
-        let mirrored = light_from_local.determinant() < 0.0;
-        let shape = if light.point_world.w == 0.0 {
-            PartShape::Point
-        } else {
-            shape
-        };
+        let (edges, positions) = (&seen.caster.edges.0.edges, seen.caster.positions());
+        let by_patch = self.key.by_patch;
+        extract_layers(edges, positions, facets, mode, by_patch, contour);
         self.is_layered = self.is_cutting || !(contour.caps[0].is_empty() && contour.caps[1].is_empty());
         if by_patch {
             // The sort is stable, so within a patch the order stays that of the mesh.
             contour.edges.sort_by_key(|edge| edge.patch);
-            contour
-                .caps
-                .iter_mut()
-                .for_each(|caps| caps.sort_by_key(|cap| cap.patch));
-        }
-        let plane_light = |slot: u32| {
-            let plane = local_from_light.transpose() * planes.plane(slot as usize).as_dvec4();
-            let [x, y, z, offset] = (plane / plane.truncate().length()).as_vec4().to_array();
-            // The centre, which is the origin, stays on the side for which the hard shadow is made.
-            let offset = if facets.facing.is_facing(slot as usize) {
-                offset.max(f32::MIN_POSITIVE)
-            } else {
-                offset.min(-f32::MIN_POSITIVE)
-            };
-            [x, y, z, offset]
-        };
-        let space = LightSpace {
-            light_from_local,
-            shape,
-            is_directional: light.point_world.w == 0.0,
-            mirrored,
-        };
-        self.push_patches(contour, by_patch, &space, plane_light);
-        let corners = edges.0.edges.corners();
-        let first = self.wedges.len();
-        for &(slot, _) in cuts.iter() {
-            let cluster = &edges.0.edges.clusters()[slot as usize / CLUSTER_TRIANGLES];
-            let triangle = corners[cluster.triangles()][slot as usize % CLUSTER_TRIANGLES];
-            let corners = in_light(triangle, positions, light_from_local);
-            self.wedges.push(cut_record(corners, plane_light(slot)));
-        }
-        if self.is_cutting {
-            let end = self.caps.len();
-            self.patches.push(ChunkPatch {
-                wedges: first..self.wedges.len(),
-                caps: std::array::from_fn(|_| end..end),
-                cone: ShadowCone::ALL,
-            });
+            for caps in &mut contour.caps {
+                caps.sort_by_key(|cap| cap.patch);
+            }
         }
     }
 
-    /// Appends wedges, caps and patches of a contour.
-    fn push_patches(
-        &mut self,
-        contour: &LayeredContour,
-        by_patch: bool,
-        space: &LightSpace,
-        plane_light: impl Fn(u32) -> [f32; 4],
-    ) {
-        let LightSpace {
-            light_from_local,
-            shape,
-            is_directional,
-            mirrored,
-        } = *space;
+    /// Appends a record for each triangle that cuts the light, as a patch of their own.
+    fn push_cuts(&mut self, seen: &SeenCaster<'_, '_, '_>, scratch: &ChunkScratch) {
+        if !self.is_cutting {
+            return;
+        }
+        let (edges, positions) = (&seen.caster.edges.0.edges, seen.caster.positions());
+        let corners = edges.corners();
+        let first = self.wedges.len();
+        self.wedges.extend(scratch.cuts.iter().map(|&(slot, _)| {
+            let cluster = &edges.clusters()[slot as usize / CLUSTER_TRIANGLES];
+            let triangle = corners[cluster.triangles()][slot as usize % CLUSTER_TRIANGLES];
+            let corners = in_light(triangle, positions, &seen.light_from_local);
+            cut_record(corners, seen.plane_light(slot, &scratch.bits))
+        }));
+        let end = self.caps.len();
+        self.patches.push(ChunkPatch {
+            wedges: first..self.wedges.len(),
+            caps: std::array::from_fn(|_| end..end),
+            cone: ShadowCone::ALL,
+        });
+    }
+
+    /// Appends wedges, caps and patches of the contour.
+    fn push_patches(&mut self, seen: &SeenCaster<'_, '_, '_>, scratch: &ChunkScratch) {
+        let ChunkScratch { bits, contour, .. } = scratch;
+        let (by_patch, mirrored) = (self.key.by_patch, seen.light_from_local.determinant() < 0.0);
+        let shape = if seen.is_directional() {
+            PartShape::Point
+        } else {
+            seen.part.shape
+        };
+        let plane_light = |slot| seen.plane_light(slot, bits);
         let mut edges = contour.edges.iter().peekable();
         let mut first_of = [0; 3];
         for patch in 0..if by_patch { contour.patches.count() } else { 1 } {
@@ -290,7 +331,7 @@ impl Chunk {
                     edge,
                     if mirrored { [b, a] } else { [a, b] },
                     edge.sides.map(|side| side_plane(side, &plane_light)),
-                    light_from_local,
+                    &seen.light_from_local,
                     shape,
                     self.key.bounds,
                     &mut self.wedges,
@@ -315,7 +356,7 @@ impl Chunk {
                 .iter()
                 .flat_map(|wedge| [wedge.start_light, wedge.end_light])
                 .map(Vec3::from);
-            let cone = if by_patch && !is_directional {
+            let cone = if by_patch && !seen.is_directional() {
                 ShadowCone::around(points, shape.radius() as f32)
             } else {
                 ShadowCone::everywhere(points)

@@ -84,6 +84,7 @@ pub(crate) mod geometry;
 pub(crate) mod gpu;
 pub(crate) mod light_parts;
 mod overflow;
+mod part_patches;
 pub(crate) mod tables;
 pub(crate) mod technique;
 pub(crate) mod wedges;

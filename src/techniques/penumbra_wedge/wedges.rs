@@ -6,9 +6,9 @@ use bevy_ecs::prelude::*;
 
 use super::chunks::{ChunkScratch, LightChunks};
 use super::component::PenumbraWedge;
-use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, WedgeCaster};
 use super::light_parts::LightPart;
+use super::part_patches::{PartPatches, Placed};
 use super::tables::texture::EmitterTexture;
 use crate::techniques::shared::finite_reach::NearestSurfaces;
 
@@ -113,27 +113,7 @@ pub(super) struct Scratch {
     pub(super) last_layout: Vec<Placed>,
     /// Groups of each part, for which the flat arrays were made.
     pub(super) part_groups: Vec<Range<usize>>,
-    /// Patches of one part: index into `layout` and number within the chunk. `cones` are the directions of
-    /// their shadows, `order` the order in which they get sums, `sums` their sums.
-    pub(super) entries: Vec<(usize, usize)>,
-    pub(super) cones: Vec<ShadowCone>,
-    pub(super) order: Vec<u32>,
-    pub(super) sums: Vec<u32>,
-}
-
-/// A chunk's place in the flat arrays.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Placed {
-    pub(super) light: Entity,
-    /// Number of the part in its light.
-    pub(super) part: u32,
-    /// Index of the part in the frame.
-    pub(super) index: u32,
-    pub(super) caster: Entity,
-    pub(super) object: u32,
-    pub(super) towards: bool,
-    /// Bits of [`WedgeCaster::extrusion`].
-    pub(super) extrusion: u32,
+    pub(super) patches: PartPatches,
 }
 
 impl PenumbraWedges {

@@ -18,17 +18,23 @@ use antumbra::prelude::*;
 use antumbra::reference::{
     HardError, LightSource, RayScene, VisibilityImage, compare_hard, hard_visibility, primary_hits,
 };
+use antumbra::render::Gpu;
 use bevy_ecs::prelude::Bundle;
 use bevy_transform::prelude::GlobalTransform;
 use glam::{UVec2, Vec3};
 use support::model::Model;
+use support::shared_gpu::shared_gpu;
 pub use support::solid::make_alpha_solid;
 use support::stage::Stage;
 
-/// The device that tests of a program share. It panics on any wgpu error: silent validation is part of every test.
+/// The device that tests of a program share, and with it the shaders and pipelines. It panics on any wgpu error: silent
+/// validation is part of every test.
 pub fn strict_context() -> RenderContext {
-    static SHARED: LazyLock<RenderContext> = LazyLock::new(|| own_context(RequestedFeatures::default()));
-    SHARED.clone()
+    static SHARED: LazyLock<Arc<Gpu>> = LazyLock::new(|| {
+        let context = own_context(RequestedFeatures::default());
+        shared_gpu(context).expect("shaders compose")
+    });
+    SHARED.context.clone()
 }
 
 /// A device for one test alone: it is to be lost, or has other features. It panics on any wgpu error, too.
@@ -160,6 +166,16 @@ impl ModelStage {
             }
         }
         all
+    }
+
+    /// One of so many cases. Where it begins depends on the number of the model, so that the models together have every
+    /// kind of light in every placement.
+    pub fn some_cases(
+        &self,
+        model: usize,
+        one_of: usize,
+    ) -> impl Iterator<Item = (String, cases::Case)> + use<> {
+        self.cases().into_iter().skip(model % one_of).step_by(one_of)
     }
 }
 

@@ -53,6 +53,14 @@ impl Kind {
         Self::Omni(MapFormat::Rgba8FourBytes),
     ];
 
+    /// All whose maps are not packed into bytes.
+    pub const UNPACKED: [Self; 4] = [
+        Self::Spot,
+        Self::Sun,
+        Self::Omni(MapFormat::Depth),
+        Self::Omni(MapFormat::R32Float),
+    ];
+
     pub fn light(self) -> LightKind {
         match self {
             Self::Spot => SPOT,
@@ -116,12 +124,12 @@ fn judge_scene(scene: &TestScene, stage: &mut Stage, kind: Kind, out: &mut Vec<(
     let (light, place) = scene.light(kind.light());
     let entity = stage.spawn_light(light, place, None::<StencilVolume>);
     let mut judge = None;
-    let packed = matches!(
-        kind,
-        Kind::Omni(MapFormat::Rgba8TwoBytes | MapFormat::Rgba8FourBytes)
-    );
-    // What is unpacked is looked up like floats: two filters of the packings stand for all.
-    let count = if packed { 2 } else { 6 };
+    // What is unpacked is looked up like depth: the first filters of the other formats stand for all.
+    let count = match kind {
+        Kind::Spot | Kind::Sun | Kind::Omni(MapFormat::Depth) => 6,
+        Kind::Omni(MapFormat::R32Float) => 2,
+        Kind::Omni(_) => 1,
+    };
     for filter in filters(kind.light(), scene.scale).into_iter().take(count) {
         kind.insert(&mut stage.world.entity_mut(entity), filter, MapSurface::Nearest);
         let rendered = stage.render().expect("the frame renders");

@@ -58,10 +58,11 @@ fn frame(stage: &mut Stage) -> Vec<usize> {
 fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
     let mut model = dungeon();
     let stage = &mut model.stage;
-    stage.world.resource_mut::<MapSettings>().face_updates = 64;
+    let mut settings = stage.world.resource_mut::<MapSettings>();
+    (settings.face_updates, settings.still_after) = (128, 2);
     let mut warm_up = Vec::new();
-    // The ground came after the model: it counts as moving for some frames, then the layers take it in, 64 faces a frame.
-    for _ in 0..20 {
+    // The ground came after the model: it counts as moving for two frames, then the layers take it in, 128 faces a frame.
+    for _ in 0..9 {
         warm_up.push(frame(stage).iter().sum::<usize>());
     }
     let maps = stage.world.resource::<Maps>();
@@ -74,7 +75,7 @@ fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
     );
     assert!(looked_up >= 48, "{looked_up}");
     assert!(warm_up[0] > 0);
-    assert_eq!(warm_up[17..], [0; 3], "nothing moves");
+    assert_eq!(warm_up[7..], [0; 2], "nothing moves");
     let still = stage.render().expect("the frame renders");
     assert_eq!(frame(stage).iter().sum::<usize>(), 0);
 
@@ -128,11 +129,11 @@ fn still_lights_draw_nothing_and_movers_cost_what_they_touch() {
     }
     // They stand still again: they join the others, and then nothing is drawn.
     let mut rest = Vec::new();
-    for _ in 0..18 {
+    for _ in 0..8 {
         rest.push(frame(stage).iter().sum::<usize>());
     }
     println!("they stand still: draws by frame {rest:?}");
-    assert_eq!(rest[rest.len() - 3..], [0; 3]);
+    assert_eq!(rest[rest.len() - 2..], [0; 2]);
     for mover in movers {
         stage.world.despawn(mover);
     }

@@ -24,7 +24,7 @@ fn lit_even_surfaces_are_not_even_faintly_dark() {
     for kind in [Kind::Spot, Kind::Sun, Kind::Omni(MapFormat::Depth)] {
         for scene in scenes::all().iter().filter(|scene| names.contains(&scene.name)) {
             let (mut stage, rays) = scene.stage(&context);
-            stage.world.insert_resource(ViewportSize(UVec2::new(320, 180)));
+            stage.world.insert_resource(ViewportSize(UVec2::new(240, 135)));
             let (light, place) = scene.light(kind.light());
             let entity = stage.spawn_light(light, place, None::<StencilVolume>);
             kind.insert(
@@ -44,7 +44,7 @@ fn lit_even_surfaces_are_not_even_faintly_dark() {
             };
             let count = faint(&rendered.visibility[0]);
             assert!(count <= ALLOWED, "{} {kind:?}: {count}", scene.name);
-            assert!(faint(&vec![0.8; 320 * 180]) > 1000, "the count can fail");
+            assert!(faint(&vec![0.8; 240 * 135]) > 1000, "the count can fail");
         }
     }
 }
