@@ -101,6 +101,16 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
     {
         return Some(format!("{value} is out of bounds"));
     }
+    if let (Some(all), Some(items)) = (value.as_array(), schema.get("items")) {
+        let length = |key: &str| schema.get(key).and_then(Value::as_u64);
+        let count = all.len() as u64;
+        if length("minItems").is_some_and(|least| count < least)
+            || length("maxItems").is_some_and(|most| count > most)
+        {
+            return Some(format!("{value} has {count} items"));
+        }
+        return all.iter().find_map(|item| fault(root, items, item));
+    }
     let object = value.as_object()?;
     let required = schema.get("required").and_then(Value::as_array);
     for key in required.into_iter().flatten().filter_map(Value::as_str) {
@@ -158,6 +168,8 @@ fn the_shots_fit_the_schema_and_wrong_ones_do_not() {
         assert_eq!(with(right.clone()), None, "{right}");
     }
     for wrong in [
+        json!({"technique": "penumbra_wedge", "split": [9, 1]}),
+        json!({"technique": "penumbra_wedge", "split": [1]}),
         json!({"technique": "nothing_like_it"}),
         json!({"technique": "omni_map", "filter": "sharp"}),
         json!({"technique": "omni_map", "near": -1}),

@@ -1,7 +1,7 @@
 //! What there is to set, read from the JSON Schemas of lights and techniques. No technique is known here by name.
 
 use antumbra::techniques::{Techniques, schemars};
-use antumbra_stage::shot::ShotLight;
+use antumbra_stage::shot::{ShotLight, tidy};
 use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Map, Value, json};
@@ -78,17 +78,24 @@ impl Schemas {
         let mut generator = SchemaSettings::draft2020_12().into_generator();
         let light = ShotLight::json_schema(&mut generator).to_value();
         let rows = techniques.rows().iter();
-        let techniques = rows
+        let techniques: Vec<(&str, Option<Value>)> = rows
             .map(|row| {
                 let schema = row.schema(&mut generator);
                 (row.name(), schema.map(schemars::Schema::to_value))
             })
             .collect();
-        Self {
+        let mut all = Self {
             defs: generator.take_definitions(true),
             light,
             techniques,
-        }
+        };
+        all.defs.values_mut().for_each(tidy);
+        tidy(&mut all.light);
+        all.techniques
+            .iter_mut()
+            .filter_map(|(_, schema)| schema.as_mut())
+            .for_each(tidy);
+        all
     }
 
     /// Names of the techniques, in the order of the list.

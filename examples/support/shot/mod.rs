@@ -57,4 +57,4 @@ pub use file::{Shot, ShotAnimation, ShotGround};
 pub use light::{LightParts, ShotEmission, ShotLight};
 pub use model::ShotModel;
 pub use path::ShotPath;
-pub use schema::shot_schema;
+pub use schema::{shot_schema, tidy};

@@ -16,20 +16,26 @@ pub fn shot_schema(techniques: &Techniques) -> Value {
     defs.insert("ShotShadow".to_owned(), shadow);
     schema["$defs"] = json!(defs);
     schema["title"] = json!("Shot of antumbra");
-    plain_text(&mut schema);
+    tidy(&mut schema);
     schema
 }
 
-/// Takes the marks of links out of descriptions, which editors show as plain text.
-fn plain_text(schema: &mut Value) {
+/// Takes the marks of links out of descriptions, which editors show as plain text, and writes defaults with the digits
+/// that an `f32` has.
+pub fn tidy(schema: &mut Value) {
     match schema {
         Value::Object(all) => {
+            if let Some(default) = all.get_mut("default")
+                && let Some(number) = default.as_f64().filter(|number| number.fract() != 0.0)
+            {
+                *default = json!((number as f32).to_string().parse::<f64>().unwrap_or(number));
+            }
             if let Some(Value::String(text)) = all.get_mut("description") {
                 *text = text.replace("[`", "`").replace("`]", "`");
             }
-            all.values_mut().for_each(plain_text);
+            all.values_mut().for_each(tidy);
         }
-        Value::Array(all) => all.iter_mut().for_each(plain_text),
+        Value::Array(all) => all.iter_mut().for_each(tidy),
         _ => {}
     }
 }
