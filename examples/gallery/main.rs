@@ -160,10 +160,15 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     pages.retain(|page| is_chosen(page.name));
     std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
     let begin = Instant::now();
-    let steps = pages
+    let steps: u64 = pages
         .iter()
         .map(|page| (page.shots.len() * page.ways.len()) as u64)
         .sum();
+    println!(
+        "{} scenes, {steps} pictures with their errors and costs, on {}",
+        pages.len(),
+        bench.context.adapter
+    );
     let bar = progress_bar(steps)?;
     let shown = bar.clone();
     bench.progress = Box::new(move |name| {
