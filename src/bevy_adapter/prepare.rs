@@ -58,11 +58,14 @@ impl DrawnWith<'_> {
         if let Some(gpu) = &self.pipelines.resident {
             return Ok(gpu.clone());
         }
-        let context = RenderContext::hosted(
+        let mut context = RenderContext::hosted(
             self.device.wgpu_device().clone(),
             (**self.queue.0).clone(),
             format!("{} ({:?})", self.adapter.name, self.adapter.backend),
         );
+        if self.adapter.device_type == wgpu::DeviceType::Cpu {
+            context.anisotropy = 1;
+        }
         let gpu = Arc::new(Gpu::new(context)?);
         self.pipelines.resident = Some(gpu.clone());
         Ok(gpu)

@@ -273,7 +273,13 @@ fn collect_draws(
         };
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let lit = ItemFilter::OpaqueLit;
-        let shown = (shadows, light.model.is_weighted());
+        // A host computes light by itself, so it must weight the terms by itself as well.
+        let is_weighted = light.model.is_weighted() || has_weights;
+        let is_tinted = match host {
+            Some(_) => host_terms && is_weighted,
+            None => light.model.lights_shadows(),
+        };
+        let shown = (shadows, is_weighted);
         let drawn = draw_lists.build(&input, &light.sets.i, lit, shown, batches, instances);
         let mut unlit = drawn.end..drawn.end;
         if is_hosted && collect_unlit(&mut frame.unlit, objects, visible, light) {
@@ -292,11 +298,7 @@ fn collect_draws(
             shadow,
             is_scaled: functions.iter().any(|function| function.scales(index))
                 || (is_hosted && shadow.is_some() && shows_selectively(light, objects)),
-            is_tinted: match host {
-                // A host computes light by itself, so it must weight the terms by itself as well.
-                Some(_) => host_terms && (has_weights || light.model.is_weighted()),
-                None => light.model.lights_shadows(),
-            },
+            is_tinted,
             scissor: frame.viewport.place(if settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
