@@ -17,7 +17,6 @@ use std::time::Instant;
 use antumbra::geometry::Aabb;
 use antumbra::prelude::*;
 use antumbra::techniques::{Row, Settings, Techniques};
-use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use clap::Parser;
 use glam::{UVec2, Vec3};

@@ -41,13 +41,14 @@ pub struct Shot {
 }
 
 /// The receivers below a node on which shadows are blurred.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotGround {
     /// Name of nodes of the scene, which stand for themselves and all nodes below them.
     pub node: String,
     /// Standard deviation of the Gaussian, metres; greater than 0.
     #[serde(default = "default_radius")]
+    #[schemars(range(min = 0))]
     pub radius: f32,
 }
 

@@ -50,6 +50,7 @@ impl JsonSchema for ShotLight {
 
     fn json_schema(of: &mut SchemaGenerator) -> Schema {
         let model = ShotModel::json_schema(of);
+        let path = of.subschema_for::<ShotPath>().to_value();
         let mut light = ShotEmission::json_schema(of);
         let kinds = light.get_mut("oneOf").and_then(Value::as_array_mut);
         for kind in kinds.into_iter().flatten() {
@@ -57,6 +58,7 @@ impl JsonSchema for ShotLight {
             let shared = model.get("properties").and_then(Value::as_object);
             if let (Some(own), Some(shared)) = (own, shared) {
                 own.extend(shared.clone());
+                own.insert("path".to_owned(), path.clone());
             }
         }
         light

@@ -2,13 +2,15 @@
 
 use antumbra::scene::{LightKind, LightPath};
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::light::LightParts;
 
 /// The path of a light. A key tells the kinds apart.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, JsonSchema)]
+#[schemars(untagged)]
 pub enum ShotPath {
     /// The direction turns about an axis.
     Arc(ShotArc),
@@ -19,27 +21,33 @@ pub enum ShotPath {
 }
 
 /// An arc.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotArc {
+    /// Axis about which the direction of the light turns; of any length.
     axis: [f32; 3],
+    /// Angle of the whole path, degrees.
     degrees: f32,
 }
 
 /// A day of the sun.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotSun {
+    /// Latitude, degrees; north is positive.
     latitude_deg: f32,
+    /// Day of the year, 1 to 365.
     day: f32,
+    /// First and last hour of the path, 0 to 24. Default: the whole day, from midnight.
     #[serde(default = "whole_day")]
     hours: [f32; 2],
 }
 
 /// A polyline.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotPositions {
+    /// Points of the polyline, metres.
     positions: Vec<[f32; 3]>,
 }
 

@@ -34,9 +34,11 @@ use super::shape::{LightShape, WIDEST};
     derive(serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BarnMap {
     /// Texels along a side, 1 to 2048. Higher values hold narrower edges; each doubling takes four times the memory.
     /// Default: 512, which holds edges and openings of an eighth of the shape's width and height.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 2048)))]
     pub resolution: u32,
 }
 

@@ -29,16 +29,20 @@ use crate::techniques::registry::Refusal;
     derive(serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OcclusionInterval {
     /// Folder of the maps; it must be given. It is read once, in the first frame that needs it ([`IntervalLibrary`](super::IntervalLibrary)).
     pub maps: String,
     /// Time, as a share of the path, 0 to 1. It stops at the ends of an open path, and wraps around a closed one. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub time: f32,
     /// Length of the light, as a share of the path, 0 to 1. Higher values soften shadows along the path, and cost nothing.
     /// With 0 shadows are hard. Default: 0.02, half an hour of a day.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub width: f32,
     /// Texels per metre of the maps that are baked for this light; greater than 0. Twice as many sharpen shadows, and take
     /// four times the memory and the time to bake. Frames ignore it. Default: 8.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub texels_per_metre: f32,
 }
 

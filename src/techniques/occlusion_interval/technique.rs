@@ -52,6 +52,11 @@ impl Technique for OcclusionInterval {
         self.check_settings(light)
     }
 
+    #[cfg(feature = "schema")]
+    fn schema(of: &mut schemars::SchemaGenerator) -> Option<schemars::Schema> {
+        Some(<Self as schemars::JsonSchema>::json_schema(of))
+    }
+
     fn init(world: &mut World) {
         world.init_resource::<IntervalLibrary>();
         world.init_resource::<IntervalScenes>();

@@ -36,16 +36,20 @@ const RESOLUTIONS: std::ops::RangeInclusive<u32> = 16..=4096;
     derive(serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OcclusionTexture {
     /// Number of slices, 1 to 16. Multiples of four use memory fully. Higher values bring shadows closer to their casters
     /// and let objects shadow themselves; each slice costs lookups at every pixel. Default: 8.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 16)))]
     pub slices: u32,
     /// How much thinner slices are away from the light than near it, 0 to 1: 0 makes all slices equally thick, 1 makes the
     /// farthest slice thinnest, by a factor of about twice the number of slices. Higher values help where casters stand on
     /// a ground that faces the light. Default: 0.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub weight: f32,
     /// Texels along a side of the pictures; a power of two, 16 to 4096. Higher values keep finer casters; each doubling
     /// takes somewhat more than four times the memory and filter time. Default: 256.
+    #[cfg_attr(feature = "schema", schemars(range(min = 16, max = 4096)))]
     pub resolution: u32,
     /// How means over rectangles of the pictures are prepared.
     pub filter: SliceFilter,
@@ -55,9 +59,11 @@ pub struct OcclusionTexture {
     /// caster passes from slice to slice, and darkens the penumbra of these casters. In files `true` stands for all layers
     /// and `false` for none. Default: 0, no layers.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "layers_in_file"))]
+    #[cfg_attr(feature = "schema", schemars(with = "LayersInFile"))]
     pub close_leaks: u32,
     /// Angle that a directional light covers in the sky, degrees, from 0 to less than 180. Higher values soften shadows.
     /// Other lights ignore it. Default: 0.53, the sun.
+    #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 180)))]
     pub angle_deg: f32,
 }
 
@@ -73,6 +79,7 @@ pub struct OcclusionTexture {
     derive(serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SliceFilter {
     /// Level `l` holds, at each texel, the mean over the 2^l × 2^l texels from there on. A lookup blends two levels. Smooth
     /// and still while casters move; takes 8 bytes for each texel, level and four slices. This is the default.
@@ -99,6 +106,7 @@ pub enum SliceFilter {
     derive(serde::Deserialize),
     serde(rename_all = "snake_case")
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SliceCombination {
     /// Multiplies the visibilities of the slices, as if each hid a random part of the light. This is the default, and the
     /// closest to the truth where many objects overlap. A surface that passes through several slices is too light.
@@ -111,19 +119,25 @@ pub enum SliceCombination {
     Sum,
 }
 
+/// Selection layers in a file.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(untagged, expecting = "true, false or a mask of layers")]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+enum LayersInFile {
+    /// All layers, or none.
+    All(bool),
+    /// A mask of layers.
+    Mask(u32),
+}
+
 /// Reads a mask of layers: a number, or whether it holds all layers.
 #[cfg(feature = "serde")]
 fn layers_in_file<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
-    #[derive(serde::Deserialize)]
-    #[serde(untagged, expecting = "true, false or a mask of layers")]
-    enum Layers {
-        All(bool),
-        Mask(u32),
-    }
-    Ok(match <Layers as serde::Deserialize>::deserialize(from)? {
-        Layers::All(true) => u32::MAX,
-        Layers::All(false) => 0,
-        Layers::Mask(mask) => mask,
+    Ok(match <LayersInFile as serde::Deserialize>::deserialize(from)? {
+        LayersInFile::All(true) => u32::MAX,
+        LayersInFile::All(false) => 0,
+        LayersInFile::Mask(mask) => mask,
     })
 }
 

@@ -27,6 +27,11 @@ impl Technique for OcclusionTexture {
         self.validated(light)
     }
 
+    #[cfg(feature = "schema")]
+    fn schema(of: &mut schemars::SchemaGenerator) -> Option<schemars::Schema> {
+        Some(<Self as schemars::JsonSchema>::json_schema(of))
+    }
+
     fn init(world: &mut World) {
         world.init_resource::<OcclusionTextures>();
     }
