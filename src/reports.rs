@@ -14,6 +14,7 @@
 //! | `object` | objects that are neither drawn nor cast shadows | [`sets`](crate::sets) |
 //! | `cell` | cells and portals that hide less than they should | [`sets`](crate::sets) |
 //! | `caster` | meshes that cast no shadow | [`silhouettes`](crate::silhouettes) |
+//! | `shadow_origin` | lights whose shadows are cast from inside of a caster | [`silhouettes`](crate::silhouettes) |
 //! | `mesh` | meshes that the device cannot hold, or whose data the host cannot give | [`render`](crate::render), the adapter |
 //! | `material` | materials whose holes some lights do not see | the adapter |
 //! | `renderer` | a frame or a view that is not drawn | [`render`](crate::render), the adapter |

@@ -13,8 +13,8 @@ use crate::sets;
 use crate::sets::SeenInto;
 use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
-use crate::silhouettes::report::{RefusedCasters, report_casters};
-use crate::silhouettes::{CasterMeshes, LightClearance, Silhouettes, cache, casters};
+use crate::silhouettes::report::{RefusedCasters, report_buried_origins, report_casters};
+use crate::silhouettes::{BuriedOrigins, CasterMeshes, LightClearance, Silhouettes, buried, cache, casters};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
@@ -79,6 +79,7 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<FaceCulling>();
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
+    world.init_resource::<BuriedOrigins>();
     world.init_resource::<LightClearance>();
     world.init_resource::<SetTimes>();
     world.init_resource::<Reports>();
@@ -142,6 +143,7 @@ pub fn add_systems(schedule: &mut Schedule) {
             casters::build_caster_edges,
             casters::update_posed_planes,
             cache::build_silhouettes,
+            buried::find_buried_origins,
         )
             .chain()
             .in_set(silhouettes),
@@ -200,6 +202,7 @@ pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
         report_sets(world, reports);
         casters.update_archetypes(world);
         report_casters(world, casters, reports);
+        report_buried_origins(world, reports);
         report_techniques(world, reports);
         report_texture_memory(world, reports);
         #[cfg(feature = "render")]

@@ -10,10 +10,14 @@ mod sets_harness;
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::sync::Arc;
 
 use antumbra::prelude::{OmniMap, ShadowMap, StencilVolume};
 use antumbra::reports::Reports;
-use antumbra::scene::{Light, WorldBounds};
+use antumbra::scene::{
+    BarnMap, Cookie, CookieImage, Light, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin,
+    ShadowSoftness, ShadowTint, WorldBounds,
+};
 use antumbra::schedule::{add_systems, collect_reports, init_resources};
 use antumbra::sets::{SetWork, ViewportSize, collect_sets};
 use bevy_ecs::prelude::*;
@@ -103,6 +107,75 @@ fn a_frame_allocates_nothing_after_warm_up() {
         world.resource_mut::<ViewportSize>().0 = VIEWPORT * 2;
         assert_eq!(allocations(|| schedule.run(&mut world)), 0, "another view");
     }
+}
+
+/// Gives every light all parts of a light model. Directional lights report those that do not fit them.
+fn give_models(world: &mut World, images: &[Arc<CookieImage>; 2]) {
+    let text = "IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 3 1 1 2 0 0 0\n1 1 10\n0 45 90\n0\n5 4 3\n";
+    let profile = LightProfile::from_ies(text).expect("the file is read");
+    let mut lights = world.query_filtered::<Entity, With<Light>>();
+    for light in lights.iter(world).collect::<Vec<_>>() {
+        world.entity_mut(light).insert((
+            LightShape {
+                width: 2.0,
+                height: 1.0,
+                width_edge: 0.5,
+                height_edge: 0.5,
+                round: 0.5,
+            },
+            LightDistance {
+                far: 500.0,
+                ..LightDistance::default()
+            },
+            LightWeights {
+                ambient: 0.5,
+                ..LightWeights::default()
+            },
+            ShadowTint {
+                darkness: 0.5,
+                ..ShadowTint::default()
+            },
+            ShadowOrigin::Position(Vec3::ONE),
+            ShadowSoftness(0.1),
+            Cookie::new(images[0].clone()),
+            profile.clone(),
+            BarnMap::default(),
+        ));
+    }
+}
+
+#[test]
+fn lights_with_models_allocate_nothing_after_warm_up() {
+    let white = |name| CookieImage::from_linear(name, 1, 1, vec![Vec3::ONE]).expect("a picture");
+    let images = [white("a"), white("b")];
+    let scene = random_scene(3);
+    let order: Vec<usize> = (0..scene.things.len()).collect();
+    let (mut world, _) = spawn(&scene, &order);
+    give_models(&mut world, &images);
+    let mut schedule = schedule();
+    let mut cookies = world.query::<(&mut Cookie, &mut LightShape, &mut GlobalTransform)>();
+    let mut change = |world: &mut World, frame: usize| {
+        for (mut cookie, mut shape, mut transform) in cookies.iter_mut(world) {
+            cookie.image = images[frame % 2].clone();
+            cookie.turn += 0.1;
+            shape.width += 0.01;
+            let mut moved = transform.affine();
+            moved.translation.y += 0.01;
+            *transform = moved.into();
+        }
+    };
+    for frame in 0..3 {
+        change(&mut world, frame);
+        schedule.run(&mut world);
+    }
+    assert_eq!(allocations(|| schedule.run(&mut world)), 0, "at rest");
+    for frame in 3..6 {
+        change(&mut world, frame);
+        assert_eq!(allocations(|| schedule.run(&mut world)), 0, "all of it changes");
+    }
+    let lights = &world.resource::<antumbra::sets::FrameLights>().lights;
+    assert!(lights.iter().any(|light| light.model.shape.is_some()));
+    assert!(lights.iter().all(|light| light.textures.cookie.is_some()));
 }
 
 #[test]

@@ -24,7 +24,7 @@ struct Look {
     caption: &'static str,
 }
 
-const LOOKS: [Look; 7] = [
+const LOOKS: [Look; 8] = [
     Look {
         shot: "plain",
         title: "A spot light",
@@ -47,6 +47,12 @@ const LOOKS: [Look; 7] = [
         title: "Window",
         caption: "A window that is not there, with the twigs before it: a cookie of a warm spot light, under hard shadows of \
                   the bust itself.",
+    },
+    Look {
+        shot: "pierced_lamp",
+        title: "Pierced lamp",
+        caption: "A point light in a lamp of pierced metal: a cookie that is a cube around the light, from a picture of its \
+                  six sides in a cross.",
     },
     Look {
         shot: "barn_door",

@@ -28,7 +28,7 @@ const PI: f32 = 3.141592653589793;
 struct LightDraw {
     color: vec4<f32>,        // as Bevy uploads it; for directional lights and rectangles
     place: vec4<f32>,        // direction to a directional light, or position of a rectangle
-    index: vec4<u32>,        // x: Bevy's index of a point or spot light
+    index: vec4<u32>,        // x: Bevy's index of a point or spot light; y: 1 if surfaces have weights of their own
     weights: vec4<f32>,      // of ambient, diffuse and specular light; w: darkness of shadows
     shadow: vec4<f32>,       // colour of shadows, for a light whose largest component is 1
 }
@@ -40,6 +40,7 @@ struct LightDraw {
 #endif
 #ifdef SEPARATE_TERMS
 @group(3) @binding(1) var factor_mask: texture_2d<f32>;
+@group(3) @binding(2) var surface_weights: texture_2d<f32>;
 #endif
 
 // The surface as Bevy's light functions expect it: what `apply_pbr_lighting` computes before the first light.
@@ -166,7 +167,8 @@ fn facing_irradiance(position: vec3<f32>) -> f32 {
 // Ambient light without shadow, diffuse light of the mixed colour, and highlights that are off in the shadow. Bevy's
 // function answers with the light's colour; a white surface tells what it would answer to any other colour.
 // Source: Pellacini & Vidimce 2004, "Cinematic Lighting", GPU Gems ch. 10, listing 10-2.
-fn separate_terms(input: ptr<function, LightingInput>, seen: vec3<f32>) -> vec3<f32> {
+// The weights of the surface are multiplied by those of the light.
+fn separate_terms(input: ptr<function, LightingInput>, seen: vec3<f32>, of_surface: vec3<f32>) -> vec3<f32> {
     let specular = radiance(input, false);
     var white = *input;
     white.diffuse_color = vec3<f32>(1.0);
@@ -179,7 +181,8 @@ fn separate_terms(input: ptr<function, LightingInput>, seen: vec3<f32>) -> vec3<
     let mixed = mix(draw.shadow.rgb * largest, emission, passing);
     let ambient = (*input).diffuse_color / PI * facing_irradiance((*input).P) * emission;
     let diffuse = (*input).diffuse_color * unit_answer * mixed;
-    return ambient * draw.weights.x + diffuse * draw.weights.y + specular * seen * draw.weights.z;
+    let weights = draw.weights.xyz * of_surface;
+    return ambient * weights.x + diffuse * weights.y + specular * seen * weights.z;
 }
 #endif
 
@@ -242,7 +245,9 @@ fn fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
     var input = lighting_input(surface);
 #ifdef SEPARATE_TERMS
     let factors = textureLoad(factor_mask, texel, 0).rgb;
-    let color = separate_terms(&input, visibility) * factors * view.exposure;
+    var of_surface = vec3<f32>(1.0);
+    if draw.index.y != 0u { of_surface = textureLoad(surface_weights, texel, 0).rgb; }
+    let color = separate_terms(&input, visibility, of_surface) * factors * view.exposure;
 #else
     let color = radiance(&input, true) * (visibility * view.exposure);
 #endif

@@ -39,19 +39,30 @@ fn smooth_edge(t: f32) -> f32 {
     return s * s * (3.0 - 2.0 * s);
 }
 
-// Share of the light that passes, 0 to 1. It is 1 without a shape and without distances.
+// Share of the light that passes the doors towards a place on the plane one metre before the light, 0 to 1. The place is
+// in the first quadrant.
 // Source: Pellacini & Vidimce 2004, "Cinematic Lighting", GPU Gems ch. 10, listing 10-2; the superellipse as a
 // radius, which has no singular point, is ours.
-fn shape_factor(position: vec3f, shape: LightShape) -> f32 {
-    let at = abs(position.xy) / max(position.z, 1e-20);
+fn doors_factor(at: vec2f, shape: LightShape) -> f32 {
     let in_radius = superellipse_radius(at, shape.semi_axes.xy, shape.form.x, shape.form.y);
     let inner = select(LARGEST_RADIUS, in_radius, shape.form.w > 0.0);
     let outer = superellipse_radius(at, shape.semi_axes.zw, shape.form.x, shape.form.y);
-    let passed = 1.0 - smooth_edge((inner - 1.0) * outer / max(inner - outer, 1e-20));
-    let has_doors = shape.form.z > 0.0;
-    let doors = select(1.0, select(0.0, passed, position.z > 0.0), has_doors);
-    let depth = select(length(position), position.z, has_doors);
-    let fades_in = smooth_edge((depth - shape.distance.x) * shape.distance.y);
-    let fades_out = smooth_edge((depth - shape.distance.z) * shape.distance.w);
-    return doors * fades_in * (1.0 - fades_out);
+    return 1.0 - smooth_edge((inner - 1.0) * outer / max(inner - outer, 1e-20));
+}
+
+// How far the light has faded in, and how far it has faded out, at the depth of a point. Source: as `doors_factor`.
+fn depth_fades(position: vec3f, shape: LightShape) -> vec2f {
+    let depth = select(length(position), position.z, shape.form.z > 0.0);
+    return vec2f(
+        smooth_edge((depth - shape.distance.x) * shape.distance.y),
+        smooth_edge((depth - shape.distance.z) * shape.distance.w),
+    );
+}
+
+// Share of the light that passes, 0 to 1. It is 1 without a shape and without distances.
+fn shape_factor(position: vec3f, shape: LightShape) -> f32 {
+    let passed = doors_factor(abs(position.xy) / max(position.z, 1e-20), shape);
+    let doors = select(1.0, select(0.0, passed, position.z > 0.0), shape.form.z > 0.0);
+    let fades = depth_fades(position, shape);
+    return doors * fades.x * (1.0 - fades.y);
 }

@@ -15,6 +15,9 @@ struct LightTexture {               // mirror: render::pools::gpu_types::LightTe
     uv_origin: vec2f,
     density: f32,
     unused: f32,
+    light_from_cube_x: vec4f,       // columns of the turn of a cube's picture; w unused
+    light_from_cube_y: vec4f,
+    light_from_cube_z: vec4f,
     profile_axes_pole: vec4f,       // axes of the profile's angles in light space; w: first polar angle
     profile_axes_zero: vec4f,       // w: first azimuth
     profile_axes_quarter: vec4f,
@@ -26,6 +29,7 @@ struct LightTexture {               // mirror: render::pools::gpu_types::LightTe
 const PLANE: u32 = 1u;              // on the plane one metre before the light
 const AROUND: u32 = 2u;             // around the light, by longitude and latitude
 const PARALLEL: u32 = 3u;           // on a plane across parallel light
+const CUBE: u32 = 4u;               // on a cube around the light
 
 // Texture coordinates beyond these repeat inexactly, and infinity would be no colour.
 const FARTHEST_UV: f32 = 1e6;
@@ -80,6 +84,33 @@ fn picture_place(
         clamp(matrix * at + light.uv_origin, -far, far),
         clamp(matrix * dx, -far, far),
         clamp(matrix * dy, -far, far),
+    );
+}
+
+struct CubePlace {
+    direction: vec3f,               // unit, in the directions of the picture
+    direction_dx: vec3f,            // change from one pixel to the next
+    direction_dy: vec3f,
+}
+
+fn cube_direction(position_relative: vec3f, light: LightTexture) -> vec3f {
+    let point = light_point(position_relative, light);
+    let direction = vec3f(
+        dot(light.light_from_cube_x.xyz, point),
+        dot(light.light_from_cube_y.xyz, point),
+        dot(light.light_from_cube_z.xyz, point),
+    );
+    return direction / max(length(direction), 1e-20);
+}
+
+// The direction in which the light shines through a cube's picture. `step_x` and `step_y` lead to the surface at the
+// neighbouring pixels.
+fn cube_place(position_relative: vec3f, step_x: vec3f, step_y: vec3f, light: LightTexture) -> CubePlace {
+    let direction = cube_direction(position_relative, light);
+    return CubePlace(
+        direction,
+        cube_direction(position_relative + step_x, light) - direction,
+        cube_direction(position_relative + step_y, light) - direction,
     );
 }
 

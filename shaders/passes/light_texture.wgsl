@@ -3,7 +3,7 @@
 // Host    src/render/light_model/textures/function.rs
 // Groups  0 view, 1 receiver, 2 light texture
 #import antumbra::receiver::receiver_position
-#import antumbra::light_texture::{LightTexture, picture_place, profile_place}
+#import antumbra::light_texture::{LightTexture, picture_place, cube_place, profile_place, CUBE}
 
 // Where the cookie lies; 0 without a cookie.
 override PROJECTION: u32 = 0u;
@@ -13,6 +13,7 @@ override HAS_PROFILE: bool = false;
 @group(2) @binding(1) var cookie_texture: texture_2d<f32>;
 @group(2) @binding(2) var cookie_sampler: sampler;
 @group(2) @binding(3) var profile_texture: texture_2d<f32>;
+@group(2) @binding(4) var cube_texture: texture_cube<f32>;
 
 // The step on the surface from a pixel to the next one along an axis. Of both neighbours the nearer one is on the same
 // surface, so the footprint of a texel does not jump at the edges of objects.
@@ -28,6 +29,11 @@ fn surface_step(pixel: vec2f, position: vec3f, axis: vec2f) -> vec3f {
 fn cookie(pixel: vec2f, position: vec3f) -> vec3f {
     let step_x = surface_step(pixel, position, vec2f(1.0, 0.0));
     let step_y = surface_step(pixel, position, vec2f(0.0, 1.0));
+    if PROJECTION == CUBE {
+        let at = cube_place(position, step_x, step_y, light);
+        let faces = textureSampleGrad(cube_texture, cookie_sampler, at.direction, at.direction_dx, at.direction_dy).rgb;
+        return mix(vec3f(1.0), faces, light.density);
+    }
     let place = picture_place(position, step_x, step_y, light, PROJECTION);
     let picture = textureSampleGrad(cookie_texture, cookie_sampler, place.uv, place.uv_dx, place.uv_dy).rgb;
     return mix(vec3f(1.0), picture, light.density);

@@ -28,7 +28,8 @@
 //! | `RenderLayers` of a light | work as in Bevy: if the light and a camera share a layer, the light lights everything that the camera sees |
 //! | [`LightSelection`](crate::scene::LightSelection) on a light | restricts the layers of the meshes that the light lights, of those that block it, and of those that show its shadows |
 //! | components of the light model on a light ([`LightShape`](crate::scene::LightShape), [`ShadowTint`](crate::scene::ShadowTint) …) | shape what Bevy's functions give on opaque surfaces, with a technique or without one; a light with a model is managed, and has no shadow but that of its technique |
-//! | [`LightWeights::ambient`](crate::scene::LightWeights) of a `RectLight`, [`SurfaceWeights`](crate::scene::SurfaceWeights) | have no effect: Bevy's rectangles give no irradiance to a surface that faces them, and Bevy's G-buffer holds no weights |
+//! | [`SurfaceWeights`](crate::scene::SurfaceWeights) on a mesh | weight what managed lights give to it, if it is opaque and drawn deferred; while one that is seen has them, all managed lights of the view take the slower pass that tells diffuse light and highlights apart |
+//! | [`LightWeights::ambient`](crate::scene::LightWeights) of a `RectLight` | has no effect: Bevy's rectangles give no irradiance to a surface that faces them |
 //! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
 //! | `VisibilityRange` | a level of detail that the camera does not draw casts nothing; of two levels that fade into each other the one that is drawn more casts |
 //! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
@@ -84,6 +85,12 @@
 //!   is there a mask for the back of a mesh: materials with `diffuse_transmission` keep Bevy's light.
 //! - A view keeps 16 lights, in four bytes a pixel each. Further lights are lit without shadows. Views without
 //!   forward meshes keep nothing.
+//!
+//! Forward meshes show the shape, the distances, the cookie and the profile of a light in 256 steps. Of a
+//! [`ShadowTint`](crate::scene::ShadowTint) they show darkness and colour, on highlights too, and a shadow is nowhere
+//! brighter than the light. They do not show [`LightWeights`](crate::scene::LightWeights) and
+//! [`SurfaceWeights`](crate::scene::SurfaceWeights), because Bevy's functions
+//! give diffuse light and highlights in one sum.
 //!
 //! Transparent and transmissive meshes show no shadows of this crate. They are not in the depth prepass, and
 //! several lie behind each other at a pixel, so the mask of a pixel is not theirs.

@@ -99,7 +99,9 @@ pub(super) fn light_view(
         pass.set_bind_group(1, &*bevy.binding_array, &[]);
         pass.set_bind_group(2, &*light_group, &[slot.offset]);
         if let (Some(mask), Some(factors)) = (light.mask, light.factors) {
-            let group = groups.masks(&device, &cache, &pipelines, [mask, factors]);
+            // Without weights of surfaces the shader does not read the third texture.
+            let weights = light.surface_weights.unwrap_or(factors);
+            let group = groups.masks(&device, &cache, &pipelines, [mask, factors, weights]);
             pass.set_bind_group(3, group, &[]);
         } else if let Some(mask) = light.mask {
             pass.set_bind_group(3, groups.mask(&device, &cache, &pipelines, mask), &[]);

@@ -149,7 +149,7 @@ pub(super) fn init_pipelines(
         forward_neutral: None,
         masks_layout: layout(
             "antumbra masks",
-            &BindGroupLayoutEntries::sequential(stage, (float(), float())),
+            &BindGroupLayoutEntries::sequential(stage, (float(), float(), float())),
         ),
         base: HashMap::default(),
         lights: HashMap::default(),

@@ -3,7 +3,7 @@
 pub use super::{AntumbraCamera, AntumbraSettings};
 pub use crate::plugin::AntumbraPlugin;
 pub use crate::scene::{
-    Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights, ShadowOrigin,
-    ShadowSoftness, ShadowTint,
+    BarnMap, Cookie, CookieImage, LightDistance, LightProfile, LightSelection, LightShape, LightWeights,
+    ShadowOrigin, ShadowSoftness, ShadowTint, SurfaceWeights,
 };
 pub use crate::techniques::{AddTechnique, OmniMap, PenumbraWedge, ShadowMap, StencilVolume};

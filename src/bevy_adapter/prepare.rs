@@ -58,11 +58,14 @@ impl DrawnWith<'_> {
         if let Some(gpu) = &self.pipelines.resident {
             return Ok(gpu.clone());
         }
-        let context = RenderContext::hosted(
+        let mut context = RenderContext::hosted(
             self.device.wgpu_device().clone(),
             (**self.queue.0).clone(),
             format!("{} ({:?})", self.adapter.name, self.adapter.backend),
         );
+        if self.adapter.device_type == wgpu::DeviceType::Cpu {
+            context.anisotropy = 1;
+        }
         let gpu = Arc::new(Gpu::new(context)?);
         self.pipelines.resident = Some(gpu.clone());
         Ok(gpu)
@@ -273,7 +276,8 @@ fn prepare_lights(
         let active = active.ok().map(|at| &drawn[at]);
         let host = world.get::<HostLight>(light.entity).copied();
         let slot = host.and_then(|host| {
-            let draw = with_model(describe(&host, lights)?, light);
+            let mut draw = with_model(describe(&host, lights)?, light);
+            draw.index[1] = u32::from(!renderer.frame().weighted.is_empty());
             let wanted = [
                 (VisibilitySource::Stencil, true),
                 (VisibilitySource::Unshadowed, view.unshadowed_in_view),

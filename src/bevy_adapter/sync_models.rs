@@ -9,7 +9,8 @@ use bevy::render::{ExtractSchedule, RenderApp};
 use super::systems::AntumbraExtractSystems;
 use super::techniques::{TouchedLights, collect_touched};
 use crate::scene::{
-    Cookie, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+    BarnMap, Cookie, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin, ShadowSoftness,
+    ShadowTint, SurfaceWeights,
 };
 
 /// Calls a macro with every component of the light model.
@@ -18,6 +19,7 @@ macro_rules! for_parts {
         $call!(
             Cookie,
             LightShape,
+            BarnMap,
             LightDistance,
             LightProfile,
             LightWeights,
@@ -34,6 +36,7 @@ pub fn register(app: &mut App) {
         ($($part:ty),*) => {{ $(app.register_type::<$part>();)* }};
     }
     for_parts!(register);
+    app.register_type::<SurfaceWeights>();
 }
 
 /// Lists the lights on which a component of the light model was inserted, changed or removed.
@@ -73,7 +76,8 @@ pub(super) fn remove_model(light: &mut EntityWorldMut) {
     for_parts!(remove);
 }
 
-fn copy_part<T: Component<Mutability = Mutable> + Clone + PartialEq>(
+/// Makes a component of a mirror's entity that of the game's.
+pub(super) fn copy_part<T: Component<Mutability = Mutable> + Clone + PartialEq>(
     from: &EntityRef,
     to: &mut EntityWorldMut,
 ) {

@@ -23,10 +23,11 @@ use super::mirror::{HostBounds, Mirror, Mirrors, mirrors};
 use super::ranges::Level;
 use super::refused::RefusedMeshes;
 use super::surfaces::{Surface, Surfaces, standard_material};
+use super::sync_models::copy_part;
 use crate::geometry::Aabb;
 use crate::scene::{
     LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
-    ShadowReceiver, Skin, WorldBounds,
+    ShadowReceiver, Skin, SurfaceWeights, WorldBounds,
 };
 use crate::silhouettes::CasterMeshes;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
@@ -42,6 +43,7 @@ type ObjectChanged = (
         Changed<BevyAabb>,
         Changed<SkinnedMesh>,
         Changed<MeshMorphWeights>,
+        Changed<SurfaceWeights>,
         Changed<MeshMaterial3d<StandardMaterial>>,
         Added<NotShadowCaster>,
         Added<NotShadowReceiver>,
@@ -58,6 +60,7 @@ pub struct RemovedFromObjects<'w, 's> {
     skin: Extract<'w, 's, RemovedComponents<'static, 'static, SkinnedMesh>>,
     weights: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMorphWeights>>,
     material: Extract<'w, 's, RemovedComponents<'static, 'static, MeshMaterial3d<StandardMaterial>>>,
+    surface_weights: Extract<'w, 's, RemovedComponents<'static, 'static, SurfaceWeights>>,
 }
 
 /// Query of changed morph weights that meshes share. Such a mesh refers to the entity that has the weights.
@@ -94,6 +97,7 @@ pub(super) fn sync_objects(
     dirty.extend(removed.skin.read());
     dirty.extend(removed.weights.read());
     dirty.extend(removed.material.read());
+    dirty.extend(removed.surface_weights.read());
     if surfaces.any_changed() {
         cut_outs.retain(|material| surfaces.is_cut_out(material));
         let uses = materials
@@ -194,6 +198,7 @@ fn sync_object(
     if target.get::<SelectionLayers>() != Some(&bits) {
         target.insert(bits);
     }
+    copy_part::<SurfaceWeights>(&object, &mut target);
     let casts = ready.is_some()
         && level.casts()
         && surface != Surface::NotDrawn

@@ -17,7 +17,7 @@ pub struct ViewGroups {
     base: Kept<(BufferId, BufferId, TextureViewId), BindGroup>,
     light: Kept<(BufferId, TextureViewId), BindGroup>,
     mask: Kept<wgpu::TextureView, wgpu::BindGroup>,
-    masks: Kept<[wgpu::TextureView; 2], wgpu::BindGroup>,
+    masks: Kept<[wgpu::TextureView; 3], wgpu::BindGroup>,
 }
 
 impl ViewGroups {
@@ -63,13 +63,14 @@ impl ViewGroups {
         Some((base.clone(), light.clone()))
     }
 
-    /// Returns group 3 of lights whose terms are weighted: the mask, and the factors of light functions.
+    /// Returns group 3 of lights whose terms are weighted: the mask, the factors of light functions, and the weights of
+    /// surfaces.
     pub(super) fn masks(
         &mut self,
         device: &RenderDevice,
         cache: &PipelineCache,
         pipelines: &AntumbraPipelines,
-        views: [&wgpu::TextureView; 2],
+        views: [&wgpu::TextureView; 3],
     ) -> &wgpu::BindGroup {
         self.masks.get(views.map(Clone::clone), || {
             let layout = cache.get_bind_group_layout(&pipelines.masks_layout);

@@ -45,7 +45,7 @@ pub struct Managed {
 pub struct LightDraw {
     /// Values that identify a directional or rectangle light, which has no index.
     pub unindexed: Unindexed,
-    /// Bevy's index of a point or spot light in x.
+    /// Bevy's index of a point or spot light in x; in y 1 if surfaces have weights of their own.
     pub index: [u32; 4],
     /// Weights of ambient, diffuse and specular light; w: darkness of shadows.
     pub weights: [f32; 4],

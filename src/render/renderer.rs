@@ -2,6 +2,7 @@
 
 use std::any::TypeId;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
 use glam::{DMat4, UVec2};
@@ -15,11 +16,13 @@ use super::gpu::buffers::GrowingBuffer;
 use super::gpu::strided::StridedUniforms;
 use super::gpu::timings::Timings;
 use super::light_function::LightFunction;
+use super::light_model::barn_maps::BarnMapParts;
 use super::light_model::function::{LightModelFunction, is_scaled};
 use super::light_model::textures::function::LightTextureFunction;
 use super::nodes::depth_copy::DepthCopy;
 use super::nodes::host_depth::HostDepth;
 use super::nodes::host_select::HostSelect;
+use super::nodes::host_weights::HostWeights;
 use super::nodes::keep_visibility::KeepVisibility;
 use super::nodes::light_begin::LightBegin;
 use super::nodes::light_function::StencilToMask;
@@ -71,6 +74,7 @@ pub struct Renderer {
     pub(super) host_terms: bool,
     pub(super) host_depth: Option<HostDepth>,
     pub(super) host_select: Option<HostSelect>,
+    pub(super) host_weights: Option<HostWeights>,
     pub(super) keep_visibility: Option<KeepVisibility>,
     pub(super) front: Option<FrameTargets>,
     pub(super) masks: Option<MaskTargets>,
@@ -141,6 +145,7 @@ impl Renderer {
             host_terms: false,
             host_depth: None,
             host_select: None,
+            host_weights: None,
             keep_visibility: None,
             front: None,
             masks: None,
@@ -256,6 +261,12 @@ impl Renderer {
         self.gpu.pipeline_count()
     }
 
+    /// The number of barn maps ([`BarnMap`](crate::scene::BarnMap)) drawn so far for all views of the device. It does
+    /// not grow in a steady frame.
+    pub fn barn_maps_made(&self) -> usize {
+        self.gpu.part(BarnMapParts::new).made.load(Ordering::Relaxed)
+    }
+
     /// The objects that are not drawn because the device allows no buffer of their mesh's size.
     pub fn oversized_meshes(&self) -> &[OversizedMesh] {
         &self.meshes.oversized
@@ -324,6 +335,12 @@ impl Renderer {
         let mut lights = self.frame.lights.iter();
         if let (Some(masks), true) = (&mut self.masks, lights.any(|light| light.is_tinted)) {
             masks.require_factors(context, layouts)?;
+        }
+        if let (Some(masks), false) = (&mut self.masks, self.frame.weighted.is_empty()) {
+            masks.require_surface_weights(context)?;
+            if self.host_weights.is_none() {
+                self.host_weights = Some(HostWeights::new(&self.gpu)?);
+            }
         }
         if self.stencil_to_mask.is_none() && self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil)
         {

@@ -57,6 +57,7 @@ pub const FILES: &[ShaderFile] = shader_files![
     "passes/depth_copy.wgsl",
     "passes/full_screen.wgsl",
     "passes/host_depth.wgsl",
+    "passes/host_weights.wgsl",
     "passes/keep_visibility.wgsl",
     "passes/light_accumulate.wgsl",
     "passes/light_begin.wgsl",

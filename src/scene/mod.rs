@@ -48,7 +48,7 @@ pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use light::{Light, LightError, LightKind, LightSelection};
 pub use light_model::{
-    Cookie, CookieError, CookieImage, CookieImageError, LayerNames, LightDistance, LightModel,
+    BarnMap, Cookie, CookieError, CookieImage, CookieImageError, LayerNames, LightDistance, LightModel,
     LightModelFault, LightModelParts, LightProfile, LightShape, LightTextures, LightWeights,
     LoadProfileError, ProfileError, ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint,
     SurfaceWeights, TooManyLayers,

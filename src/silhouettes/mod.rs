@@ -20,10 +20,12 @@
 //! | `caps` | cap triangles |
 //! | `edges` | signed edges |
 //! | `loops` | the contour as closed loops |
+//! | `buried` | shadow origins that lie inside of casters |
 //! | `casters` | edge meshes of casters, planes of posed casters |
 //! | `light_silhouettes` | silhouettes by light and caster, in slots |
 //! | `cache` | the extraction of those that are not known yet or are stale |
 
+pub(crate) mod buried;
 pub(crate) mod cache;
 mod caps;
 pub(crate) mod caster_shape;
@@ -39,6 +41,7 @@ pub(crate) mod report;
 pub(crate) mod stacks;
 mod turning;
 
+pub use buried::BuriedOrigins;
 pub use caps::{extract_caps, extract_contour};
 pub use caster_shape::{CasterShape, CasterShapeItem};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCaster};

@@ -1,8 +1,8 @@
-//! Reports about meshes that cast no shadow.
+//! Reports about meshes that cast no shadow, and about shadows that are cast from inside of casters.
 
 use bevy_ecs::prelude::*;
 
-use super::RefusedCaster;
+use super::{BuriedOrigins, RefusedCaster};
 use crate::geometry::edge_mesh::EdgeMeshError;
 use crate::reports::Reports;
 use crate::scene::{SceneMesh, ShadowCaster};
@@ -19,6 +19,23 @@ pub fn report_casters(world: &World, casters: &mut RefusedCasters, reports: &mut
         round.raise(Some(entity), code, || {
             format!("The mesh `{}` casts no shadow: {error}. {advice}", mesh.0.name)
         });
+    }
+}
+
+/// Raises the reports of the topic `shadow_origin`, one for each light whose shadows are cast from inside of a caster.
+pub fn report_buried_origins(world: &World, reports: &mut Reports) {
+    let mut round = reports.round("shadow_origin");
+    for &(light, caster) in &world.resource::<BuriedOrigins>().found {
+        let mesh = world.get::<SceneMesh>(caster);
+        let name = mesh.map_or("", |mesh| &mesh.0.name);
+        round.state(
+            Some(light),
+            1,
+            format_args!(
+                "The light's ShadowOrigin lies inside of a caster with the mesh `{name}`, so everything outside of it is \
+                 in shadow. Move the origin out, or leave the caster out of `casts_for` of the light's LightSelection."
+            ),
+        );
     }
 }
 

@@ -201,3 +201,105 @@ fn forward_and_deferred_meshes_show_the_same_shadows() {
         assert_eq!(unlike, 0, "of {all}");
     }
 }
+
+/// What forward and deferred floors show of a light with a model, below a cube that casts.
+fn modelled(parts: impl Bundle) -> [Picture; 2] {
+    let mut app = harness::antumbra();
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = harness::marked_camera(world, EYE);
+    let mut matte = StandardMaterial {
+        perceptual_roughness: 1.0,
+        reflectance: 0.0,
+        ..default()
+    };
+    let floors = [OpaqueRendererMethod::Forward, OpaqueRendererMethod::Deferred].map(|method| {
+        matte.opaque_render_method = method;
+        let material = world
+            .resource_mut::<Assets<StandardMaterial>>()
+            .add(matte.clone());
+        let floor = harness::add_mesh(
+            world,
+            Plane3d::default().mesh().size(6.0, 6.0),
+            Transform::default(),
+        );
+        world
+            .entity_mut(floor)
+            .insert((MeshMaterial3d(material), Visibility::Hidden));
+        floor
+    });
+    harness::add_mesh(
+        world,
+        Cuboid::from_length(1.0),
+        Transform::from_xyz(0.0, 0.9, 0.0),
+    );
+    let spot = SpotLight {
+        intensity: 600_000.0,
+        color: Color::linear_rgb(1.0, 0.5, 0.25),
+        outer_angle: 0.9,
+        inner_angle: 0.7,
+        ..default()
+    };
+    let at = Transform::from_xyz(1.0, 4.0, 1.0).looking_at(Vec3::ZERO, Vec3::Z);
+    world.spawn((spot, at, StencilVolume::default(), parts));
+    let mut game = Game::start(app);
+    game.run(5);
+    floors.map(|floor| {
+        game.world().entity_mut(floor).insert(Visibility::Inherited);
+        let picture = game.run(4).settled(camera);
+        game.world().entity_mut(floor).insert(Visibility::Hidden);
+        picture
+    })
+}
+
+#[test]
+fn forward_meshes_show_shape_cookie_and_tint_of_a_light() {
+    let texels = vec![Vec3::new(1.0, 0.5, 0.25), Vec3::new(0.25, 1.0, 0.5)];
+    let image = CookieImage::from_linear("two", 2, 1, texels).expect("a picture");
+    let shape = LightShape {
+        width: 0.3,
+        height: 0.3,
+        width_edge: 0.2,
+        height_edge: 0.2,
+        round: 0.5,
+    };
+    let tint = ShadowTint {
+        color: Vec3::new(0.1, 0.1, 0.2),
+        darkness: 0.7,
+    };
+    let model = (
+        shape,
+        Cookie {
+            size: 0.5,
+            ..Cookie::new(image)
+        },
+    );
+    let [plain, _] = modelled(());
+    let check = |name: &str, [forward, deferred]: [Picture; 2]| {
+        forward.save(name);
+        let brightest = plain
+            .texels
+            .iter()
+            .map(|texel| f32::from(texel[0]))
+            .fold(0.0, f32::max);
+        // Kept visibility has 256 steps.
+        let apart = forward.difference(&deferred);
+        assert!(
+            apart.absolute < 0.01 * brightest,
+            "{name}: {apart:?}, brightest {brightest}"
+        );
+        let changed = forward.difference(&plain).channels;
+        assert!(
+            changed > 2000,
+            "{name}: {changed} channels are other than without"
+        );
+        forward
+    };
+    let shaped = check("forward_shaped", modelled(model.clone()));
+    let tinted = check("forward_tinted", modelled((model, tint)));
+    // In the shadow, within the shape.
+    let filled = shaped.texels.iter().zip(&tinted.texels);
+    let filled = filled.filter(|(a, b)| f32::from(a[0]) == 0.0 && f32::from(b[0]) > 0.0);
+    let count = filled.count();
+    assert!(count > 50, "{count} pixels show light in the shadow");
+}

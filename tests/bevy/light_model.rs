@@ -7,15 +7,16 @@ use bevy::prelude::*;
 use crate::harness::{self, Game, Picture};
 
 /// A floor and a box over it under one light, both on layers of their own, seen from above at a slant.
-struct Lit {
-    game: Game,
-    camera: Entity,
-    light: Entity,
+pub struct Lit {
+    pub game: Game,
+    pub camera: Entity,
+    pub light: Entity,
+    cube: Entity,
 }
 
-const LIGHT: Vec3 = Vec3::new(1.0, 3.0, 0.5);
+pub const LIGHT: Vec3 = Vec3::new(1.0, 3.0, 0.5);
 
-fn lit(ambient: bool) -> Lit {
+pub fn lit(ambient: bool) -> Lit {
     let mut app = harness::antumbra();
     if !ambient {
         app.insert_resource(GlobalAmbientLight::NONE);
@@ -44,18 +45,19 @@ fn lit(ambient: bool) -> Lit {
         game: Game::start(app),
         camera,
         light,
+        cube,
     }
 }
 
 impl Lit {
-    fn with(&mut self, parts: impl Bundle) -> Picture {
+    pub fn with(&mut self, parts: impl Bundle) -> Picture {
         self.game.world().entity_mut(self.light).insert(parts);
         self.game.run(4).settled(self.camera)
     }
 }
 
 /// Red, green and blue of each pixel.
-fn texels(picture: &Picture) -> impl Iterator<Item = [f32; 3]> + '_ {
+pub fn texels(picture: &Picture) -> impl Iterator<Item = [f32; 3]> + '_ {
     picture.texels.iter().map(|texel| texel.map(f32::from))
 }
 
@@ -181,6 +183,67 @@ fn weights_and_shadow_colours_hold_in_bevy() {
         .zip(texels(&unshadowed))
         .filter(|(filled, open)| open[0] > 0.01 && filled[0] <= 0.0);
     assert_eq!(empty.count(), 0, "ambient light has no shadow");
+}
+
+#[test]
+fn weights_of_objects_hold_in_bevy() {
+    let mut lit = lit(false);
+    let (camera, cube) = (lit.camera, lit.cube);
+    let whole = lit.game.run(5).settled(camera);
+    let weights = |ambient, diffuse, specular| SurfaceWeights {
+        ambient,
+        diffuse,
+        specular,
+    };
+    let of_light = |diffuse, specular| LightWeights {
+        ambient: 0.0,
+        diffuse,
+        specular,
+    };
+    let diffuse = lit.with(of_light(1.0, 0.0));
+    let specular = lit.with(of_light(0.0, 1.0));
+    lit.with(LightWeights::default());
+    let mut weigh = |weights: Option<SurfaceWeights>| {
+        let mut cube = lit.game.world().entity_mut(cube);
+        match weights {
+            Some(weights) => cube.insert(weights),
+            None => cube.remove::<SurfaceWeights>(),
+        };
+        lit.game.run(4).settled(camera)
+    };
+    let without_cube = weigh(Some(weights(0.0, 0.0, 0.0)));
+    let weighted = weigh(Some(weights(1.0, 0.25, 3.0)));
+    let pictures = texels(&diffuse).zip(texels(&specular)).zip(texels(&without_cube));
+    let (mut on_cube, mut elsewhere) = (0, 0);
+    for (((d, s), none), (whole, got)) in pictures.zip(texels(&whole).zip(texels(&weighted))) {
+        for i in 0..3 {
+            // A cube that weights all light with 0 is black.
+            let is_cube = none[i] == 0.0 && whole[i] > 0.0;
+            let expected = if is_cube {
+                0.25 * d[i] + 3.0 * s[i]
+            } else {
+                whole[i]
+            };
+            let allowed = 4e-3 * (whole[i] + 3.0 * s[i]) + 1e-5;
+            assert!(
+                (got[i] - expected).abs() <= allowed,
+                "{}, not {expected}, cube {is_cube}",
+                got[i]
+            );
+            on_cube += usize::from(is_cube);
+            elsewhere += usize::from(!is_cube && whole[i] > 0.01);
+        }
+    }
+    assert!(
+        on_cube > 200 && elsewhere > 2000,
+        "{on_cube} on the cube, {elsewhere} elsewhere"
+    );
+    // Weights may go again, and defaults are none.
+    assert_eq!(weigh(None).difference(&whole).channels, 0);
+    assert_eq!(
+        weigh(Some(SurfaceWeights::default())).difference(&whole).channels,
+        0
+    );
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn mirrors() -> Vec<Mirror> {
             distance,
             form,
         } in "passes/light_model.wgsl", array: false),
-        mirror!(LightModel { shape } in "passes/light_model.wgsl", array: false),
+        mirror!(LightModel { shape, barn_map } in "passes/light_model.wgsl", array: false),
         mirror!(Light {
             point_relative,
             emission,
@@ -80,6 +80,9 @@ fn mirrors() -> Vec<Mirror> {
             uv_origin,
             density,
             unused,
+            light_from_cube_x,
+            light_from_cube_y,
+            light_from_cube_z,
             profile_axes_pole,
             profile_axes_zero,
             profile_axes_quarter,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use antumbra::prelude::*;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, layer_of_name};
 use antumbra::scene::{
-    LightDistance, LightModel, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+    BarnMap, LightDistance, LightModel, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
 };
 use bevy_ecs::prelude::*;
 use glam::Vec3;
@@ -20,6 +20,8 @@ use super::textures::{ShotCookie, check_profile, load_profile};
 pub struct ShotModel {
     /// Barn doors.
     pub shape: Option<LightShape>,
+    /// The texture that holds the barn doors.
+    pub barn_map: Option<BarnMap>,
     /// Depths between which the light shines.
     pub distance: Option<LightDistance>,
     /// Weights of ambient, diffuse and specular light.
@@ -47,8 +49,9 @@ pub struct ShotModel {
 }
 
 /// The keys of a [`ShotModel`].
-const KEYS: [&str; 13] = [
+const KEYS: [&str; 14] = [
     "shape",
+    "barn_map",
     "distance",
     "weights",
     "shadow_color",
@@ -95,6 +98,7 @@ impl ShotModel {
             tint.as_ref(),
             origin.as_ref(),
             softness.as_ref(),
+            self.barn_map.as_ref(),
         );
         LightModel::of(parts, light.kind, |fault| {
             first.get_or_insert(fault);
@@ -182,6 +186,7 @@ impl ShotModel {
             entity.insert(selection);
         }
         put(&mut entity, self.shape);
+        put(&mut entity, self.barn_map);
         put(&mut entity, self.distance);
         put(&mut entity, self.weights);
         put(&mut entity, self.tint());

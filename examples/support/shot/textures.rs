@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::scene::{CookieImage, TextureWrap};
+use antumbra::scene::{CookieError, CookieImage, TextureWrap};
 use glam::Vec3;
 use serde::Deserialize;
 
@@ -14,6 +14,9 @@ use serde::Deserialize;
 pub struct ShotCookie {
     /// Path of the picture, relative to the shot file.
     pub path: PathBuf,
+    /// Whether the picture holds the six faces of a cube around the light. Its proportions tell their arrangement.
+    #[serde(default)]
+    pub cube: bool,
     /// Strength, 0 to 1.
     #[serde(default = "whole")]
     pub density: f32,
@@ -75,7 +78,12 @@ impl ShotCookie {
     /// # Errors
     /// Names the file and says what is wrong with it.
     pub fn load(&self, kind: LightKind) -> Result<Cookie, String> {
-        let image = CookieImage::load(&self.path).map_err(|error| format!("cookie.path: {error}"))?;
+        let load = if self.cube {
+            CookieImage::load_cube
+        } else {
+            CookieImage::load
+        };
+        let image = load(&self.path).map_err(|error| format!("cookie.path: {error}"))?;
         Ok(self.with(image, kind))
     }
 
@@ -84,6 +92,9 @@ impl ShotCookie {
     /// # Errors
     /// Names the first number that cannot be used.
     pub fn check(&self, kind: LightKind) -> Result<(), String> {
+        if self.cube && kind == LightKind::Directional {
+            return Err(format!("cookie.cube: {}", CookieError::Cube));
+        }
         let any = CookieImage::from_linear("", 1, 1, vec![Vec3::ONE]).map_err(|error| error.to_string())?;
         let checked = self.with(any, kind).check();
         checked.map_err(|error| format!("cookie: {error}"))

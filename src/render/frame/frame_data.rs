@@ -127,6 +127,9 @@ pub struct FrameData {
     pub instances: Vec<u32>,
     /// Range of `batches`: the opaque surfaces of the visible set V.
     pub ambient: Range<usize>,
+    /// Range of `batches`: the opaque surfaces of V whose objects have weights, for a host that weights the terms of
+    /// lights.
+    pub weighted: Range<usize>,
     /// The lights that have something to light.
     pub lights: Vec<ActiveLight>,
     /// For lights by index into [`FrameLights`](crate::sets::FrameLights), ranges of `batches` with the
@@ -161,6 +164,7 @@ impl FrameData {
         self.blended.clear();
         self.blended_lights.clear();
         self.ambient = 0..0;
+        self.weighted = 0..0;
     }
 
     /// Returns whether a shadowed light reaches a blended surface.

@@ -16,10 +16,12 @@ use glam::{DMat4, UVec2};
 use super::frame_data::ActiveLight;
 use super::front_lights::LightSurfaces;
 use crate::conventions::STENCIL_IN_BOUNDS;
+use crate::render::gpu::strided::Strided;
 use crate::render::nodes::host_depth::HostDepth;
 use crate::render::nodes::host_select::HostSelect;
-use crate::render::nodes::keep_visibility::KeepVisibility;
+use crate::render::nodes::keep_visibility::{KeepVisibility, Known};
 use crate::render::nodes::pipelines::stencil_test;
+use crate::render::pools::gpu_types;
 use crate::render::recorder::ShadowKind;
 use crate::render::renderer::Renderer;
 use crate::render::{Gpu, RenderError};
@@ -71,6 +73,10 @@ pub struct HostedLight<'a> {
     /// shadow has a colour, if the host adds such terms ([`Renderer::set_host_terms`]). The mask then holds the
     /// visible share alone, for all surfaces, and the factors scale all terms.
     pub factors: Option<&'a wgpu::TextureView>,
+    /// The weights of ambient, diffuse and specular light of the surface at each pixel, in red, green and blue, if some
+    /// object that is seen has [`SurfaceWeights`](crate::scene::SurfaceWeights) and the host adds such terms. All
+    /// lights of the frame then have `factors`, and the host multiplies the weights by those of the light.
+    pub surface_weights: Option<&'a wgpu::TextureView>,
 }
 
 /// Returns the stencil test of the pixels that a light reaches and affects, and, if the light has no mask,
@@ -177,6 +183,9 @@ impl Renderer {
         let Gpu { context, layouts, .. } = &*self.gpu;
         let depth = host_depth.bind(context, layouts, frame.depth);
         host_depth.record(&mut recording, &depth, self.batches(&self.frame.ambient));
+        if let (Some(node), Some(weights)) = (&self.host_weights, self.surface_weights()) {
+            node.record(&mut recording, weights, self.batches(&self.frame.weighted));
+        }
         // Before the lights: techniques read depth and planes while they write the stencil.
         self.record_receivers(&mut recording, LightSurfaces::Opaque);
         // Light by light: the lights take turns with one stencil and one mask.
@@ -190,7 +199,12 @@ impl Renderer {
             if let ([light], Some(kept), Some(node)) = (group, kept, &self.keep_visibility)
                 && let Some(target) = kept(light.light)
             {
-                node.record(&mut recording, target, light.scissor, self.mask_of(light));
+                node.record(
+                    &mut recording,
+                    target,
+                    light.scissor,
+                    self.known_visibility(light),
+                );
             }
         }
         self.timings.end_frame(recording.encoder);
@@ -210,12 +224,32 @@ impl Renderer {
         }
     }
 
+    /// The texture of the weights of surfaces, if an object of this frame has some.
+    fn surface_weights(&self) -> Option<&wgpu::TextureView> {
+        let masks = self.masks.as_ref().filter(|_| !self.frame.weighted.is_empty())?;
+        masks.surface_weights.as_ref()
+    }
+
+    /// What there is to keep of a light's visibility.
+    fn known_visibility(&self, light: &ActiveLight) -> Known<'_> {
+        let has_factors = self.masks.as_ref().is_some_and(|masks| masks.factors.is_some());
+        match self.mask_of(light) {
+            None => Known::Stencil,
+            Some(masks) if light.is_tinted && has_factors => {
+                let offset = Strided::<gpu_types::Light>::offset(light.slot.0);
+                Known::Tinted(masks, (&self.light_group, offset))
+            }
+            Some(mask) => Known::Mask(mask),
+        }
+    }
+
     fn hosted_light(&self, light: &ActiveLight) -> HostedLight<'_> {
         HostedLight {
             entity: light.entity,
             light: light.light,
             scissor: light.scissor,
             is_scaled: light.is_scaled,
+            surface_weights: self.surface_weights(),
             factors: self
                 .masks
                 .as_ref()

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
-use super::draw_list::{Batch, DrawListInput, ItemFilter, Shadows, Variant};
+use super::draw_list::{Batch, DrawListBuilder, DrawListInput, ItemFilter, Shadows, Variant};
 use super::frame_data::{ActiveLight, FrameData, LightSlot, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
@@ -248,6 +248,14 @@ fn collect_draws(
     let (batches, instances) = (&mut frame.batches, &mut frame.instances);
     let (opaque, shown) = (ItemFilter::Opaque, (Shadows::OnReceivers(u32::MAX), false));
     frame.ambient = draw_lists.build(&input, &visible.set, opaque, shown, batches, instances);
+    if is_hosted && host_terms {
+        frame.unlit.clone_from(&visible.set);
+        frame.unlit.intersect_with(&input.table.weighted);
+        if !frame.unlit.is_clear() {
+            frame.weighted = draw_lists.build(&input, &frame.unlit, opaque, UNSHOWN, batches, instances);
+        }
+    }
+    let has_weights = !frame.weighted.is_empty();
     for (index, light) in lights.lights.iter().enumerate() {
         if labels.len() <= index {
             labels.push(format!("light {index}"));
@@ -265,7 +273,13 @@ fn collect_draws(
         };
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let lit = ItemFilter::OpaqueLit;
-        let shown = (shadows, light.model.is_weighted());
+        // A host computes light by itself, so it must weight the terms by itself as well.
+        let is_weighted = light.model.is_weighted() || has_weights;
+        let is_tinted = match host {
+            Some(_) => host_terms && is_weighted,
+            None => light.model.lights_shadows(),
+        };
+        let shown = (shadows, is_weighted);
         let drawn = draw_lists.build(&input, &light.sets.i, lit, shown, batches, instances);
         let mut unlit = drawn.end..drawn.end;
         if is_hosted && collect_unlit(&mut frame.unlit, objects, visible, light) {
@@ -284,11 +298,7 @@ fn collect_draws(
             shadow,
             is_scaled: functions.iter().any(|function| function.scales(index))
                 || (is_hosted && shadow.is_some() && shows_selectively(light, objects)),
-            is_tinted: match host {
-                // A host computes light by itself, so it must weight the terms by itself as well.
-                Some(_) => host_terms && light.model.is_weighted(),
-                None => light.model.lights_shadows(),
-            },
+            is_tinted,
             scissor: frame.viewport.place(if settings.scissor {
                 [scissor.x, scissor.y, scissor.width, scissor.height]
             } else {
@@ -301,16 +311,26 @@ fn collect_draws(
             front_scissor: [0; 4],
         });
     }
+    collect_dark(frame, draw_lists, &input, lights);
+    if !is_hosted {
+        collect_blended(frame, &input, visible, lights, current);
+        collect_front(frame, &input, objects, lights, current);
+    }
+}
+
+/// Collects the surfaces that lights do not see, for pictures of visibility.
+fn collect_dark(
+    frame: &mut FrameData,
+    draw_lists: &mut DrawListBuilder,
+    input: &DrawListInput,
+    lights: &FrameLights,
+) {
     let not_clear = |(_, light): &(usize, &FrameLight)| !light.sets.dark.is_clear();
     for (index, light) in lights.lights.iter().enumerate().filter(not_clear) {
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let (lit, nowhere) = (ItemFilter::OpaqueLit, UNSHOWN);
-        let drawn = draw_lists.build(&input, &light.sets.dark, lit, nowhere, batches, instances);
+        let drawn = draw_lists.build(input, &light.sets.dark, lit, nowhere, batches, instances);
         frame.dark.push((index, drawn));
-    }
-    if !is_hosted {
-        collect_blended(frame, &input, visible, lights, current);
-        collect_front(frame, &input, objects, lights, current);
     }
 }
 

@@ -188,6 +188,9 @@ pub struct MaskTargets {
     /// The mask of the functions that scale the current light, if its shadow has a colour. It exists from the first
     /// frame with such a light.
     pub factors: Option<FactorTarget>,
+    /// The weights of the surface that each pixel of a host's picture shows
+    /// ([`SurfaceWeights`](crate::scene::SurfaceWeights)). It exists from the first hosted frame with such an object.
+    pub surface_weights: Option<wgpu::TextureView>,
 }
 
 /// The texture of the factors of light functions, of the size and format of the mask.
@@ -252,6 +255,7 @@ impl MaskTargets {
             mask,
             mask_view,
             factors: None,
+            surface_weights: None,
         })
     }
 
@@ -271,6 +275,16 @@ impl MaskTargets {
             let views = [&self.mask_view, &view].map(wgpu::BindingResource::TextureView);
             let group = bind_in_order(&context.device, "masks", &layouts.masks, views);
             self.factors = Some(FactorTarget { view, group });
+        }
+        Ok(())
+    }
+
+    /// Makes the texture of surfaces' weights.
+    pub fn require_surface_weights(&mut self, context: &RenderContext) -> Result<(), RenderError> {
+        if self.surface_weights.is_none() {
+            let size = UVec2::new(self.mask.width(), self.mask.height());
+            let texture = create_target(context, "surface weights", size, MASK_FORMAT)?;
+            self.surface_weights = Some(texture.create_view(&Default::default()));
         }
         Ok(())
     }

@@ -30,6 +30,20 @@ pub fn shape_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::Light
     }
 }
 
+/// Makes the shader's constants of a light's model: those of its shape and distances, and of its barn map.
+pub fn model_constants(light: &FrameLight, eye_world: DVec3) -> gpu_types::LightModel {
+    let texels = light.model.barn_map.map_or(0, |map| map.resolution) as f32;
+    let barn_map = if texels > 1.0 {
+        [(texels - 1.0) / texels, 0.5 / texels, (texels - 1.0).recip(), 0.0]
+    } else {
+        [0.0; 4]
+    };
+    gpu_types::LightModel {
+        shape: shape_constants(light, eye_world),
+        barn_map,
+    }
+}
+
 fn semi_axes(shape: &LightShape) -> [f32; 4] {
     let [inner, outer]: [Vec2; 2] = [shape.inner(), shape.outer()];
     [inner.x, inner.y, outer.x, outer.y]

@@ -1,7 +1,7 @@
 //! Multiplies the mask of each light that has a shape or distances by the factor of its light model.
 //!
 //! Shader  `shaders/passes/light_model.wgsl`
-//! Groups  0 view, 1 receiver, 2 light model
+//! Groups  0 view, 1 receiver, 2 light model; 3 barn map, for a light that has one
 //! Reads   receiver depth.  Writes  the mask, multiplied, inside the light's scissor
 //! Order   after the technique has left the mask, before `light_accumulate` of the same light
 //!
@@ -9,11 +9,12 @@
 
 use bevy_ecs::prelude::*;
 
-use super::constants::shape_constants;
+use super::barn_maps::{BarnMapKey, BarnMaps};
+use super::constants::model_constants;
 use crate::render::frame::targets::MASK_FORMAT;
 use crate::render::gpu::bind_groups::{bind_in_order, buffer_entry};
 use crate::render::gpu::pipeline_cache::{EVERYWHERE, PipelineDesc, Stage};
-use crate::render::gpu::strided::{Strided, StridedUniforms};
+use crate::render::gpu::strided::StridedUniforms;
 use crate::render::light_function::{LightFunction, MULTIPLY};
 use crate::render::pools::gpu_types::LightModel;
 use crate::render::recorder::{PrepareInput, ResolveInput};
@@ -48,10 +49,22 @@ impl Layouts {
 pub struct LightModelFunction {
     layouts: std::sync::Arc<Layouts>,
     pipeline: wgpu::RenderPipeline,
+    /// The pipeline of lights with a barn map, made with the first of them.
+    mapped: Option<wgpu::RenderPipeline>,
+    maps: BarnMaps,
     models: StridedUniforms<LightModel>,
     group: wgpu::BindGroup,
-    /// The index of each light's constants, by index into [`FrameLights`]; `None` for lights that are not scaled.
-    slots: Vec<Option<usize>>,
+    /// The draw of each light, by index into [`FrameLights`]; `None` for lights that are not scaled.
+    draws: Vec<Option<Draw>>,
+}
+
+/// One light of the frame that is scaled.
+#[derive(Clone, Copy, Debug)]
+struct Draw {
+    /// Offset of the light's constants, bytes.
+    offset: u32,
+    /// The barn map, if the light has one.
+    map: Option<BarnMapKey>,
 }
 
 /// Returns whether the light model scales what a light gives.
@@ -66,20 +79,35 @@ impl LightModelFunction {
     /// [`RenderError::Shader`] names the file and the place.
     pub fn new(gpu: &Gpu) -> Result<Self, RenderError> {
         let layouts = gpu.part(Layouts::new);
-        let fragment = Stage::new("passes/light_model.wgsl", "fragment");
-        let shared = &gpu.layouts;
-        let desc = PipelineDesc::new("light model", EVERYWHERE, Some(fragment))
-            .with_groups([Some(&shared.view), Some(&shared.receiver), Some(&layouts.model)])
-            .with_target(MASK_FORMAT, Some(MULTIPLY), wgpu::ColorWrites::ALL);
         let models = StridedUniforms::new(&gpu.context, "light models");
         Ok(Self {
-            pipeline: gpu.pipeline(desc)?,
+            pipeline: gpu.pipeline(describe(gpu, &layouts, None))?,
+            mapped: None,
+            maps: BarnMaps::new(gpu),
             group: bind(gpu, &layouts, &models),
             models,
             layouts,
-            slots: Vec::new(),
+            draws: Vec::new(),
         })
     }
+}
+
+/// The pipeline of lights with a barn map, whose layout is given, or without one.
+fn describe(gpu: &Gpu, layouts: &Layouts, map: Option<&wgpu::BindGroupLayout>) -> PipelineDesc {
+    let entry = if map.is_some() { "mapped" } else { "fragment" };
+    let shared = &gpu.layouts;
+    PipelineDesc::new(
+        "light model",
+        EVERYWHERE,
+        Some(Stage::new("passes/light_model.wgsl", entry)),
+    )
+    .with_groups([
+        Some(&shared.view),
+        Some(&shared.receiver),
+        Some(&layouts.model),
+        map,
+    ])
+    .with_target(MASK_FORMAT, Some(MULTIPLY), wgpu::ColorWrites::ALL)
 }
 
 fn bind(gpu: &Gpu, layouts: &Layouts, models: &StridedUniforms<LightModel>) -> wgpu::BindGroup {
@@ -93,40 +121,56 @@ fn bind(gpu: &Gpu, layouts: &Layouts, models: &StridedUniforms<LightModel>) -> w
 
 impl LightFunction for LightModelFunction {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
-        self.slots.clear();
+        self.draws.clear();
         self.models.constants.clear();
         let Some(view) = &world.resource::<View>().data else {
             return Ok(());
         };
-        let mut count = 0;
         for light in &world.resource::<FrameLights>().lights {
-            let draws = is_scaled(light) && light.region.scissor.is_some();
-            self.slots.push(draws.then_some(count));
-            if draws {
-                count += 1;
-                self.models.constants.push(&LightModel {
-                    shape: shape_constants(light, view.eye),
-                });
-            }
+            let is_drawn = is_scaled(light) && light.region.scissor.is_some();
+            self.draws.push(is_drawn.then(|| {
+                Draw {
+                    offset: self.models.constants.push(&model_constants(light, view.eye)),
+                    map: light
+                        .model
+                        .shape
+                        .zip(light.model.barn_map)
+                        .map(|(shape, map)| BarnMapKey { shape, map }),
+                }
+            }));
         }
         if self.models.write(input.context) {
             self.group = bind(input.gpu, &self.layouts, &self.models);
         }
-        Ok(())
+        let mapped = self.draws.iter().flatten();
+        let mapped = mapped.filter_map(|draw| Some((draw.map?, draw.offset)));
+        if self.mapped.is_none() && mapped.clone().next().is_some() {
+            let layout = Some(self.maps.layout());
+            self.mapped = Some(input.gpu.pipeline(describe(input.gpu, &self.layouts, layout))?);
+        }
+        self.maps
+            .require(input.gpu, mapped, (&self.layouts.model, &self.group))
     }
 
     fn scales(&self, light: usize) -> bool {
-        self.slots.get(light).is_some_and(Option::is_some)
+        self.draws.get(light).is_some_and(Option::is_some)
     }
 
     fn draw(&self, light: usize, pass: &mut wgpu::RenderPass, input: &ResolveInput) {
-        let Some(slot) = self.slots.get(light).copied().flatten() else {
+        let Some(draw) = self.draws.get(light).copied().flatten() else {
             return;
         };
-        pass.set_pipeline(&self.pipeline);
+        let map = draw.map.and_then(|key| self.maps.group(&key));
+        match (map, &self.mapped) {
+            (Some(map), Some(mapped)) => {
+                pass.set_pipeline(mapped);
+                pass.set_bind_group(3, map, &[]);
+            }
+            _ => pass.set_pipeline(&self.pipeline),
+        }
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &input.masks.receiver_group, &[]);
-        pass.set_bind_group(2, &self.group, &[Strided::<LightModel>::offset(slot)]);
+        pass.set_bind_group(2, &self.group, &[draw.offset]);
         pass.draw(0..3, 0..1);
     }
 }

@@ -6,6 +6,7 @@ pub(crate) mod depth_copy;
 pub(crate) mod front_layer;
 pub(crate) mod host_depth;
 pub(crate) mod host_select;
+pub(crate) mod host_weights;
 #[cfg_attr(
     not(feature = "bevy"),
     allow(dead_code, reason = "Bevy's forward meshes alone read kept visibility")

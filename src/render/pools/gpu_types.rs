@@ -103,6 +103,9 @@ pub struct LightShape {
 pub struct LightModel {
     /// Shape and distances of the light.
     pub shape: LightShape,
+    /// From a place in the shape, in units of its outer semi-axes, to texture coordinates of the barn map: factor and
+    /// offset; from texels to places: factor; w unused. All 0 without a map.
+    pub barn_map: [f32; 4],
 }
 
 /// Mirror of `LightTexture` in `shaders/common/light_texture.wgsl`.
@@ -123,6 +126,12 @@ pub struct LightTexture {
     pub density: f32,
     /// Unused padding.
     pub unused: f32,
+    /// Direction in light space that a cube's picture shows to the right; w unused.
+    pub light_from_cube_x: [f32; 4],
+    /// Direction in light space that a cube's picture shows above; w unused.
+    pub light_from_cube_y: [f32; 4],
+    /// Direction in light space that a cube's picture shows ahead; w unused.
+    pub light_from_cube_z: [f32; 4],
     /// Direction of the profile's polar angle 0, in light space; w: first polar angle, radians.
     pub profile_axes_pole: [f32; 4],
     /// Direction of the profile's azimuth 0, in light space; w: first azimuth, radians.

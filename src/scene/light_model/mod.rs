@@ -9,6 +9,7 @@
 //! | component | says | joins the frame in |
 //! | --- | --- | --- |
 //! | [`LightShape`] | barn doors: the superellipse in which the light shines | the light function, the volume |
+//! | [`BarnMap`] | that the shape is looked up in a texture, not computed | the light function |
 //! | [`LightDistance`] | the depths between which the light shines | the light function, the volume |
 //! | [`LightWeights`], [`SurfaceWeights`] | weights of ambient, diffuse and specular light | the light pass |
 //! | [`Cookie`] | a picture before the light, which colours and shapes it | the light textures |
@@ -26,6 +27,7 @@
 //! Source: Pellacini & Vidimce 2004, "Cinematic Lighting", GPU Gems ch. 10, after Barzel 1997, "Lighting
 //! Controls for Computer Cinematography".
 
+pub(crate) mod barn_map;
 pub(crate) mod cookie;
 pub(crate) mod distance;
 pub(crate) mod layer_names;
@@ -36,6 +38,7 @@ pub(crate) mod shape;
 pub(crate) mod textures;
 pub(crate) mod weights;
 
+pub use barn_map::BarnMap;
 pub use cookie::{Cookie, CookieError, CookieImage, CookieImageError};
 pub use distance::LightDistance;
 pub use layer_names::{LayerNames, TooManyLayers};

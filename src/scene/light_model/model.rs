@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::barn_map::BarnMap;
 use super::cookie::CookieError;
 use super::distance::LightDistance;
 use super::shadow::{ShadowOrigin, ShadowSoftness, ShadowTint};
@@ -24,6 +25,8 @@ pub struct LightModel {
     pub origin: Option<ShadowOrigin>,
     /// Radius of the sphere around the extent that shadows are cast with, metres.
     pub softness: Option<f32>,
+    /// The texture that holds the shape; `None` if the shape is computed, because there is none or it is too sharp.
+    pub barn_map: Option<BarnMap>,
 }
 
 /// The components of the light model on the entity of a light.
@@ -34,6 +37,7 @@ pub type LightModelParts<'a> = (
     Option<&'a ShadowTint>,
     Option<&'a ShadowOrigin>,
     Option<&'a ShadowSoftness>,
+    Option<&'a BarnMap>,
 );
 
 /// Why a part of a light's model has no effect.
@@ -101,6 +105,9 @@ pub enum LightModelFault {
     /// The shadow's origin lies behind a light that shines to one side. The origin is used.
     #[error("ShadowOrigin lies behind the light, so that objects behind the light cast shadows, too")]
     OriginBehind,
+    /// The resolution of the barn map is out of its range.
+    #[error("resolution of BarnMap is {0}, it must be 1 to 2048")]
+    BarnMap(u32),
     /// The softness is NaN, negative or infinite.
     #[error("ShadowSoftness is {0} m, it must be finite and at least 0")]
     Softness(f32),
@@ -130,6 +137,7 @@ impl LightModelFault {
             Self::Softness(_) => 12,
             Self::Cookie(_) => 15,
             Self::OriginBehind => 13,
+            Self::BarnMap(_) => 16,
         }
     }
 }
@@ -137,7 +145,7 @@ impl LightModelFault {
 impl LightModel {
     /// Gathers the usable parts of a light's components. Calls `fault` for each part that is not usable.
     pub fn of(parts: LightModelParts<'_>, kind: LightKind, mut fault: impl FnMut(LightModelFault)) -> Self {
-        let (shape, distance, weights, tint, origin, softness) = parts;
+        let (shape, distance, weights, tint, origin, softness, barn_map) = parts;
         let is_directional = kind == LightKind::Directional;
         let mut take = |error: Option<LightModelFault>| match error {
             Some(error) => {
@@ -146,10 +154,15 @@ impl LightModel {
             }
             None => true,
         };
+        let shape = shape
+            .filter(|shape| take(shape_fault(shape, is_directional)) && !shape.is_unbounded())
+            .copied();
+        let barn_map = barn_map
+            .filter(|map| take((!map.is_valid()).then_some(LightModelFault::BarnMap(map.resolution))))
+            .copied();
         Self {
-            shape: shape
-                .filter(|shape| take(shape_fault(shape, is_directional)) && !shape.is_unbounded())
-                .copied(),
+            shape,
+            barn_map: barn_map.filter(|map| shape.is_some_and(|shape| map.holds(&shape))),
             distance: distance
                 .filter(|distance| take(distance_fault(distance, is_directional)) && !distance.is_unbounded())
                 .copied(),

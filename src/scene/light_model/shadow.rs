@@ -59,10 +59,11 @@ pub enum ShadowOrigin {
 /// around the light, at least 0. Higher values give wider penumbras and cost more. The light shines as before.
 ///
 /// Penumbra wedges take it as the extent of the light: point, spot and sphere lights cast as spheres of this
-/// radius, and rectangles keep their proportions and get this radius around them. Maps take it as the softness of
-/// their filter ([`MapFilter`](crate::techniques::maps::MapFilter)): a share of the distance from the light, or metres
-/// for a directional light. Stencil volumes are always hard and ignore it, and wedges ignore it for directional
-/// lights, which have no extent in metres.
+/// radius, and rectangles keep their proportions and get this radius around them. Smoothies take it as the radius of
+/// the light from which their width follows; for a directional light it is the width, and their spread grows with it. Maps, perspective ones too,
+/// take it as the softness of their filter ([`MapFilter`](crate::techniques::maps::MapFilter)): a share of the distance
+/// from the light, or metres for a directional light. Stencil volumes are always hard and ignore it, and wedges ignore
+/// it for directional lights, which have no extent in metres.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",

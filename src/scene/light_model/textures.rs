@@ -23,7 +23,7 @@ impl LightTextures {
         kind: LightKind,
         mut fault: impl FnMut(LightModelFault),
     ) -> Self {
-        let cookie = cookie.filter(|cookie| match cookie.check() {
+        let cookie = cookie.filter(|cookie| match cookie.check_for(kind) {
             Ok(()) => cookie.density > 0.0,
             Err(error) => {
                 fault(LightModelFault::Cookie(error));

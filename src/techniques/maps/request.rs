@@ -7,7 +7,7 @@ use super::cascades::MOST_CASCADES;
 use super::face::MapFace;
 use super::settings::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
 use crate::scene::{Light, LightKind};
-use crate::sets::FrameLights;
+use crate::sets::{FrameLight, FrameLights};
 use crate::techniques::registry::Refusal;
 
 /// The stages of maps within [`BuildTechniques`](crate::schedule::AntumbraSystems::BuildTechniques), chained.
@@ -46,18 +46,15 @@ impl MapRequests {
         &mut self,
         lights: &FrameLights,
         components: &Query<&T>,
-        request: impl Fn(&T, &Light) -> Result<MapRequest, Refusal>,
+        request: impl Fn(&T, &FrameLight) -> Result<MapRequest, Refusal>,
     ) {
         for (index, light) in lights.lights.iter().enumerate() {
             if !light.is_shadowed_by::<T>() {
                 continue;
             }
             // A refused light has no technique in this frame, so it does not get here.
-            let asked = components.get(light.entity).map(|map| request(map, &light.light));
-            if let Ok(Ok(mut request)) = asked {
-                if let Some(softness) = light.model.softness {
-                    request.filter = request.filter.softened(softness);
-                }
+            let asked = components.get(light.entity).map(|map| request(map, light));
+            if let Ok(Ok(request)) = asked {
                 self.push(LightRequest {
                     light: index,
                     request,
@@ -159,6 +156,15 @@ pub struct MapRequest {
 }
 
 impl MapRequest {
+    /// Returns the request with the softness that the light's model gives its shadows, if it gives one
+    /// ([`ShadowSoftness`](crate::scene::ShadowSoftness)).
+    pub fn softened(mut self, light: &FrameLight) -> Self {
+        if let Some(softness) = light.model.softness {
+            self.filter = self.filter.softened(softness);
+        }
+        self
+    }
+
     /// Returns the request if it can be drawn for the light.
     ///
     /// # Errors

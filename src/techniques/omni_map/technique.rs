@@ -20,7 +20,9 @@ use crate::techniques::registry::{Refusal, Statistics, Technique};
 ///
 /// Set: `BuildTechniques`, before `ask_for_maps`. Reads [`FrameLights`]; writes [`MapRequests`].
 pub fn request_omni_maps(mut requests: ResMut<MapRequests>, lights: Res<FrameLights>, maps: Query<&OmniMap>) {
-    requests.list::<OmniMap>(&lights, &maps, OmniMap::request);
+    requests.list::<OmniMap>(&lights, &maps, |map, light| {
+        map.request(&light.light).map(|request| request.softened(light))
+    });
 }
 
 impl Technique for OmniMap {

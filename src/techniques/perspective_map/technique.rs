@@ -55,8 +55,15 @@ pub fn request_perspective_maps(
         if !light.is_shadowed_by::<PerspectiveMap>() {
             continue;
         }
-        let Ok(settings) = maps.get(light.entity) else {
+        let Ok(&settings) = maps.get(light.entity) else {
             continue;
+        };
+        let settings = match light.model.softness {
+            Some(softness) => PerspectiveMap {
+                filter: settings.filter.softened(softness),
+                ..settings
+            },
+            None => settings,
         };
         let Ok(mut request) = settings.request(&light.light) else {
             continue; // a refused light has no technique in this frame
@@ -67,7 +74,7 @@ pub fn request_perspective_maps(
                 view,
                 light,
                 objects: &objects,
-                settings,
+                settings: &settings,
                 near_share: clearance.share().max(1e-7), // a perspective needs some near plane
             };
             fit_faces(&input, &mut fitted.scratch)

@@ -24,7 +24,9 @@ pub fn request_shadow_maps(
     lights: Res<FrameLights>,
     maps: Query<&ShadowMap>,
 ) {
-    requests.list::<ShadowMap>(&lights, &maps, ShadowMap::request);
+    requests.list::<ShadowMap>(&lights, &maps, |map, light| {
+        map.request(&light.light).map(|request| request.softened(light))
+    });
 }
 
 impl Technique for ShadowMap {

@@ -140,6 +140,27 @@ const SHARE_OF_POINT: f32 = 0.02;
 const METRES_OF_SUN: f32 = 0.1;
 
 impl Smoothie {
+    /// Returns the component with the width of a light of another size
+    /// ([`ShadowSoftness`](crate::scene::ShadowSoftness)): that of a sphere with the radius `softness`. Of a directional
+    /// light `softness` is the width, metres, and the spread grows with it, as if the sun were larger.
+    pub fn softened(&self, softness: f32, light: &Light) -> Self {
+        let mut soft = *self;
+        if light.kind != LightKind::Directional {
+            soft.width = SmoothieWidth::Metres(RAMP_OF_DISC * softness);
+            return soft;
+        }
+        let own = match self.width {
+            SmoothieWidth::Metres(metres) => metres,
+            SmoothieWidth::Light => METRES_OF_SUN,
+            SmoothieWidth::Share(_) => 0.0, // refused with any softness
+        };
+        soft.width = SmoothieWidth::Metres(softness);
+        if own > 0.0 && softness > 0.0 {
+            soft.spread = self.spread * softness / own;
+        }
+        soft
+    }
+
     /// Width and drop of the smoothies in a light.
     fn beside(&self, light: &Light) -> Result<Beside, Refusal> {
         let is_directional = light.kind == LightKind::Directional;

@@ -25,7 +25,13 @@ pub fn request_smoothie_maps(
     lights: Res<FrameLights>,
     smoothies: Query<&Smoothie>,
 ) {
-    requests.list::<Smoothie>(&lights, &smoothies, Smoothie::request);
+    requests.list::<Smoothie>(&lights, &smoothies, |smoothie, light| {
+        let softened = light
+            .model
+            .softness
+            .map(|softness| smoothie.softened(softness, &light.light));
+        softened.as_ref().unwrap_or(smoothie).request(&light.light)
+    });
 }
 
 impl Technique for Smoothie {

@@ -2,8 +2,11 @@
 
 use antumbra::prelude::*;
 use antumbra::reports::Reports;
-use antumbra::scene::{LightDistance, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint};
+use antumbra::scene::{
+    BarnMap, LightDistance, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint,
+};
 use bevy_ecs::prelude::*;
+use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
 use super::{floor_and_ball, relight, render, stage};
@@ -113,6 +116,7 @@ fn bad_numbers_are_reported_and_the_light_shines() {
     check!(point(), ShadowOrigin::Position(Vec3::INFINITY), "must be finite");
     check!(point(), ShadowOrigin::Direction(Vec3::X), "needs a position");
     check!(point(), ShadowSoftness(-1.0), "ShadowSoftness");
+    check!(point(), BarnMap { resolution: 0 }, "resolution of BarnMap is 0");
     let sun = || Light::directional(Vec3::ONE, 3.0);
     check!(sun(), shape, "LightShape does not fit a directional light");
     check!(sun(), ShadowOrigin::Position(Vec3::ONE), "needs a direction");
@@ -143,6 +147,59 @@ fn a_shadow_from_behind_the_light_is_used_and_reported() {
         messages.len() == 1 && messages[0].contains("behind the light"),
         "{messages:?}"
     );
+}
+
+/// The reports about shadow origins, after a frame.
+fn buried(stage: &mut Stage, entity: Entity) -> Vec<String> {
+    render(stage);
+    let reports = stage.world.resource::<Reports>();
+    let about = reports.of_entity(entity);
+    let about = about.filter(|report| report.topic == "shadow_origin");
+    about.map(|report| report.message.clone()).collect()
+}
+
+#[test]
+fn a_shadow_from_inside_of_a_caster_is_used_and_reported() {
+    let mut stage = stage(&strict_context());
+    let [_, ball] = floor_and_ball(&mut stage);
+    let point = || Light::point(Vec3::ONE, 40.0, 20.0);
+    let inside = ShadowOrigin::Position(Vec3::new(0.1, 1.2, 0.0));
+    let entity = relight(&mut stage, point(), (StencilVolume::default(), inside));
+    let messages = buried(&mut stage, entity);
+    assert!(
+        messages.len() == 1 && messages[0].contains("inside of a caster"),
+        "{messages:?}"
+    );
+    assert_eq!(buried(&mut stage, entity), messages, "it stands");
+    // The ball moves away and comes back.
+    let move_ball = |stage: &mut Stage, x: f32| {
+        let mut at = stage
+            .world
+            .get_mut::<Transform>(ball)
+            .expect("it stands somewhere");
+        at.translation.x = x;
+        buried(stage, entity).len()
+    };
+    assert_eq!([5.0, 0.3, 1.0].map(|x| move_ball(&mut stage, x)), [0, 1, 0]);
+    move_ball(&mut stage, 0.0);
+    // Inside of its bounds but not of the ball, without a shadow, and with a ball that does not cast for the light.
+    let nobody = LightSelection {
+        casts_for: 0,
+        ..LightSelection::default()
+    };
+    let outside = ShadowOrigin::Position(Vec3::new(0.6, 1.6, 0.6));
+    let entity = relight(&mut stage, point(), (StencilVolume::default(), outside));
+    assert_eq!(buried(&mut stage, entity).len(), 0);
+    let entity = relight(&mut stage, point(), inside);
+    assert_eq!(buried(&mut stage, entity).len(), 0);
+    let entity = relight(&mut stage, point(), (StencilVolume::default(), inside, nobody));
+    assert_eq!(buried(&mut stage, entity).len(), 0);
+    // A light whose lamp is in the ball too: the ball is its shade.
+    let entity = relight(&mut stage, point(), (OmniMap::default(), inside));
+    assert_eq!(buried(&mut stage, entity).len(), 1);
+    let at = Transform::from_xyz(0.0, 1.0, 0.0);
+    stage.world.entity_mut(entity).insert(at);
+    assert_eq!(buried(&mut stage, entity).len(), 0);
 }
 
 #[test]

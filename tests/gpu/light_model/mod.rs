@@ -1,7 +1,9 @@
 //! The light model in frames of our own: its formulas, its terms, and whom it selects.
 
 mod bad_input;
+mod barn_maps;
 mod blended;
+mod cost;
 mod defaults;
 mod formulas;
 mod selection;

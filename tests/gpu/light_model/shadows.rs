@@ -181,6 +181,52 @@ fn softness_is_the_radius_of_a_maps_filter() {
     assert!(differences(&visibility(MapFilter::Bilinear, None), &expected).0 > 50);
 }
 
+/// Visibility under a technique, with the softness of the light's model or without.
+fn softened(stage: &mut Stage, kind: LightKind, technique: impl Bundle, softness: Option<f32>) -> Vec<f32> {
+    let entity = relight(stage, light(kind), technique);
+    put(stage, entity, softness.map(ShadowSoftness));
+    render(stage).visibility.remove(0)
+}
+
+#[test]
+fn softness_reaches_perspective_maps_and_smoothies() {
+    let mut stage = stage(&strict_context());
+    floor_and_ball(&mut stage);
+    let spot = LightKind::Spot {
+        inner_angle: 0.4,
+        outer_angle: 0.6,
+    };
+    let map = |filter| PerspectiveMap {
+        filter,
+        ..PerspectiveMap::default()
+    };
+    let jittered = MapFilter::Jittered {
+        softness: 0.05,
+        adaptive: true,
+    };
+    let expected = softened(&mut stage, spot, map(jittered), None);
+    let soft = softened(&mut stage, spot, map(MapFilter::Bilinear), Some(0.05));
+    assert_eq!(soft, expected);
+    let hard = softened(&mut stage, spot, map(MapFilter::Bilinear), None);
+    assert!(differences(&hard, &expected).0 > 50);
+
+    // A smoothie is as wide as that of a sphere of this radius; without a size it is a share of the distance.
+    let of_sphere = softened(
+        &mut stage,
+        LightKind::Sphere { radius: 0.2 },
+        Smoothie::default(),
+        None,
+    );
+    let soft = softened(&mut stage, LightKind::Point, Smoothie::default(), Some(0.2));
+    assert_eq!(soft, of_sphere);
+    let own = softened(&mut stage, LightKind::Point, Smoothie::default(), None);
+    assert!(differences(&own, &of_sphere).0 > 50);
+    let sun =
+        |stage: &mut Stage, softness| softened(stage, LightKind::Directional, Smoothie::default(), softness);
+    let (narrow, wide) = (sun(&mut stage, None), sun(&mut stage, Some(5.0)));
+    assert!(differences(&narrow, &wide).0 > 20);
+}
+
 #[test]
 fn maps_shrink_with_the_doors() {
     let mut stage = stage(&strict_context());

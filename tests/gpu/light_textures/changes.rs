@@ -1,7 +1,7 @@
 //! Cookies and profiles change at any frame, and a frame in which nothing changes makes nothing.
 
 use antumbra::prelude::*;
-use antumbra::scene::{Cookie, CookieImage, LightProfile};
+use antumbra::scene::{Cookie, CookieImage, LightProfile, ShadowTint};
 use bevy_ecs::prelude::*;
 use glam::{Vec2, Vec3};
 
@@ -118,6 +118,28 @@ fn it_scales_light_under_every_technique_and_keeps_its_shadows() {
     );
     check("omni_map", point, OmniMap::default());
     check("shadow_map", kinds()[0].1, ShadowMap::default());
+}
+
+#[test]
+fn a_picture_scales_a_tinted_light_in_its_shadow_too() {
+    let tint = ShadowTint {
+        color: Vec3::new(0.1, 0.2, 0.6),
+        darkness: 0.9,
+    };
+    let color = Vec3::new(0.25, 0.5, 1.0);
+    let mut scene = Scene::shadowed(LightKind::Point, StencilVolume::default());
+    let hard = scene.radiance();
+    scene.stage.world.entity_mut(scene.light).insert(tint);
+    let tinted = scene.radiance();
+    let scaled = scene.radiance_with(Cookie::new(plain_color("blue", color)));
+    let (error, lit) = largest_error(&scene, &tinted, &scaled, |_| Some(color));
+    assert!(error <= TOLERANCE && lit > 1500, "{error} on {lit} pixels");
+    let in_shadow = hard
+        .iter()
+        .zip(&scaled)
+        .filter(|(hard, scaled)| **hard == Vec3::ZERO && scaled.z > 0.003)
+        .count();
+    assert!(in_shadow > 100, "{in_shadow} pixels show the shadow's colour");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 mod changes;
 mod cookies;
+mod cubes;
 mod errors;
 mod files;
 mod profiles;

@@ -113,3 +113,53 @@ fn a_flood_light_of_type_b_is_read_about_its_own_axis() {
     let (error, lit) = largest_error(&scene, &plain, &scaled, factor);
     assert!(error <= TOLERANCE && lit > 1500, "{error} on {lit} pixels");
 }
+
+/// A headlamp of type A: longitude about the vertical axis, latitude off it. The file has one side and the upper half, as
+/// files of symmetric lamps do, and in another test all of them.
+#[test]
+fn a_headlamp_of_type_a_is_read_about_its_own_axis() {
+    let steps = |from: f64| -> Vec<f64> {
+        let count = ((90.0 - from) / 10.0).round() as i32;
+        (0..=count).map(|step| from + 10.0 * f64::from(step)).collect()
+    };
+    let list = |values: Vec<f64>| values.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
+    for is_symmetric in [false, true] {
+        let candela = |h: f64, v: f64| match is_symmetric {
+            false => 300.0 + h + 0.5 * v + 0.01 * h * v,
+            true => 300.0 - 2.0 * h.abs() - 1.5 * v.abs() + 0.01 * (h * v).abs(),
+        };
+        let angles = steps(if is_symmetric { 0.0 } else { -90.0 });
+        let count = angles.len();
+        let mut text = format!("IESNA:LM-63-2002\nTILT=NONE\n1 1000 1 {count} {count} 3 2 0 0 0\n1 1 100\n");
+        text += &format!("{}\n{}\n", list(angles.clone()), list(angles.clone()));
+        for &h in &angles {
+            text += &format!("{}\n", list(angles.iter().map(|&v| candela(h, v)).collect()));
+        }
+        let profile = LightProfile::from_ies(&text).expect("the file is read");
+        let mut scene = Scene::new(LightKind::Point);
+        let plain = scene.radiance();
+        let scaled = scene.radiance_with(profile.clone());
+        let brightest = f64::from(profile.brightest());
+        let factor = |point: DVec3, turned: bool| {
+            let point = if turned {
+                DVec3::new(point.y, point.x, point.z)
+            } else {
+                point
+            };
+            let h = point.x.atan2(point.z).to_degrees();
+            let v = (point.y / point.length()).asin().to_degrees();
+            // The formula is linear in each angle, so between the knots it is itself. Behind it the light is dark.
+            let share = if h.abs() < 90.0 {
+                candela(h, v) / brightest
+            } else {
+                0.0
+            };
+            ((h.abs() - 90.0).abs() > 0.01).then_some(Vec3::splat(share as f32))
+        };
+        let (error, lit) = largest_error(&scene, &plain, &scaled, |point| factor(point, false));
+        assert!(error <= TOLERANCE && lit > 1500, "{error} on {lit} pixels");
+        // The axis of type B would be another profile.
+        let (wrong, _) = largest_error(&scene, &plain, &scaled, |point| factor(point, true));
+        assert!(wrong > 0.02, "the judge can fail: {wrong}");
+    }
+}

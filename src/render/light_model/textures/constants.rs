@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use crate::render::pools::gpu_types;
+use crate::scene::light_model::cookie::cube::light_from_cube;
 use crate::scene::light_model::cookie::placing::{CookiePlacing, Projection};
 use crate::scene::light_model::profile::table::UniformTable;
 use crate::scene::{Cookie, TextureWrap};
@@ -22,10 +23,20 @@ pub fn texture_constants(
     if let Some(cookie) = &light.textures.cookie {
         let placing = CookiePlacing::of(cookie);
         let mut origin = placing.origin;
-        if Projection::of(light.light.kind) == Projection::Parallel {
-            // Far from the light's place an f32 would not hold the offset: its whole tiles are left out.
-            origin = whole_tiles_left_out(placing.uv(DVec2::new(offset[0], offset[1])), cookie);
-            rows.iter_mut().for_each(|row| row[3] = 0.0);
+        match Projection::of(light.light.kind, &cookie.image) {
+            Projection::Parallel => {
+                // Far from the light's place an f32 would not hold the offset: its whole tiles are left out.
+                origin = whole_tiles_left_out(placing.uv(DVec2::new(offset[0], offset[1])), cookie);
+                rows.iter_mut().for_each(|row| row[3] = 0.0);
+            }
+            Projection::Cube => {
+                let [x, y, z] = light_from_cube(cookie).as_mat3().to_cols_array_2d();
+                let column = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+                constants.light_from_cube_x = column(x);
+                constants.light_from_cube_y = column(y);
+                constants.light_from_cube_z = column(z);
+            }
+            Projection::Plane | Projection::Around => {}
         }
         constants.uv_matrix = placing.matrix.as_mat2().to_cols_array();
         constants.uv_origin = origin.as_vec2().to_array();

@@ -34,7 +34,10 @@ impl Key {
     fn of(light: &FrameLight) -> Self {
         let textures = &light.textures;
         Self {
-            projection: textures.cookie.as_ref().map(|_| Projection::of(light.light.kind)),
+            projection: textures
+                .cookie
+                .as_ref()
+                .map(|cookie| Projection::of(light.light.kind, &cookie.image)),
             has_profile: textures.profile.is_some(),
         }
     }
@@ -45,6 +48,7 @@ impl Key {
             Some(Projection::Plane) => 1.0,
             Some(Projection::Around) => 2.0,
             Some(Projection::Parallel) => 3.0,
+            Some(Projection::Cube) => 4.0,
         };
         let fragment = Stage::new("passes/light_texture.wgsl", "fragment");
         let shared = &gpu.layouts;

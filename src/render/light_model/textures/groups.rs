@@ -64,15 +64,22 @@ impl LightTextureGroups {
         }
         let context = &gpu.context;
         let picture = image.map_or_else(|| store.white.clone(), |image| store.cookie(context, image));
+        let is_cube = image.is_some_and(|image| image.is_cube());
+        let (flat, cube) = if is_cube {
+            (&store.white, &picture)
+        } else {
+            (&picture, &store.white_cube)
+        };
         let profile = table.map(|table| store.profile(context, table));
         let sampler = store.sampler(context, wrap);
         let resources = [
             constants,
-            wgpu::BindingResource::TextureView(&picture),
+            wgpu::BindingResource::TextureView(flat),
             wgpu::BindingResource::Sampler(&sampler),
             wgpu::BindingResource::TextureView(
                 profile.as_ref().map_or(&store.white, |profile| &profile.view),
             ),
+            wgpu::BindingResource::TextureView(cube),
         ];
         self.made += 1;
         self.entries.push(Entry {

@@ -29,10 +29,12 @@ pub struct GpuProfile {
 /// The textures and samplers. A texture lives as long as a light, or anybody else, holds its picture or table.
 #[derive(Debug)]
 pub struct LightTextureStore {
-    /// Layout of group 2: the constants of one light at a dynamic offset, cookie, sampler, profile.
+    /// Layout of group 2: the constants of one light at a dynamic offset, flat cookie, sampler, profile, cube.
     pub layout: wgpu::BindGroupLayout,
     /// Stands for a texture that a light does not have.
     pub white: wgpu::TextureView,
+    /// Stands for a cube that a light does not have.
+    pub white_cube: wgpu::TextureView,
     known: Mutex<Known>,
 }
 
@@ -52,7 +54,14 @@ impl LightTextureStore {
         let white = [f16::ONE; 4].map(f16::to_le_bytes).concat();
         Self {
             layout: layout(&context.device),
-            white: upload(context, "white", [1, 1], 1, COOKIE_FORMAT, &white),
+            white: upload(context, "white", Shape::flat([1, 1]), COOKIE_FORMAT, &white),
+            white_cube: upload(
+                context,
+                "white cube",
+                Shape::cube(1, 1),
+                COOKIE_FORMAT,
+                &white.repeat(6),
+            ),
             known: Mutex::default(),
         }
     }
@@ -108,12 +117,12 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
     use crate::render::gpu::bind_groups::buffer_entry;
     use crate::render::pools::gpu_types::LightTexture;
     let stage = wgpu::ShaderStages::FRAGMENT;
-    let texture = |binding, filterable| wgpu::BindGroupLayoutEntry {
+    let texture = |binding, filterable, view_dimension| wgpu::BindGroupLayoutEntry {
         binding,
         visibility: stage,
         ty: wgpu::BindingType::Texture {
             sample_type: wgpu::TextureSampleType::Float { filterable },
-            view_dimension: wgpu::TextureViewDimension::D2,
+            view_dimension,
             multisampled: false,
         },
         count: None,
@@ -123,62 +132,95 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         label: Some("light texture"),
         entries: &[
             buffer_entry(0, stage, uniform, true, size_of::<LightTexture>()),
-            texture(1, true),
+            texture(1, true, wgpu::TextureViewDimension::D2),
             wgpu::BindGroupLayoutEntry {
                 binding: 2,
                 visibility: stage,
                 ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
                 count: None,
             },
-            texture(3, false),
+            texture(3, false, wgpu::TextureViewDimension::D2),
+            texture(4, true, wgpu::TextureViewDimension::Cube),
         ],
     })
 }
 
 fn upload_cookie(context: &RenderContext, image: &CookieImage) -> wgpu::TextureView {
     let limit = context.device.limits().max_texture_dimension_2d;
-    let levels = image.levels(limit);
+    let mut shape = Shape::flat([1, 1]);
     let mut bytes = Vec::new();
-    for texel in levels.iter().flat_map(|level| &level.texels) {
-        for channel in texel.extend(1.0).to_array() {
-            bytes.extend(f16::from_f32(channel).to_le_bytes());
+    // The GPU takes all levels of a face, then those of the next one.
+    for levels in image.levels(limit) {
+        for texel in levels.iter().flat_map(|level| &level.texels) {
+            for channel in texel.extend(1.0).to_array() {
+                bytes.extend(f16::from_f32(channel).to_le_bytes());
+            }
         }
+        let size = levels.first().map_or([1, 1], |level| [level.width, level.height]);
+        let level_count = levels.len() as u32;
+        shape = if image.is_cube() {
+            Shape::cube(size[0], level_count)
+        } else {
+            Shape {
+                level_count,
+                ..Shape::flat(size)
+            }
+        };
     }
-    let size = levels.first().map_or([1, 1], |level| [level.width, level.height]);
-    upload(
-        context,
-        image.name(),
-        size,
-        levels.len() as u32,
-        COOKIE_FORMAT,
-        &bytes,
-    )
+    upload(context, image.name(), shape, COOKIE_FORMAT, &bytes)
 }
 
 fn upload_profile(context: &RenderContext, table: &ProfileTable) -> GpuProfile {
     let table = table.uniform();
-    let size = [table.width, table.height];
+    let shape = Shape::flat([table.width, table.height]);
     let bytes = bytemuck::cast_slice(&table.values);
-    let view = upload(context, "profile", size, 1, PROFILE_FORMAT, bytes);
+    let view = upload(context, "profile", shape, PROFILE_FORMAT, bytes);
     GpuProfile { table, view }
+}
+
+/// The size of a texture, and how it is seen.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    size: [u32; 2],
+    layer_count: u32,
+    level_count: u32,
+}
+
+impl Shape {
+    /// A flat texture of one level.
+    fn flat(size: [u32; 2]) -> Self {
+        Self {
+            size,
+            layer_count: 1,
+            level_count: 1,
+        }
+    }
+
+    /// The six faces of a cube.
+    fn cube(side: u32, level_count: u32) -> Self {
+        Self {
+            size: [side; 2],
+            layer_count: 6,
+            level_count,
+        }
+    }
 }
 
 fn upload(
     context: &RenderContext,
     label: &str,
-    [width, height]: [u32; 2],
-    levels: u32,
+    shape: Shape,
     format: wgpu::TextureFormat,
     bytes: &[u8],
 ) -> wgpu::TextureView {
     let descriptor = wgpu::TextureDescriptor {
         label: Some(label),
         size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
+            width: shape.size[0],
+            height: shape.size[1],
+            depth_or_array_layers: shape.layer_count,
         },
-        mip_level_count: levels,
+        mip_level_count: shape.level_count,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
@@ -186,10 +228,18 @@ fn upload(
         view_formats: &[],
     };
     let order = wgpu::wgt::TextureDataOrder::LayerMajor;
+    let dimension = if shape.layer_count == 6 {
+        wgpu::TextureViewDimension::Cube
+    } else {
+        wgpu::TextureViewDimension::D2
+    };
     context
         .device
         .create_texture_with_data(&context.queue, &descriptor, order, bytes)
-        .create_view(&Default::default())
+        .create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(dimension),
+            ..Default::default()
+        })
 }
 
 fn create_sampler(context: &RenderContext, wrap: [TextureWrap; 2]) -> wgpu::Sampler {

@@ -8,7 +8,7 @@ use bevy_ecs::reflect::ReflectComponent;
 use glam::Vec2;
 
 use super::image::CookieImage;
-use crate::scene::TextureWrap;
+use crate::scene::{LightKind, TextureWrap};
 
 /// Puts a picture before a light, as a slide in a projector: it colours the light and shapes it.
 ///
@@ -19,6 +19,7 @@ use crate::scene::TextureWrap;
 /// | spot, rectangle | across the aim, on the plane one metre before the light's centre |
 /// | point, sphere | around the light, by longitude and latitude (equirectangular); one metre of the picture is one radian |
 /// | directional | across the aim, through the light's own position, and does not widen |
+/// | all but directional, with a cube ([`CookieImage::cube`]) | around the light, seen from it as the faces show it |
 ///
 /// The picture's middle lies on the aim, local −Z, with its upper edge towards local +Y. Seen from the light it is as
 /// its file shows it. It is mip-mapped, so patterns that are smaller than a pixel turn grey and do not flicker.
@@ -43,15 +44,17 @@ pub struct Cookie {
     /// colours.
     pub density: f32,
     /// Width of the picture, metres on the plane one metre before the light, or metres for a directional light, or
-    /// radians around a point or sphere. Its height follows from its texels. Greater values make the picture larger. Must be
-    /// in 1e-6..=1e9; default 2, and a whole turn for [`Cookie::around`].
+    /// radians around a point or sphere. Its height follows from its texels. Greater values make the picture larger. A
+    /// cube ignores it. Must be in 1e-6..=1e9; default 2, and a whole turn for [`Cookie::around`].
     pub size: f32,
-    /// Offset of the picture to the right and upwards, seen from the light, in the units of `size`; default 0.
+    /// Offset of the picture to the right and upwards, seen from the light, in the units of `size`, and in radians for
+    /// a cube; default 0.
     pub offset: Vec2,
     /// Angle by which the picture is turned counterclockwise about its middle, seen from the light, radians;
     /// default 0.
     pub turn: f32,
-    /// How the picture continues beyond its borders, along its width and its height; default repeating.
+    /// How the picture continues beyond its borders, along its width and its height; default repeating. A cube has no
+    /// borders.
     pub wrap: [TextureWrap; 2],
 }
 
@@ -71,6 +74,9 @@ pub enum CookieError {
     /// The turn is not finite.
     #[error("turn is {0}, it must be finite")]
     Turn(f32),
+    /// A cube is before a directional light, all of whose light has one direction.
+    #[error("a cube goes around a light, so it does not fit a directional light; use a flat picture")]
+    Cube,
 }
 
 impl PartialEq for Cookie {
@@ -127,6 +133,18 @@ impl Cookie {
         }
         if !self.turn.is_finite() {
             return Err(CookieError::Turn(self.turn));
+        }
+        Ok(())
+    }
+
+    /// Checks that all numbers are usable, and that the picture fits a kind of light.
+    ///
+    /// # Errors
+    /// [`CookieError`] for the first number that is out of its range, or for a cube before a directional light.
+    pub fn check_for(&self, kind: LightKind) -> Result<(), CookieError> {
+        self.check()?;
+        if self.image.is_cube() && kind == LightKind::Directional {
+            return Err(CookieError::Cube);
         }
         Ok(())
     }

@@ -11,11 +11,21 @@ use super::levels::Level;
 
 /// A picture that a light shines through: linear RGB, each component the share of light that passes.
 ///
-/// Lights hold it in an `Arc`, so many lights share one picture, and its texture on the GPU is made once.
+/// It is flat, or a cube around the light ([`CookieImage::cube`], [`CookieImage::load_cube`]). Lights hold it in an
+/// `Arc`, so many lights share one picture, and its texture on the GPU is made once.
 #[derive(Debug, PartialEq)]
 pub struct CookieImage {
-    name: String,
-    level: Level,
+    pub(super) name: String,
+    pub(super) faces: Faces,
+}
+
+/// The texels of a picture.
+#[derive(Debug, PartialEq)]
+pub(super) enum Faces {
+    /// One flat picture.
+    Flat(Level),
+    /// The faces of a cube, in the order of [`CookieImage::cube`].
+    Cube(Box<[Level; 6]>),
 }
 
 /// Why a picture cannot be a cookie.
@@ -50,6 +60,31 @@ pub enum CookieImageError {
         height: u32,
         /// Number of texels.
         texels: usize,
+    },
+    /// The picture does not have the shape of a cube's faces.
+    #[error(
+        "{name}: {width}×{height} texels are no faces of a cube; a cross has 4×3 or 3×4 square faces, a row or a \
+         column 6"
+    )]
+    Cube {
+        /// Name of the picture.
+        name: String,
+        /// Width, texels.
+        width: u32,
+        /// Height, texels.
+        height: u32,
+    },
+    /// A picture that is to be the face of a cube is not a square, of another size than the first one, or a cube.
+    #[error("{name}: {width}×{height} texels are no face of a cube whose faces have {side}×{side}")]
+    Face {
+        /// Name of the picture.
+        name: String,
+        /// Width, texels.
+        width: u32,
+        /// Height, texels.
+        height: u32,
+        /// Texels along a side of the first face.
+        side: u32,
     },
     /// A texel is not finite, negative, or too large for a half float.
     #[error("{name}: texel ({x}, {y}) is {color}, its components must be in 0..=65504")]
@@ -103,7 +138,8 @@ impl CookieImage {
             height,
             texels,
         };
-        Ok(Arc::new(Self { name, level }))
+        let faces = Faces::Flat(level);
+        Ok(Arc::new(Self { name, faces }))
     }
 
     /// Reads a picture file: PNG or JPEG with 8 or 16 bits, encoded as sRGB, or OpenEXR, which is linear. Colour is
@@ -155,42 +191,65 @@ impl CookieImage {
         &self.name
     }
 
-    /// Width of the picture, texels.
+    /// Width of the picture, or of a face of a cube, texels.
     pub fn width(&self) -> u32 {
-        self.level.width
+        self.first().width
     }
 
-    /// Height of the picture, texels.
+    /// Height of the picture, or of a face of a cube, texels.
     pub fn height(&self) -> u32 {
-        self.level.height
+        self.first().height
     }
 
-    /// Linear RGB of the texels, in rows from the top.
+    /// Linear RGB of the texels, in rows from the top. Those of a cube are the texels of its first face.
     pub fn texels(&self) -> &[Vec3] {
-        &self.level.texels
+        &self.first().texels
     }
 
-    /// The picture as its first level.
-    pub(super) fn level(&self) -> &Level {
-        &self.level
+    /// Whether the picture is a cube around the light.
+    pub fn is_cube(&self) -> bool {
+        matches!(self.faces, Faces::Cube(_))
     }
 
-    /// Returns the mip levels down to 1×1, largest first. Each is the average of the one before. The first level is the
-    /// first one whose sides have at most `limit` texels.
-    #[cfg(feature = "render")]
-    pub(crate) fn levels(&self, limit: u32) -> Vec<Level> {
-        let mut levels = vec![self.level.clone()];
-        while let Some(next) = levels.last().and_then(Level::halved) {
-            if levels
-                .last()
-                .is_some_and(|level| level.width.max(level.height) > limit)
-            {
-                levels.clear();
-            }
-            levels.push(next);
+    /// The picture as its first level, or the first face of a cube.
+    pub(super) fn first(&self) -> &Level {
+        match &self.faces {
+            Faces::Flat(level) => level,
+            Faces::Cube(faces) => &faces[0],
         }
-        levels
     }
+
+    /// The first level of each face: one, or the six of a cube.
+    pub(super) fn faces(&self) -> &[Level] {
+        match &self.faces {
+            Faces::Flat(level) => std::slice::from_ref(level),
+            Faces::Cube(faces) => &faces[..],
+        }
+    }
+
+    /// Returns the mip levels of each face down to 1×1, largest first. Each is the average of the one before. The first
+    /// level is the first one whose sides have at most `limit` texels.
+    #[cfg(feature = "render")]
+    pub(crate) fn levels(&self, limit: u32) -> impl Iterator<Item = Vec<Level>> + '_ {
+        self.faces().iter().map(move |face| levels(face, limit))
+    }
+}
+
+/// The mip levels of a picture down to 1×1, largest first. The first level is the first one whose sides have at most
+/// `limit` texels.
+#[cfg(feature = "render")]
+fn levels(first: &Level, limit: u32) -> Vec<Level> {
+    let mut levels = vec![first.clone()];
+    while let Some(next) = levels.last().and_then(Level::halved) {
+        if levels
+            .last()
+            .is_some_and(|level| level.width.max(level.height) > limit)
+        {
+            levels.clear();
+        }
+        levels.push(next);
+    }
+    levels
 }
 
 /// Source: IEC 61966-2-1, the sRGB transfer function.

@@ -5,6 +5,8 @@
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
 use super::component::Cookie;
+use super::cube;
+use super::image::CookieImage;
 use super::levels::Level;
 use crate::scene::{LightKind, TextureWrap};
 
@@ -17,25 +19,32 @@ pub enum Projection {
     Around,
     /// On a plane across parallel light.
     Parallel,
+    /// On a cube around the light.
+    Cube,
 }
 
 impl Projection {
-    /// The projection of a kind of light.
-    pub fn of(kind: LightKind) -> Self {
+    /// The projection of a picture before a kind of light. A cube before a directional light is no cookie, and lies as
+    /// a flat picture would.
+    pub fn of(kind: LightKind, image: &CookieImage) -> Self {
         match kind {
+            LightKind::Directional => Self::Parallel,
+            _ if image.is_cube() => Self::Cube,
             LightKind::Spot { .. } | LightKind::Rect { .. } => Self::Plane,
             LightKind::Point | LightKind::Sphere { .. } => Self::Around,
-            LightKind::Directional => Self::Parallel,
         }
     }
 
-    /// Coordinates on the surface on which the picture lies, metres or radians. `point` is in light space: x to the
-    /// right, y upwards, z the depth before the light.
+    /// Coordinates on the surface on which a flat picture lies, metres or radians. `point` is in light space: x to the
+    /// right, y upwards, z the depth before the light. A cube is not flat; for it the coordinates are longitude and
+    /// latitude.
     pub fn coordinates(self, point: DVec3) -> DVec2 {
         match self {
             // Behind the plane there is no light; the bound keeps the numbers finite.
             Self::Plane => point.truncate() / point.z.max(1e-6 * point.length()).max(1e-20),
-            Self::Around => DVec2::new(point.x.atan2(point.z), point.y.atan2(point.x.hypot(point.z))),
+            Self::Around | Self::Cube => {
+                DVec2::new(point.x.atan2(point.z), point.y.atan2(point.x.hypot(point.z)))
+            }
             Self::Parallel => point.truncate(),
         }
     }
@@ -80,8 +89,16 @@ impl Cookie {
     /// The factor by which the cookie multiplies the colour of a light of this kind at a point, without mip-mapping.
     /// `point` is in light space: x to the right, y upwards, z the depth before the light.
     pub fn factor(&self, kind: LightKind, point: DVec3) -> Vec3 {
-        let uv = CookiePlacing::of(self).uv(Projection::of(kind).coordinates(point));
-        let picture = sample(self.image.level(), uv, self.wrap);
+        let picture = match Projection::of(kind, &self.image) {
+            Projection::Cube => cube::sample(
+                self.image.faces(),
+                cube::light_from_cube(self).transpose() * point,
+            ),
+            flat => {
+                let uv = CookiePlacing::of(self).uv(flat.coordinates(point));
+                sample(self.image.first(), uv, self.wrap)
+            }
+        };
         Vec3::ONE.lerp(picture, self.density)
     }
 }
