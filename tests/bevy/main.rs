@@ -31,6 +31,7 @@ mod setup;
 mod shading;
 mod shadows;
 mod shared;
+mod standalone;
 mod stripes;
 mod sync;
 mod targets;

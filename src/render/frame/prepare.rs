@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 use glam::{DMat4, UVec2};
 
-use super::draw_list::{Batch, DrawListInput, ItemFilter, Shadows, Variant};
+use super::draw_list::{Batch, DrawListBuilder, DrawListInput, ItemFilter, Shadows, Variant};
 use super::frame_data::{ActiveLight, FrameData, LightSlot, Viewport};
 use super::front_surfaces::collect_front;
 use crate::render::RenderError;
@@ -311,16 +311,26 @@ fn collect_draws(
             front_scissor: [0; 4],
         });
     }
+    collect_dark(frame, draw_lists, &input, lights);
+    if !is_hosted {
+        collect_blended(frame, &input, visible, lights, current);
+        collect_front(frame, &input, objects, lights, current);
+    }
+}
+
+/// Collects the surfaces that lights do not see, for pictures of visibility.
+fn collect_dark(
+    frame: &mut FrameData,
+    draw_lists: &mut DrawListBuilder,
+    input: &DrawListInput,
+    lights: &FrameLights,
+) {
     let not_clear = |(_, light): &(usize, &FrameLight)| !light.sets.dark.is_clear();
     for (index, light) in lights.lights.iter().enumerate().filter(not_clear) {
         let (batches, instances) = (&mut frame.batches, &mut frame.instances);
         let (lit, nowhere) = (ItemFilter::OpaqueLit, UNSHOWN);
-        let drawn = draw_lists.build(&input, &light.sets.dark, lit, nowhere, batches, instances);
+        let drawn = draw_lists.build(input, &light.sets.dark, lit, nowhere, batches, instances);
         frame.dark.push((index, drawn));
-    }
-    if !is_hosted {
-        collect_blended(frame, &input, visible, lights, current);
-        collect_front(frame, &input, objects, lights, current);
     }
 }
 
