@@ -111,7 +111,7 @@ fn mirrors() -> Vec<Mirror> {
             in "techniques/smoothie/edge.wgsl", array: true),
         mirror!(smoothies, SmoothieFace { row_x, row_y, row_z, projection, limits }
             in "techniques/smoothie/edge.wgsl", array: false),
-        mirror!(Grounds { planes, along } in "techniques/perspective_map/blur.wgsl", array: false),
+        mirror!(Grounds { planes, along, across, middle } in "techniques/perspective_map/blur.wgsl", array: false),
         mirror!(MapCaster { clip_from_local } in "techniques/maps/caster.wgsl", array: true),
         mirror!(Caster {
             light_local,
