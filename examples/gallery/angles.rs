@@ -22,6 +22,9 @@ const COLORS: [&str; 5] = ["#c2410c", "#d97706", "#64748b", "#1d4ed8", "#0891b2"
 const PANEL: [f64; 2] = [300.0, 190.0];
 const SPACE: [f64; 2] = [64.0, 54.0];
 
+/// Width of an entry of the legend.
+const LEGEND: f64 = 120.0;
+
 /// A quantity that is plotted on a logarithmic axis.
 struct Quantity {
     name: &'static str,
@@ -33,7 +36,7 @@ struct Quantity {
 const QUANTITIES: [Quantity; 2] = [
     Quantity {
         name: "texels per pixel, nearest tenth",
-        decades: [-3, 4],
+        decades: [-4, 4],
         of: |row, map| row.maps[map].0.near,
     },
     Quantity {
@@ -87,7 +90,7 @@ fn find(folder: &Path, name: &str) -> Option<std::path::PathBuf> {
 fn plot(scenes: &[(&str, Vec<Row>)]) -> String {
     let [width, height] = [0, 1].map(|axis: usize| PANEL[axis] + SPACE[axis]);
     let size = [
-        width * scenes.len() as f64 + 30.0,
+        (width * scenes.len() as f64 + 30.0).max(SPACE[0] + LEGEND * COLORS.len() as f64),
         height * QUANTITIES.len() as f64 + 50.0,
     ];
     let mut svg = format!(
@@ -104,7 +107,7 @@ fn plot(scenes: &[(&str, Vec<Row>)]) -> String {
     }
     let bottom = size[1] - 14.0;
     for (index, ((name, _), color)) in maps().iter().zip(COLORS).enumerate() {
-        let x = SPACE[0] + 150.0 * index as f64;
+        let x = SPACE[0] + LEGEND * index as f64;
         let _ = writeln!(
             svg,
             "<rect x=\"{x:.0}\" y=\"{:.0}\" width=\"18\" height=\"4\" fill=\"{color}\"/>\

@@ -12,6 +12,8 @@
 struct Grounds {                    // mirror: techniques::perspective_map::gpu::gpu_types::Grounds
     planes: array<vec4f, 4>,        // unit normal and offset of each ground, relative
     along: array<vec4f, 4>,         // a unit vector in the plane; standard deviation of the Gaussian, metres, 0: no ground
+    across: array<vec4f, 4>,        // the one at right angles to it; half the size of the ground along it, metres
+    middle: array<vec4f, 4>,        // of the ground, relative; half its size along `along`
 }
 
 @group(1) @binding(0) var<uniform> grounds: Grounds;
@@ -45,6 +47,15 @@ fn channel_at(uv: vec2f, face: u32, channel: u32) -> f32 {
     return textureSampleLevel(picture, bilinear, uv, face, 0.0)[channel];
 }
 
+// Whether a point of the plane is of the ground. What lies behind a wall that stands on it is not: it would darken the
+// ground before the wall.
+fn is_of_ground(channel: u32, position: vec3f) -> bool {
+    let offset = position - grounds.middle[channel].xyz;
+    let along = abs(dot(offset, grounds.along[channel].xyz));
+    let across = abs(dot(offset, grounds.across[channel].xyz));
+    return along <= grounds.middle[channel].w && across <= grounds.across[channel].w;
+}
+
 // The blurred value of one channel at a place of a face.
 fn blurred(channel: u32, face: u32, ndc: vec2f) -> f32 {
     let here = channel_at(uv_of(ndc), face, channel);
@@ -60,7 +71,7 @@ fn blurred(channel: u32, face: u32, ndc: vec2f) -> f32 {
     let middle = met.xyz / met.w;
     var along = grounds.along[channel].xyz;
     if AXIS == 1u {
-        along = cross(plane.xyz, along);
+        along = grounds.across[channel].xyz;
     }
     let reach = along * (REACH * deviation);
     // What rounding moves the middle by, it moves its neighbours by as well.
@@ -76,7 +87,7 @@ fn blurred(channel: u32, face: u32, ndc: vec2f) -> f32 {
         let share = tap / count;
         let position = middle + reach * share;
         let shown = showing(position);
-        if shown == NO_FACE {
+        if shown == NO_FACE || !is_of_ground(channel, position) {
             continue;
         }
         let at = ndc_in(shown, position) + select(vec2f(0.0), rounding, shown == face);

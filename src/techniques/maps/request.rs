@@ -151,6 +151,8 @@ pub struct MapRequest {
     pub cascades: Cascades,
     /// Second picture of each face; `None` if the depth of the casters is the whole map.
     pub beside: Option<Beside>,
+    /// Whether the technique's own recorder draws and looks up the map, instead of the recorder of maps.
+    pub apart: bool,
     /// Whether the technique keeps two more pictures of each face, of 4 bytes a texel.
     pub pictures: bool,
     /// Number of layers of the texture of [`MapShape::Matrices`], 1 to 6. Other shapes ignore it.

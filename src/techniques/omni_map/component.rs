@@ -89,6 +89,7 @@ impl OmniMap {
             cached: self.cached,
             cascades: Cascades::default(),
             beside: None,
+            apart: false,
             pictures: false,
             layers: 0,
         };

@@ -154,6 +154,7 @@ impl PerspectiveMap {
             cached: self.cached,
             cascades: Cascades::default(),
             beside: None,
+            apart: true,
             pictures: false,
             layers: 1,
         };

@@ -1,7 +1,7 @@
 //! The receivers of a frame whose shadows are blurred, in up to four channels.
 
 use bevy_ecs::prelude::*;
-use glam::{DVec3, Mat3A};
+use glam::{DVec3, Mat3A, Vec3A};
 use smallvec::SmallVec;
 
 use crate::geometry::Aabb;
@@ -23,8 +23,13 @@ const SAME_PLANE: f64 = 1e-3;
 pub struct Ground {
     /// Unit normal of the plane, world space. Its sign has no meaning.
     pub normal: DVec3,
-    /// A point of the plane, world space, metres.
+    /// Middle of the ground, world space, metres.
     pub point: DVec3,
+    /// Two unit vectors in the plane, at right angles.
+    pub axes: [DVec3; 2],
+    /// Half the size of the ground along each of them, metres. A blur ends there: what lies beyond, behind a wall or below
+    /// a floor, is not of the ground.
+    pub half: [f64; 2],
     /// Standard deviation of the Gaussian, metres.
     pub radius: f64,
 }
@@ -37,12 +42,40 @@ impl Ground {
         let thinnest =
             (0..3).min_by(|&a, &b| sides[a].length_squared().total_cmp(&sides[b].length_squared()))?;
         let axis = |at: usize| axes.col((thinnest + at) % 3).as_dvec3();
-        let center = axes.mul_vec3(local.center()).as_dvec3() + translation;
-        Some(Self {
-            normal: axis(1).cross(axis(2)).try_normalize()?,
-            point: center,
+        let normal = axis(1).cross(axis(2)).try_normalize()?;
+        let along = axis(1).try_normalize()?;
+        let mut ground = Self {
+            normal,
+            point: (*axes * Vec3A::from(local.center())).as_dvec3() + translation,
+            axes: [along, normal.cross(along)],
+            half: [0.0; 2],
             radius,
-        })
+        };
+        let corners = [1.0, -1.0].map(|sign| sides[(thinnest + 1) % 3] + sides[(thinnest + 2) % 3] * sign);
+        for (half, axis) in ground.half.iter_mut().zip(ground.axes) {
+            *half = corners
+                .iter()
+                .map(|corner| corner.dot(axis).abs())
+                .fold(0.0, f64::max);
+        }
+        Some(ground)
+    }
+
+    /// Grows so that it holds another ground of the same plane.
+    fn include(&mut self, other: &Self) {
+        for at in 0..2 {
+            let axis = self.axes[at];
+            let reach = (0..2)
+                .map(|i| other.axes[i].dot(axis).abs() * other.half[i])
+                .sum::<f64>();
+            let place = axis.dot(other.point - self.point);
+            let (low, high) = (
+                (place - reach).min(-self.half[at]),
+                (place + reach).max(self.half[at]),
+            );
+            self.point += axis * (0.5 * (low + high));
+            self.half[at] = 0.5 * (high - low);
+        }
     }
 
     /// Whether two grounds are one.
@@ -91,6 +124,7 @@ impl BlurredGrounds {
             .iter()
             .position(|known| known.is_one_with(&ground, size));
         if let Some(known) = known {
+            self.grounds[known].include(&ground);
             return Some(known as u32);
         }
         (self.grounds.len() < MOST_GROUNDS).then(|| {

@@ -87,6 +87,7 @@ impl ShadowMap {
             cached: self.cached,
             cascades: self.cascades,
             beside: None,
+            apart: false,
             pictures: false,
             layers: 0,
         };

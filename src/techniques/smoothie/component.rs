@@ -252,6 +252,7 @@ impl Smoothie {
             cached: self.cached,
             cascades: self.cascades,
             beside: Some(self.beside(light)?),
+            apart: true,
             pictures: false,
             layers: 0,
         };

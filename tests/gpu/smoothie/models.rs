@@ -6,11 +6,17 @@
 //! come nearer to a sphere than 1/√2 of the plain map's error. The light that a smoothie imitates is the one whose
 //! penumbra begins where the umbra ends: what half of the sphere on the blocker's side leaves, `max(0, 2 v − 1)`.
 //! Both are printed.
+//!
+//! Where the receiver's horizon cuts the light, a round body hides the light from itself by degrees. No map shows that, and
+//! the light pass weights what is above the horizon, so these pixels are left out. The table prints their share of the squared
+//! error: up to 0.8, and nearly all of the penumbrae of `shape_collection`.
 
 use std::path::Path;
 
 use antumbra::prelude::*;
-use antumbra::reference::{LightSource, RayScene, hard_visibility, primary_hits, soft_visibility};
+use antumbra::reference::{
+    LightSource, RayScene, SurfaceHit, hard_visibility, primary_hits, soft_visibility,
+};
 use antumbra::techniques::SmoothieWidth;
 use antumbra::techniques::maps::{MapFilter, MapResolution};
 use bevy_transform::prelude::{GlobalTransform, Transform};
@@ -24,10 +30,9 @@ const SIZE: UVec2 = UVec2::new(128, 72);
 
 const RESOLUTION: MapResolution = MapResolution::Fixed(256);
 
-/// Share of the plain map's error that smoothies may have. Measured: 0.57 for `suzanne`, whose parts overlap in the picture from
-/// the light, and 0.45 for `deer`. A half is not reached on every model: where silhouettes cross or bend within a width, the
-/// least alpha is darker than the light.
-const ALLOWED: f64 = 0.6;
+/// Share of the plain map's error that smoothies may have. Measured: 0.46 for `suzanne`, 0.35 for `deer`, 0.43 for `spot`, 0.35
+/// for `espresso_cup`.
+const ALLOWED: f64 = 0.5;
 
 /// Radius of the light, as a share of the model's.
 const RADIUS: f32 = 0.12;
@@ -39,10 +44,8 @@ struct Judged {
     sphere: f64,
     /// RMSE along edges to the light that smoothies imitate.
     outer: f64,
-    /// RMSE to that light beside the umbra, which smoothies leave as it is.
-    beside: f64,
-    /// Share of the squares of the error to that light where the picture is too dark.
-    dark: f64,
+    /// Share of the squares of the error to that light, over all penumbrae, where the receiver's horizon cuts the light.
+    horizon: f64,
     /// Milliseconds of the lookup.
     lookup: f64,
     /// Milliseconds of everything that the light's shadow takes where all casters move.
@@ -69,17 +72,13 @@ fn times(stage: &mut Stage) -> (Vec<f32>, f64, f64) {
     (rendered(stage), lookup, whole)
 }
 
-/// RMSE where a penumbra is and the plain map is not dark, and the share of all squares where the picture is too dark.
-fn beside(truth: &[f32], got: &[f32], seen: &[f32], plain: &[f32]) -> (f64, f64) {
-    let (mut sums, mut count) = ([0.0; 2], 0u32);
-    let edges = (0..truth.len()).filter(|&index| (0.01..0.99).contains(&seen[index]));
-    for index in edges.filter(|&index| plain[index] > 0.0) {
-        let is_dark = got[index] < truth[index];
-        sums[usize::from(is_dark)] += f64::from(truth[index] - got[index]).powi(2);
-        count += 1;
+/// Share of the squares of errors in the penumbra that lie where the receiver's horizon cuts the light.
+fn share_at_horizon(truth: &[f32], got: &[f32], seen: &[f32], above: &[f32]) -> f64 {
+    let mut sums = [0.0; 2];
+    for index in (0..truth.len()).filter(|&index| (0.01..0.99).contains(&seen[index])) {
+        sums[usize::from(above[index].is_nan())] += f64::from(truth[index] - got[index]).powi(2);
     }
-    let sum = sums[0] + sums[1];
-    ((sum / f64::from(count.max(1))).sqrt(), sums[1] / sum)
+    sums[1] / (sums[0] + sums[1])
 }
 
 /// RMSE where the penumbra of either light is.
@@ -92,7 +91,7 @@ fn rmse(truth: &[f32], got: &[f32], seen: &[f32]) -> f64 {
     let (sum, count) = edges.fold((0.0, 0), |(sum, count), ((truth, got), _)| {
         (sum + f64::from(truth - got).powi(2), count + 1)
     });
-    assert!(count > 30, "{count} pixels are in the penumbra");
+    assert!(count > 15, "{count} pixels are in the penumbra");
     (sum / f64::from(count)).sqrt()
 }
 
@@ -142,13 +141,26 @@ fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
     let seen: Vec<f32> = (seen.values().iter().zip(in_cone.values()))
         .map(|(seen, hard)| if hard.is_nan() { f32::NAN } else { *seen })
         .collect();
+    // Where the horizon cuts the light, a body hides the light from itself by degrees. No map shows that; the light pass
+    // weights what is above the horizon.
+    let center = place.translation.as_dvec3();
+    let is_whole = |hit: &SurfaceHit| hit.normal.dot(center - hit.position) > f64::from(RADIUS * unit);
+    let pairs = seen.iter().zip(&hits.hits);
+    let above: Vec<f32> = pairs
+        .map(|(seen, hit)| {
+            if hit.as_ref().is_some_and(is_whole) {
+                *seen
+            } else {
+                f32::NAN
+            }
+        })
+        .collect();
     let outer: Vec<f32> = seen.iter().map(|seen| (2.0 * seen - 1.0).max(0.0)).collect();
 
     let jittered = MapFilter::Jittered {
         softness: RADIUS / 3.0,
         adaptive: true,
     };
-    let mut plain = Vec::new();
     [Some(MapFilter::Bilinear), Some(jittered), None].map(|filter| {
         let mut light = stage.stage.world.entity_mut(entity);
         light.remove::<(ShadowMap, Smoothie)>();
@@ -167,15 +179,10 @@ fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
             }),
         };
         let (got, lookup, whole) = times(&mut stage.stage);
-        if plain.is_empty() {
-            plain.clone_from(&got);
-        }
-        let (beside, dark) = beside(&outer, &got, &seen, &plain);
         Judged {
-            beside,
-            dark,
-            sphere: rmse(&seen, &got, &seen),
-            outer: rmse(&outer, &got, &seen),
+            horizon: share_at_horizon(&outer, &got, &seen, &above),
+            sphere: rmse(&seen, &got, &above),
+            outer: rmse(&outer, &got, &above),
             lookup,
             whole,
         }
@@ -188,11 +195,11 @@ fn table(names: &[&str], allowed: f64) {
         ..Default::default()
     });
     println!(
-        "{:<26} {:>23} {:>23} {:>23} {:>17} {:>17}",
-        "256²", "to the sphere", "to its outer half", "beside the umbra", "lookup ratio", "with all drawn"
+        "{:<26} {:>23} {:>23} {:>7} {:>17} {:>17}",
+        "256²", "to the sphere", "to its outer half", "horizon", "lookup ratio", "with all drawn"
     );
     println!(
-        "{:<26} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}",
+        "{:<26} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}",
         "model",
         "plain",
         "jitter",
@@ -200,9 +207,7 @@ fn table(names: &[&str], allowed: f64) {
         "plain",
         "jitter",
         "smooth",
-        "plain",
-        "smooth",
-        "dark",
+        "share",
         "/plain",
         "/jitter",
         "/plain",
@@ -213,7 +218,7 @@ fn table(names: &[&str], allowed: f64) {
         let path = model(name);
         let [plain, jittered, smoothie] = judge(&path, &context);
         println!(
-            "{:<26} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.2} {:>8.2} {:>8.2} {:>8.2} {:>8.2}",
+            "{:<26} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.2} {:>8.2} {:>8.2} {:>8.2} {:>8.2}",
             file_name(&path),
             plain.sphere,
             jittered.sphere,
@@ -221,9 +226,7 @@ fn table(names: &[&str], allowed: f64) {
             plain.outer,
             jittered.outer,
             smoothie.outer,
-            plain.beside,
-            smoothie.beside,
-            smoothie.dark,
+            smoothie.horizon,
             smoothie.lookup / plain.lookup,
             smoothie.lookup / jittered.lookup,
             smoothie.whole / plain.whole,
@@ -254,6 +257,5 @@ fn beside_the_umbra_smoothies_err_less_on_eight_models() {
         "fox.glb",
         "knight.glb",
     ];
-    // Measured: at most 0.6 on six of the models, 0.64 on `espresso_cup`, 0.87 on `shape_collection`.
-    table(&names, 0.9);
+    table(&names, ALLOWED);
 }

@@ -414,9 +414,7 @@ impl MapNode {
 
 impl Recorder for MapNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
-        self.prepare_maps(world, input, |request| {
-            request.beside.is_none() && request.shape != MapShape::Matrices
-        })
+        self.prepare_maps(world, input, |request| !request.apart)
     }
 
     fn draw_pictures(&self, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {

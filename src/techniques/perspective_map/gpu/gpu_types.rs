@@ -14,6 +14,10 @@ pub struct Grounds {
     /// A unit vector in the plane of each ground, and the standard deviation of its blur in metres. The deviation is 0
     /// where there is no ground.
     pub along: [[f32; 4]; MOST_GROUNDS],
+    /// The unit vector in the plane at right angles to `along`, and half the size of the ground along it, metres.
+    pub across: [[f32; 4]; MOST_GROUNDS],
+    /// Middle of each ground, and half its size along `along`, metres.
+    pub middle: [[f32; 4]; MOST_GROUNDS],
 }
 
 impl Grounds {
@@ -23,8 +27,10 @@ impl Grounds {
         for (at, ground) in grounds.iter().take(MOST_GROUNDS).enumerate() {
             let offset = ground.normal.dot(ground.point - eye);
             out.planes[at] = ground.normal.extend(offset).as_vec4().to_array();
-            let along = ground.normal.any_orthonormal_vector();
+            let [along, across] = ground.axes;
             out.along[at] = along.extend(ground.radius).as_vec4().to_array();
+            out.across[at] = across.extend(ground.half[1]).as_vec4().to_array();
+            out.middle[at] = (ground.point - eye).extend(ground.half[0]).as_vec4().to_array();
         }
         out
     }

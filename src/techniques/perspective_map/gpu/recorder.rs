@@ -30,7 +30,6 @@ use crate::techniques::maps::Maps;
 use crate::techniques::maps::gpu::draws::MapDraws;
 use crate::techniques::maps::gpu::recorded::Recorded;
 use crate::techniques::maps::gpu::recorder::MapNode;
-use crate::techniques::maps::request::MapShape;
 use crate::techniques::perspective_map::grounds::{BlurredGrounds, MOST_GROUNDS};
 
 /// The channels of the casters of draws, or of all objects.
@@ -219,7 +218,7 @@ impl PerspectiveNode {
 impl Recorder for PerspectiveNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.maps
-            .prepare_maps(world, input, |request| request.shape == MapShape::Matrices)?;
+            .prepare_maps(world, input, |request| request.apart && request.beside.is_none())?;
         self.others.clear();
         self.plans.clear();
         self.lights.clear();

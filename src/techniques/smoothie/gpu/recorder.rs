@@ -144,7 +144,7 @@ fn bind_faces(
 impl Recorder for SmoothieNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
         self.maps
-            .prepare_maps(world, input, |request| request.beside.is_some())?;
+            .prepare_maps(world, input, |request| request.apart && request.beside.is_some())?;
         self.smoothies.clear();
         self.plans.clear();
         self.faces.constants.clear();
