@@ -72,8 +72,8 @@ mod tests {
     use bevy_transform::prelude::GlobalTransform;
     use glam::Vec3;
 
-    use super::super::job::BATCH;
     use super::*;
+    use crate::baking::job::BATCH;
     use crate::scene::{Material, MeshData, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver};
 
     /// A board over a ground.

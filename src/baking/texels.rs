@@ -116,8 +116,8 @@ fn weights_at(point: DVec2, [a, b, c]: &[DVec2; 3]) -> DVec3 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::chart::{ChartTriangle, PADDING};
     use super::*;
+    use crate::baking::chart::{ChartTriangle, PADDING};
     use glam::Vec2;
 
     fn square(side: f32) -> Chart {

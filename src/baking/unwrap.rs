@@ -198,8 +198,8 @@ fn one_by_one(triangles: &[Option<SurfaceTriangle>]) -> Flat {
 
 #[cfg(test)]
 mod tests {
-    use super::super::surfaces::world_triangles;
     use super::*;
+    use crate::baking::surfaces::world_triangles;
     use crate::scene::MeshData;
     use glam::{Affine3A, Vec3};
 

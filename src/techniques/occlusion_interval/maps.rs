@@ -55,7 +55,7 @@ pub struct Pair {
 pub struct BakedSurface {
     /// Name of the mesh, used in messages.
     pub mesh: String,
-    /// Hash of the positions of the triangles' corners ([`surface_hash`](super::surface::surface_hash)).
+    /// Hash of the positions of the triangles' corners ([`surface_hash`](super::surface_hash)).
     pub hash: u64,
     /// Columns of the object's transform: three axes and the origin.
     pub world_from_local: [f32; 12],
