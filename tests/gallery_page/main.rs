@@ -255,6 +255,18 @@ fn the_large_view_opens_wipes_zooms_and_closes() {
         focused.as_str().is_some_and(|class| class.contains("thumb")),
         "the focus goes back: {focused}"
     );
+    // Looks have neither errors nor a truth: the large view shows two of them.
+    browser.click("#uberlight .thumb");
+    let off = browser
+        .eval("[...document.querySelectorAll('input[name=viewer-view]')].map((input) => input.disabled)");
+    assert_eq!(off, json!([false, true, true, true]));
+    let right = browser.eval(
+        "(async () => { const image = document.querySelector('#right-pane .base'); \
+         await image.decode(); return image.naturalWidth; })()",
+    );
+    assert!(right.as_u64() > Some(0), "{right}");
+    browser.press("Escape");
+    browser.eval("document.querySelector('.card[data-way] .thumb').focus()");
     // By keyboard alone.
     browser.press("Enter");
     assert!(is_open(&mut browser));

@@ -33,7 +33,11 @@ function setView(wanted) {
   shown.view = view;
   if (!fileOf(shown.shot, shown.left, view)) shown.left = drawn[0];
   if (!fileOf(shown.shot, shown.right, view)) shown.right = drawn.find((way) => way !== shown.left) || drawn[0];
-  for (const input of viewer.querySelectorAll("input[name=viewer-view]")) input.checked = input.value === view;
+  for (const input of viewer.querySelectorAll("input[name=viewer-view]")) {
+    input.checked = input.value === view;
+    input.disabled = !drawn.some((way) => fileOf(shown.shot, way, input.value));
+  }
+  overlay.disabled = !drawn.some((way) => fileOf(shown.shot, way, "overlay"));
   stage.classList.toggle("exact", EXACT(view));
   drawPanes();
 }
