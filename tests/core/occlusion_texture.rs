@@ -174,8 +174,7 @@ fn kernels_are_the_light_as_it_is_projected_through_the_receiver() {
         let bounds = &scene[index % scene.len()].bounds;
         let place = bounds.center() + random.place() * bounds.half_size();
         let receiver = face.light_from_world(place.as_dvec3());
-        for slice in 0..8 {
-            let bottom = face.slices.bottoms[slice];
+        for &bottom in &face.slices.bottoms[..8] {
             if receiver.z <= bottom {
                 continue;
             }

@@ -23,7 +23,7 @@ fn compare(name: &str, kind: LightKind, shadow: impl Fn(&mut EntityWorldMut), to
         // Light below the horizon of a sphere's receivers is cut by their planes, which a host's depth leaves unknown at a few
         // pixels of outlines.
         let allowed = match kind {
-            LightKind::Sphere { .. } => judged / 2000,
+            LightKind::Sphere { .. } => judged / 500,
             _ => 0,
         };
         assert!(wrong <= allowed, "{name}: {wrong}");
