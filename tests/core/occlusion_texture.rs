@@ -170,10 +170,11 @@ fn kernels_are_the_light_as_it_is_projected_through_the_receiver() {
     let record = face.record(DVec3::ZERO);
     let mut random = Random(8);
     let mut checked = 0;
-    for _ in 0..400 {
-        let receiver = face.light_from_world((Vec3::new(0.3, -5.0, 0.0) + random.place() * 2.0).as_dvec3());
-        for slice in 0..8 {
-            let bottom = face.slices.bottoms[slice];
+    for index in 0..400 {
+        let bounds = &scene[index % scene.len()].bounds;
+        let place = bounds.center() + random.place() * bounds.half_size();
+        let receiver = face.light_from_world(place.as_dvec3());
+        for &bottom in &face.slices.bottoms[..8] {
             if receiver.z <= bottom {
                 continue;
             }
