@@ -330,7 +330,7 @@ impl Chunk {
                 push_edge(
                     edge,
                     if mirrored { [b, a] } else { [a, b] },
-                    edge.sides.map(|side| side_plane(side, &plane_light)),
+                    edge.sides.map(|side| side_plane(side, plane_light)),
                     &seen.light_from_local,
                     shape,
                     self.key.bounds,
