@@ -200,7 +200,7 @@ fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {
     let (turned, _, truth) = picture(turn);
     let error = super::scenes::rmse(&truth, &turned);
     println!("error {error:.4} of the turned scene");
-    assert!(error < 0.15 && lit > 2.0 * error, "{error}, {lit}");
+    assert!(error < 0.2 && lit > 2.0 * error, "{error}, {lit}");
 }
 
 /// A plate whose texture is opaque on one half casts half a shadow.
