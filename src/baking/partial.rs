@@ -157,7 +157,7 @@ mod tests {
     fn batch(seed: usize) -> Batch {
         Batch {
             texels: (0..7)
-                .map(|i| intervals_of(|step| step / (i + seed + 1) % 2 == 0))
+                .map(|i| intervals_of(|step| (step / (i + seed + 1)).is_multiple_of(2)))
                 .collect(),
             rays: 100 + seed as u64,
             seconds: 0.25 * seed as f64,
