@@ -39,6 +39,18 @@ fn commands(text: &str) -> Vec<&str> {
     lines.filter(|line| !line.is_empty()).collect()
 }
 
+/// Names of the packages below `examples`.
+fn packages() -> impl Iterator<Item = String> {
+    let folders = root()
+        .join("examples")
+        .read_dir()
+        .expect("the examples are there");
+    let manifests = folders
+        .flatten()
+        .filter_map(|entry| std::fs::read_to_string(entry.path().join("Cargo.toml")).ok());
+    manifests.filter_map(|text| Some(text.split_once("name = \"")?.1.split_once('"')?.0.to_owned()))
+}
+
 /// Says what of a command is not there.
 fn missing(command: &str, manifest: &str, makefile: &str) -> Option<String> {
     let words: Vec<&str> = command.split_whitespace().collect();
@@ -47,7 +59,15 @@ fn missing(command: &str, manifest: &str, makefile: &str) -> Option<String> {
         manifest.contains(&entry) || root().join(format!("{kind}s/{name}.rs")).exists()
     };
     match words[..] {
-        ["make", target] => (!makefile.contains(&format!("\n{target}:"))).then(|| format!("make {target}")),
+        ["make", target, ref settings @ ..] => {
+            let files = settings.iter().filter_map(|setting| setting.split('=').nth(1));
+            let absent = files
+                .filter(|file| !root().join(file).exists())
+                .map(str::to_owned)
+                .next();
+            let unknown = !makefile.contains(&format!("\n{target}:"));
+            unknown.then(|| format!("make {target}")).or(absent)
+        }
         ["cargo", ..] => words.windows(2).find_map(|pair| match *pair {
             ["--example", name] => (!named("example", name)).then(|| format!("example {name}")),
             ["--bench", name] => (!named("bench", name)).then(|| format!("bench {name}")),
@@ -56,7 +76,12 @@ fn missing(command: &str, manifest: &str, makefile: &str) -> Option<String> {
                 .split(',')
                 .find(|feature| !manifest.contains(&format!("\n{feature} = [")))
                 .map(|feature| format!("feature {feature}")),
-            ["--", path] => (path.ends_with(".json") && !root().join(path).exists()).then(|| path.to_owned()),
+            ["--package", name] => {
+                (!packages().any(|package| package == name)).then(|| format!("package {name}"))
+            }
+            ["--", path] => ((path.ends_with(".json") || path.starts_with("assets/"))
+                && !root().join(path).exists())
+            .then(|| path.to_owned()),
             _ => None,
         }),
         _ => Some("a command of another program".to_owned()),
@@ -95,6 +120,8 @@ fn a_command_that_is_not_there_is_noticed() {
     let (manifest, makefile) = (read("Cargo.toml"), read("Makefile"));
     for command in [
         "make tea",
+        "make demo SCENE=assets/none.glb",
+        "cargo run --package none",
         "cargo run --example none",
         "cargo run --features bevy,tea --example render",
     ] {

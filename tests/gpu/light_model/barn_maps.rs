@@ -7,8 +7,8 @@ use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
 use super::{floor_and_ball, hits, inner_pixels, place, put, relight, render, rgb, stage};
-use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
 
 /// Rounding of half floats, and of filters whose weights have 8 bits.
 const ROUNDING: f32 = 1.0 / 500.0;
@@ -95,7 +95,8 @@ fn a_map_gives_the_factor_of_the_formula_within_its_error() {
 
 #[test]
 fn sharp_edges_are_those_of_the_formula_bit_for_bit() {
-    let mut stage = stage(&strict_context());
+    // Tests that share a device share its maps, and these are counted.
+    let mut stage = stage(&own_context(RequestedFeatures::default()));
     floor_and_ball(&mut stage);
     let sharp = LightShape {
         width_edge: 0.01,
@@ -117,7 +118,8 @@ fn sharp_edges_are_those_of_the_formula_bit_for_bit() {
 
 #[test]
 fn a_map_is_kept_until_the_shape_changes() {
-    let mut stage = stage(&strict_context());
+    // Tests that share a device share its maps, and these are counted.
+    let mut stage = stage(&own_context(RequestedFeatures::default()));
     floor_and_ball(&mut stage);
     let mapped = (OmniMap::default(), soft(0.7), BarnMap { resolution: 300 });
     let entity = relight(&mut stage, light(), mapped);
