@@ -8,6 +8,7 @@ use super::component::{OcclusionTexture, SliceFilter};
 use super::filter::{MOST_TAPS, level_count, tap_count};
 use super::fit::{SceneBox, SliceFaces, SliceSettings, SlicedKind, SlicedLight, fit_faces};
 use super::records::{OcclusionFace, OcclusionLight};
+use crate::geometry::{Aabb, Emitter};
 use crate::scene::LightKind;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
@@ -81,8 +82,12 @@ impl LightSlices {
         } else {
             scratch.casters = FixedBitSet::with_capacity(objects.len()); // sets of unequal length are not equal
         }
+        let sun = (f64::from(settings.angle_deg) * 0.5).to_radians().sin();
+        let lit = light.sets.l.ones().map(|object| objects.boxes.get(object));
+        let lit = lit.fold(Aabb::EMPTY, Aabb::union);
         for object in light.reached_casters(objects) {
-            scratch.casters.insert(object);
+            let shadows = !shadows_nothing(&objects.boxes.get(object), &lit, &light.emitter, sun);
+            scratch.casters.set(object, shadows);
         }
         let sliced = sliced_light(light, settings);
         let moved = |set: &FixedBitSet| !set.is_disjoint(&objects.moved) || !set.is_disjoint(exchanged);
@@ -246,6 +251,33 @@ pub struct Scratch {
     scene: Vec<SceneBox>,
 }
 
+/// How deep objects may be sunk into a ground that shadows nothing, as a share of the extent of everything lit. It is less than
+/// a slice, within which nothing is shadowed either.
+const SUNK: f64 = 0.05;
+
+/// Whether everything that a light lights lies on the light's side of a caster, as it does for a flat ground. Slices are
+/// not spent on such a caster. `sun` is the sine of half the angle of a directional light.
+fn shadows_nothing(caster: &Aabb, lit: &Aabb, emitter: &Emitter, sun: f64) -> bool {
+    DVec3::AXES.into_iter().any(|axis| {
+        let slack = SUNK * axis.dot((lit.max - lit.min).as_dvec3());
+        [axis, -axis].into_iter().any(|outward| {
+            let along = |a: Vec3, b: Vec3| outward.dot(a.as_dvec3()).max(outward.dot(b.as_dvec3()));
+            let side = along(caster.min, caster.max);
+            let nearest = -(-outward)
+                .dot(lit.min.as_dvec3())
+                .max((-outward).dot(lit.max.as_dvec3()));
+            let point = emitter.point;
+            let light = outward.dot(point.truncate());
+            let is_outside = if point.w == 0.0 {
+                light > sun
+            } else {
+                light - emitter.extent(outward) > side + slack
+            };
+            is_outside && nearest >= side - slack
+        })
+    })
+}
+
 /// Returns the place and extent of a light's shadows.
 fn sliced_light(light: &FrameLight, settings: &OcclusionTexture) -> SlicedLight {
     let emitter = &light.emitter;
@@ -294,5 +326,34 @@ impl LightSlices {
         let bottom = slices.bottoms[slices.count - 1];
         let across = 2.0 * (face.divisor.x * bottom + face.divisor.y) / face.scale;
         across.extend(bottom - slices.top).as_vec3()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grounds_shadow_nothing_and_what_stands_on_them_does() {
+        let ground = Aabb::around(Vec3::ZERO, Vec3::new(10.0, 0.0, 10.0));
+        let cube = Aabb::around(Vec3::Y, Vec3::ONE);
+        let lit = ground.union(cube);
+        let lamp = |y: f64| Emitter {
+            radius: 0.5,
+            ..Emitter::point(DVec3::new(3.0, y, 0.0).extend(1.0))
+        };
+        let sun = |y: f64| Emitter::point(DVec3::new(0.6, y, 0.0).normalize().extend(0.0));
+        for high in [lamp(4.0), sun(1.0)] {
+            assert!(shadows_nothing(&ground, &lit, &high, 0.1));
+            assert!(!shadows_nothing(&cube, &lit, &high, 0.1));
+            let cellar = lit.union(Aabb::around(Vec3::NEG_Y, Vec3::ONE));
+            assert!(!shadows_nothing(&ground, &cellar, &high, 0.1));
+        }
+        // Some of the light is below the ground.
+        assert!(!shadows_nothing(&ground, &lit, &lamp(0.4), 0.1));
+        assert!(!shadows_nothing(&ground, &lit, &sun(0.05), 0.1));
+        // A wall behind everything.
+        let wall = Aabb::around(Vec3::new(-10.0, 5.0, 0.0), Vec3::new(0.0, 5.0, 10.0));
+        assert!(shadows_nothing(&wall, &lit.union(wall), &lamp(4.0), 0.1));
     }
 }

@@ -25,7 +25,7 @@
 //! its mean colour.
 //!
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
-//! casters that the light reaches. The slice that holds a receiver does not shadow it, and the slice before it fades in with
+//! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice. The slice that holds a receiver does not shadow it, and the slice before it fades in with
 //! the distance, so nothing jumps where geometry passes from slice to slice. Objects therefore lose the contact shadow
 //! within about one slice, and gain it with more slices. The source lets casters cast from the far end of their slice; here
 //! they do so for receivers just behind it, and cast from its middle once the slice has faded in, which halves what the

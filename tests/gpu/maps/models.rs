@@ -68,6 +68,6 @@ fn maps_equal_ray_cast_on_every_model_up_to_a_texel() {
         assert!(all.counted > 1_000, "{name}: too little was judged: {all:?}");
         total.add(all);
     }
-    assert!(total.counted > 500_000 && total.dark > 100_000, "{total:?}");
+    assert!(total.counted > 400_000 && total.dark > 60_000, "{total:?}");
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
