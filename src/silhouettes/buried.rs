@@ -8,7 +8,7 @@ use crate::geometry::winding_number;
 use crate::scene::ShadowOrigin;
 use crate::sets::{FrameLight, FrameLights, Objects};
 
-/// Lights whose shadows are cast from inside of a caster. Written by [`find_buried_origins`].
+/// Lights whose shadows are cast from inside of a caster. Written by `find_buried_origins`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct BuriedOrigins {
     /// Each light and a caster around the origin of its shadows, in the order of the lights.

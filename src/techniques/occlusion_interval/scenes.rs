@@ -103,7 +103,7 @@ pub struct IntervalLight {
     pub width: f32,
 }
 
-/// The lights of the frame that maps shadow, and the scenes of those maps. Written by [`match_interval_maps`].
+/// The lights of the frame that maps shadow, and the scenes of those maps. Written by `match_interval_maps`.
 #[derive(Resource, Debug, Default)]
 pub struct IntervalScenes {
     /// The scenes in use.

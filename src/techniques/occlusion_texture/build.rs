@@ -22,7 +22,7 @@ const LEAST: u32 = 32;
 /// Layers of a texture array that every device has. Source: the WebGPU specification, `maxTextureArrayLayers`.
 pub const MOST_LAYERS: u32 = 256;
 
-/// The occlusion textures of this frame. Written by [`ask_for_slices`] and [`build_slices`].
+/// The occlusion textures of this frame. Written by the systems `ask_for_slices` and `build_slices`.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct OcclusionTextures {
     /// All lights with occlusion textures, ascending by light. They include lights out of view, because their pictures are

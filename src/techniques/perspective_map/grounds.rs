@@ -110,6 +110,7 @@ pub enum LeftOut {
 
 impl BlurredGrounds {
     /// Returns the channel of an object.
+    #[cfg(feature = "render")]
     pub fn channel_of(&self, object: usize) -> Option<u32> {
         let at = self
             .receivers
