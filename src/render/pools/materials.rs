@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use glam::Affine2;
+use smallvec::SmallVec;
 use wgpu::util::DeviceExt;
 
 use super::gpu_types;
@@ -109,9 +110,27 @@ impl SharedMaterials {
     }
 
     fn get(&self, gpu: &Gpu, material: &Arc<Material>) -> Arc<GpuMaterial> {
-        let mut known = self.known();
         let address = Arc::as_ptr(material) as usize;
-        if let Some(found) = known.materials.get(&address).and_then(Weak::upgrade) {
+        let find = |known: &Known| known.materials.get(&address).and_then(Weak::upgrade);
+        let missing = {
+            let known = self.known();
+            if let Some(found) = find(&known) {
+                return found;
+            }
+            known.missing(material)
+        };
+        // Textures are made without the lock: while threads make mipmaps, this one may run another view's system, which
+        // asks for materials, too.
+        let made = missing.into_iter().map(|(texture, encoding)| {
+            let view = upload_texture(&gpu.context, texture, encoding);
+            ((Arc::as_ptr(texture) as usize, encoding), (texture.clone(), view))
+        });
+        let made: SmallVec<[_; 5]> = made.collect();
+        let mut known = self.known();
+        for (key, texture) in made {
+            known.textures.entry(key).or_insert(texture);
+        }
+        if let Some(found) = find(&known) {
             return found;
         }
         let made = Arc::new(known.upload(&gpu.context, &gpu.layouts.material, &self.white, material));
@@ -167,7 +186,37 @@ impl MaterialPool {
     }
 }
 
+/// The textures of a material, and how each is read.
+fn slots(material: &Material) -> [(&Option<TextureSlot>, Encoding); 5] {
+    [
+        (&material.base_color_texture, Encoding::Srgb),
+        (&material.metallic_roughness_texture, Encoding::Linear),
+        (&material.normal_texture, Encoding::Linear),
+        (&material.occlusion_texture, Encoding::Linear),
+        (&material.emissive_texture, Encoding::Srgb),
+    ]
+}
+
+/// The texture of a slot, if it can be shown.
+fn whole_texture(slot: &Option<TextureSlot>) -> Option<&Arc<Texture>> {
+    slot.as_ref().map(|slot| &slot.texture).filter(|t| is_whole(t))
+}
+
 impl Known {
+    /// Returns the textures of a material that are not on the device.
+    fn missing<'a>(&self, material: &'a Material) -> SmallVec<[(&'a Arc<Texture>, Encoding); 5]> {
+        let textures = slots(material)
+            .into_iter()
+            .filter_map(|(slot, encoding)| Some((whole_texture(slot)?, encoding)));
+        textures
+            .filter(|(texture, encoding)| {
+                !self
+                    .textures
+                    .contains_key(&(Arc::as_ptr(texture) as usize, *encoding))
+            })
+            .collect()
+    }
+
     fn upload(
         &mut self,
         context: &RenderContext,
@@ -188,19 +237,10 @@ impl Known {
                 contents: bytemuck::bytes_of(&constants),
                 usage: wgpu::BufferUsages::UNIFORM,
             });
-        let slots = [
-            (&material.base_color_texture, Encoding::Srgb),
-            (&material.metallic_roughness_texture, Encoding::Linear),
-            (&material.normal_texture, Encoding::Linear),
-            (&material.occlusion_texture, Encoding::Linear),
-            (&material.emissive_texture, Encoding::Srgb),
-        ];
+        let slots = slots(material);
         let mut views: Vec<_> = slots
             .iter()
-            .map(|(slot, encoding)| {
-                self.view(context, slot.as_ref(), *encoding)
-                    .unwrap_or_else(|| white.clone())
-            })
+            .map(|(slot, encoding)| self.view(slot, *encoding).unwrap_or_else(|| white.clone()))
             .collect();
         let mut samplers: Vec<_> = slots
             .iter()
@@ -222,17 +262,10 @@ impl Known {
         }
     }
 
-    fn view(
-        &mut self,
-        context: &RenderContext,
-        slot: Option<&TextureSlot>,
-        encoding: Encoding,
-    ) -> Option<wgpu::TextureView> {
-        let texture = slot.map(|slot| &slot.texture).filter(|t| is_whole(t))?;
-        let (_, view) = self
-            .textures
-            .entry((Arc::as_ptr(texture) as usize, encoding))
-            .or_insert_with(|| (texture.clone(), upload_texture(context, texture, encoding)));
+    /// Returns a texture that is on the device already.
+    fn view(&self, slot: &Option<TextureSlot>, encoding: Encoding) -> Option<wgpu::TextureView> {
+        let address = Arc::as_ptr(whole_texture(slot)?) as usize;
+        let (_, view) = self.textures.get(&(address, encoding))?;
         Some(view.clone())
     }
 
