@@ -4,7 +4,7 @@ SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help demo playground test pictures bench fuzz tools vulkan chromium \
+.PHONY: help demo playground test pictures bench fuzz tools cxx vulkan chromium \
 	test-format test-lints test-docs test-all test-examples test-benches
 
 # rustup's default place, for shells that have not read its environment.
@@ -49,11 +49,12 @@ demo: tools vulkan ## draw every technique beside its judgement, into out/galler
 
 SCENE ?= assets/models/interior.glb
 playground: tools vulkan ## a window to try and compare the techniques in (SCENE=file.glb or shot.json)
+	@echo "playground: building, then opening $(SCENE)"
 	cargo build --release --package antumbra_playground
 	cargo run --release --quiet --package antumbra_playground -- $(SCENE)
 
 # The cheapest failure first; test-all builds what every step after it uses.
-test: tools vulkan chromium test-format test-lints test-docs test-all test-examples test-benches ## everything below
+test: tools cxx vulkan chromium test-format test-lints test-docs test-all test-examples test-benches ## everything below
 	@echo "make test: all passed"
 
 test-format: ## formatting of all Rust files
@@ -69,7 +70,8 @@ test-lints: ## clippy with all features, with those of a renderer, and on the EC
 test-docs: ## API documentation, no warning allowed
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features --lib --example own_engine
 
-# By parts, for snippets that are no programs are ignored too. What comes first builds the examples, which tests run.
+# In parts: with --include-ignored, snippets that are no programs would be run too. The first command builds the examples
+# that tests run.
 test-all: ## all tests and doc tests
 	cargo test $(BOTH) --no-run
 	cargo test $(BOTH) --tests $(ALL_MODELS)
@@ -105,6 +107,11 @@ tools:
 	@command -v cargo >/dev/null || { echo "cargo is missing: install Rust 1.95 or newer, https://rustup.rs" >&2; exit 1; }
 	@command -v cc >/dev/null || command -v clang >/dev/null || command -v gcc >/dev/null || \
 		{ echo "a C linker is missing: install gcc or clang (Debian: apt-get install gcc libc6-dev)" >&2; exit 1; }
+
+# A decoder of compressed glTF data is C++.
+cxx:
+	@command -v c++ >/dev/null || command -v clang++ >/dev/null || \
+		{ echo "a C++ compiler is missing: install g++ or clang (Debian: apt-get install g++)" >&2; exit 1; }
 
 vulkan:
 	@scripts/ensure-vulkan.sh

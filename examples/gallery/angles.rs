@@ -12,6 +12,10 @@ use super::support::texels::{Judged, Row, maps, model_view, plain};
 /// Name of the plot.
 pub const FILE: &str = "angles.svg";
 
+/// Title of the plot.
+pub const TITLE: &str =
+    "Perspective maps, uniform maps and cascades of as many texels, for the light's angle to the view";
+
 /// Models of the plot besides the plain, which are drawn if the folder of models has them.
 const MODELS: [&str; 2] = ["dungeon_A.glb", "town_A.glb"];
 

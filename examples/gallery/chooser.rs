@@ -3,6 +3,8 @@
 
 use serde_json::{Value, json};
 
+use super::cost::median;
+use super::page::Page;
 use super::results::Judged;
 use super::way::{Way, light_kinds, refusal};
 
@@ -21,14 +23,17 @@ pub struct Summary {
     worst: Option<(f64, String)>,
     /// Root mean squared errors of soft shadows over the penumbra.
     soft: Vec<f64>,
-    /// Costs of a light at rest, as ratios to the light without shadows.
-    rest: Vec<f64>,
-    /// Costs of a moving light, as ratios to the light without shadows.
-    moving: Vec<f64>,
+    /// Costs of a light at rest, as ratios to the light without shadows: of hard shadows, and of soft ones.
+    rest: [Vec<f64>; 2],
+    /// The same of a moving light.
+    moving: [Vec<f64>; 2],
     /// Number of shots whose light it refuses.
     refused: usize,
     /// Whether alpha masks cut holes into its shadows, if that was measured.
     cuts_holes: Option<bool>,
+    /// Whether all pages show it. Further settings of a technique, which one page shows, answer no question: their numbers
+    /// are of other scenes.
+    is_everywhere: bool,
 }
 
 /// Sums up the results by way, in the order in which the ways first occur.
@@ -49,9 +54,10 @@ pub fn summaries(results: &[Judged]) -> Vec<Summary> {
                     summary.refused += 1;
                     continue;
                 };
-                summary.rest.extend(of_way.cost.ratio());
-                summary.moving.extend(of_way.cost.moving_ratio());
-                summary.cuts_holes = of_way.cuts_holes.or(summary.cuts_holes);
+                summary.rest[usize::from(of_shot.is_soft)].extend(of_way.cost.ratio());
+                summary.moving[usize::from(of_shot.is_soft)].extend(of_way.cost.moving_ratio());
+                let measured = [summary.cuts_holes, of_way.cuts_holes].into_iter().flatten();
+                summary.cuts_holes = measured.reduce(|a, b| a || b);
                 let Some(error) = of_way.lights[of_shot.light].1 else {
                     continue;
                 };
@@ -66,6 +72,10 @@ pub fn summaries(results: &[Judged]) -> Vec<Summary> {
             }
         }
     }
+    for summary in &mut all {
+        let shows = |page: &Page| page.ways.iter().any(|way| way.name == summary.way.name);
+        summary.is_everywhere = results.iter().all(|(page, _)| shows(page));
+    }
     all
 }
 
@@ -76,10 +86,11 @@ impl Summary {
             hard: Vec::new(),
             worst: None,
             soft: Vec::new(),
-            rest: Vec::new(),
-            moving: Vec::new(),
+            rest: Default::default(),
+            moving: Default::default(),
             refused: 0,
             cuts_holes: None,
+            is_everywhere: true,
         }
     }
 
@@ -92,11 +103,11 @@ impl Summary {
     }
 
     fn rest(&self) -> Option<f64> {
-        median(&self.rest)
+        median(self.rest.concat())
     }
 
     fn moving(&self) -> Option<f64> {
-        median(&self.moving)
+        median(self.moving.concat())
     }
 
     fn refuses(&self) -> Vec<&'static str> {
@@ -177,17 +188,17 @@ const WANTS: [Want; 7] = [
     },
     Want {
         text: "soft shadows, the cheapest with at most twice the least error",
-        number: Summary::rest,
+        number: |summary| median(summary.rest[1].clone()),
         allowed: is_good_and_soft,
     },
     Want {
         text: "hard shadows of lights at rest, the cheapest with less than 1 % wrong",
-        number: Summary::rest,
+        number: |summary| median(summary.rest[0].clone()),
         allowed: is_good,
     },
     Want {
         text: "hard shadows of moving lights, the cheapest with less than 1 % wrong",
-        number: Summary::moving,
+        number: |summary| median(summary.moving[0].clone()),
         allowed: is_good,
     },
     Want {
@@ -207,7 +218,7 @@ pub fn choices(summaries: &[Summary]) -> Vec<(&'static str, &Summary)> {
     let best = |want: &Want| {
         let numbers = summaries
             .iter()
-            .filter(|summary| (want.allowed)(summary, summaries))
+            .filter(|summary| summary.is_everywhere && (want.allowed)(summary, summaries))
             .filter_map(|summary| Some((summary, (want.number)(summary)?)));
         // Of equal answers, the first of the list.
         numbers
@@ -233,10 +244,4 @@ pub fn json(results: &[Judged]) -> Value {
 
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn median(values: &[f64]) -> Option<f64> {
-    let mut values = values.to_vec();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

@@ -155,7 +155,8 @@ fn nudge(stage: &mut Stage, light: usize, run: usize) {
     }
 }
 
-fn median(mut values: Vec<f64>) -> Option<f64> {
+/// Returns the middle of some values, or the upper one of two.
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use antumbra::techniques::Techniques;
 use serde_json::{Value, json};
 
+use super::angles;
 use super::chooser;
 use super::cost::RUNS;
 use super::judge::Workbench;
@@ -49,7 +50,7 @@ pub fn write(
     if let Some(scenes) = all["scenes"].as_array_mut() {
         scenes.extend(looks);
     }
-    all["more"] = other_pages(out);
+    all["more"] = plot(out);
     all["chooser"] = chooser::json(results);
     let save = |name: &str, text: &str| {
         let path = out.join(name);
@@ -70,23 +71,10 @@ pub fn page(results: &Value) -> String {
         .replace("/* results */", &data)
 }
 
-/// Returns the other web pages of the folder, with their titles; further commands of the gallery write them.
-fn other_pages(out: &Path) -> Value {
-    let entries = std::fs::read_dir(out).into_iter().flatten().flatten();
-    let mut pages: Vec<(String, String)> = entries
-        .filter_map(|entry| {
-            let file = entry.file_name().into_string().ok()?;
-            let is_other = (file.ends_with(".html") || file.ends_with(".svg")) && file != "index.html";
-            let text = is_other.then(|| std::fs::read_to_string(entry.path()).ok())??;
-            let title = text.split_once("<title>")?.1.split_once("</title>")?.0;
-            Some((file, title.to_owned()))
-        })
-        .collect();
-    pages.sort();
-    pages
-        .iter()
-        .map(|(file, title)| json!({"file": file, "title": title}))
-        .collect()
+/// Returns the plot that `--angles` writes into the folder, if it is there, with its title.
+fn plot(out: &Path) -> Value {
+    let plot = json!({"file": angles::FILE, "title": angles::TITLE});
+    Value::Array(Vec::from_iter(out.join(angles::FILE).exists().then_some(plot)))
 }
 
 /// Removes the statistics of frames, which are many and which the page does not show.

@@ -4,8 +4,7 @@ use std::time::Instant;
 
 use bevy::app::{App, Plugin};
 use bevy::diagnostic::{
-    DEFAULT_MAX_HISTORY_LENGTH, Diagnostic, DiagnosticMeasurement, DiagnosticPath, DiagnosticsStore,
-    RegisterDiagnostic,
+    Diagnostic, DiagnosticMeasurement, DiagnosticPath, DiagnosticsStore, RegisterDiagnostic,
 };
 use bevy::ecs::prelude::*;
 use bevy::render::{ExtractSchedule, MainWorld, RenderApp};
@@ -46,7 +45,7 @@ pub struct AntumbraDiagnosticsPlugin;
 type Sums = [f64; 8];
 
 impl AntumbraDiagnosticsPlugin {
-    /// Number of marked cameras.
+    /// Number of marked cameras that were drawn.
     pub const CAMERAS: DiagnosticPath = DiagnosticPath::const_new("antumbra/cameras");
     /// Number of objects of the scene: meshes that are lit or cast shadows.
     pub const OBJECTS: DiagnosticPath = DiagnosticPath::const_new("antumbra/objects");
@@ -62,7 +61,8 @@ impl AntumbraDiagnosticsPlugin {
     pub const SILHOUETTE_EDGES: DiagnosticPath = DiagnosticPath::const_new("antumbra/silhouette_edges");
     /// Memory of the maps and textures of all techniques, bytes.
     pub const TEXTURE_BYTES: DiagnosticPath = DiagnosticPath::const_new("antumbra/texture_bytes");
-    /// CPU time of all systems of this crate, milliseconds.
+    /// CPU time of the system sets ([`AntumbraSystems`](crate::schedule::AntumbraSystems)) over all cameras,
+    /// milliseconds. Copying the game's scene and recording draws are not in it.
     pub const CPU_TIME: DiagnosticPath = DiagnosticPath::const_new("antumbra/cpu_time");
 
     /// Paths of the counts.
@@ -83,11 +83,7 @@ impl Plugin for AntumbraDiagnosticsPlugin {
         for path in Self::COUNTS {
             app.register_diagnostic(Diagnostic::new(path));
         }
-        app.register_diagnostic(
-            Diagnostic::new(Self::CPU_TIME)
-                .with_suffix("ms")
-                .with_max_history_length(DEFAULT_MAX_HISTORY_LENGTH),
-        );
+        app.register_diagnostic(Diagnostic::new(Self::CPU_TIME).with_suffix("ms"));
     }
 
     fn finish(&self, app: &mut App) {
@@ -103,12 +99,15 @@ impl Plugin for AntumbraDiagnosticsPlugin {
 ///
 /// Runs in `ExtractSchedule`, before [`Collect`](AntumbraExtractSystems::Collect), while the mirrors are still
 /// those that ran.
-fn publish_diagnostics(mut main: ResMut<MainWorld>, mirrors: Option<Res<Mirrors>>) {
-    let (Some(mirrors), Some(mut store)) = (mirrors, main.get_resource_mut::<DiagnosticsStore>()) else {
+fn publish_diagnostics(mut main: ResMut<MainWorld>, mirrors: Option<ResMut<Mirrors>>) {
+    let (Some(mut mirrors), Some(mut store)) = (mirrors, main.get_resource_mut::<DiagnosticsStore>()) else {
         return;
     };
     let (mut sums, mut milliseconds): (Sums, f64) = ([0.0; 8], 0.0);
-    for (_, mirror) in mirrors.iter() {
+    for (_, mirror) in mirrors.iter_mut() {
+        if !std::mem::take(&mut mirror.has_run) {
+            continue; // its camera draws nothing
+        }
         for (sum, count) in sums.iter_mut().zip(counts(mirror)) {
             *sum += count;
         }

@@ -72,6 +72,8 @@ pub struct Mirror {
     pub camera: Entity,
     /// True until the first synchronisation, which copies everything instead of only what changed.
     pub fresh: bool,
+    /// Whether the frame's schedule has run since the diagnostics read the mirror.
+    pub(super) has_run: bool,
     /// State with which the GPU draws the camera's lights.
     pub view: ViewState,
     /// Objects of the game that must be synchronised again, beside those that changed in the game. Their level
@@ -103,6 +105,7 @@ impl Mirror {
             layers,
             camera,
             fresh: true,
+            has_run: false,
             view: ViewState::default(),
             dirty: Vec::new(),
             receivers_changed: Vec::new(),
@@ -116,6 +119,7 @@ impl Mirror {
     pub fn run(&mut self) {
         self.schedule.run(&mut self.world);
         self.world.clear_trackers();
+        self.has_run = true;
     }
 
     /// Returns the mirror's entity that stands for an entity of the game.

@@ -53,8 +53,31 @@ fn counts_are_those_of_the_scene_and_sums_over_cameras() {
         let edges = value(&mut game, &Paths::SILHOUETTE_EDGES).expect("there are edges");
         assert!((4.0..=10.0).contains(&(edges / each)), "{edges}");
         assert!(value(&mut game, &Paths::CPU_TIME) > Some(0.0));
-        assert!(value(&mut game, &Paths::TEXTURE_BYTES).is_some());
+        assert_eq!(
+            value(&mut game, &Paths::TEXTURE_BYTES),
+            Some(0.0),
+            "volumes have no texture"
+        );
+        let world = game.world();
+        let mut lights = world.query_filtered::<Entity, With<PointLight>>();
+        let light = lights.single(world).expect("one light");
+        let mut light = world.entity_mut(light);
+        light.remove::<StencilVolume>().insert(OmniMap::default());
+        game.run(3);
+        assert!(value(&mut game, &Paths::TEXTURE_BYTES) > Some(0.0));
     }
+}
+
+#[test]
+fn cameras_that_draw_nothing_are_not_counted() {
+    let mut game = game(2, |app| {
+        app.add_plugins(AntumbraDiagnosticsPlugin);
+    });
+    let world = game.world();
+    let mut cameras = world.query::<&mut Camera>();
+    cameras.iter_mut(world).next().expect("a camera").is_active = false;
+    game.run(3);
+    assert_eq!(value(&mut game, &AntumbraDiagnosticsPlugin::CAMERAS), Some(1.0));
 }
 
 #[test]

@@ -10,6 +10,7 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
+use base64::prelude::*;
 use serde_json::{Value, json};
 
 /// The same names in the same order as in `scripts/ensure-chromium.sh`.
@@ -229,8 +230,9 @@ impl Browser {
     /// Writes what the window shows as PNG.
     pub fn screenshot(&mut self, path: &Path) {
         let answer = self.call("Page.captureScreenshot", json!({"format": "png"}));
-        let text = answer["data"].as_str().expect("base 64");
-        std::fs::write(path, base64(text)).expect("a writable folder");
+        let text = answer["data"].as_str().expect("a picture");
+        let picture = BASE64_STANDARD.decode(text).expect("base 64");
+        std::fs::write(path, picture).expect("a writable folder");
     }
 }
 
@@ -267,20 +269,4 @@ fn problem(message: &Value) -> Option<String> {
         }
         _ => None,
     }
-}
-
-/// Decodes base 64 without line breaks.
-fn base64(text: &str) -> Vec<u8> {
-    let digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let (mut bits, mut count, mut bytes) = (0u32, 0, Vec::new());
-    for digit in text.bytes().filter(|byte| *byte != b'=') {
-        let value = digits.bytes().position(|known| known == digit).expect("a digit");
-        bits = bits << 6 | value as u32;
-        count += 6;
-        if count >= 8 {
-            count -= 8;
-            bytes.push((bits >> count) as u8);
-        }
-    }
-    bytes
 }

@@ -194,6 +194,9 @@ fn rows_and_table_sort() {
     let up = measured(browser.eval(column));
     browser.click("#measured [data-sort=rest]");
     assert_eq!(browser.eval(head), json!("descending"));
+    assert!(up.len() >= 3, "{up:?}");
+    let number = |cell: &String| cell.trim_end_matches('×').parse::<f64>().expect("a ratio");
+    assert!(up.iter().map(number).is_sorted(), "{up:?}");
     let mut down = measured(browser.eval(column));
     down.reverse();
     // Equal numbers may stand in either order.

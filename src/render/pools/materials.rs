@@ -1,4 +1,4 @@
-//! Materials and textures on the GPU.
+//! Materials on the GPU.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -8,13 +8,12 @@ use smallvec::SmallVec;
 use wgpu::util::DeviceExt;
 
 use super::gpu_types;
+use super::textures::{Textures, slots, texture_descriptor, whole_texture};
 use crate::conventions::RADIANCE_MAX;
 use crate::render::gpu::bind_groups::bind_in_order;
-use crate::render::gpu::mipmaps::mip_chain;
 use crate::render::gpu::slots::Slots;
 use crate::render::{Gpu, RenderContext};
-use crate::scene::material::TextureWrap;
-use crate::scene::{AlphaMode, Material, Texture, TextureSlot};
+use crate::scene::{AlphaMode, Material, TextureSlot};
 
 /// A texture that a host has on the device. It takes the place of a material's own base colour texture.
 #[derive(Clone, Debug)]
@@ -42,20 +41,6 @@ pub struct GpuMaterial {
 /// thousandth.
 const STEEPEST: f32 = 1e3;
 
-/// The encoding in which a texture's texels are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Encoding {
-    Srgb,
-    Linear,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct SamplerKey {
-    wrap: [TextureWrap; 2],
-    linear_magnify: bool,
-    linear_minify: bool,
-}
-
 /// The materials that views hold, and their textures and samplers.
 #[derive(Debug)]
 pub struct SharedMaterials {
@@ -70,8 +55,7 @@ struct Known {
     /// The base colour textures that a host has given materials, by the materials' addresses. The weak
     /// pointer keeps the address from being used again.
     hosted: HashMap<usize, (Weak<Material>, HostTexture)>,
-    textures: HashMap<(usize, Encoding), (Arc<Texture>, wgpu::TextureView)>,
-    samplers: HashMap<SamplerKey, wgpu::Sampler>,
+    textures: Textures,
 }
 
 impl SharedMaterials {
@@ -117,19 +101,17 @@ impl SharedMaterials {
             if let Some(found) = find(&known) {
                 return found;
             }
-            known.missing(material)
+            known.textures.missing(material)
         };
         // Textures are made without the lock: while threads make mipmaps, this one may run another view's system, which
         // asks for materials, too.
-        let made = missing.into_iter().map(|(texture, encoding)| {
-            let view = upload_texture(&gpu.context, texture, encoding);
-            ((Arc::as_ptr(texture) as usize, encoding), (texture.clone(), view))
-        });
-        let made: SmallVec<[_; 5]> = made.collect();
+        let made: SmallVec<[_; 5]> = missing
+            .iter()
+            .map(|missing| missing.upload(&gpu.context))
+            .collect();
         let mut known = self.known();
-        for (key, texture) in made {
-            known.textures.entry(key).or_insert(texture);
-        }
+        made.into_iter()
+            .for_each(|texture| known.textures.insert(texture));
         if let Some(found) = find(&known) {
             return found;
         }
@@ -145,10 +127,7 @@ impl SharedMaterials {
         known
             .hosted
             .retain(|_, (material, _)| material.strong_count() > 0);
-        // No material uses a texture that only this map holds.
-        known
-            .textures
-            .retain(|_, (texture, _)| Arc::strong_count(texture) > 1);
+        known.textures.forget_unused();
     }
 }
 
@@ -186,37 +165,7 @@ impl MaterialPool {
     }
 }
 
-/// The textures of a material, and how each is read.
-fn slots(material: &Material) -> [(&Option<TextureSlot>, Encoding); 5] {
-    [
-        (&material.base_color_texture, Encoding::Srgb),
-        (&material.metallic_roughness_texture, Encoding::Linear),
-        (&material.normal_texture, Encoding::Linear),
-        (&material.occlusion_texture, Encoding::Linear),
-        (&material.emissive_texture, Encoding::Srgb),
-    ]
-}
-
-/// The texture of a slot, if it can be shown.
-fn whole_texture(slot: &Option<TextureSlot>) -> Option<&Arc<Texture>> {
-    slot.as_ref().map(|slot| &slot.texture).filter(|t| is_whole(t))
-}
-
 impl Known {
-    /// Returns the textures of a material that are not on the device.
-    fn missing<'a>(&self, material: &'a Material) -> SmallVec<[(&'a Arc<Texture>, Encoding); 5]> {
-        let textures = slots(material)
-            .into_iter()
-            .filter_map(|(slot, encoding)| Some((whole_texture(slot)?, encoding)));
-        textures
-            .filter(|(texture, encoding)| {
-                !self
-                    .textures
-                    .contains_key(&(Arc::as_ptr(texture) as usize, *encoding))
-            })
-            .collect()
-    }
-
     fn upload(
         &mut self,
         context: &RenderContext,
@@ -240,11 +189,15 @@ impl Known {
         let slots = slots(material);
         let mut views: Vec<_> = slots
             .iter()
-            .map(|(slot, encoding)| self.view(slot, *encoding).unwrap_or_else(|| white.clone()))
+            .map(|&(slot, encoding)| {
+                self.textures
+                    .view(slot, encoding)
+                    .unwrap_or_else(|| white.clone())
+            })
             .collect();
         let mut samplers: Vec<_> = slots
             .iter()
-            .map(|(slot, _)| self.sampler(context, slot.as_ref()))
+            .map(|&(slot, _)| self.textures.sampler(context, slot.as_ref()))
             .collect();
         if let Some(texture) = hosted {
             (views[0], samplers[0]) = (texture.view, texture.sampler);
@@ -261,110 +214,6 @@ impl Known {
             _source: material.clone(),
         }
     }
-
-    /// Returns a texture that is on the device already.
-    fn view(&self, slot: &Option<TextureSlot>, encoding: Encoding) -> Option<wgpu::TextureView> {
-        let address = Arc::as_ptr(whole_texture(slot)?) as usize;
-        let (_, view) = self.textures.get(&(address, encoding))?;
-        Some(view.clone())
-    }
-
-    fn sampler(&mut self, context: &RenderContext, slot: Option<&TextureSlot>) -> wgpu::Sampler {
-        let key = slot.map_or(
-            SamplerKey {
-                wrap: [TextureWrap::Repeat; 2],
-                linear_magnify: true,
-                linear_minify: true,
-            },
-            |slot| SamplerKey {
-                wrap: slot.texture.wrap,
-                linear_magnify: slot.texture.linear_magnify,
-                linear_minify: slot.texture.linear_minify,
-            },
-        );
-        self.samplers
-            .entry(key)
-            .or_insert_with(|| create_sampler(context, key))
-            .clone()
-    }
-}
-
-fn is_whole(texture: &Texture) -> bool {
-    texture.width > 0
-        && texture.height > 0
-        && texture.rgba8.len() as u128 == 4 * u128::from(texture.width) * u128::from(texture.height)
-}
-
-fn create_sampler(context: &RenderContext, key: SamplerKey) -> wgpu::Sampler {
-    let address = |wrap| match wrap {
-        TextureWrap::Repeat => wgpu::AddressMode::Repeat,
-        TextureWrap::Mirror => wgpu::AddressMode::MirrorRepeat,
-        TextureWrap::Clamp => wgpu::AddressMode::ClampToEdge,
-    };
-    let filter = |linear| {
-        if linear {
-            wgpu::FilterMode::Linear
-        } else {
-            wgpu::FilterMode::Nearest
-        }
-    };
-    let all_linear = key.linear_magnify && key.linear_minify;
-    context.device.create_sampler(&wgpu::SamplerDescriptor {
-        label: Some("material"),
-        address_mode_u: address(key.wrap[0]),
-        address_mode_v: address(key.wrap[1]),
-        mag_filter: filter(key.linear_magnify),
-        min_filter: filter(key.linear_minify),
-        mipmap_filter: if key.linear_minify {
-            wgpu::MipmapFilterMode::Linear
-        } else {
-            wgpu::MipmapFilterMode::Nearest
-        },
-        // WebGPU allows anisotropy only where all filters are linear.
-        anisotropy_clamp: if all_linear { context.anisotropy } else { 1 },
-        ..Default::default()
-    })
-}
-
-fn texture_descriptor(
-    label: &str,
-    width: u32,
-    height: u32,
-    mip_level_count: u32,
-    format: wgpu::TextureFormat,
-) -> wgpu::TextureDescriptor<'_> {
-    wgpu::TextureDescriptor {
-        label: Some(label),
-        size: wgpu::Extent3d {
-            width,
-            height,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    }
-}
-
-fn upload_texture(context: &RenderContext, texture: &Texture, encoding: Encoding) -> wgpu::TextureView {
-    let limit = context.device.limits().max_texture_dimension_2d;
-    let chain = mip_chain(texture, encoding == Encoding::Srgb, limit);
-    let format = match encoding {
-        Encoding::Srgb => wgpu::TextureFormat::Rgba8UnormSrgb,
-        Encoding::Linear => wgpu::TextureFormat::Rgba8Unorm,
-    };
-    context
-        .device
-        .create_texture_with_data(
-            &context.queue,
-            &texture_descriptor(&texture.name, chain.width, chain.height, chain.levels, format),
-            wgpu::wgt::TextureDataOrder::LayerMajor,
-            &chain.rgba8,
-        )
-        .create_view(&Default::default())
 }
 
 /// Returns the constants of a texture. A transform that is not finite becomes the identity.
@@ -384,7 +233,7 @@ fn present_slot(uv_set: u32, uv_transform: Affine2) -> gpu_types::Slot {
 }
 
 fn constants(material: &Material) -> gpu_types::Material {
-    let slot = |slot: &Option<TextureSlot>| match slot.as_ref().filter(|slot| is_whole(&slot.texture)) {
+    let slot = |slot: &Option<TextureSlot>| match slot.as_ref().filter(|_| whole_texture(slot).is_some()) {
         None => gpu_types::Slot {
             uv_matrix: [1.0, 0.0, 0.0, 1.0],
             ..Default::default()
@@ -417,5 +266,60 @@ fn constants(material: &Material) -> gpu_types::Material {
         occlusion_slot: slot(&material.occlusion_texture),
         emissive_slot: slot(&material.emissive_texture),
         ..Default::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    use bevy_tasks::{ComputeTaskPool, TaskPool};
+
+    use super::*;
+    use crate::render::RequestedFeatures;
+    use crate::scene::Texture;
+
+    /// A texture whose mipmaps are made on several threads.
+    fn large_texture() -> Arc<Texture> {
+        const SIDE: u32 = 512;
+        Arc::new(Texture {
+            name: "grey".to_owned(),
+            width: SIDE,
+            height: SIDE,
+            rgba8: vec![128; (4 * SIDE * SIDE) as usize],
+            wrap: Default::default(),
+            linear_magnify: true,
+            linear_minify: true,
+        })
+    }
+
+    #[test]
+    fn tasks_that_wait_for_mipmaps_run_others_that_ask_for_materials() {
+        let (done, all_done) = channel();
+        std::thread::spawn(move || {
+            let context = pollster::block_on(RenderContext::headless(RequestedFeatures::default()));
+            let gpu = Gpu::new(context.expect("a GPU adapter is needed")).expect("shaders compose");
+            let materials: Vec<Arc<Material>> = (0..16)
+                .map(|_| {
+                    Arc::new(Material {
+                        base_color_texture: Some(TextureSlot {
+                            texture: large_texture(),
+                            uv_set: 0,
+                            uv_transform: Affine2::IDENTITY,
+                        }),
+                        ..Material::default()
+                    })
+                })
+                .collect();
+            let pool = ComputeTaskPool::get_or_init(TaskPool::default);
+            let made = pool.scope(|scope| {
+                for material in &materials {
+                    scope.spawn(async { gpu.materials.get(&gpu, material) });
+                }
+            });
+            let _ = done.send(made.len());
+        });
+        assert_eq!(all_done.recv_timeout(Duration::from_secs(60)), Ok(16));
     }
 }

@@ -29,7 +29,7 @@
 //! # Error and cost
 //!
 //! At 1024², at most 0.35 % of the pixels further than a texel from an edge are wrong on any of 40 models, and none on most,
-//! with 15 views and lights each. `tests/gpu/maps` prints this, and judges 29 scenes that are made to provoke acne, leaks and
+//! with 15 views and lights each when it was measured. `tests/gpu/maps` draws some of them, and judges 29 scenes that are made to provoke acne, leaks and
 //! lost contacts, with 6 kinds of map and up to 6 filters.
 //!
 //! A map is kept while nothing in it moves: 64 point lights at rest draw no caster at all. The adaptive jittered filter takes 7

@@ -16,7 +16,7 @@
 //! # Error and cost
 //!
 //! Pixels in the one-pixel band along the edges of shadows are left to rounding. Of the others, at most 0.03 % are wrong on
-//! any of 40 models, and none on most, with 15 views and lights each
+//! any of 40 models, and none on most, with 15 views and lights each when it was measured
 //! (`cargo test --all-features --test gpu reference_match -- --nocapture` prints this). Where the edge of a volume passes
 //! within the GPU's rounding of a pixel's centre, that pixel may show the other side of the edge.
 //!

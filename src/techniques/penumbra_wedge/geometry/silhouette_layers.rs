@@ -91,146 +91,212 @@ pub fn extract_layers(
     edges.clear();
     caps.iter_mut().for_each(Vec::clear);
     let facing = facets.facing;
-    let words = facing.words();
-    if positions.len() < mesh.vertex_count() || words.len() != mesh.clusters().len() {
+    if positions.len() < mesh.vertex_count() || facing.words().len() != mesh.clusters().len() {
         return;
     }
     let split = Split::of(mesh, facets, mode);
     if by_patch {
         patches.find(mesh, facing, |slot| split.layers_of_slot(mesh, facing, slot));
     }
-    let patches = by_patch.then_some(&*patches);
-    let patch_of = |slot: usize| patches.map_or(0, |patches| patches.of_slot(slot));
-    let at = |[a, b]: [u32; 2], forward: bool| {
-        let ends = [positions[a as usize], positions[b as usize]];
-        if forward { ends } else { [ends[1], ends[0]] }
+    let mut extraction = Extraction {
+        mesh,
+        positions,
+        facets,
+        split,
+        patches: by_patch.then_some(&*patches),
+        edges,
     };
-    for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
-        let corners = &mesh.corners()[cluster.triangles()];
-        let first = index * CLUSTER_TRIANGLES;
-        let turning = facets.turning_word(index);
-        let mut push_unlike = |side: LaneSide, other_slot: usize, other: u64| {
-            let slot = first + side.lane();
-            let is_facing = word >> side.lane() & 1 != 0;
-            if facets.is_grazed(slot) || facets.is_grazed(other_slot) {
-                // The edge is now the border of the other triangle.
-                let other_facing = other & 1 != 0;
-                for (slot, is_facing, forward) in [
-                    (slot, is_facing, is_facing),
-                    (other_slot, other_facing, !other_facing),
-                ] {
-                    if facets.is_grazed(slot) {
-                        continue;
-                    }
-                    let layers = split.layers_of_slot(mesh, facing, slot);
-                    let ends = at(side.vertices(corners), forward);
-                    if facets.turns(slot) {
-                        let beside = split.beside(mesh, slot);
-                        edges.push(turning_border(ends, slot, is_facing, layers, beside));
-                    } else if layers != 0 {
-                        edges.push(LayeredEdge::fixed(ends, layers, patch_of(slot)));
-                    }
-                }
-                return;
-            }
-            let is_unlike = is_facing != (other & 1 != 0);
-            let ends = at(side.vertices(corners), is_facing);
-            if turning >> side.lane() & 1 != 0 || facets.turns(other_slot) {
-                let sides = [facets.side(slot), facets.side(other_slot)];
-                edges.push(LayeredEdge {
-                    ends,
-                    layers: if is_unlike { FACING | AVERTED } else { 0 },
-                    soft_layers: FACING | AVERTED,
-                    is_closed: split.is_back_only(mesh, slot),
-                    sides: if is_facing { sides } else { [sides[1], sides[0]] },
-                    patch: 0,
-                });
-                return;
-            }
-            if !is_unlike {
-                return;
-            }
-            if !by_patch {
-                edges.push(LayeredEdge::fixed(ends, FACING | AVERTED, 0));
-                return;
-            }
-            for slot in [slot, other_slot] {
-                let layers = split.layers_of_slot(mesh, facing, slot);
-                if layers != 0 {
-                    edges.push(LayeredEdge::fixed(ends, layers, patch_of(slot)));
-                }
-            }
-        };
-        let is_mixed = word != 0 && word != cluster.full_word();
-        if turning != 0 || is_mixed || facets.grazed.get(index).is_some_and(|&word| word != 0) {
-            for edge in &mesh.inner_edges()[cluster.inner()] {
-                let lane = edge.other_lane % 64;
-                push_unlike(edge.side, first + usize::from(lane), word >> lane);
-            }
-        }
-        let sides = mesh.seam_sides()[cluster.seams()].iter();
-        for (&side, &slot) in sides.zip(&mesh.seam_slots()[cluster.seams()]) {
-            let slot = slot as usize;
-            let other = words[slot / CLUSTER_TRIANGLES] >> (slot % CLUSTER_TRIANGLES);
-            push_unlike(side, slot, other);
+    extraction.push_shared_edges();
+    extraction.push_borders();
+    extraction.push_irregular_edges();
+    extraction.push_caps(caps);
+}
+
+/// The extraction of one caster's edges.
+struct Extraction<'a> {
+    mesh: &'a EdgeMesh,
+    positions: &'a [Vec3],
+    facets: Facets<'a>,
+    split: Split,
+    patches: Option<&'a Patches>,
+    edges: &'a mut Vec<LayeredEdge>,
+}
+
+impl Extraction<'_> {
+    fn patch_of(&self, slot: usize) -> u32 {
+        patch_of(self.patches, slot)
+    }
+
+    fn ends(&self, vertices: [u32; 2], forward: bool) -> [Vec3; 2] {
+        ends(self.positions, vertices, forward)
+    }
+
+    fn layers_of_slot(&self, slot: usize) -> u32 {
+        self.split.layers_of_slot(self.mesh, self.facets.facing, slot)
+    }
+
+    /// Pushes an edge that is the same from all points of the light, if it bounds a layer.
+    fn push_fixed(&mut self, ends: [Vec3; 2], layers: u32, slot: usize) {
+        if layers != 0 {
+            self.edges
+                .push(LayeredEdge::fixed(ends, layers, self.patch_of(slot)));
         }
     }
-    for (cluster, &word) in mesh
-        .clusters()
-        .iter()
-        .zip(words)
-        .skip(mesh.closed_cluster_count())
-    {
-        for edge in cluster.boundary() {
-            let slot = mesh.boundary_slots()[edge] as usize;
+
+    /// Pushes the edges between two triangles: those inside of a cluster, and those between clusters.
+    fn push_shared_edges(&mut self) {
+        let (mesh, words) = (self.mesh, self.facets.facing.words());
+        for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
+            let corners = &mesh.corners()[cluster.triangles()];
+            let first = index * CLUSTER_TRIANGLES;
+            let is_mixed = word != 0 && word != cluster.full_word();
+            let is_grazed = self.facets.grazed.get(index).is_some_and(|&word| word != 0);
+            if self.facets.turning_word(index) != 0 || is_mixed || is_grazed {
+                for edge in &mesh.inner_edges()[cluster.inner()] {
+                    let other_slot = first + usize::from(edge.other_lane % 64);
+                    self.push_between(corners, edge.side, first, other_slot);
+                }
+            }
+            let sides = mesh.seam_sides()[cluster.seams()].iter();
+            for (&side, &slot) in sides.zip(&mesh.seam_slots()[cluster.seams()]) {
+                self.push_between(corners, side, first, slot as usize);
+            }
+        }
+    }
+
+    /// Pushes the edge between a triangle of the cluster that begins at the slot `first`, and another triangle.
+    fn push_between(&mut self, corners: &[[u32; 3]], side: LaneSide, first: usize, other_slot: usize) {
+        let facets = self.facets;
+        let slot = first + side.lane();
+        let is_facing = facets.facing.is_facing(slot);
+        let is_unlike = is_facing != facets.facing.is_facing(other_slot);
+        let vertices = side.vertices(corners);
+        if facets.is_grazed(slot) || facets.is_grazed(other_slot) {
+            self.push_beside_grazed(vertices, slot, other_slot);
+        } else if facets.turns(slot) || facets.turns(other_slot) {
+            let sides = [facets.side(slot), facets.side(other_slot)];
+            self.edges.push(LayeredEdge {
+                ends: self.ends(vertices, is_facing),
+                layers: if is_unlike { FACING | AVERTED } else { 0 },
+                soft_layers: FACING | AVERTED,
+                is_closed: self.split.is_back_only(self.mesh, slot),
+                sides: if is_facing { sides } else { [sides[1], sides[0]] },
+                patch: 0,
+            });
+        } else if is_unlike && self.patches.is_none() {
+            self.push_fixed(self.ends(vertices, is_facing), FACING | AVERTED, slot);
+        } else if is_unlike {
+            for slot in [slot, other_slot] {
+                let layers = self.layers_of_slot(slot);
+                self.push_fixed(self.ends(vertices, is_facing), layers, slot);
+            }
+        }
+    }
+
+    /// Pushes an edge of which one triangle blocks nothing: it is the border of the other.
+    fn push_beside_grazed(&mut self, vertices: [u32; 2], slot: usize, other_slot: usize) {
+        let facets = self.facets;
+        let [is_facing, other_facing] = [slot, other_slot].map(|slot| facets.facing.is_facing(slot));
+        for (slot, is_facing, forward) in [
+            (slot, is_facing, is_facing),
+            (other_slot, other_facing, !other_facing),
+        ] {
             if facets.is_grazed(slot) {
                 continue;
             }
-            let is_facing = word >> (slot % CLUSTER_TRIANGLES) & 1 != 0;
-            let ends = at(mesh.boundary_vertices()[edge], is_facing);
-            let layers = split.layers_of(is_facing, false);
-            edges.push(if facets.turns(slot) {
-                turning_border(ends, slot, is_facing, layers, Side::Open)
-            } else {
-                LayeredEdge::fixed(ends, layers, patch_of(slot))
-            });
-        }
-    }
-    push_irregular(mesh, facets, split, patch_of, |edge, forward, layers, patch| {
-        let ends = at(mesh.irregular_vertices()[edge], forward);
-        edges.push(LayeredEdge::fixed(ends, layers, patch));
-    });
-    for edge in 0..mesh.irregular_vertices().len() {
-        for side in mesh.irregular_sides(edge) {
-            let slot = side.slot() as usize;
+            let layers = self.layers_of_slot(slot);
+            let ends = self.ends(vertices, forward);
             if facets.turns(slot) {
-                let is_facing = facing.is_facing(slot);
-                let ends = at(mesh.irregular_vertices()[edge], is_facing != side.is_reversed());
-                let layers = split.layers_of_slot(mesh, facing, slot);
-                edges.push(turning_border(
-                    ends,
-                    slot,
-                    is_facing,
-                    layers,
-                    split.beside(mesh, slot),
-                ));
+                let beside = self.split.beside(self.mesh, slot);
+                self.edges
+                    .push(turning_border(ends, slot, is_facing, layers, beside));
+            } else {
+                self.push_fixed(ends, layers, slot);
             }
         }
     }
-    for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
-        let is_closed = index < mesh.closed_cluster_count();
-        for (lane, &[a, b, c]) in mesh.corners()[cluster.triangles()].iter().enumerate() {
-            let is_facing = word >> lane & 1 != 0;
-            let layers = split.layers_of(is_facing, is_closed);
-            if layers != 0 && !facets.is_grazed(index * CLUSTER_TRIANGLES + lane) {
-                caps[layers as usize - 1].push(LayeredCap {
-                    corners: [a, b, c],
-                    is_facing,
-                    patch: patch_of(index * CLUSTER_TRIANGLES + lane),
+
+    /// Pushes the edges that only one triangle has.
+    fn push_borders(&mut self) {
+        let mesh = self.mesh;
+        for cluster in mesh.clusters().iter().skip(mesh.closed_cluster_count()) {
+            for edge in cluster.boundary() {
+                let slot = mesh.boundary_slots()[edge] as usize;
+                if self.facets.is_grazed(slot) {
+                    continue;
+                }
+                let is_facing = self.facets.facing.is_facing(slot);
+                let ends = self.ends(mesh.boundary_vertices()[edge], is_facing);
+                let layers = self.split.layers_of(is_facing, false);
+                self.edges.push(if self.facets.turns(slot) {
+                    turning_border(ends, slot, is_facing, layers, Side::Open)
+                } else {
+                    LayeredEdge::fixed(ends, layers, self.patch_of(slot))
                 });
             }
         }
     }
+
+    /// Pushes the edges of three or more triangles: first as they are from the centre, then those of triangles that turn.
+    fn push_irregular_edges(&mut self) {
+        let Self {
+            mesh,
+            positions,
+            facets,
+            split,
+            patches,
+            ref mut edges,
+        } = *self;
+        let patch_of = |slot| patch_of(patches, slot);
+        push_irregular(mesh, facets, split, patch_of, |edge, forward, layers, patch| {
+            let ends = ends(positions, mesh.irregular_vertices()[edge], forward);
+            edges.push(LayeredEdge::fixed(ends, layers, patch));
+        });
+        for edge in 0..mesh.irregular_vertices().len() {
+            for side in mesh.irregular_sides(edge) {
+                let slot = side.slot() as usize;
+                if facets.turns(slot) {
+                    let is_facing = facets.facing.is_facing(slot);
+                    let ends = self.ends(mesh.irregular_vertices()[edge], is_facing != side.is_reversed());
+                    let layers = self.layers_of_slot(slot);
+                    let beside = split.beside(mesh, slot);
+                    self.edges
+                        .push(turning_border(ends, slot, is_facing, layers, beside));
+                }
+            }
+        }
+    }
+
+    /// Pushes the triangles of each layer.
+    fn push_caps(&self, caps: &mut [Vec<LayeredCap>; 3]) {
+        let (mesh, words) = (self.mesh, self.facets.facing.words());
+        for (index, (cluster, &word)) in mesh.clusters().iter().zip(words).enumerate() {
+            let is_closed = index < mesh.closed_cluster_count();
+            for (lane, &corners) in mesh.corners()[cluster.triangles()].iter().enumerate() {
+                let is_facing = word >> lane & 1 != 0;
+                let slot = index * CLUSTER_TRIANGLES + lane;
+                let layers = self.split.layers_of(is_facing, is_closed);
+                if layers != 0 && !self.facets.is_grazed(slot) {
+                    caps[layers as usize - 1].push(LayeredCap {
+                        corners,
+                        is_facing,
+                        patch: self.patch_of(slot),
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Returns the patch of a triangle; 0 without patches.
+fn patch_of(patches: Option<&Patches>, slot: usize) -> u32 {
+    patches.map_or(0, |patches| patches.of_slot(slot))
+}
+
+/// Returns the ends of an edge in the direction of its vertices, or in the other direction.
+fn ends(positions: &[Vec3], [a, b]: [u32; 2], forward: bool) -> [Vec3; 2] {
+    let ends = [positions[a as usize], positions[b as usize]];
+    if forward { ends } else { [ends[1], ends[0]] }
 }
 
 /// Makes an edge that bounds a turning triangle alone; `other` stands for the other side. `ends` are in the
