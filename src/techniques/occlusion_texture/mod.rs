@@ -12,7 +12,10 @@
 //! | `technique` | how the component joins the frame |
 //! | `build` | the lights with occlusion textures, and their memory |
 //! | `light_slices` | the pictures of one light, and whether they changed |
-//! | `fit` | number, direction and size of the pictures |
+//! | `sliced_light` | the part of a light that its pictures depend on |
+//! | `scene_box` | where an object stands |
+//! | `shadowless` | casters that shadow nothing, such as a flat ground |
+//! | `fit`, `framing` | number, direction and size of the pictures |
 //! | `face` | one picture: its projection and its slices |
 //! | `records` | records of pictures and lights, for the GPU |
 //! | `kernel`, `filter` | what a receiver looks up; twins of the shaders |
@@ -27,22 +30,27 @@
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
 //! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice. The slice that holds a receiver
 //! does not shadow it, and the slice before it fades in with the distance, so nothing jumps where geometry passes from
-//! slice to slice. Objects therefore lose the contact shadow
-//! within about one slice, and gain it with more slices. The source lets casters cast from the far end of their slice; here
-//! they do so for receivers just behind it, and cast from its middle once the slice has faded in, which halves what the
-//! projection onto one plane adds to their size.
+//! slice to slice. Objects therefore lose the contact shadow within about one slice; more slices bring it closer. The source
+//! lets casters cast from the far end of their slice. Here they do so for receivers just behind the slice only. Once the
+//! slice has faded in, they cast from its middle, which halves the error of their projection onto one plane.
+//!
+//! **Pictures.** A picture shows the casters and their surroundings, as far as a kernel may reach that touches them. Receivers
+//! may lie outside of it. Casters are measured along their own axes as well as those of the world, so a turned scene has
+//! slices as thin as a straight one.
 //!
 //! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices; see [`SliceFilter`]. Pictures are
 //! kept while nothing changes. Drawing is one pass over the casters for up to 16 slices; a pixel costs two lookups for each
-//! slice between itself and the light, whatever the size of the light.
+//! slice between itself and the light, whatever the size of the light. N-buffers take four loads for each texel and level,
+//! and levels that no kernel reaches are not built. Summed areas of 1024² texels take 64 loads for each texel, N-buffers at
+//! most 40.
 //!
 //! **Closed casters.** Beyond the paper, casters whose mesh is closed are drawn with their fronts alone, as seen from the
 //! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
 //!
 //! **Limits.** Occluders in different slices count as independent: a surface that passes through several slices hides
 //! disjoint parts of the light, and the product lets some of it through; [`OcclusionTexture::close_leaks`] mends that where
-//! it matters. Everything that the light reaches shares one picture, so lights without a range spend
-//! their texels on the whole scene.
+//! it matters. All casters that the light reaches share one picture, so lights without a range spend their texels on all
+//! casters of the scene.
 //!
 //! **Errors.** Root mean square errors of visibility under a square light of 1 m, 3 m above a ground, with 8 slices of 256²
 //! texels; without a shadow the errors are 0.15 to 0.35. `cargo test --all-features --test gpu
@@ -67,11 +75,15 @@ pub(crate) mod component;
 pub(crate) mod face;
 pub(crate) mod filter;
 pub(crate) mod fit;
+pub(crate) mod framing;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
 pub(crate) mod kernel;
 pub(crate) mod light_slices;
 pub(crate) mod records;
+pub(crate) mod scene_box;
+pub(crate) mod shadowless;
+pub(crate) mod sliced_light;
 pub(crate) mod technique;
 
 pub use build::OcclusionTextures;

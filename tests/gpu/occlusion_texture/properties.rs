@@ -1,14 +1,14 @@
-//! Holes, leaks, slices that fade, pictures that are kept, lights of any orientation.
+//! Holes, leaks, slices that fade, lights of any orientation.
 
 use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::scene::{Texture, TextureSlot, TextureWrap};
-use antumbra::techniques::{OcclusionTexture, OcclusionTextures};
+use antumbra::techniques::OcclusionTexture;
 use bevy_transform::prelude::Transform;
 use glam::{Affine2, Quat, Vec2, Vec3};
 
-use super::scenes::{empty, hits, lamp, plate, rendered, spawn, square, staged, truth, wings};
+use super::scenes::{empty, hits, lamp, rendered, spawn, square, staged, truth, wings};
 use crate::harness::strict_context;
 
 #[test]
@@ -88,62 +88,6 @@ fn slices_fade_where_a_plane_passes_through_them() {
     assert!(soft > 80 && worst < 1.0 / 64.0, "{worst}, {soft}");
 }
 
-#[test]
-fn pictures_are_drawn_again_only_when_something_changes() {
-    let context = strict_context();
-    let mut stage = staged(&context, &plate());
-    let (light, place) = lamp(square(0.5), Vec3::new(0.0, 3.0, 0.0));
-    let entity = stage.spawn_light(light, place, Some(OcclusionTexture::default()));
-    let frame = |stage: &mut crate::harness::support::stage::Stage| {
-        let picture = rendered(stage);
-        (
-            picture,
-            stage.world.resource::<OcclusionTextures>().lights[0].revision,
-        )
-    };
-    let (first, revision) = frame(&mut stage);
-    let (second, same) = frame(&mut stage);
-    assert_eq!((&first, revision), (&second, same));
-    // The view does not matter.
-    let camera = stage.camera;
-    stage
-        .world
-        .get_mut::<Transform>(camera)
-        .expect("a place")
-        .translation
-        .x += 0.2;
-    assert_eq!(frame(&mut stage).1, revision);
-    stage
-        .world
-        .get_mut::<Transform>(camera)
-        .expect("a place")
-        .translation
-        .x -= 0.2;
-    let caster = spawn(
-        &mut stage,
-        MeshData::cuboid(Vec3::splat(0.2)),
-        Transform::from_xyz(-0.8, 0.5, 0.3),
-    );
-    let (with_caster, after) = frame(&mut stage);
-    assert!(after > revision && with_caster != first);
-    stage
-        .world
-        .get_mut::<Transform>(caster)
-        .expect("a place")
-        .translation
-        .x += 0.4;
-    let (moved, moved_at) = frame(&mut stage);
-    assert!(moved_at > after && moved != with_caster);
-    stage.world.entity_mut(entity).insert(OcclusionTexture {
-        slices: 4,
-        ..Default::default()
-    });
-    assert!(frame(&mut stage).1 > moved_at);
-    stage.world.despawn(caster);
-    stage.world.entity_mut(entity).insert(OcclusionTexture::default());
-    assert_eq!(frame(&mut stage).0, first);
-}
-
 /// The whole scene is turned about the light; the shadow stays near the truth.
 #[test]
 fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {
@@ -196,11 +140,10 @@ fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {
     // The wall passes through all slices, and its shadow is too light.
     assert!(error < 0.1 && lit > 3.0 * error, "{error}, {lit}");
     let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.9, -0.3);
-    // Bounds of turned objects are looser, so slices and texels differ; the mean error stays.
     let (turned, _, truth) = picture(turn);
     let error = super::scenes::rmse(&truth, &turned);
     println!("error {error:.4} of the turned scene");
-    assert!(error < 0.2 && lit > 2.0 * error, "{error}, {lit}");
+    assert!(error < 0.1 && lit > 3.0 * error, "{error}, {lit}");
 }
 
 /// A plate whose texture is opaque on one half casts half a shadow.
