@@ -181,7 +181,7 @@ mod tests {
         let slab = scene_box(Vec3::new(0.0, -0.5, 0.0), Vec3::new(10.0, 0.5, 10.0));
         let cellar = scene_box(Vec3::new(0.0, -2.0, 0.0), Vec3::new(9.0, 1.0, 9.0));
         assert_eq!(shadowless(&[slab, tower], &light), [true, false]);
-        assert_eq!(shadowless(&[slab, tower, cellar], &light), [false; 3]);
+        assert_eq!(shadowless(&[slab, tower, cellar], &light), [false, false, true]);
         let column = scene_box(Vec3::new(10.2, 1.0, 0.0), Vec3::new(0.3, 2.0, 0.3));
         assert_eq!(shadowless(&[slab, tower, column], &light), [false; 3]);
     }

@@ -124,7 +124,7 @@ fn casters_in_the_plane_of_the_light_are_reported() {
         MeshData::plane(0.2),
         Transform::from_xyz(0.6, 1.0, 0.0),
     );
-    assert!(rendered(&mut stage).iter().all(|value| *value > 0.99));
+    assert_shares(&rendered(&mut stage), "in the plane");
     let messages = messages(&stage);
     let told = messages
         .iter()
@@ -143,11 +143,11 @@ fn coarse_pictures_keep_an_empty_border() {
         ..Default::default()
     };
     stage.spawn_light(light, place, Some(settings));
-    stage.world.resource_mut::<TextureMemory>().limit = 150_000;
+    stage.world.resource_mut::<TextureMemory>().limit = 800_000;
     let got = rendered(&mut stage);
     let slices = &stage.world.resource::<OcclusionTextures>().lights[0];
     let (resolution, face) = (f64::from(slices.resolution), &slices.faces[0]);
-    assert!(resolution <= 64.0, "{resolution}");
+    assert!((32.0..=64.0).contains(&resolution), "{resolution}");
     for corner in [(-0.4, -0.5), (0.6, 0.5)] {
         let corner = face.light_from_world(DVec3::new(corner.0, 1.0, corner.1));
         let border = (1.0 - face.project(corner).abs().max_element()) * 0.5 * resolution;

@@ -2,11 +2,12 @@
 
 use antumbra::insides::occlusion_textures::SliceFace;
 use antumbra::prelude::*;
+use antumbra::sets::Objects;
 use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceFilter};
 use bevy_transform::prelude::Transform;
 use glam::{DVec3, Vec3};
 
-use super::scenes::{Scene, boxes, empty, lamp, rendered, rmse, spawn, square, staged, truth};
+use super::scenes::{BETWEEN, Scene, boxes, empty, lamp, rendered, rmse, spawn, square, staged, truth};
 use crate::harness::strict_context;
 
 /// Errors with and without the shadow.
@@ -91,7 +92,7 @@ fn receivers_outside_the_picture_are_lit() {
 fn each_of_six_pictures_draws_the_casters_that_it_shows() {
     let context = strict_context();
     let mut stage = staged(&context, &boxes());
-    let (light, place) = lamp(LightKind::Sphere { radius: 0.1 }, Vec3::new(0.9, 1.1, 0.5));
+    let (light, place) = lamp(LightKind::Sphere { radius: 0.1 }, BETWEEN);
     stage.spawn_light(light, place, Some(OcclusionTexture::default()));
     rendered(&mut stage);
     let renderer = stage.world.resource::<Renderer>();

@@ -11,41 +11,47 @@ use glam::{Affine2, Quat, Vec2, Vec3};
 use super::scenes::{empty, hits, lamp, rendered, spawn, square, staged, truth, wings};
 use crate::harness::strict_context;
 
+/// Umbra pixels that are lighter than 0.1, and all of them. `close_leaks` is a mask of layers.
+fn leaks(stage: &mut crate::harness::support::stage::Stage, close_leaks: u32) -> (usize, usize) {
+    let light = stage.lights[0];
+    stage.world.entity_mut(light).insert(OcclusionTexture {
+        slices: 16,
+        close_leaks,
+        ..Default::default()
+    });
+    let got = rendered(stage);
+    let truth = truth(stage, 144);
+    let pixels = truth.values().iter().zip(&got);
+    let umbra = pixels.filter(|(truth, _)| **truth == 0.0);
+    let lit = umbra.clone().filter(|(_, got)| **got > 0.1);
+    (lit.count(), umbra.count())
+}
+
+/// Light shines through thin surfaces that pass from slice to slice, unless the next slice is filled too.
 #[test]
-fn leaks_of_thin_wings_are_closed() {
+fn leaks_of_thin_wings_and_walls_are_closed() {
     let context = strict_context();
-    let mut stage = staged(&context, &wings());
-    let (light, place) = lamp(square(0.3), Vec3::new(0.0, 3.0, 0.0));
-    let entity = stage.spawn_light(light, place, None::<OcclusionTexture>);
-    let mut leaks = |close_leaks| {
-        stage.world.entity_mut(entity).insert(OcclusionTexture {
-            slices: 16,
-            close_leaks,
-            ..Default::default()
-        });
-        let got = rendered(&mut stage);
-        let truth = truth(&mut stage, 36);
-        let umbra = truth
-            .values()
-            .iter()
-            .zip(&got)
-            .filter(|(truth, _)| **truth == 0.0);
-        let (mut all, mut lit) = (0, 0);
-        for (_, got) in umbra {
-            all += 1;
-            lit += usize::from(*got > 0.1);
-        }
-        (lit, all)
-    };
-    let (open, all) = leaks(0);
-    let (closed, _) = leaks(u32::MAX);
-    println!("of {all} umbra pixels, {open} are lit; {closed} with leaks closed");
-    assert!(
-        all > 100 && open > closed && closed * 50 <= all,
-        "{open}, {closed} of {all}"
-    );
-    // The mask chooses casters: nothing is on layer 5.
-    assert_eq!(leaks(1 << 5).0, open);
+    let mut walls = wings();
+    walls.parts.truncate(1);
+    for side in [-1.0, 1.0] {
+        let wall =
+            Transform::from_xyz(0.6 * side, 0.8, 0.0).with_rotation(Quat::from_rotation_z(1.45 * side));
+        walls.parts.push((MeshData::plane(0.5), wall));
+    }
+    for (scene, name) in [(wings(), "wings"), (walls, "walls")] {
+        let mut stage = staged(&context, &scene);
+        let (light, place) = lamp(square(0.3), Vec3::new(0.0, 3.0, 0.0));
+        stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+        let (open, all) = leaks(&mut stage, 0);
+        let (closed, _) = leaks(&mut stage, u32::MAX);
+        println!("{name}: of {all} umbra pixels, {open} are lit; {closed} with leaks closed");
+        assert!(
+            all > 50 && open > 10 && closed * 1000 <= all,
+            "{name}: {open}, {closed} of {all}"
+        );
+        // The mask chooses casters: nothing is on layer 5.
+        assert_eq!(leaks(&mut stage, 1 << 5).0, open);
+    }
 }
 
 /// A plane that rises through all slices shadows itself nowhere, and under a plate its shadow has no steps.
@@ -137,13 +143,12 @@ fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {
     let (straight, lit, truth) = picture(Quat::IDENTITY);
     let error = super::scenes::rmse(&truth, &straight);
     println!("error {error:.4}, without a shadow {lit:.4}");
-    // The wall passes through all slices, and its shadow is too light.
-    assert!(error < 0.1 && lit > 3.0 * error, "{error}, {lit}");
+    assert!(error < 0.05 && lit > 3.0 * error, "{error}, {lit}");
     let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.9, -0.3);
     let (turned, _, truth) = picture(turn);
     let error = super::scenes::rmse(&truth, &turned);
     println!("error {error:.4} of the turned scene");
-    assert!(error < 0.1 && lit > 3.0 * error, "{error}, {lit}");
+    assert!(error < 0.05 && lit > 3.0 * error, "{error}, {lit}");
 }
 
 /// A plate whose texture is opaque on one half casts half a shadow.
