@@ -68,7 +68,10 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
         let place = center + along * (((tap + 0.5) / taps - 0.5) * spread);
         let fine = n_buffer_level(picture, place, level);
         let coarse = n_buffer_level(picture, place, min(level + 1u, last));
-        sum += mix(fine, coarse, between);
+        // Squares cannot begin before the picture. The larger one fades out where it would, since it would find casters
+        // beyond the kernel instead of the empty border.
+        let start = clamp(place / (0.5 * f32(1u << level)) - 1.0, vec2f(0.0), vec2f(1.0));
+        sum += mix(fine, coarse, between * start.x * start.y);
     }
     return sum / taps * share_inside(kernel);
 }

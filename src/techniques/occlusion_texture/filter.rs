@@ -118,7 +118,11 @@ pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
             levels[level].sample(place + 0.5 - 0.5 * (1u32 << level) as f32)
         };
         let (fine, coarse) = (of(level), of(level + 1));
-        sum += fine + (coarse - fine) * between;
+        // Squares cannot begin before the picture. The larger one fades out where it would, since it would find casters
+        // beyond the kernel instead of the empty border.
+        let half = 0.5 * (1u32 << level) as f32;
+        let start = (place / half - 1.0).clamp(Vec2::ZERO, Vec2::ONE);
+        sum += fine + (coarse - fine) * between * start.x * start.y;
     }
     sum / taps as f32 * share_inside(kernel, 0.5 / side)
 }

@@ -299,15 +299,18 @@ impl LightSlices {
 
     /// Number of squares of which lookups in N-buffers put their rectangles together.
     pub fn taps(&self) -> u32 {
-        let (Some(sliced), Some(face)) = (self.sliced, self.faces.first()) else {
+        let Some(sliced) = self.sliced else {
             return 1;
         };
-        let kernel = (sliced.half * face.scale).as_vec2();
-        match sliced.kind {
-            // Oblique kernels may have any shape; two squares follow most of them.
-            SlicedKind::Sphere => (2 * tap_count(kernel)).min(MOST_TAPS),
-            SlicedKind::Rect | SlicedKind::Directional => tap_count(kernel),
-        }
+        let of_face = |face: &SliceFace| {
+            let squares = tap_count((sliced.half * face.scale).as_vec2());
+            match sliced.kind {
+                // Oblique kernels may have any shape; two squares follow most of them.
+                SlicedKind::Sphere => (2 * squares).min(MOST_TAPS),
+                SlicedKind::Rect | SlicedKind::Directional => squares,
+            }
+        };
+        self.faces.iter().map(of_face).max().unwrap_or(1)
     }
 
     /// Number of levels of the filter that lookups reach. N-buffers above them are not built.

@@ -58,14 +58,19 @@
 //!
 //! | scene | product | maximum | sum | product, leaks closed |
 //! | --- | --- | --- | --- | --- |
-//! | a plate | 0.012 | 0.012 | 0.012 | 0.058 |
-//! | boxes over each other | 0.035 | 0.063 | 0.040 | 0.090 |
-//! | a tree of 160 leaves | 0.128 | 0.192 | 0.160 | 0.169 |
-//! | two slanted wings | 0.100 | 0.200 | 0.028 | 0.046 |
-//! | balls over hills | 0.027 | 0.033 | 0.022 | 0.048 |
+//! | a plate | 0.026 | 0.026 | 0.026 | 0.072 |
+//! | boxes over each other | 0.031 | 0.058 | 0.041 | 0.110 |
+//! | a tree of 160 leaves | 0.127 | 0.193 | 0.160 | 0.167 |
+//! | two slanted wings | 0.093 | 0.196 | 0.022 | 0.059 |
+//! | balls over hills | 0.027 | 0.033 | 0.022 | 0.049 |
 //!
 //! The sum is the best where one surface passes through the slices, the product where many objects overlap, and the maximum
-//! nowhere. Summed areas take 0.008 off the errors of a plate, and mipmaps add up to 0.013.
+//! nowhere. With summed areas, the error of the plate is 0.004. N-buffers blend squares of one and of two sizes, which is
+//! worst where a kernel's side lies between two powers of two, as the plate's does. Mipmaps add at most 0.004, and are better
+//! by 0.01 there.
+//!
+//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once. With 16 slices, visibility
+//! then changes by at most 0.11 more in a frame than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
 //! a few textures, because its hardware could not index textures; here they are layers of an array.

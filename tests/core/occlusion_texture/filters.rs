@@ -123,3 +123,28 @@ fn small_kernels_reach_few_levels() {
     assert_eq!(reached_levels(Vec2::new(8.0, 1.0), 8), 2);
     assert_eq!(level_count(256), 9);
 }
+
+/// A kernel at any border of the picture that does not touch a caster finds nothing, also where it blends two sizes of
+/// squares.
+#[test]
+fn kernels_at_a_border_find_nothing_beyond_themselves() {
+    // Kernels of 24 texels, between squares of 16 and of 32. Casters begin 24 texels from each border.
+    let picture = Picture::from_fn(128, |texel| {
+        f32::from(u8::from(texel.min_element() >= 24 && texel.max_element() < 104))
+    });
+    let levels = n_buffers(picture);
+    let mean = |center: Vec2| {
+        let half = Vec2::splat(12.0 / 128.0);
+        n_buffer_mean(&levels, &Kernel { center, half }, 1)
+    };
+    for step in -12..=8 {
+        let beside = step as f32 / 128.0;
+        for along in [0.3, 0.5] {
+            for center in [Vec2::new(beside, along), Vec2::new(along, beside)] {
+                assert_eq!(mean(center), 0.0, "{center}");
+                assert!(mean(1.0 - center) < 1e-6, "{center}");
+            }
+        }
+    }
+    assert_eq!(mean(Vec2::splat(0.5)), 1.0);
+}
