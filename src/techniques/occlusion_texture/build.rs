@@ -8,8 +8,9 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 
+use super::casters::{FrameObjects, Scratch};
 use super::component::OcclusionTexture;
-use super::light_slices::{FrameObjects, LightSlices, Scratch};
+use super::light_slices::LightSlices;
 use super::scene_box::OwnBox;
 use crate::scene::placement::Placement;
 use crate::scene::{AlphaMode, LocalBounds, SceneMaterials, SceneMesh};

@@ -4,22 +4,17 @@ use bevy_ecs::prelude::Entity;
 use fixedbitset::FixedBitSet;
 use glam::{DVec2, DVec3, Vec3};
 
+use super::casters::{FrameObjects, Scratch};
 use super::component::{OcclusionTexture, SliceFilter};
 use super::face::SliceFace;
 use super::filter::{MOST_TAPS, level_count, reached_levels, tap_count};
 use super::fit::{SliceFaces, SliceSettings, fit_faces};
 use super::records::{OcclusionFace, OcclusionLight};
-use super::scene_box::{OwnBox, SceneBox};
-use super::shadowless::Lit;
 use super::sliced_light::{SlicedKind, SlicedLight};
-use crate::geometry::Aabb;
 use crate::sets::{FrameLight, LightVolume, Objects};
 
 /// Texels that stay empty along each side of a picture.
 const GUARD_TEXELS: f64 = 2.0;
-
-/// Coordinates from which on a box says nothing about the scene, metres.
-const FARTHEST: f32 = 1e9;
 
 /// Returns the share of a picture's side that stays empty on each side.
 fn guard(resolution: u32) -> f64 {
@@ -59,17 +54,6 @@ pub struct LightSlices {
     flags: u64,
     volume: LightVolume,
     sliced: Option<SlicedLight>,
-}
-
-/// The objects of a frame, as the pictures of all lights look at them.
-pub(super) struct FrameObjects<'a> {
-    pub objects: &'a Objects,
-    /// Objects whose mesh or material was exchanged in this frame.
-    pub exchanged: &'a FixedBitSet,
-    /// Whether only fronts of a caster are seen from outside.
-    pub is_closed: &'a dyn Fn(Entity) -> bool,
-    /// The box of an object along its own axes.
-    pub own_box: &'a dyn Fn(Entity) -> Option<OwnBox>,
 }
 
 impl LightSlices {
@@ -123,7 +107,14 @@ impl LightSlices {
         self.casts_for = light.selection.casts_for;
         self.flags = objects.flags_generation;
         self.reached.clone_from(&light.sets.l);
-        self.choose_casters(light, frame, scratch);
+        let sun = (f64::from(settings.angle_deg) * 0.5).to_radians().sin();
+        scratch.collect(light, sun, frame, &mut self.casters);
+        self.closing.clear();
+        self.closing.grow(objects.len());
+        for object in self.casters.ones() {
+            let closes = objects.layers[object] & self.settings.close_leaks != 0;
+            self.closing.set(object, closes);
+        }
         self.guarded = settings.resolution;
         let slice_settings = SliceSettings {
             count: settings.slices,
@@ -138,58 +129,6 @@ impl LightSlices {
             self.solid.set(object, is_solid);
         }
         true
-    }
-
-    /// Collects the scene of the light, and its casters without those that shadow nothing.
-    fn choose_casters(&mut self, light: &FrameLight, frame: &FrameObjects, scratch: &mut Scratch) {
-        let objects = frame.objects;
-        self.casters.clear();
-        self.casters.grow(objects.len());
-        for object in light.reached_casters(objects) {
-            self.casters.insert(object);
-        }
-        let volume = light.volume.aabb();
-        let Scratch { scene, indices } = scratch;
-        scene.clear();
-        indices.clear();
-        let (mut all, mut is_known) = (Aabb::EMPTY, true);
-        for object in self.reached.ones() {
-            let bounds = objects.boxes.get(object).intersection(volume);
-            if bounds.is_empty() {
-                self.casters.set(object, false);
-                continue;
-            }
-            if !(bounds.min.abs().max(bounds.max.abs()).max_element() < FARTHEST) {
-                is_known = false;
-                continue;
-            }
-            all = all.union(bounds);
-            indices.push(object);
-            scene.push(SceneBox {
-                bounds,
-                own: (frame.own_box)(objects.entities[object]),
-                casts: self.casters.contains(object),
-            });
-        }
-        let lit = Lit {
-            scene: scene.as_slice(),
-            all,
-            emitter: &light.emitter,
-            sun: (f64::from(self.settings.angle_deg) * 0.5).to_radians().sin(),
-        };
-        let shadowless = |index: &usize| is_known && scene[*index].casts && lit.is_shadowless(*index);
-        for index in (0..scene.len()).filter(shadowless) {
-            self.casters.set(indices[index], false);
-        }
-        for (scene, object) in scene.iter_mut().zip(indices) {
-            scene.casts = self.casters.contains(*object);
-        }
-        self.closing.clear();
-        self.closing.grow(objects.len());
-        for object in self.casters.ones() {
-            let closes = objects.layers[object] & self.settings.close_leaks != 0;
-            self.closing.set(object, closes);
-        }
     }
 
     /// Takes over the resolution that the light gets, and makes the empty borders of the pictures as wide as its texels
@@ -326,17 +265,7 @@ impl LightSlices {
         };
         self.faces.iter().map(of_face).max().unwrap_or(all)
     }
-}
 
-/// Memory that is kept for its allocation.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Scratch {
-    scene: Vec<SceneBox>,
-    /// Object of each box of the scene.
-    indices: Vec<usize>,
-}
-
-impl LightSlices {
     /// Returns the extent of the scene that the pictures show: the sizes of the last slice's picture, metres.
     pub fn extent(&self) -> Vec3 {
         let Some(face) = self.faces.first() else {

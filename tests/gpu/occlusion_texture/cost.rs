@@ -80,9 +80,14 @@ fn half_a_million_triangles_by_hand() {
     let (light, place) = lamp(square(1.0), Vec3::new(0.3, 3.0, 0.2));
     stage.spawn_light(light, place, Some(settings));
     let got = rendered(&mut stage);
-    let error = rmse(&truth(&mut stage, 64), &got);
-    print(&format!("{triangles} triangles, error {error:.3}"), times);
-    assert!(triangles > 500_000 && error < 0.05, "{triangles}, {error}");
+    let truth = truth(&mut stage, 64);
+    let (error, lit) = (rmse(&truth, &got), rmse(&truth, &vec![1.0; got.len()]));
+    print(&format!("{triangles} triangles"), times);
+    println!("error {error:.3}, without a shadow {lit:.3}");
+    assert!(
+        triangles > 500_000 && error < 0.4 * lit,
+        "{triangles}, {error}, {lit}"
+    );
 }
 
 #[test]
