@@ -137,7 +137,7 @@ pub mod insides {
     /// Records and CPU twins of occlusion textures.
     pub mod occlusion_textures {
         pub use crate::techniques::occlusion_texture::{
-            face::*, filter::*, fit::*, kernel::*, light_slices::*, records::*,
+            face::*, filter::*, fit::*, kernel::*, light_slices::*, records::*, scene_box::*, sliced_light::*,
         };
     }
 

@@ -1,4 +1,4 @@
-// What a receiver looks up in each slice of the casters, and how the answers are combined.
+// The rectangle of each slice through which a receiver sees the light, and how the slices' hidden shares are combined.
 // Host    src/techniques/occlusion_texture/records.rs
 // Spaces  relative: world axes, origin at the eye
 //         light: origin at the light, x right, y up, z away from the light
@@ -21,7 +21,7 @@ struct OcclusionLight {             // mirror: techniques::occlusion_texture::re
     point_relative: vec4f,          // the light as a homogeneous point
     half_right: vec4f,              // half of the first side; radius of a sphere, or sine of half the angle
     half_up: vec4f,                 // half of the second side; squares of a lookup in N-buffers
-    limits: vec4f,                  // nearest and farthest depth; texels along a side, and their reciprocal
+    limits: vec4f,                  // nearest and farthest depth; texels along a side; levels that are built
 }
 
 // Values of COMBINE: techniques::occlusion_texture::SliceCombination in its order.

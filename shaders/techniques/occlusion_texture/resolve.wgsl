@@ -31,28 +31,34 @@ fn group_count() -> u32 {
     return (SLICES + 3u) / 4u;
 }
 
+// Share of a picture's side that a texel takes. The side is a power of two, so this is exact.
+fn texel() -> f32 {
+    return 1.0 / light.limits.z;
+}
+
 // Share of a kernel around the nearest place inside the picture that a kernel beyond the border still reaches.
 fn share_inside(kernel: Kernel) -> f32 {
     let beyond = abs(kernel.center - 0.5) - 0.5;
-    let left = 1.0 - max(beyond / max(kernel.half, vec2f(0.5 * light.limits.w)), vec2f(0.0));
+    let left = 1.0 - max(beyond / max(kernel.half, vec2f(0.5 * texel())), vec2f(0.0));
     return max(left.x, 0.0) * max(left.y, 0.0);
 }
 
-fn n_buffer_level(picture: Picture, place: vec2f, level: u32, levels: u32) -> f32 {
-    let layer = (picture.face * levels + level) * group_count() + picture.group;
+fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> f32 {
+    let all = u32(log2(light.limits.z) + 0.5) + 1u;
+    let layer = (picture.face * all + level) * group_count() + picture.group;
     // The square around the place begins half its side before it.
     let corner = place + 0.5 - 0.5 * f32(1u << level);
-    return textureSampleLevel(pictures, between_texels, corner * light.limits.w, layer, 0.0)[picture.channel];
+    return textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0)[picture.channel];
 }
 
 fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     let side = light.limits.z;
-    let levels = u32(log2(side) + 0.5) + 1u;
+    let last = u32(light.limits.w) - 1u;
     let taps = light.half_up.w;
     let size = 2.0 * kernel.half * side;
     let long = max(max(size.x, size.y), 1.0);
     let square = min(max(max(min(size.x, size.y), 1.0), long / taps), side);
-    let level = min(u32(log2(square)), levels - 1u);
+    let level = min(u32(log2(square)), last);
     let between = clamp(square / f32(1u << level) - 1.0, 0.0, 1.0);
     let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), size.x > size.y) * max(long - square, 0.0);
     let spread = taps / max(taps - 1.0, 1.0);
@@ -60,9 +66,12 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     var sum = 0.0;
     for (var tap = 0.0; tap < taps; tap += 1.0) {
         let place = center + along * (((tap + 0.5) / taps - 0.5) * spread);
-        let fine = n_buffer_level(picture, place, level, levels);
-        let coarse = n_buffer_level(picture, place, min(level + 1u, levels - 1u), levels);
-        sum += mix(fine, coarse, between);
+        let fine = n_buffer_level(picture, place, level);
+        let coarse = n_buffer_level(picture, place, min(level + 1u, last));
+        // Squares cannot begin before the picture. The larger one fades out where it would, since it would find casters
+        // beyond the kernel instead of the empty border.
+        let start = clamp(place / (0.5 * f32(1u << level)) - 1.0, vec2f(0.0), vec2f(1.0));
+        sum += mix(fine, coarse, between * start.x * start.y);
     }
     return sum / taps * share_inside(kernel);
 }
@@ -73,7 +82,7 @@ const SMOOTHED: f32 = 0.57735;      // mirror: techniques::occlusion_texture::fi
 
 fn mipmap_mean(picture: Picture, kernel: Kernel) -> f32 {
     let layer = picture.face * group_count() + picture.group;
-    let size = max(2.0 * SMOOTHED * kernel.half, vec2f(light.limits.w));
+    let size = max(2.0 * SMOOTHED * kernel.half, vec2f(texel()));
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
     let dx = vec2f(size.x, 0.0);
     let dy = vec2f(0.0, size.y);

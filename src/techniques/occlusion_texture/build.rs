@@ -8,9 +8,12 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
 
+use super::casters::{FrameObjects, Scratch};
 use super::component::OcclusionTexture;
-use super::light_slices::{LightSlices, Scratch};
-use crate::scene::{AlphaMode, SceneMaterials, SceneMesh};
+use super::light_slices::LightSlices;
+use super::scene_box::OwnBox;
+use crate::scene::placement::Placement;
+use crate::scene::{AlphaMode, LocalBounds, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects};
 use crate::silhouettes::CasterEdges;
 use crate::techniques::registry::Technique;
@@ -52,7 +55,7 @@ impl OcclusionTextures {
 ///
 /// Set: `BuildTechniques`, in [`TextureMemorySystems::Ask`](crate::techniques::TextureMemorySystems::Ask). Reads
 /// [`FrameLights`] and [`Objects`]; writes [`OcclusionTextures`] and [`TextureMemory`]. Cost: O(words of L) for a light of
-/// which nothing changed, else O(L).
+/// which nothing changed, else O(L), and O(L) for each caster that is about as wide as everything lit.
 pub fn ask_for_slices(
     mut textures: ResMut<OcclusionTextures>,
     mut memory: ResMut<TextureMemory>,
@@ -61,6 +64,7 @@ pub fn ask_for_slices(
     components: Query<&OcclusionTexture>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
     casters: Query<(&CasterEdges, &GlobalTransform, Option<&SceneMaterials>)>,
+    placed: Query<(&LocalBounds, Placement)>,
 ) {
     let textures = &mut *textures;
     std::mem::swap(&mut textures.lights, &mut textures.previous);
@@ -71,6 +75,18 @@ pub fn ask_for_slices(
     for object in exchanged.iter().filter_map(|entity| objects.index_of(entity)) {
         textures.exchanged.insert(object);
     }
+    let frame = FrameObjects {
+        objects: &objects,
+        exchanged: &textures.exchanged,
+        is_closed: &|entity| {
+            let caster = casters.get(entity);
+            caster.is_ok_and(|(edges, transform, materials)| is_closed(edges, transform, materials))
+        },
+        own_box: &|entity| {
+            let (local, placement) = placed.get(entity).ok()?;
+            OwnBox::new(&local.0, &placement.affine()?)
+        },
+    };
     let mut old = textures.previous.drain(..).peekable();
     for (index, light) in lights.lights.iter().enumerate() {
         if !light.is_shadowed_by::<OcclusionTexture>() {
@@ -84,18 +100,7 @@ pub fn ask_for_slices(
         let mut slices = known.unwrap_or_else(|| LightSlices::new(light.entity));
         slices.light = index;
         slices.is_active = false;
-        let is_closed = |entity| {
-            let caster = casters.get(entity);
-            caster.is_ok_and(|(edges, transform, materials)| is_closed(edges, transform, materials))
-        };
-        let changed = slices.follow(
-            light,
-            settings,
-            &objects,
-            &textures.exchanged,
-            is_closed,
-            &mut textures.scratch,
-        );
+        let changed = slices.follow(light, settings, &frame, &mut textures.scratch);
         if changed {
             textures.revision += 1;
             slices.revision = textures.revision;
@@ -137,8 +142,7 @@ pub fn build_slices(
     for slices in &mut textures.lights {
         let grant = memory.grant(slices.light, OcclusionTexture::NAME);
         let resolution = grant.map_or(0, |grant| grant.resolution);
-        if slices.resolution != resolution {
-            slices.resolution = resolution;
+        if slices.set_resolution(resolution) {
             textures.revision += 1;
             slices.revision = textures.revision;
         }

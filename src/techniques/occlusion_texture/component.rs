@@ -24,7 +24,7 @@ const RESOLUTIONS: std::ops::RangeInclusive<u32> = 16..=4096;
 /// An [`EmitterTexture`](crate::techniques::penumbra_wedge::EmitterTexture) is ignored: shadows are those of a light of
 /// one colour.
 ///
-/// Everything within reach of the light shares the texels, so give the light a range.
+/// All casters within reach of the light share the texels, so give the light a range.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -62,7 +62,7 @@ pub struct OcclusionTexture {
     #[cfg_attr(feature = "schema", schemars(with = "LayersInFile"))]
     pub close_leaks: u32,
     /// Angle that a directional light covers in the sky, degrees, from 0 to less than 180. Higher values soften shadows.
-    /// Other lights ignore it. Default: 0.53, the sun.
+    /// Other lights do not use it. Default: 0.53, the sun.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 180)))]
     pub angle_deg: f32,
 }
@@ -174,7 +174,7 @@ impl OcclusionTexture {
         if !(0.0..=1.0).contains(&self.weight) {
             return refuse("weight", self.weight, "0 to 1 are possible");
         }
-        if light.kind == LightKind::Directional && !(self.angle_deg >= 0.0 && self.angle_deg < 180.0) {
+        if !(self.angle_deg >= 0.0 && self.angle_deg < 180.0) {
             return Err(Refusal::Setting {
                 setting: "angle_deg",
                 value: self.angle_deg,

@@ -7,6 +7,7 @@ use glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
 
 use super::component::MOST_SLICES;
 use super::records::OcclusionFace;
+use super::sliced_light::SlicedLight;
 use crate::techniques::maps::face::{FaceProjection, MapFace};
 
 /// Depth at which the slices of a face without casters end, metres: beyond every receiver.
@@ -51,6 +52,17 @@ impl Slices {
         };
         self.bottoms[self.count - 1] - before
     }
+
+    /// Returns the least depth at which a caster at some depth is taken to be: the middle of its slice.
+    pub fn least_plane(&self, depth: f64) -> f64 {
+        let last = self.count - 1;
+        let slice = self.bottoms[..last].iter().position(|bottom| depth <= *bottom);
+        let slice = slice.unwrap_or(last);
+        let top = slice
+            .checked_sub(1)
+            .map_or(self.top, |before| self.bottoms[before]);
+        0.5 * (top + self.bottoms[slice])
+    }
 }
 
 /// One picture of the casters.
@@ -69,9 +81,30 @@ pub struct SliceFace {
     pub divisor: DVec2,
     /// The slices.
     pub slices: Slices,
+    /// Depth of the farthest object, metres.
+    pub farthest: f64,
 }
 
 impl SliceFace {
+    /// Returns the sides of the largest kernel of a light, as shares of the picture's side.
+    pub fn widest_kernel(&self, light: &SlicedLight) -> DVec2 {
+        if self.slices == Slices::NONE {
+            return DVec2::ZERO;
+        }
+        let plane = self.slices.least_plane(self.slices.top);
+        let across = light.kernel_half(plane, self.farthest) * self.scale;
+        let steepest = (1.0 + self.offset.abs()) / self.scale;
+        let longer = light.lengthening(steepest * (1.0 + self.divisor.y / plane));
+        (across * longer / (self.divisor.x * plane + self.divisor.y)).min(DVec2::ONE)
+    }
+
+    /// Widens or narrows the empty border of a picture: `from` and `to` are its width as a share of the picture's side.
+    pub fn change_guard(&mut self, from: f64, to: f64) {
+        let factor = (1.0 - 2.0 * to) / (1.0 - 2.0 * from);
+        self.scale *= factor;
+        self.offset *= factor;
+    }
+
     /// Transforms a point from world space to light space.
     pub fn light_from_world(&self, point: DVec3) -> DVec3 {
         let from_origin = point - self.origin;

@@ -88,12 +88,23 @@ pub fn tap_count(size: Vec2) -> u32 {
     ((aspect - 1e-3).ceil().max(1.0) as u32).min(MOST_TAPS)
 }
 
+/// Side of the squares of which a lookup in N-buffers puts a kernel together, for sides in texels.
+fn square_side(size: Vec2, taps: u32) -> f32 {
+    let long = size.max_element().max(1.0);
+    size.min_element().max(1.0).max(long / taps as f32)
+}
+
+/// Returns the number of levels between which lookups of kernels up to a size blend, for sides in texels.
+pub fn reached_levels(size: Vec2, taps: u32) -> u32 {
+    square_side(size, taps).log2().floor() as u32 + 2
+}
+
 /// Looks up the mean over a kernel in N-buffers.
 pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
     let side = levels[0].side as f32;
     let size = 2.0 * kernel.half * side;
     let long = size.max_element().max(1.0);
-    let square = size.min_element().max(1.0).max(long / taps as f32).min(side);
+    let square = square_side(size, taps).min(side);
     let level = (square.log2().floor() as usize).min(levels.len() - 1);
     let between = (square / (1u32 << level) as f32 - 1.0).clamp(0.0, 1.0);
     let along = if size.x > size.y { Vec2::X } else { Vec2::Y } * (long - square).max(0.0);
@@ -107,7 +118,11 @@ pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
             levels[level].sample(place + 0.5 - 0.5 * (1u32 << level) as f32)
         };
         let (fine, coarse) = (of(level), of(level + 1));
-        sum += fine + (coarse - fine) * between;
+        // Squares cannot begin before the picture. The larger one fades out where it would, since it would find casters
+        // beyond the kernel instead of the empty border.
+        let half = 0.5 * (1u32 << level) as f32;
+        let start = (place / half - 1.0).clamp(Vec2::ZERO, Vec2::ONE);
+        sum += fine + (coarse - fine) * between * start.x * start.y;
     }
     sum / taps as f32 * share_inside(kernel, 0.5 / side)
 }

@@ -1,5 +1,6 @@
-//! What a receiver looks up in each slice, and how the answers are combined: twin of the functions of the same names in
-//! `shaders/techniques/occlusion_texture/kernel.wgsl`.
+//! The rectangle of each slice through which a receiver sees the light, and how the slices' hidden shares are combined.
+//!
+//! Twin of the functions of the same names in `shaders/techniques/occlusion_texture/kernel.wgsl`.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows": eq. 4 for the kernel, eq. 5 for the
 //! product, §3.4 for the slice that fades.

@@ -2,21 +2,24 @@
 
 use bevy_ecs::prelude::Entity;
 use fixedbitset::FixedBitSet;
-use glam::{DVec2, DVec3, UVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 
+use super::casters::{FrameObjects, Scratch};
 use super::component::{OcclusionTexture, SliceFilter};
-use super::filter::{MOST_TAPS, level_count, tap_count};
-use super::fit::{SceneBox, SliceFaces, SliceSettings, SlicedKind, SlicedLight, fit_faces};
+use super::face::SliceFace;
+use super::filter::{MOST_TAPS, level_count, reached_levels, tap_count};
+use super::fit::{SliceFaces, SliceSettings, fit_faces};
 use super::records::{OcclusionFace, OcclusionLight};
-use crate::geometry::{Aabb, Emitter};
-use crate::scene::LightKind;
+use super::sliced_light::{SlicedKind, SlicedLight};
 use crate::sets::{FrameLight, LightVolume, Objects};
-
-/// Half of the side of a square as large as a disc of radius 1.
-const SQUARE_OF_DISC: f64 = 0.886_226_925_452_758;
 
 /// Texels that stay empty along each side of a picture.
 const GUARD_TEXELS: f64 = 2.0;
+
+/// Returns the share of a picture's side that stays empty on each side.
+fn guard(resolution: u32) -> f64 {
+    GUARD_TEXELS / f64::from(resolution.max(8))
+}
 
 /// The pictures of one light.
 #[derive(Clone, Debug)]
@@ -42,9 +45,15 @@ pub struct LightSlices {
     pub is_active: bool,
     /// Changes when the pictures must be drawn again.
     pub revision: u64,
-    pub(super) layout: u64,
-    pub(super) volume: LightVolume,
-    pub(super) sliced: Option<SlicedLight>,
+    /// Resolution for whose texels the borders of the pictures are wide enough.
+    guarded: u32,
+    /// Set L of the light, when the pictures were fitted.
+    reached: FixedBitSet,
+    /// Layers whose casters cast for the light.
+    casts_for: u32,
+    flags: u64,
+    volume: LightVolume,
+    sliced: Option<SlicedLight>,
 }
 
 impl LightSlices {
@@ -61,7 +70,10 @@ impl LightSlices {
             solid: FixedBitSet::new(),
             is_active: false,
             revision: 0,
-            layout: 0,
+            guarded: 0,
+            reached: FixedBitSet::new(),
+            casts_for: 0,
+            flags: 0,
             volume: LightVolume::Infinite,
             sliced: None,
         }
@@ -72,71 +84,78 @@ impl LightSlices {
         &mut self,
         light: &FrameLight,
         settings: &OcclusionTexture,
-        objects: &Objects,
-        exchanged: &FixedBitSet,
-        is_closed: impl Fn(Entity) -> bool,
+        frame: &FrameObjects,
         scratch: &mut Scratch,
     ) -> bool {
-        if scratch.casters.len() == objects.len() {
-            scratch.casters.clear();
-        } else {
-            scratch.casters = FixedBitSet::with_capacity(objects.len()); // sets of unequal length are not equal
-        }
-        let sun = (f64::from(settings.angle_deg) * 0.5).to_radians().sin();
-        let lit = light.sets.l.ones().map(|object| objects.boxes.get(object));
-        let lit = lit.fold(Aabb::EMPTY, Aabb::union);
-        for object in light.reached_casters(objects) {
-            let shadows = !shadows_nothing(&objects.boxes.get(object), &lit, &light.emitter, sun);
-            scratch.casters.set(object, shadows);
-        }
-        let sliced = sliced_light(light, settings);
-        let moved = |set: &FixedBitSet| !set.is_disjoint(&objects.moved) || !set.is_disjoint(exchanged);
+        let objects = frame.objects;
+        let sliced = SlicedLight::new(light, settings);
         let is_same = self.revision != 0
             && self.settings == *settings
             && self.sliced == Some(sliced)
             && self.volume == light.volume
-            && self.layout == objects.layout_generation
-            && self.casters == scratch.casters
-            && !moved(&self.casters)
-            && light.sets.l.is_disjoint(&objects.moved);
+            && self.casts_for == light.selection.casts_for
+            && self.flags == objects.flags_generation
+            && self.reached == light.sets.l
+            && self.reached.is_disjoint(&objects.moved)
+            && self.casters.is_disjoint(frame.exchanged);
         if is_same {
             return false;
         }
         self.settings = *settings;
         self.sliced = Some(sliced);
         self.volume = light.volume;
-        self.layout = objects.layout_generation;
-        std::mem::swap(&mut self.casters, &mut scratch.casters);
+        self.casts_for = light.selection.casts_for;
+        self.flags = objects.flags_generation;
+        self.reached.clone_from(&light.sets.l);
+        let sun = (f64::from(settings.angle_deg) * 0.5).to_radians().sin();
+        scratch.collect(light, sun, frame, &mut self.casters);
         self.closing.clear();
         self.closing.grow(objects.len());
         for object in self.casters.ones() {
-            let closes = objects.layers[object] & settings.close_leaks != 0;
+            let closes = objects.layers[object] & self.settings.close_leaks != 0;
             self.closing.set(object, closes);
         }
-        let volume = light.volume.aabb();
-        scratch.scene.clear();
-        scratch.scene.extend(light.sets.l.ones().filter_map(|object| {
-            let bounds = objects.boxes.get(object).intersection(volume);
-            let scene = SceneBox {
-                bounds,
-                casts: self.casters.contains(object),
-            };
-            (!bounds.is_empty() && bounds.min.abs().max(bounds.max.abs()).max_element() < FARTHEST)
-                .then_some(scene)
-        }));
+        self.guarded = settings.resolution;
         let slice_settings = SliceSettings {
             count: settings.slices,
             weight: f64::from(settings.weight),
-            guard: GUARD_TEXELS / f64::from(settings.resolution),
+            guard: guard(self.guarded),
         };
         self.faces = fit_faces(&sliced, &slice_settings, &scratch.scene);
         self.solid.clear();
         self.solid.grow(objects.len());
         for object in self.casters.ones() {
-            let is_solid = is_closed(objects.entities[object]) && self.is_clear_of(objects, object);
+            let is_solid = (frame.is_closed)(objects.entities[object]) && self.is_clear_of(objects, object);
             self.solid.set(object, is_solid);
         }
         true
+    }
+
+    /// Takes over the resolution that the light gets, and makes the empty borders of the pictures as wide as its texels
+    /// need. Returns whether the pictures change.
+    pub(super) fn set_resolution(&mut self, resolution: u32) -> bool {
+        if resolution > 0 && self.guarded != resolution {
+            let (from, to) = (guard(self.guarded), guard(resolution));
+            for face in &mut self.faces {
+                face.change_guard(from, to);
+            }
+            self.guarded = resolution;
+        }
+        let changes = self.resolution != resolution;
+        self.resolution = resolution;
+        changes
+    }
+
+    /// Whether a picture may show an object. One of six pictures around a sphere shows a pyramid.
+    pub fn shows(&self, face: &SliceFace, objects: &Objects, object: usize) -> bool {
+        let (center, half) = objects.boxes.center_half(object);
+        let [x, y, z] = face.axes.map(|axis| {
+            let (middle, half) = (axis.dot(center - face.origin), axis.abs().dot(half));
+            DVec2::new(middle - half, middle + half)
+        });
+        let widest = z.y + face.divisor.y;
+        let is_beside = |across: DVec2| across.x >= widest || across.y <= -widest;
+        self.faces.len() == 1 || !(z.y <= 0.0 || is_beside(x) || is_beside(y))
     }
 
     /// Whether an object lies wholly before the centre of projection and the light, so that every ray from there enters it
@@ -213,110 +232,40 @@ impl LightSlices {
             point_relative: point_relative.as_vec4().to_array(),
             half_right: right.extend(radius as f32).to_array(),
             half_up: up.extend(self.taps() as f32).to_array(),
-            limits: [
-                depths.0,
-                depths.1,
-                self.resolution as f32,
-                (self.resolution as f32).recip(),
-            ],
+            limits: [depths.0, depths.1, self.resolution as f32, self.levels() as f32],
         }
     }
 
     /// Number of squares of which lookups in N-buffers put their rectangles together.
     pub fn taps(&self) -> u32 {
-        let (Some(sliced), Some(face)) = (self.sliced, self.faces.first()) else {
+        let Some(sliced) = self.sliced else {
             return 1;
         };
-        let kernel = (sliced.half * face.scale).as_vec2();
-        match sliced.kind {
-            // Oblique kernels may have any shape; two squares follow most of them.
-            SlicedKind::Sphere => (2 * tap_count(kernel)).min(MOST_TAPS),
-            SlicedKind::Rect | SlicedKind::Directional => tap_count(kernel),
-        }
-    }
-
-    /// Size of the light's texture arrays: texels along a side and layers, without levels.
-    pub fn size(&self) -> UVec2 {
-        UVec2::new(self.resolution, self.faces.len() as u32 * self.settings.groups())
-    }
-}
-
-/// Coordinates from which on a box says nothing about the scene, metres.
-const FARTHEST: f32 = 1e9;
-
-/// Memory that is kept for its allocation.
-#[derive(Clone, Debug, Default)]
-pub struct Scratch {
-    casters: FixedBitSet,
-    scene: Vec<SceneBox>,
-}
-
-/// How deep objects may be sunk into a ground that shadows nothing, as a share of the extent of everything lit. It is less than
-/// a slice, within which nothing is shadowed either.
-const SUNK: f64 = 0.05;
-
-/// Whether everything that a light lights lies on the light's side of a caster, as it does for a flat ground. Slices are
-/// not spent on such a caster. `sun` is the sine of half the angle of a directional light.
-fn shadows_nothing(caster: &Aabb, lit: &Aabb, emitter: &Emitter, sun: f64) -> bool {
-    DVec3::AXES.into_iter().any(|axis| {
-        let slack = SUNK * axis.dot((lit.max - lit.min).as_dvec3());
-        [axis, -axis].into_iter().any(|outward| {
-            let along = |a: Vec3, b: Vec3| outward.dot(a.as_dvec3()).max(outward.dot(b.as_dvec3()));
-            let side = along(caster.min, caster.max);
-            let nearest = -(-outward)
-                .dot(lit.min.as_dvec3())
-                .max((-outward).dot(lit.max.as_dvec3()));
-            let point = emitter.point;
-            let light = outward.dot(point.truncate());
-            let is_outside = if point.w == 0.0 {
-                light > sun
-            } else {
-                light - emitter.extent(outward) > side + slack
-            };
-            is_outside && nearest >= side - slack
-        })
-    })
-}
-
-/// Returns the place and extent of a light's shadows.
-fn sliced_light(light: &FrameLight, settings: &OcclusionTexture) -> SlicedLight {
-    let emitter = &light.emitter;
-    let mut axes = light.shining.axes;
-    let point = emitter.point.truncate();
-    if emitter.point.w == 0.0 {
-        let z = -point.normalize();
-        let along = axes[2].dot(z);
-        if along < 1.0 - 1e-12 {
-            let (x, y) = z.any_orthonormal_pair();
-            axes = [x, y, z];
-        }
-        let tangent = (f64::from(settings.angle_deg) * 0.5).to_radians().tan() * SQUARE_OF_DISC;
-        return SlicedLight {
-            origin: DVec3::ZERO,
-            axes,
-            half: DVec2::splat(tangent),
-            kind: SlicedKind::Directional,
+        let of_face = |face: &SliceFace| {
+            let squares = tap_count((sliced.half * face.scale).as_vec2());
+            match sliced.kind {
+                // Oblique kernels may have any shape; two squares follow most of them.
+                SlicedKind::Sphere => (2 * squares).min(MOST_TAPS),
+                SlicedKind::Rect | SlicedKind::Directional => squares,
+            }
         };
+        self.faces.iter().map(of_face).max().unwrap_or(1)
     }
-    let (half, kind) = match light.light.kind {
-        LightKind::Rect { .. } => {
-            let sides = emitter.half_sides.map(|side| side.length());
-            let axis = |side: DVec3, own: DVec3| side.try_normalize().unwrap_or(own);
-            let [x, y] = [0, 1].map(|side| axis(emitter.half_sides[side], axes[side]));
-            axes = [x, y, axes[2]];
-            (DVec2::from_array(sides), SlicedKind::Rect)
-        }
-        _ => (DVec2::splat(emitter.radius * SQUARE_OF_DISC), SlicedKind::Sphere),
-    };
-    SlicedLight {
-        origin: point,
-        axes,
-        half,
-        kind,
-    }
-}
 
-impl LightSlices {
+    /// Number of levels of the filter that lookups reach. N-buffers above them are not built.
+    pub fn levels(&self) -> u32 {
+        let Some(sliced) = self.sliced else {
+            return 1;
+        };
+        let all = level_count(self.resolution);
+        let side = f64::from(self.resolution);
+        let of_face = |face: &SliceFace| {
+            let kernel = (face.widest_kernel(&sliced) * side).as_vec2();
+            reached_levels(kernel, self.taps()).min(all)
+        };
+        self.faces.iter().map(of_face).max().unwrap_or(all)
+    }
+
     /// Returns the extent of the scene that the pictures show: the sizes of the last slice's picture, metres.
     pub fn extent(&self) -> Vec3 {
         let Some(face) = self.faces.first() else {
@@ -326,34 +275,5 @@ impl LightSlices {
         let bottom = slices.bottoms[slices.count - 1];
         let across = 2.0 * (face.divisor.x * bottom + face.divisor.y) / face.scale;
         across.extend(bottom - slices.top).as_vec3()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn grounds_shadow_nothing_and_what_stands_on_them_does() {
-        let ground = Aabb::around(Vec3::ZERO, Vec3::new(10.0, 0.0, 10.0));
-        let cube = Aabb::around(Vec3::Y, Vec3::ONE);
-        let lit = ground.union(cube);
-        let lamp = |y: f64| Emitter {
-            radius: 0.5,
-            ..Emitter::point(DVec3::new(3.0, y, 0.0).extend(1.0))
-        };
-        let sun = |y: f64| Emitter::point(DVec3::new(0.6, y, 0.0).normalize().extend(0.0));
-        for high in [lamp(4.0), sun(1.0)] {
-            assert!(shadows_nothing(&ground, &lit, &high, 0.1));
-            assert!(!shadows_nothing(&cube, &lit, &high, 0.1));
-            let cellar = lit.union(Aabb::around(Vec3::NEG_Y, Vec3::ONE));
-            assert!(!shadows_nothing(&ground, &cellar, &high, 0.1));
-        }
-        // Some of the light is below the ground.
-        assert!(!shadows_nothing(&ground, &lit, &lamp(0.4), 0.1));
-        assert!(!shadows_nothing(&ground, &lit, &sun(0.05), 0.1));
-        // A wall behind everything.
-        let wall = Aabb::around(Vec3::new(-10.0, 5.0, 0.0), Vec3::new(0.0, 5.0, 10.0));
-        assert!(shadows_nothing(&wall, &lit.union(wall), &lamp(4.0), 0.1));
     }
 }

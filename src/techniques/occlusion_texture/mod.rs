@@ -12,7 +12,11 @@
 //! | `technique` | how the component joins the frame |
 //! | `build` | the lights with occlusion textures, and their memory |
 //! | `light_slices` | the pictures of one light, and whether they changed |
-//! | `fit` | number, direction and size of the pictures |
+//! | `casters` | the scene that a light reaches, and its casters |
+//! | `sliced_light` | the part of a light that its pictures depend on |
+//! | `scene_box` | where an object stands |
+//! | `shadowless` | casters that shadow nothing, such as a flat ground |
+//! | `fit`, `framing` | number, direction and size of the pictures |
 //! | `face` | one picture: its projection and its slices |
 //! | `records` | records of pictures and lights, for the GPU |
 //! | `kernel`, `filter` | what a receiver looks up; twins of the shaders |
@@ -28,22 +32,27 @@
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
 //! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice. The slice that holds a receiver
 //! does not shadow it, and the slice before it fades in with the distance, so nothing jumps where geometry passes from
-//! slice to slice. Objects therefore lose the contact shadow
-//! within about one slice, and gain it with more slices. The source lets casters cast from the far end of their slice; here
-//! they do so for receivers just behind it, and cast from its middle once the slice has faded in, which halves what the
-//! projection onto one plane adds to their size.
+//! slice to slice. Objects therefore lose the contact shadow within about one slice; more slices bring it closer. The source
+//! lets casters cast from the far end of their slice. Here they do so for receivers just behind the slice only. Once the
+//! slice has faded in, they cast from its middle, which halves the error of their projection onto one plane.
+//!
+//! **Pictures.** A picture shows the casters and their surroundings, as far as a kernel may reach that touches them. Receivers
+//! may lie outside of it. Casters are measured along their own axes as well as those of the world, so a turned scene has
+//! slices as thin as a straight one.
 //!
 //! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices; see [`SliceFilter`]. Pictures are
 //! kept while nothing changes. Drawing is one pass over the casters for up to 16 slices; a pixel costs two lookups for each
-//! slice between itself and the light, whatever the size of the light.
+//! slice between itself and the light, whatever the size of the light. N-buffers take four loads of 8 bytes for each texel
+//! and level, and levels that no kernel reaches are not built. At 1024² texels that is at most 40 loads; summed areas take
+//! 64 of 16 bytes.
 //!
 //! **Closed casters.** Beyond the paper, casters whose mesh is closed are drawn with their fronts alone, as seen from the
 //! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
 //!
 //! **Limits.** Occluders in different slices count as independent: a surface that passes through several slices hides
 //! disjoint parts of the light, and the product lets some of it through; [`OcclusionTexture::close_leaks`] mends that where
-//! it matters. Everything that the light reaches shares one picture, so lights without a range spend
-//! their texels on the whole scene.
+//! it matters. All casters that the light reaches share one picture, so lights without a range spend their texels on all
+//! casters of the scene.
 //!
 //! **Errors.** Root mean square errors of visibility under a square light of 1 m, 3 m above a ground, with 8 slices of 256²
 //! texels; without a shadow the errors are 0.15 to 0.35. `cargo test --all-features --test gpu
@@ -51,29 +60,37 @@
 //!
 //! | scene | product | maximum | sum | product, leaks closed |
 //! | --- | --- | --- | --- | --- |
-//! | a plate | 0.012 | 0.012 | 0.012 | 0.058 |
-//! | boxes over each other | 0.035 | 0.063 | 0.040 | 0.090 |
-//! | a tree of 160 leaves | 0.128 | 0.192 | 0.160 | 0.169 |
-//! | two slanted wings | 0.100 | 0.200 | 0.028 | 0.046 |
-//! | balls over hills | 0.027 | 0.033 | 0.022 | 0.048 |
+//! | a plate | 0.012 | 0.012 | 0.012 | 0.056 |
+//! | boxes over each other | 0.029 | 0.057 | 0.039 | 0.109 |
+//! | a tree of 160 leaves | 0.127 | 0.193 | 0.160 | 0.167 |
+//! | two slanted wings | 0.092 | 0.196 | 0.018 | 0.056 |
+//! | balls over hills | 0.027 | 0.033 | 0.022 | 0.049 |
 //!
 //! The sum is the best where one surface passes through the slices, the product where many objects overlap, and the maximum
-//! nowhere. Summed areas take 0.008 off the errors of a plate, and mipmaps add up to 0.013.
+//! nowhere. Summed areas take 0.008 off the errors of a plate, and mipmaps add up to 0.006.
+//!
+//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once. With 16 slices, visibility
+//! then changes by at most 0.11 more in a frame than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
 //! a few textures, because its hardware could not index textures; here they are layers of an array.
 
 pub(crate) mod build;
+pub(crate) mod casters;
 pub(crate) mod component;
 mod debug_lines;
 pub(crate) mod face;
 pub(crate) mod filter;
 pub(crate) mod fit;
+pub(crate) mod framing;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
 pub(crate) mod kernel;
 pub(crate) mod light_slices;
 pub(crate) mod records;
+pub(crate) mod scene_box;
+pub(crate) mod shadowless;
+pub(crate) mod sliced_light;
 pub(crate) mod technique;
 
 pub use build::OcclusionTextures;

@@ -1,5 +1,7 @@
-//! What the GPU knows of a light's slices. They mirror the structs of the same names in
-//! `shaders/techniques/occlusion_texture/kernel.wgsl` (`tests/gpu/layout_contract.rs`).
+//! The records of a light's pictures and slices that shaders read.
+//!
+//! Each struct mirrors the one of the same name in `shaders/techniques/occlusion_texture/kernel.wgsl`
+//! (`tests/gpu/layout_contract.rs`).
 
 /// One picture of the casters: the place of its slices, and its projection.
 #[repr(C)]
@@ -38,6 +40,7 @@ pub struct OcclusionLight {
     pub half_right: [f32; 4],
     /// Half of the second side as a vector, world axes; w unused.
     pub half_up: [f32; 4],
-    /// Nearest and farthest depth that the light reaches, texels along a side of a picture, and their reciprocal.
+    /// Nearest and farthest depth that the light reaches, texels along a side of a picture, and the number of levels of
+    /// N-buffers that are built.
     pub limits: [f32; 4],
 }

@@ -77,7 +77,8 @@ impl Technique for OcclusionTexture {
         for slices in textures.lights.iter().filter(|slices| slices.is_active) {
             let light = &lights.lights[slices.light];
             let casts = slices.faces.iter().any(|face| face.slices.top < 1e29);
-            if !casts && !light.sets.s.is_clear() {
+            // Casters of S that are none of the pictures', like a flat ground, shadow nothing anyway.
+            if !casts && !light.sets.s.is_disjoint(&slices.casters) {
                 round.raise(Some(slices.entity), 2, || {
                     "The light has no shadow: all casters lie behind it or in its plane. Move or turn the light.".to_owned()
                 });

@@ -3,9 +3,9 @@
 
 use antumbra::prelude::*;
 use antumbra::reports::Reports;
-use antumbra::techniques::{OcclusionTexture, Techniques, TextureMemory};
+use antumbra::techniques::{OcclusionTexture, OcclusionTextures, Techniques, TextureMemory};
 use bevy_transform::prelude::Transform;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::scenes::{empty, hits, lamp, plate, rendered, spawn, square, staged};
 use crate::harness::strict_context;
@@ -86,6 +86,18 @@ fn scenes_behind_the_light_or_without_casters_are_lit() {
             lonely.iter().all(|value| *value > 0.99),
             "{kind:?}: a ground alone"
         );
+        assert_eq!(messages(&stage), [""; 0], "{kind:?}: a ground alone");
+        let over = spawn(
+            &mut stage,
+            MeshData::plane(0.4),
+            Transform::from_xyz(0.0, 1.0, 0.0),
+        );
+        let shadowed = rendered(&mut stage);
+        assert!(
+            shadowed.iter().any(|value| *value < 0.5),
+            "{kind:?}: a plate over it"
+        );
+        stage.world.despawn(over);
         // The light is inside of a caster, whose walls are all around it.
         let box_around = spawn(
             &mut stage,
@@ -95,6 +107,53 @@ fn scenes_behind_the_light_or_without_casters_are_lit() {
         assert_shares(&rendered(&mut stage), "inside");
         stage.world.despawn(box_around);
     }
+}
+
+/// Casters that lie behind a light or in its plane shadow nothing, and a report says so. A ground is no reason for it.
+#[test]
+fn casters_in_the_plane_of_the_light_are_reported() {
+    let context = strict_context();
+    let mut stage = empty(&context, Vec3::new(0.0, 2.0, 3.0));
+    spawn(&mut stage, MeshData::plane(2.0), Transform::IDENTITY);
+    let (light, place) = lamp(square(0.5), Vec3::new(0.0, 1.0, 0.0));
+    stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+    assert!(rendered(&mut stage).iter().all(|value| *value > 0.99));
+    assert_eq!(messages(&stage), [""; 0]);
+    spawn(
+        &mut stage,
+        MeshData::plane(0.2),
+        Transform::from_xyz(0.6, 1.0, 0.0),
+    );
+    assert_shares(&rendered(&mut stage), "in the plane");
+    let messages = messages(&stage);
+    let told = messages
+        .iter()
+        .any(|text| text.contains("all casters lie behind it"));
+    assert!(told, "{messages:?}");
+}
+
+/// Memory for few texels leaves a border around the casters that is empty at that resolution.
+#[test]
+fn coarse_pictures_keep_an_empty_border() {
+    let context = strict_context();
+    let mut stage = staged(&context, &plate());
+    let (light, place) = lamp(square(0.5), Vec3::new(0.0, 3.0, 0.0));
+    let settings = OcclusionTexture {
+        resolution: 1024,
+        ..Default::default()
+    };
+    stage.spawn_light(light, place, Some(settings));
+    stage.world.resource_mut::<TextureMemory>().limit = 800_000;
+    let got = rendered(&mut stage);
+    let slices = &stage.world.resource::<OcclusionTextures>().lights[0];
+    let (resolution, face) = (f64::from(slices.resolution), &slices.faces[0]);
+    assert!((32.0..=64.0).contains(&resolution), "{resolution}");
+    for corner in [(-0.4, -0.5), (0.6, 0.5)] {
+        let corner = face.light_from_world(DVec3::new(corner.0, 1.0, corner.1));
+        let border = (1.0 - face.project(corner).abs().max_element()) * 0.5 * resolution;
+        assert!(border > 1.9, "{border} texels");
+    }
+    assert!(got.iter().any(|value| *value < 0.5));
 }
 
 #[test]
@@ -152,6 +211,10 @@ fn settings_that_cannot_be_drawn_are_refused() {
     }
     let sun = Light::directional(Vec3::ONE, 1.0);
     assert!(refused(r#"{"angle_deg": 180}"#, &sun).is_some_and(|error| error.contains("angle_deg is 180°")));
+    for angle in ["-1", "200"] {
+        let json = format!(r#"{{"angle_deg": {angle}}}"#);
+        assert!(refused(&json, &light).is_some_and(|error| error.contains("angle_deg is")));
+    }
     let point = Light::point(Vec3::ONE, 1.0, 5.0);
     assert!(refused("{}", &point).is_some_and(|error| error.contains("point light")));
 }

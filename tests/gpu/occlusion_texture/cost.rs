@@ -1,11 +1,11 @@
-//! What occlusion textures cost: printed for people, never asserted.
+//! Costs of occlusion textures. Counts are asserted; times are printed by tests for people.
 
 use antumbra::prelude::*;
-use antumbra::techniques::{OcclusionTexture, SliceFilter};
+use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceFilter};
 use bevy_transform::prelude::Transform;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
-use super::scenes::{Scene, boxes, lamp, square, staged};
+use super::scenes::{Scene, boxes, lamp, plate, rendered, rmse, square, staged, truth};
 use crate::harness::strict_context;
 
 /// Median milliseconds of the passes whose label ends with each name, in frames that draw the pictures again.
@@ -36,6 +36,60 @@ fn print(name: &str, times: [f64; 3]) {
     println!("{name:<40} {:>9.2} {:>9.2} {:>9.2}", times[0], times[1], times[2]);
 }
 
+/// A lookup takes as many samples, and the casters as many draws and bytes, for a light of 0.1 m as for one of 5 m.
+#[test]
+fn costs_do_not_grow_with_the_light() {
+    let context = strict_context();
+    let counts = [0.1, 1.0, 5.0].map(|side| {
+        let mut stage = staged(&context, &boxes());
+        let (light, place) = lamp(square(side), Vec3::new(0.3, 3.0, 0.2));
+        stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+        rendered(&mut stage);
+        let renderer = stage.world.resource::<Renderer>();
+        let draws = renderer.shadow_batch_count(&renderer.frame().lights[0]);
+        let slices = &stage.world.resource::<OcclusionTextures>().lights[0];
+        let bytes = slices.bytes_per_square() * u64::from(slices.resolution).pow(2);
+        let counts = (slices.taps(), slices.faces.len(), draws, bytes);
+        println!("{side} m: {counts:?}, {} levels", slices.levels());
+        (counts, slices.levels())
+    });
+    assert_eq!(counts[0].0, counts[1].0);
+    assert_eq!(counts[1].0, counts[2].0);
+    assert_eq!(counts[0].0.0, 1);
+    // Small lights even leave out levels of the filter.
+    assert!(counts[0].1 < counts[1].1 && counts[2].1 <= 9, "{counts:?}");
+}
+
+/// Half a million triangles: seven balls over a ground.
+#[test]
+#[ignore = "a table for people"]
+fn half_a_million_triangles_by_hand() {
+    let context = strict_context();
+    let mut scene = plate();
+    scene.parts.truncate(1);
+    let ball = MeshData::icosphere(0.3, 6);
+    let triangles = 7 * ball.indices.len() / 3;
+    for index in 0..7 {
+        let turn = Quat::from_rotation_y(0.9 * index as f32);
+        let at = turn * Vec3::new(0.7, 0.6 + 0.15 * index as f32, 0.0);
+        scene.parts.push((ball.clone(), Transform::from_translation(at)));
+    }
+    let settings = OcclusionTexture::default();
+    let times = cost(&context, &scene, square(1.0), settings);
+    let mut stage = staged(&context, &scene);
+    let (light, place) = lamp(square(1.0), Vec3::new(0.3, 3.0, 0.2));
+    stage.spawn_light(light, place, Some(settings));
+    let got = rendered(&mut stage);
+    let truth = truth(&mut stage, 64);
+    let (error, lit) = (rmse(&truth, &got), rmse(&truth, &vec![1.0; got.len()]));
+    print(&format!("{triangles} triangles"), times);
+    println!("error {error:.3}, without a shadow {lit:.3}");
+    assert!(
+        triangles > 500_000 && error < 0.4 * lit,
+        "{triangles}, {error}, {lit}"
+    );
+}
+
 #[test]
 #[ignore = "a table for people"]
 fn costs_by_hand() {
@@ -57,6 +111,7 @@ fn costs_by_hand() {
         );
     }
     for resolution in [128, 256, 512, 1024] {
+        let mut filters = Vec::new();
         for filter in [
             SliceFilter::NBuffers,
             SliceFilter::Mipmaps,
@@ -69,8 +124,14 @@ fn costs_by_hand() {
                 ..settings
             };
             let name = format!("4 slices, {resolution}², {filter:?}");
-            print(&name, cost(&context, &boxes(), square(1.0), settings));
+            let times = cost(&context, &boxes(), square(1.0), settings);
+            print(&name, times);
+            filters.push(times[1]);
         }
+        println!(
+            "  the filter of summed areas takes {:.2} times that of N-buffers",
+            filters[2] / filters[0]
+        );
     }
     for subdivisions in [2, 4, 6] {
         let mut scene = boxes();

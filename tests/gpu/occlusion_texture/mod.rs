@@ -2,6 +2,8 @@
 
 mod bad_input;
 mod cost;
+mod edges;
+mod motion;
 mod properties;
 mod scenes;
 mod truth;

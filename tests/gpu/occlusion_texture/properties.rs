@@ -1,51 +1,57 @@
-//! Holes, leaks, slices that fade, pictures that are kept, lights of any orientation.
+//! Holes, leaks, slices that fade, lights of any orientation.
 
 use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::scene::{Texture, TextureSlot, TextureWrap};
-use antumbra::techniques::{OcclusionTexture, OcclusionTextures};
+use antumbra::techniques::OcclusionTexture;
 use bevy_transform::prelude::Transform;
 use glam::{Affine2, Quat, Vec2, Vec3};
 
-use super::scenes::{empty, hits, lamp, plate, rendered, spawn, square, staged, truth, wings};
+use super::scenes::{empty, hits, lamp, rendered, spawn, square, staged, truth, wings};
 use crate::harness::strict_context;
 
+/// Umbra pixels that are lighter than 0.1, and all of them. `close_leaks` is a mask of layers.
+fn leaks(stage: &mut crate::harness::support::stage::Stage, close_leaks: u32) -> (usize, usize) {
+    let light = stage.lights[0];
+    stage.world.entity_mut(light).insert(OcclusionTexture {
+        slices: 16,
+        close_leaks,
+        ..Default::default()
+    });
+    let got = rendered(stage);
+    let truth = truth(stage, 144);
+    let pixels = truth.values().iter().zip(&got);
+    let umbra = pixels.filter(|(truth, _)| **truth == 0.0);
+    let lit = umbra.clone().filter(|(_, got)| **got > 0.1);
+    (lit.count(), umbra.count())
+}
+
+/// Light shines through thin surfaces that pass from slice to slice, unless the next slice is filled too.
 #[test]
-fn leaks_of_thin_wings_are_closed() {
+fn leaks_of_thin_wings_and_walls_are_closed() {
     let context = strict_context();
-    let mut stage = staged(&context, &wings());
-    let (light, place) = lamp(square(0.3), Vec3::new(0.0, 3.0, 0.0));
-    let entity = stage.spawn_light(light, place, None::<OcclusionTexture>);
-    let mut leaks = |close_leaks| {
-        stage.world.entity_mut(entity).insert(OcclusionTexture {
-            slices: 16,
-            close_leaks,
-            ..Default::default()
-        });
-        let got = rendered(&mut stage);
-        let truth = truth(&mut stage, 36);
-        let umbra = truth
-            .values()
-            .iter()
-            .zip(&got)
-            .filter(|(truth, _)| **truth == 0.0);
-        let (mut all, mut lit) = (0, 0);
-        for (_, got) in umbra {
-            all += 1;
-            lit += usize::from(*got > 0.1);
-        }
-        (lit, all)
-    };
-    let (open, all) = leaks(0);
-    let (closed, _) = leaks(u32::MAX);
-    println!("of {all} umbra pixels, {open} are lit; {closed} with leaks closed");
-    assert!(
-        all > 100 && open > closed && closed * 50 <= all,
-        "{open}, {closed} of {all}"
-    );
-    // The mask chooses casters: nothing is on layer 5.
-    assert_eq!(leaks(1 << 5).0, open);
+    let mut walls = wings();
+    walls.parts.truncate(1);
+    for side in [-1.0, 1.0] {
+        let wall =
+            Transform::from_xyz(0.6 * side, 0.8, 0.0).with_rotation(Quat::from_rotation_z(1.45 * side));
+        walls.parts.push((MeshData::plane(0.5), wall));
+    }
+    for (scene, name) in [(wings(), "wings"), (walls, "walls")] {
+        let mut stage = staged(&context, &scene);
+        let (light, place) = lamp(square(0.3), Vec3::new(0.0, 3.0, 0.0));
+        stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+        let (open, all) = leaks(&mut stage, 0);
+        let (closed, _) = leaks(&mut stage, u32::MAX);
+        println!("{name}: of {all} umbra pixels, {open} are lit; {closed} with leaks closed");
+        assert!(
+            all > 50 && open > 10 && closed * 1000 <= all,
+            "{name}: {open}, {closed} of {all}"
+        );
+        // The mask chooses casters: nothing is on layer 5.
+        assert_eq!(leaks(&mut stage, 1 << 5).0, open);
+    }
 }
 
 /// A plane that rises through all slices shadows itself nowhere, and under a plate its shadow has no steps.
@@ -86,62 +92,6 @@ fn slices_fade_where_a_plane_passes_through_them() {
     }
     println!("neighbours differ by at most {worst:.4} more than in truth, over {soft} pairs");
     assert!(soft > 80 && worst < 1.0 / 64.0, "{worst}, {soft}");
-}
-
-#[test]
-fn pictures_are_drawn_again_only_when_something_changes() {
-    let context = strict_context();
-    let mut stage = staged(&context, &plate());
-    let (light, place) = lamp(square(0.5), Vec3::new(0.0, 3.0, 0.0));
-    let entity = stage.spawn_light(light, place, Some(OcclusionTexture::default()));
-    let frame = |stage: &mut crate::harness::support::stage::Stage| {
-        let picture = rendered(stage);
-        (
-            picture,
-            stage.world.resource::<OcclusionTextures>().lights[0].revision,
-        )
-    };
-    let (first, revision) = frame(&mut stage);
-    let (second, same) = frame(&mut stage);
-    assert_eq!((&first, revision), (&second, same));
-    // The view does not matter.
-    let camera = stage.camera;
-    stage
-        .world
-        .get_mut::<Transform>(camera)
-        .expect("a place")
-        .translation
-        .x += 0.2;
-    assert_eq!(frame(&mut stage).1, revision);
-    stage
-        .world
-        .get_mut::<Transform>(camera)
-        .expect("a place")
-        .translation
-        .x -= 0.2;
-    let caster = spawn(
-        &mut stage,
-        MeshData::cuboid(Vec3::splat(0.2)),
-        Transform::from_xyz(-0.8, 0.5, 0.3),
-    );
-    let (with_caster, after) = frame(&mut stage);
-    assert!(after > revision && with_caster != first);
-    stage
-        .world
-        .get_mut::<Transform>(caster)
-        .expect("a place")
-        .translation
-        .x += 0.4;
-    let (moved, moved_at) = frame(&mut stage);
-    assert!(moved_at > after && moved != with_caster);
-    stage.world.entity_mut(entity).insert(OcclusionTexture {
-        slices: 4,
-        ..Default::default()
-    });
-    assert!(frame(&mut stage).1 > moved_at);
-    stage.world.despawn(caster);
-    stage.world.entity_mut(entity).insert(OcclusionTexture::default());
-    assert_eq!(frame(&mut stage).0, first);
 }
 
 /// The whole scene is turned about the light; the shadow stays near the truth.
@@ -193,14 +143,12 @@ fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {
     let (straight, lit, truth) = picture(Quat::IDENTITY);
     let error = super::scenes::rmse(&truth, &straight);
     println!("error {error:.4}, without a shadow {lit:.4}");
-    // The wall passes through all slices, and its shadow is too light.
-    assert!(error < 0.1 && lit > 3.0 * error, "{error}, {lit}");
+    assert!(error < 0.05 && lit > 3.0 * error, "{error}, {lit}");
     let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.4, 0.9, -0.3);
-    // Bounds of turned objects are looser, so slices and texels differ; the mean error stays.
     let (turned, _, truth) = picture(turn);
     let error = super::scenes::rmse(&truth, &turned);
     println!("error {error:.4} of the turned scene");
-    assert!(error < 0.2 && lit > 2.0 * error, "{error}, {lit}");
+    assert!(error < 0.05 && lit > 3.0 * error, "{error}, {lit}");
 }
 
 /// A plate whose texture is opaque on one half casts half a shadow.

@@ -64,6 +64,9 @@ pub fn plate() -> Scene {
     }
 }
 
+/// A place between the boxes of [`boxes`], with some above and some below.
+pub const BETWEEN: Vec3 = Vec3::new(0.1, 1.1, -0.1);
+
 /// Boxes over each other, whose shadows overlap in part.
 pub fn boxes() -> Scene {
     let mut parts = vec![ground()];

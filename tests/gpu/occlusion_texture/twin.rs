@@ -9,7 +9,7 @@ use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
 use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
 use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
 
-use super::scenes::{Scene, boxes, hits, lamp, rendered, staged};
+use super::scenes::{BETWEEN, Scene, boxes, hits, lamp, rendered, staged};
 use crate::harness::strict_context;
 
 /// The pictures of one face by rays through the middle of each texel.
@@ -185,10 +185,10 @@ fn pictures_are_filtered_and_looked_up_as_the_twins_do() {
         (LONG, above, SliceFilter::SummedAreas),
         (LightKind::Sphere { radius: 0.4 }, above, SliceFilter::Mipmaps),
         (LightKind::Directional, above, SliceFilter::NBuffers),
-        // Casters are all around it.
+        // Casters are all around it, and far enough for their fronts alone to be drawn.
         (
-            LightKind::Sphere { radius: 0.1 },
-            Vec3::new(0.9, 1.1, 0.5),
+            LightKind::Sphere { radius: 0.03 },
+            BETWEEN,
             SliceFilter::SummedAreas,
         ),
     ];

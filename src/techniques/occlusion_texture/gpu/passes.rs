@@ -52,7 +52,7 @@ impl SliceNode {
         let Some(pipeline) = self.pipelines.get(key) else {
             return;
         };
-        for step in &textures.steps {
+        for step in textures.steps.iter().filter(|step| step.level < plan.levels) {
             filter_step(step, pipeline, plan.light, encoder, input);
         }
     }

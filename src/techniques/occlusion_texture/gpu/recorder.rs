@@ -54,6 +54,8 @@ pub(super) struct LightPlan {
     pub lookup: Key,
     /// Pictures that are drawn again, as a range of [`SliceNode::faces`]; empty if they are up to date.
     pub faces: Range<usize>,
+    /// Levels of N-buffers that are built.
+    pub levels: u32,
     pub revision: u64,
 }
 
@@ -135,6 +137,7 @@ impl SliceNode {
                     let own = |object: &usize| {
                         slices.closing.contains(*object) == closes
                             && slices.solid.contains(*object) == is_solid
+                            && slices.shows(face, objects, *object)
                     };
                     let set = slices.casters.ones().filter(own).collect();
                     SetPlan {
@@ -201,6 +204,7 @@ impl SliceNode {
             key,
             lookup,
             faces,
+            levels: slices.levels(),
             revision: slices.revision,
         });
         Ok(())

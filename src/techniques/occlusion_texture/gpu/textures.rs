@@ -56,6 +56,8 @@ pub struct Step {
     pub targets: Vec<wgpu::TextureView>,
     /// The number that the shader gets.
     pub instance: u32,
+    /// The level of N-buffers that is written; 0 for other filters, whose steps are all needed.
+    pub level: u32,
 }
 
 /// The pictures of one light.
@@ -198,6 +200,7 @@ impl Maker<'_> {
                     below: self.below(&texture, first(face, level - 1), groups, 0),
                     targets: self.layers(&texture, first(face, level), 0),
                     instance: 1 << (level - 1),
+                    level,
                 });
             }
         }
@@ -218,6 +221,7 @@ impl Maker<'_> {
                     below: self.below(&texture, face * groups, groups, level - 1),
                     targets: self.layers(&texture, face * groups, level),
                     instance: 0,
+                    level: 0,
                 });
             }
         }
@@ -239,11 +243,13 @@ impl Maker<'_> {
         let mut turn = 0;
         for is_down in [0, 1] {
             for distance in self.key.sum_distances() {
+                let below = self.below(from, 0, layers, 0);
                 for layer in 0..layers {
                     steps.push(Step {
-                        below: self.below(from, 0, layers, 0),
+                        below: below.clone(),
                         targets: vec![self.view(&sums[turn], layer, None, 0)],
                         instance: distance | is_down << 16 | layer << 17,
+                        level: 0,
                     });
                 }
                 from = &sums[turn];

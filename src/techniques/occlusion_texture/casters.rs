@@ -1,0 +1,80 @@
+//! The scene that a light reaches, and its casters without those that shadow nothing.
+
+use bevy_ecs::prelude::Entity;
+use fixedbitset::FixedBitSet;
+
+use super::scene_box::{OwnBox, SceneBox};
+use super::shadowless::Lit;
+use crate::geometry::Aabb;
+use crate::sets::{FrameLight, Objects};
+
+/// Coordinates from which on a box says nothing about the scene, metres.
+const FARTHEST: f32 = 1e9;
+
+/// The objects of a frame, as the pictures of all lights look at them.
+pub(super) struct FrameObjects<'a> {
+    pub objects: &'a Objects,
+    /// Objects whose mesh or material was exchanged in this frame.
+    pub exchanged: &'a FixedBitSet,
+    /// Whether only fronts of a caster are seen from outside.
+    pub is_closed: &'a dyn Fn(Entity) -> bool,
+    /// The box of an object along its own axes.
+    pub own_box: &'a dyn Fn(Entity) -> Option<OwnBox>,
+}
+
+/// Memory that is kept for its allocation.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    pub scene: Vec<SceneBox>,
+    /// Object of each box of the scene.
+    indices: Vec<usize>,
+}
+
+impl Scratch {
+    /// Collects the scene of a light, and its casters without those that shadow nothing. `sun` is the sine of half the angle
+    /// of a directional light.
+    pub fn collect(&mut self, light: &FrameLight, sun: f64, frame: &FrameObjects, casters: &mut FixedBitSet) {
+        let objects = frame.objects;
+        casters.clear();
+        casters.grow(objects.len());
+        for object in light.reached_casters(objects) {
+            casters.insert(object);
+        }
+        let volume = light.volume.aabb();
+        let Self { scene, indices } = self;
+        scene.clear();
+        indices.clear();
+        let (mut all, mut is_known) = (Aabb::EMPTY, true);
+        for object in light.sets.l.ones() {
+            let bounds = objects.boxes.get(object).intersection(volume);
+            if bounds.is_empty() {
+                casters.set(object, false);
+                continue;
+            }
+            if !(bounds.min.abs().max(bounds.max.abs()).max_element() < FARTHEST) {
+                is_known = false;
+                continue;
+            }
+            all = all.union(bounds);
+            indices.push(object);
+            scene.push(SceneBox {
+                bounds,
+                own: (frame.own_box)(objects.entities[object]),
+                casts: casters.contains(object),
+            });
+        }
+        let lit = Lit {
+            scene: scene.as_slice(),
+            all,
+            emitter: &light.emitter,
+            sun,
+        };
+        let shadowless = |index: &usize| is_known && scene[*index].casts && lit.is_shadowless(*index);
+        for index in (0..scene.len()).filter(shadowless) {
+            casters.set(indices[index], false);
+        }
+        for (scene, object) in scene.iter_mut().zip(indices) {
+            scene.casts = casters.contains(*object);
+        }
+    }
+}

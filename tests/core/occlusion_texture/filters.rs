@@ -1,0 +1,150 @@
+//! Means over rectangles by the three filters.
+
+use antumbra::insides::occlusion_textures::{
+    Kernel, Picture, level_count, mipmap_mean, mipmaps, n_buffer_mean, n_buffers, reached_levels,
+    summed_areas, summed_mean, tap_count,
+};
+use glam::{IVec2, Vec2};
+
+use super::Random;
+
+fn picture(side: usize, seed: u64) -> Picture {
+    let blobs: Vec<(Vec2, f32)> = {
+        let mut random = Random(seed);
+        (0..12)
+            .map(|_| {
+                (
+                    Vec2::new(random.unit(), random.unit()),
+                    0.05 + 0.1 * random.unit(),
+                )
+            })
+            .collect()
+    };
+    Picture::from_fn(side, |texel: IVec2| {
+        let at = (texel.as_vec2() + 0.5) / side as f32;
+        let hit = blobs
+            .iter()
+            .any(|(middle, radius)| at.distance(*middle) < *radius);
+        f32::from(u8::from(hit))
+    })
+}
+
+/// The mean over a kernel by many points.
+fn brute_mean(picture: &Picture, kernel: &Kernel) -> f32 {
+    let steps = 64;
+    let mut sum = 0.0;
+    for index in 0..steps * steps {
+        let share =
+            (Vec2::new((index % steps) as f32, (index / steps) as f32) + 0.5) / steps as f32 * 2.0 - 1.0;
+        let at = (kernel.center + share * kernel.half) * picture.side as f32;
+        sum += picture.at(at.floor().as_ivec2());
+    }
+    sum / (steps * steps) as f32
+}
+
+/// Kernels inside a picture, at least a texel wide.
+fn kernels(aspect: f32) -> Vec<Kernel> {
+    let mut random = Random(9);
+    (0..60)
+        .map(|_| {
+            let half = Vec2::new(aspect, 1.0) * (0.015 + 0.06 * random.unit());
+            let room = Vec2::ONE - 4.0 * half.max(Vec2::splat(half.max_element()));
+            let center =
+                2.0 * half.max_element() + Vec2::new(random.unit(), random.unit()) * room.max(Vec2::ZERO);
+            Kernel { center, half }
+        })
+        .collect()
+}
+
+fn root_mean_square(errors: impl Iterator<Item = f32>) -> f32 {
+    let (sum, count) = errors.fold((0.0, 0.0), |(sum, count), error| {
+        (sum + error * error, count + 1.0)
+    });
+    f32::sqrt(sum / count)
+}
+
+#[test]
+fn filters_give_the_means_over_rectangles_that_points_give() {
+    let picture = picture(128, 3);
+    let (levels, mips, sums) = (
+        n_buffers(picture.clone()),
+        mipmaps(picture.clone()),
+        summed_areas(picture.clone()),
+    );
+    println!("aspect  n-buffers  one square  mipmaps  sums: root mean square errors of 60 kernels");
+    for aspect in [1.0, 3.0] {
+        let kernels = kernels(aspect);
+        let taps = tap_count(Vec2::new(aspect, 1.0));
+        let error = |of: &dyn Fn(&Kernel) -> f32| {
+            root_mean_square(
+                kernels
+                    .iter()
+                    .map(|kernel| of(kernel) - brute_mean(&picture, kernel)),
+            )
+        };
+        let n = error(&|kernel| n_buffer_mean(&levels, kernel, taps));
+        let one = error(&|kernel| n_buffer_mean(&levels, kernel, 1));
+        let mip = error(&|kernel| mipmap_mean(&mips, kernel));
+        let sum = error(&|kernel| summed_mean(&sums, kernel));
+        println!("{aspect:>6} {n:>10.4} {one:>11.4} {mip:>8.4} {sum:>7.4}");
+        assert!(sum < 0.006, "{aspect}: {sum}");
+        assert!(n < 0.04 && n < mip, "{aspect}: {n}, {mip}");
+        assert!(taps == 1 || n < 0.7 * one, "{aspect}: {n}, {one}");
+    }
+}
+
+/// Sums count what lies outside the picture as empty, however far a kernel reaches beyond.
+#[test]
+fn kernels_beyond_the_border_find_nothing_there() {
+    let picture = Picture::from_fn(32, |_| 1.0);
+    let (levels, sums) = (n_buffers(picture.clone()), summed_areas(picture));
+    for step in 0..40 {
+        let center = Vec2::new(0.5 + 0.02 * step as f32, 0.5);
+        let kernel = Kernel {
+            center,
+            half: Vec2::splat(0.125),
+        };
+        let inside = ((1.0 - (center.x - 0.125)) / 0.25).clamp(0.0, 1.0);
+        let sum = summed_mean(&sums, &kernel);
+        assert!((sum - inside).abs() < 1e-3, "{step}: {sum}, not {inside}");
+        let n = n_buffer_mean(&levels, &kernel, 1);
+        assert!(
+            (n - inside).abs() < 0.52 && (inside > 0.0 || n == 0.0),
+            "{step}: {n}, not {inside}"
+        );
+    }
+}
+
+#[test]
+fn small_kernels_reach_few_levels() {
+    for (size, levels) in [(0.1, 2), (1.0, 2), (1.9, 2), (2.0, 3), (60.0, 7), (255.0, 9)] {
+        assert_eq!(reached_levels(Vec2::splat(size), 1), levels, "{size}");
+    }
+    assert_eq!(reached_levels(Vec2::new(8.0, 1.0), 8), 2);
+    assert_eq!(level_count(256), 9);
+}
+
+/// A kernel at any border of the picture that does not touch a caster finds nothing, also where it blends two sizes of
+/// squares.
+#[test]
+fn kernels_at_a_border_find_nothing_beyond_themselves() {
+    // Kernels of 24 texels, between squares of 16 and of 32. Casters begin 24 texels from each border.
+    let picture = Picture::from_fn(128, |texel| {
+        f32::from(u8::from(texel.min_element() >= 24 && texel.max_element() < 104))
+    });
+    let levels = n_buffers(picture);
+    let mean = |center: Vec2| {
+        let half = Vec2::splat(12.0 / 128.0);
+        n_buffer_mean(&levels, &Kernel { center, half }, 1)
+    };
+    for step in -12..=8 {
+        let beside = step as f32 / 128.0;
+        for along in [0.3, 0.5] {
+            for center in [Vec2::new(beside, along), Vec2::new(along, beside)] {
+                assert_eq!(mean(center), 0.0, "{center}");
+                assert!(mean(1.0 - center) < 1e-6, "{center}");
+            }
+        }
+    }
+    assert_eq!(mean(Vec2::splat(0.5)), 1.0);
+}
