@@ -32,6 +32,16 @@ pub enum UnwrapNote {
         /// Index of the first one.
         first: usize,
     },
+    /// Triangles with an area have no place in the set of texture coordinates.
+    #[error(
+        "{count} triangles cannot be laid flat, the first is triangle {first}; they show no shadow"
+    )]
+    NoChart {
+        /// Number of the triangles.
+        count: usize,
+        /// Index of the first one.
+        first: usize,
+    },
     /// The surface cannot be laid flat as a whole.
     #[error("it cannot be laid flat ({0}), so each triangle is a chart of its own")]
     Single(String),
@@ -42,7 +52,7 @@ pub enum UnwrapNote {
 pub struct Unwrapped {
     /// The charts.
     pub charts: Vec<Chart>,
-    /// What is to be said about it.
+    /// Notes for the user.
     pub notes: Vec<UnwrapNote>,
 }
 
@@ -51,6 +61,9 @@ const LEAST_AREA: f64 = 1e-10;
 
 /// Largest ratio between areas on the page and in space within a chart of a new set. Density differs by its root.
 const DISTORTION: f32 = 2.0;
+
+/// Texels along each side of a square as large as a surface, as `uvunwrap` lays it flat. Any number gives the same charts.
+const SIDE: f64 = 1024.0;
 
 /// Lays a surface flat and cuts it into charts.
 pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u32) -> Unwrapped {
@@ -81,16 +94,26 @@ pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u
                 BadCoordinates::Overlap(a, b) => UnwrapNote::Overlap(a, b),
                 BadCoordinates::Degenerate(triangle) => UnwrapNote::Degenerate(triangle),
             }));
-            by_new_set(&triangles, texels_per_metre).unwrap_or_else(|error| {
+            by_new_set(&triangles).unwrap_or_else(|error| {
                 notes.push(UnwrapNote::Single(error));
                 one_by_one(&triangles)
             })
         }
     };
-    Unwrapped {
-        charts: charts_of(index, &flat, texels_per_metre, page_size),
-        notes,
+    let charts = charts_of(index, &flat, texels_per_metre, page_size);
+    notes.extend(note_of_missing(&triangles, &charts));
+    Unwrapped { charts, notes }
+}
+
+/// The note about triangles that should be in a chart and are in none.
+fn note_of_missing(triangles: &[Option<SurfaceTriangle>], charts: &[Chart]) -> Option<UnwrapNote> {
+    let mut is_missing: Vec<bool> = triangles.iter().map(Option::is_some).collect();
+    for triangle in charts.iter().flat_map(|chart| &chart.triangles) {
+        is_missing[triangle.triangle as usize] = false;
     }
+    let count = is_missing.iter().filter(|missing| **missing).count();
+    let first = is_missing.iter().position(|missing| *missing)?;
+    Some(UnwrapNote::NoChart { count, first })
 }
 
 fn area(triangle: &SurfaceTriangle) -> f64 {
@@ -115,6 +138,7 @@ fn by_coordinates(triangles: &[Option<SurfaceTriangle>]) -> Flat {
         Some(FlatTriangle {
             corners: triangle.coordinates.map(|corner| corner.as_dvec2()),
             ids: [0, 1, 2].map(|at| id(triangle.corners[at], triangle.coordinates[at])),
+            normal: triangle.normal,
             area: area(triangle),
         })
     };
@@ -124,7 +148,7 @@ fn by_coordinates(triangles: &[Option<SurfaceTriangle>]) -> Flat {
 }
 
 /// The surface by a new set of texture coordinates.
-fn by_new_set(triangles: &[Option<SurfaceTriangle>], texels_per_metre: f32) -> Result<Flat, String> {
+fn by_new_set(triangles: &[Option<SurfaceTriangle>]) -> Result<Flat, String> {
     let corners = || triangles.iter().flatten().flat_map(|triangle| triangle.corners);
     let Some(origin) = corners().next() else {
         return Ok(Flat {
@@ -144,9 +168,11 @@ fn by_new_set(triangles: &[Option<SurfaceTriangle>], texels_per_metre: f32) -> R
             })
     };
     let indices: Vec<u32> = corners().map(vertex).collect();
+    // Charts are scaled to their density later. The library refuses more texels than it can count.
+    let all_area: f64 = triangles.iter().flatten().map(area).sum();
     let options = Options {
         density: Density::Fixed {
-            texels_per_unit: texels_per_metre,
+            texels_per_unit: (SIDE / all_area.sqrt()) as f32,
             page_size: None,
         },
         max_area_distortion: DISTORTION,
@@ -169,6 +195,7 @@ fn by_new_set(triangles: &[Option<SurfaceTriangle>], texels_per_metre: f32) -> R
         Some(FlatTriangle {
             corners: ids.map(corner),
             ids,
+            normal: triangle.normal,
             area: area(triangle),
         })
     };
@@ -188,6 +215,7 @@ fn one_by_one(triangles: &[Option<SurfaceTriangle>]) -> Flat {
         Some(FlatTriangle {
             corners: [a, b, c].map(|corner| DVec2::new((corner - a).dot(along), (corner - a).dot(across))),
             ids: [first, first + 1, first + 2],
+            normal: triangle.normal,
             area: area(triangle),
         })
     };
@@ -260,11 +288,7 @@ mod tests {
             }
         }
         let cuboid = unwrap(0, &surface(&MeshData::cuboid(Vec3::ONE)), 16.0, 512);
-        assert!(
-            cuboid.charts.len() <= 6,
-            "its sides are not cut: {}",
-            cuboid.charts.len()
-        );
+        assert_eq!(cuboid.charts.len(), 6, "charts end at edges, and sides are not cut");
     }
 
     #[test]
@@ -296,6 +320,26 @@ mod tests {
         let unwrapped = unwrap(0, &surface(&mesh), 8.0, 512);
         assert_eq!(unwrapped.notes, [UnwrapNote::Degenerate(0)]);
         assert_eq!(all_triangles(&unwrapped).len(), 12);
+    }
+
+    #[test]
+    fn large_grounds_are_laid_flat_at_any_density() {
+        let surface = surface(&MeshData::plane(256.0));
+        let unwrapped = unwrap(0, &surface, 64.0, 4096);
+        assert_eq!((unwrapped.notes.len(), unwrapped.charts.len()), (0, 1));
+        assert!(unwrapped.charts[0].coarser.is_some());
+    }
+
+    #[test]
+    fn triangles_that_cannot_be_laid_flat_are_counted() {
+        let mesh = MeshData::plane(1.0);
+        let triangles = surface(&mesh).triangles;
+        let flat = one_by_one(&triangles[..1]);
+        let charts = charts_of(0, &flat, 8.0, 512);
+        let note = note_of_missing(&triangles, &charts);
+        assert_eq!(note, Some(UnwrapNote::NoChart { count: 1, first: 1 }));
+        let charts = charts_of(0, &one_by_one(&triangles), 8.0, 512);
+        assert_eq!(note_of_missing(&triangles, &charts), None);
     }
 
     #[test]
