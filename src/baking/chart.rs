@@ -57,8 +57,8 @@ pub struct FlatTriangle {
     pub area: f64,
 }
 
-/// Cuts a flat surface into connected pieces that end at creases. Each is scaled to `texels_per_metre`, or to fewer if it is larger than
-/// `page_size` texels.
+/// Cuts a flat surface into connected pieces that end at creases. Each is scaled to `texels_per_metre`, or to fewer if it is
+/// larger than `page_size` texels.
 pub fn charts_of(surface: u32, flat: &Flat, texels_per_metre: f32, page_size: u32) -> Vec<Chart> {
     let mut pieces: Vec<Vec<u32>> = Vec::new();
     let mut piece_of: HashMap<u32, usize> = HashMap::new();

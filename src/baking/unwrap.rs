@@ -33,9 +33,7 @@ pub enum UnwrapNote {
         first: usize,
     },
     /// Triangles with an area have no place in the set of texture coordinates.
-    #[error(
-        "{count} triangles cannot be laid flat, the first is triangle {first}; they show no shadow"
-    )]
+    #[error("{count} triangles cannot be laid flat, the first is triangle {first}; they show no shadow")]
     NoChart {
         /// Number of the triangles.
         count: usize,
@@ -288,7 +286,11 @@ mod tests {
             }
         }
         let cuboid = unwrap(0, &surface(&MeshData::cuboid(Vec3::ONE)), 16.0, 512);
-        assert_eq!(cuboid.charts.len(), 6, "charts end at edges, and sides are not cut");
+        assert_eq!(
+            cuboid.charts.len(),
+            6,
+            "charts end at edges, and sides are not cut"
+        );
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
-use super::refusal::Refusal;
+use super::refusal::{FileError, Refusal};
 use super::statistics::Statistics;
 use super::technique::Technique;
 use crate::reports::Round;
@@ -18,10 +18,12 @@ use crate::sets::Needs;
 pub struct Row {
     name: &'static str,
     needs: Needs,
+    paths: &'static [&'static str],
     component: TypeId,
     component_name: &'static str,
     is_on: fn(&EntityRef) -> bool,
     check: fn(&EntityRef, &Light) -> Result<(), Refusal>,
+    load_files: fn(&mut World, Entity) -> Result<(), FileError>,
     settings_of: fn(&EntityRef) -> Option<Settings>,
     defaults: fn() -> Settings,
     #[cfg(feature = "serde")]
@@ -65,10 +67,12 @@ impl Row {
         Self {
             name: T::NAME,
             needs: T::NEEDS,
+            paths: T::PATHS,
             component: TypeId::of::<T>(),
             component_name: short_type_name::<T>(),
             is_on: |light| light.contains::<T>(),
             check: |entity, light| entity.get::<T>().map_or(Ok(()), |settings| settings.check(light)),
+            load_files: T::load_files,
             settings_of: |light| light.get::<T>().cloned().map(Settings::of),
             defaults: || Settings::of(T::default()),
             #[cfg(feature = "serde")]
@@ -102,6 +106,19 @@ impl Row {
     /// Returns what the stages before and after the technique do for its lights ([`Technique::NEEDS`]).
     pub fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// Returns the names of the settings that are paths ([`Technique::PATHS`]).
+    pub fn paths(&self) -> &'static [&'static str] {
+        self.paths
+    }
+
+    /// Reads the files that the technique's settings on a light name ([`Technique::load_files`]).
+    ///
+    /// # Errors
+    /// The setting, and what is wrong with its file.
+    pub fn load_files(&self, world: &mut World, light: Entity) -> Result<(), FileError> {
+        (self.load_files)(world, light)
     }
 
     /// Returns the type of the technique's component.
