@@ -16,14 +16,12 @@ use crate::sets::Needs;
 /// rows.
 #[derive(Clone, Copy)]
 pub struct Row {
-    name: &'static str,
+    constants: &'static Constants,
     needs: Needs,
-    paths: &'static [&'static str],
     component: TypeId,
     component_name: &'static str,
     is_on: fn(&EntityRef) -> bool,
     check: fn(&EntityRef, &Light) -> Result<(), Refusal>,
-    load_files: fn(&mut World, Entity) -> Result<(), FileError>,
     settings_of: fn(&EntityRef) -> Option<Settings>,
     defaults: fn() -> Settings,
     #[cfg(feature = "serde")]
@@ -41,6 +39,13 @@ pub struct Row {
     pub(super) gpu: super::gpu_row::GpuRow,
 }
 
+/// The parts of a row that need not lie in it, because rows are copied about.
+struct Constants {
+    name: &'static str,
+    paths: &'static [&'static str],
+    load_files: fn(&mut World, Entity) -> Result<(), FileError>,
+}
+
 impl PartialEq for Row {
     fn eq(&self, other: &Self) -> bool {
         self.component == other.component
@@ -51,7 +56,7 @@ impl Eq for Row {}
 
 impl std::fmt::Debug for Row {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Row").field(&self.name).finish()
+        f.debug_tuple("Row").field(&self.name()).finish()
     }
 }
 
@@ -65,14 +70,18 @@ impl Row {
     /// Makes the row of a technique.
     pub fn of<T: Technique>() -> Self {
         Self {
-            name: T::NAME,
+            constants: const {
+                &Constants {
+                    name: T::NAME,
+                    paths: T::PATHS,
+                    load_files: T::load_files,
+                }
+            },
             needs: T::NEEDS,
-            paths: T::PATHS,
             component: TypeId::of::<T>(),
             component_name: short_type_name::<T>(),
             is_on: |light| light.contains::<T>(),
             check: |entity, light| entity.get::<T>().map_or(Ok(()), |settings| settings.check(light)),
-            load_files: T::load_files,
             settings_of: |light| light.get::<T>().cloned().map(Settings::of),
             defaults: || Settings::of(T::default()),
             #[cfg(feature = "serde")]
@@ -95,7 +104,7 @@ impl Row {
 
     /// Returns the name of the technique, in snake case.
     pub fn name(&self) -> &'static str {
-        self.name
+        self.constants.name
     }
 
     /// Returns the name of the component's type without its path, for messages to whoever inserted it.
@@ -110,7 +119,7 @@ impl Row {
 
     /// Returns the names of the settings that are paths ([`Technique::PATHS`]).
     pub fn paths(&self) -> &'static [&'static str] {
-        self.paths
+        self.constants.paths
     }
 
     /// Reads the files that the technique's settings on a light name ([`Technique::load_files`]).
@@ -118,7 +127,7 @@ impl Row {
     /// # Errors
     /// The setting, and what is wrong with its file.
     pub fn load_files(&self, world: &mut World, light: Entity) -> Result<(), FileError> {
-        (self.load_files)(world, light)
+        (self.constants.load_files)(world, light)
     }
 
     /// Returns the type of the technique's component.
@@ -249,7 +258,7 @@ impl<T: Technique> AnyTechnique for T {
 
 impl std::fmt::Debug for Settings {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Settings").field(&self.row.name).finish()
+        f.debug_tuple("Settings").field(&self.row.name()).finish()
     }
 }
 

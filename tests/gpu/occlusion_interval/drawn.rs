@@ -175,7 +175,7 @@ fn the_sun_lights_nothing_at_night_whether_it_is_in_the_maps_or_not() {
         Transform::from_xyz(0.0, 0.5, 0.0),
     ));
     let light = add_light(&mut stage, maps.clone(), 0.0, 0.02);
-    let mut seen = |stage: &mut Stage, time: f32| {
+    let seen = |stage: &mut Stage, time: f32| {
         stage.world.entity_mut(light).insert(settings(time, 0.02));
         let rendered = stage.render().expect("the frame renders");
         let visibility = &rendered.visibility[0];
