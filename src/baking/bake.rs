@@ -155,7 +155,7 @@ mod tests {
             day: 355.0,
             hours: [0.0, 24.0],
         };
-        let mut bake = || bake_into(&folder, &mut world(), &night, &settings(), |_| ()).expect("it is baked");
+        let bake = || bake_into(&folder, &mut world(), &night, &settings(), |_| ()).expect("it is baked");
         assert_eq!(bake().notes, [BakeNote::NeverSeen]);
         // As if the bake had been interrupted after it saved the maps.
         let (partial, _) = PartialFile::open(&folder.join(PARTIAL), 7).expect("a file");

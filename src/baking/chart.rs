@@ -10,9 +10,11 @@ use smallvec::SmallVec;
 pub const PADDING: u32 = 2;
 
 /// Least cosine of the angle between two triangles that share an edge and a chart: 20 degrees. Texels are blended within a
-/// chart, and at a crease the light may be in front of one side and behind the other.
+/// chart, and at a crease the light may be in front of one side and behind the other. Flatter curves stay whole, or every
+/// triangle of a ball would be a chart.
 ///
-/// LEAST_COSINE_NOTE
+/// In `town_A` at 2 texels a metre, the mean error at 20 times of a day is 0.051 if charts go over creases, and 0.019 if they
+/// end there (`errors_on_a_town_by_hand`); maps have 1.4 times the texels.
 const LEAST_COSINE: f64 = 0.94;
 
 /// A triangle of a chart.

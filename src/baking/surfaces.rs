@@ -46,6 +46,12 @@ pub struct SurfaceTriangle {
     pub slot: Option<u32>,
 }
 
+/// Area of a triangle in space, m².
+pub(super) fn area(triangle: &SurfaceTriangle) -> f64 {
+    let [a, b, c] = triangle.corners;
+    0.5 * (b - a).cross(c - a).length()
+}
+
 /// What stands still in a world.
 #[derive(Debug)]
 pub struct StillScene {

@@ -1,17 +1,13 @@
 //! Lays a surface flat: by its second texture coordinates if every place has coordinates of its own, else by a new set.
-//!
-//! New sets come from `uvunwrap`: charts grow within a cone of normals and are flattened by least squares conformal maps.
-//! Its charts are packed by us, as the islands of existing coordinates are, because pages of maps also depend on how many
-//! intervals charts need.
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3, Vec2};
-use uvunwrap::{Density, MeshInput, Options, Packing};
+use glam::{DVec3, Vec2};
 
 use super::chart::{Chart, Flat, FlatTriangle, charts_of};
+use super::new_set::{by_new_set, complete};
 use super::overlap::{BadCoordinates, bad_coordinates};
-use super::surfaces::{Surface, SurfaceTriangle};
+use super::surfaces::{Surface, SurfaceTriangle, area};
 
 /// Something about a surface that was laid flat.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -57,12 +53,6 @@ pub struct Unwrapped {
 /// Least area of a triangle, m²: a square of a hundredth of a millimetre.
 const LEAST_AREA: f64 = 1e-10;
 
-/// Largest ratio between areas on the page and in space within a chart of a new set. Density differs by its root.
-const DISTORTION: f32 = 2.0;
-
-/// Texels along each side of a square as large as a surface, as `uvunwrap` lays it flat. Any number gives the same charts.
-const SIDE: f64 = 1024.0;
-
 /// Lays a surface flat and cuts it into charts.
 pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u32) -> Unwrapped {
     let mut notes = Vec::new();
@@ -92,10 +82,13 @@ pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u
                 BadCoordinates::Overlap(a, b) => UnwrapNote::Overlap(a, b),
                 BadCoordinates::Degenerate(triangle) => UnwrapNote::Degenerate(triangle),
             }));
-            by_new_set(&triangles).unwrap_or_else(|error| {
+            let mut flat = by_new_set(&triangles).unwrap_or_else(|error| {
                 notes.push(UnwrapNote::Single(error));
-                one_by_one(&triangles)
-            })
+                Flat::default()
+            });
+            flat.triangles.resize(triangles.len(), None);
+            complete(&mut flat, &triangles);
+            flat
         }
     };
     let charts = charts_of(index, &flat, texels_per_metre, page_size);
@@ -112,11 +105,6 @@ fn note_of_missing(triangles: &[Option<SurfaceTriangle>], charts: &[Chart]) -> O
     let count = is_missing.iter().filter(|missing| **missing).count();
     let first = is_missing.iter().position(|missing| *missing)?;
     Some(UnwrapNote::NoChart { count, first })
-}
-
-fn area(triangle: &SurfaceTriangle) -> f64 {
-    let [a, b, c] = triangle.corners;
-    0.5 * (b - a).cross(c - a).length()
 }
 
 /// The surface by its second texture coordinates. Triangles are connected where they share both ends of an edge in space
@@ -142,83 +130,6 @@ fn by_coordinates(triangles: &[Option<SurfaceTriangle>]) -> Flat {
     };
     Flat {
         triangles: triangles.iter().map(flat).collect(),
-    }
-}
-
-/// The surface by a new set of texture coordinates.
-fn by_new_set(triangles: &[Option<SurfaceTriangle>]) -> Result<Flat, String> {
-    let corners = || triangles.iter().flatten().flat_map(|triangle| triangle.corners);
-    let Some(origin) = corners().next() else {
-        return Ok(Flat {
-            triangles: vec![None; triangles.len()],
-        });
-    };
-    // Near its own origin a surface far from the world's has exact positions in `f32`, too. Corners at one place are one
-    // vertex, so that triangles that share an edge may share a chart.
-    let (mut positions, mut known) = (Vec::new(), HashMap::new());
-    let vertex = |corner: DVec3| {
-        let position = (corner - origin).as_vec3() + 0.0;
-        *known
-            .entry(position.to_array().map(f32::to_bits))
-            .or_insert_with(|| {
-                positions.push(position.to_array());
-                positions.len() as u32 - 1
-            })
-    };
-    let indices: Vec<u32> = corners().map(vertex).collect();
-    // Charts are scaled to their density later. The library refuses more texels than it can count.
-    let all_area: f64 = triangles.iter().flatten().map(area).sum();
-    let options = Options {
-        density: Density::Fixed {
-            texels_per_unit: (SIDE / all_area.sqrt()) as f32,
-            page_size: None,
-        },
-        max_area_distortion: DISTORTION,
-        padding: 0,
-        packing: Packing::Fast,
-        ..Options::default()
-    };
-    let atlas = uvunwrap::generate(&[MeshInput::new(&positions, &indices)], &options)
-        .map_err(|error| error.to_string())?;
-    let size = DVec2::new(f64::from(atlas.width), f64::from(atlas.height));
-    let mesh = atlas.meshes.first().ok_or("it gave no mesh")?;
-    let mut of_triangles = mesh.indices.chunks_exact(3);
-    let flat = |triangle: &Option<SurfaceTriangle>| {
-        let triangle = triangle.as_ref()?;
-        let ids: [u32; 3] = of_triangles.next()?.try_into().ok()?;
-        let vertex = |id: u32| mesh.vertices.get(id as usize);
-        vertex(ids[0])?.chart?;
-        let corner =
-            |id: u32| vertex(id).map_or(DVec2::ZERO, |vertex| Vec2::from(vertex.uv).as_dvec2() * size);
-        Some(FlatTriangle {
-            corners: ids.map(corner),
-            ids,
-            normal: triangle.normal,
-            area: area(triangle),
-        })
-    };
-    Ok(Flat {
-        triangles: triangles.iter().map(flat).collect(),
-    })
-}
-
-/// The surface as triangles that are not connected.
-fn one_by_one(triangles: &[Option<SurfaceTriangle>]) -> Flat {
-    let flat = |(index, triangle): (usize, &Option<SurfaceTriangle>)| {
-        let triangle = triangle.as_ref()?;
-        let [a, b, c] = triangle.corners;
-        let along = (b - a).normalize_or_zero();
-        let across = (b - a).cross(c - a).cross(along).normalize_or_zero();
-        let first = 3 * index as u32;
-        Some(FlatTriangle {
-            corners: [a, b, c].map(|corner| DVec2::new((corner - a).dot(along), (corner - a).dot(across))),
-            ids: [first, first + 1, first + 2],
-            normal: triangle.normal,
-            area: area(triangle),
-        })
-    };
-    Flat {
-        triangles: triangles.iter().enumerate().map(flat).collect(),
     }
 }
 
@@ -333,15 +244,33 @@ mod tests {
     }
 
     #[test]
+    fn slivers_have_charts_too() {
+        // A fan whose triangles become thinner and thinner.
+        let mut positions = vec![Vec3::ZERO];
+        positions.extend((0..14).map(|i| Vec3::new(0.5f32.powi(i), 0.0, 1.0)));
+        let indices = (1..14).flat_map(|i| [0, i, i + 1]).collect();
+        let mesh = MeshData::from_triangles("fan", positions, indices);
+        let surface = surface(&mesh);
+        let unwrapped = unwrap(0, &surface, 8.0, 512);
+        assert_eq!(unwrapped.notes, []);
+        assert_eq!(all_triangles(&unwrapped), (0..13).collect::<Vec<u32>>());
+    }
+
+    #[test]
     fn triangles_that_cannot_be_laid_flat_are_counted() {
         let mesh = MeshData::plane(1.0);
         let triangles = surface(&mesh).triangles;
-        let flat = one_by_one(&triangles[..1]);
+        let mut flat = Flat {
+            triangles: vec![None],
+        };
+        complete(&mut flat, &triangles[..1]);
         let charts = charts_of(0, &flat, 8.0, 512);
         let note = note_of_missing(&triangles, &charts);
         assert_eq!(note, Some(UnwrapNote::NoChart { count: 1, first: 1 }));
-        let charts = charts_of(0, &one_by_one(&triangles), 8.0, 512);
-        assert_eq!(note_of_missing(&triangles, &charts), None);
+        flat.triangles.push(None);
+        complete(&mut flat, &triangles);
+        let charts = charts_of(0, &flat, 8.0, 512);
+        assert_eq!((charts.len(), note_of_missing(&triangles, &charts)), (2, None));
     }
 
     #[test]
@@ -360,7 +289,10 @@ mod tests {
     #[test]
     fn single_triangles_keep_their_shape() {
         let surface = surface(&MeshData::icosphere(1.0, 0));
-        let flat = one_by_one(&surface.triangles);
+        let mut flat = Flat {
+            triangles: vec![None; 20],
+        };
+        complete(&mut flat, &surface.triangles);
         let charts = charts_of(0, &flat, 8.0, 512);
         assert_eq!(charts.len(), 20);
         let notes = Vec::new();
