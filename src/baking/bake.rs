@@ -75,7 +75,7 @@ mod tests {
 
     use super::*;
     use crate::baking::BakeNote;
-    use crate::baking::job::BATCH;
+    use crate::baking::partial::BATCH;
     use crate::scene::{Material, MeshData, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver};
 
     /// A board over a ground.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::chart::Chart;
 use super::key::key_of;
 use super::pack::{Packed, Wanted, pack};
-use super::partial::Batch;
+use super::partial::{BATCH, Batch};
 use super::settings::{Bake, BakeError, BakeNote, BakeProgress, BakeSettings};
 use super::surfaces::{StillScene, Surface, gather};
 use super::texels::{Texel, texels_of};
@@ -19,9 +19,6 @@ use crate::techniques::occlusion_interval::intervals::Intervals;
 use crate::techniques::occlusion_interval::maps::{
     BakeStatistics, BakedSurface, Corner, IntervalMaps, Page, pairs_for,
 };
-
-/// Number of texels whose rays are cast, and saved, together.
-pub(super) const BATCH: usize = if cfg!(test) { 64 } else { 4096 };
 
 /// A bake whose surfaces are laid flat.
 pub(super) struct Job<'a> {

@@ -3,8 +3,7 @@
 
 use glam::UVec2;
 
-use crate::techniques::occlusion_interval::maps::MAX_LAYERS;
-use crate::techniques::occlusion_interval::maps_check::{MAX_BYTES, bytes_of};
+use crate::techniques::occlusion_interval::maps::{MAX_BYTES, MAX_LAYERS, bytes_of};
 
 /// The room that a chart needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,9 @@ use crate::techniques::occlusion_interval::surface::StableHash;
 /// First bytes of the file; the number is the version of its format.
 const MAGIC: &[u8; 16] = b"antumbra bake 1\n";
 
+/// Number of texels whose rays are cast, and saved, together.
+pub(super) const BATCH: usize = if cfg!(test) { 64 } else { 4096 };
+
 /// The result of one batch of texels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {

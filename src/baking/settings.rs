@@ -7,8 +7,7 @@ use bevy_ecs::prelude::*;
 use super::unwrap::UnwrapNote;
 use crate::scene::PathError;
 use crate::techniques::occlusion_interval::MapsError;
-use crate::techniques::occlusion_interval::maps::{IntervalMaps, MAX_LAYERS, MAX_SIZE};
-use crate::techniques::occlusion_interval::maps_check::MAX_BYTES;
+use crate::techniques::occlusion_interval::maps::{IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE};
 
 /// How maps are baked.
 #[derive(Clone, Debug, PartialEq)]

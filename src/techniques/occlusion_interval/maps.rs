@@ -5,7 +5,6 @@ use std::ops::Range;
 use glam::{UVec2, Vec2};
 
 use super::intervals::{Interval, Intervals, PER_PAIR, Window, blended};
-use super::maps_check::bytes_of;
 use crate::scene::LightPath;
 
 /// Most layers of the texture arrays: those that WebGPU guarantees. All pairs of all pages are layers.
@@ -13,6 +12,9 @@ pub const MAX_LAYERS: usize = 256;
 
 /// Most texels along a side of a page. Every WebGPU device holds twice as many.
 pub const MAX_SIZE: u32 = 4096;
+
+/// Most bytes of all textures of one light's maps, 4 GiB. Bakes of more are refused, and so are files that claim more.
+pub const MAX_BYTES: u64 = 4 << 30;
 
 /// The maps of one light: the intervals of every texel of a static scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -183,6 +185,13 @@ impl IntervalMaps {
     pub fn index_of(&self, texel: UVec2) -> usize {
         texel.y as usize * self.size as usize + texel.x as usize
     }
+}
+
+/// Size of the textures of some layers, bytes.
+pub fn bytes_of(size: u32, layers: usize) -> u64 {
+    u64::from(size)
+        .pow(2)
+        .saturating_mul((2 * PER_PAIR * layers) as u64)
 }
 
 /// Number of pairs that a number of intervals takes, at least one.

@@ -3,10 +3,7 @@
 use std::ops::Range;
 
 use super::intervals::PER_PAIR;
-use super::maps::{IntervalMaps, MAX_LAYERS, MAX_SIZE};
-
-/// Most bytes of all textures of one light's maps, 4 GiB. Bakes of more are refused, and so are files that claim more.
-pub const MAX_BYTES: u64 = 4 << 30;
+use super::maps::{IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE, bytes_of};
 
 /// A part of maps that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -46,13 +43,6 @@ pub(super) fn check_pages(size: u32, pairs: impl Iterator<Item = usize>) -> Resu
         return Err(fault("pages", format!("{bytes} bytes are more than {MAX_BYTES}")));
     }
     Ok(())
-}
-
-/// Size of the textures of some layers, bytes.
-pub fn bytes_of(size: u32, layers: usize) -> u64 {
-    u64::from(size)
-        .pow(2)
-        .saturating_mul((2 * PER_PAIR * layers) as u64)
 }
 
 /// Checks that the corners of surfaces are triangles, and follow on each other.

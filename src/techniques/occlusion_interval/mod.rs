@@ -82,8 +82,10 @@ pub use intervals::{
     shining,
 };
 pub use library::{IntervalFolder, IntervalLibrary};
-pub use maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_LAYERS, MAX_SIZE, Page, Pair};
-pub use maps_check::{MAX_BYTES, MapsFault};
+pub use maps::{
+    BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE, Page, Pair,
+};
+pub use maps_check::MapsFault;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub use maps_error::MapsError;
 pub use matching::{IntervalScene, MatchedSurface};
