@@ -28,11 +28,14 @@ pub const NAME: &str = "day";
 /// Number of pictures.
 const PICTURES: u32 = 12;
 
-/// First and last hour of the sun's path: that part of the longest day at 40° north in which it shines.
-const HOURS: [f32; 2] = [4.6, 19.4];
+/// First and last hour of the sun's path: that part of the shortest day at 40° north in which it shines.
+const HOURS: [f32; 2] = [7.4, 16.6];
 
 /// Length of the light, as a share of the path: 20 minutes.
-const WIDTH: f32 = 0.0225;
+const WIDTH: f32 = 0.036;
+
+/// Texels per metre of the maps.
+const DENSITY: f32 = 40.0;
 
 /// Number of rays to the light at each pixel of a picture of the truth.
 const SAMPLES: u32 = 16;
@@ -40,7 +43,7 @@ const SAMPLES: u32 = 16;
 fn path() -> LightPath {
     LightPath::Sun {
         latitude_degrees: 40.0,
-        day: 172.0,
+        day: 355.0,
         hours: HOURS,
     }
 }
@@ -54,7 +57,7 @@ pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, S
     let failed = |error: antumbra::render::RenderError| format!("page {NAME}: {}", one_line(&error));
     let mut stage = stage(size);
     let settings = BakeSettings {
-        texels_per_metre: 24.0,
+        texels_per_metre: DENSITY,
         ..Default::default()
     };
     let bake = bake_intervals(&mut stage.world, &path(), &settings, |_| ())
@@ -96,12 +99,12 @@ pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, S
     }
     let bytes = maps.bytes() as f64 / 1024.0;
     let caption = format!(
-        "Occlusion interval maps at 24 texels a metre, {bytes:.0} KiB. Time is a setting of the frame."
+        "Occlusion interval maps at {DENSITY} texels a metre, {bytes:.0} KiB. Time is a setting of the frame."
     );
     Ok(json!({
         "name": NAME,
         "title": "A day of the sun",
-        "about": "A ladder against a wall from sunrise to sunset. The sun is a stretch of its path: shadows are soft along it \
+        "about": "A ladder against a wall, from sunrise to sunset of the shortest day. The sun is a stretch of its path: shadows are soft along it \
                   and hard across it. Compare the maps with the ray-cast truth below.",
         "shots": [
             {"name": "maps", "caption": caption, "truth": null, "ways": drawn},
@@ -134,8 +137,8 @@ fn stage(size: UVec2) -> Stage {
         wall,
         at(0.0, 1.0, -0.8),
     );
-    let roof = MeshData::cuboid(Vec3::new(1.6, 0.05, 0.6));
-    spawn(roof, wood, at(0.0, 2.05, -0.5));
+    let roof = MeshData::cuboid(Vec3::new(1.6, 0.05, 0.35));
+    spawn(roof, wood, at(0.0, 2.05, -0.7));
     let leaning = at(0.0, 0.0, 0.1).with_rotation(Quat::from_rotation_x(-0.35));
     for x in [-0.3, 0.3] {
         let rail = MeshData::cuboid(Vec3::new(0.03, 0.9, 0.03));
