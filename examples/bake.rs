@@ -77,7 +77,7 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
             Some(other) if other.asked == asked => continue, // both lights share the maps
             Some(_) => {
                 return Err(format!(
-                    "{file}: lights[{index}].shadow.maps: {} is the folder of a light with another path",
+                    "{file}: lights[{index}].shadow.maps: {} is the folder of a light with another path, density or casters",
                     folder.display()
                 ));
             }
