@@ -9,12 +9,14 @@ mod core_harness;
 
 mod bad_input;
 mod cameras;
+mod cells;
 mod cut_outs;
 mod depth;
 mod diagnostics;
 mod drawn;
 mod foreign;
 mod forward;
+mod gizmos;
 mod harness;
 mod interval_maps;
 mod lifetimes;
