@@ -125,7 +125,7 @@ fn techniques_with_one_type_of_recorder_share_it() {
 
 #[test]
 fn a_pose_that_comes_late_moves_its_object_alone() {
-    let (mut stage, light) = stage(strict_context());
+    let (mut stage, light) = stage(&strict_context());
     stage.world.entity_mut(light).insert(StencilVolume::default());
     let mut mesh = MeshData::icosphere(0.4, 3);
     let offsets = vec![Vec3::new(0.0, 0.8, 0.0); mesh.positions.len()];
