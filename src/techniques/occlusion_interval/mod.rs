@@ -27,6 +27,8 @@
 //! Texels are evaluated before they are blended, which is smooth where interpolated edges would be nonsense. Charts end at
 //! creases, so texels of surfaces that face elsewhere are never blended. A texel that lies below an object is dark, and
 //! blends into its neighbours: within a texel of a contact, shadows are too large.
+//! Against a ray-traced linear light at 20 times of a day, off the band of a texel, the mean RMSE is 0.003 in `interior` at
+//! 8 texels a metre and 0.019 in `town_A` at 2, where one or two pixels are wrong at some times (tests `by_hand`).
 //!
 //! **What moves.** Maps hold what stood still. An object that is not in the maps shows no shadow of the light and casts
 //! none. A light has one technique, so a game gives moving objects a second, equal light with a shadow map or volumes, and
