@@ -5,8 +5,8 @@
 //! cargo run --release --example render -- SHOT.json --out DIR
 //! ```
 //!
-//! Every light with the technique `occlusion_interval` names the folder of its maps, relative to the shot. A bake that
-//! was interrupted goes on where it stopped. Maps that are there already and fit the scene are left alone. Any error is
+//! Every light with the technique `occlusion_interval` names the folder of its maps, relative to the shot. An interrupted
+//! bake is resumed. Maps that are there already and fit the scene are left alone. Any error is
 //! one line on stderr that names the file and the element. The exit status is then 1.
 
 use antumbra_stage as support;
@@ -17,7 +17,6 @@ use std::process::ExitCode;
 use antumbra::baking::{Bake, BakeSettings, bake_into};
 use antumbra::prelude::*;
 use antumbra::techniques::Techniques;
-use bevy_ecs::prelude::Entity;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use support::shot::Shot;
@@ -56,7 +55,7 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
         FaceCulling::None
     });
     stage.schedule.run(&mut stage.world);
-    let mut folders: Vec<String> = Vec::new();
+    let mut baked: Vec<Baked> = Vec::new();
     for index in 0..stage.lights.len() {
         let light = stage.lights[index];
         let (Some(settings), Some(path)) = (
@@ -65,38 +64,59 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
         ) else {
             continue;
         };
-        if folders.contains(&settings.maps) {
-            return Err(format!(
-                "{file}: lights[{index}].shadow.maps: {} is the folder of another light",
-                settings.maps
-            ));
-        }
-        let baked = bake_light(arguments, &mut stage, (index, light), (&settings, &path))
-            .map_err(|error| format!("{file}: lights[{index}]: {error}"))?;
-        say(
-            &format!("{file}: lights[{index}]"),
-            Path::new(&settings.maps),
-            &baked,
+        let selection = stage.world.get::<LightSelection>(light).copied();
+        let folder = Path::new(&settings.maps);
+        let asked = (
+            path,
+            settings.texels_per_metre,
+            selection.unwrap_or_default().casts_for,
         );
-        folders.push(settings.maps);
+        // `maps` and `./maps` are one folder; only a folder that exists has a canonical name.
+        let is_same = |other: &&Baked| folder.canonicalize().is_ok_and(|folder| folder == other.folder);
+        match baked.iter().find(is_same) {
+            Some(other) if other.asked == asked => continue, // both lights share the maps
+            Some(_) => {
+                return Err(format!(
+                    "{file}: lights[{index}].shadow.maps: {} is the folder of a light with another path, density or casters",
+                    folder.display()
+                ));
+            }
+            None => {}
+        }
+        let what = format!("{file}: lights[{index}]");
+        let bake = bake_light(arguments, &mut stage, index, (folder, &asked))
+            .map_err(|error| format!("{what}: {error}"))?;
+        say(&what, folder, &bake);
+        let folder = folder
+            .canonicalize()
+            .map_err(|error| format!("{what}: {}: {error}", folder.display()))?;
+        baked.push(Baked { folder, asked });
     }
-    if folders.is_empty() {
+    if baked.is_empty() {
         return Err(format!("{file}: no light has the technique occlusion_interval"));
     }
     Ok(())
 }
 
+/// Path of a light, texels per metre, and the mask of what casts for it.
+type Asked = (LightPath, f32, u32);
+
+/// A folder whose maps are baked, and the light that they are for.
+struct Baked {
+    folder: PathBuf,
+    asked: Asked,
+}
+
 fn bake_light(
     arguments: &Arguments,
     stage: &mut Stage,
-    (index, light): (usize, Entity),
-    (settings, path): (&OcclusionInterval, &LightPath),
+    index: usize,
+    (folder, (path, texels_per_metre, casts_for)): (&Path, &Asked),
 ) -> Result<Bake, String> {
-    let selection = stage.world.get::<LightSelection>(light).copied();
     let bake_settings = BakeSettings {
-        texels_per_metre: settings.texels_per_metre,
+        texels_per_metre: *texels_per_metre,
         page_size: arguments.page_size,
-        casts_for: selection.unwrap_or_default().casts_for,
+        casts_for: *casts_for,
         ..Default::default()
     };
     let bar = ProgressBar::no_length();
@@ -104,7 +124,6 @@ fn bake_light(
     if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }
-    let folder = Path::new(&settings.maps);
     let baked = bake_into(folder, &mut stage.world, path, &bake_settings, |progress| {
         bar.set_length(progress.all);
         bar.set_position(progress.done);

@@ -68,7 +68,7 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     }
     let mut stage = Stage::of_shot(&shot)?;
     stage
-        .load_interval_maps()
+        .load_files()
         .map_err(|error| format!("{}: {error}", arguments.shot.display()))?;
     stage.world.insert_resource(if arguments.cull_back_faces {
         FaceCulling::SingleSided

@@ -22,7 +22,7 @@ const SCRIPT: [&str; 4] = [
     include_str!("web/viewer.js"),
 ];
 
-/// Writes `results.json` and `index.html`. `looks` is a scene that is shown after those that were judged. Returns the path
+/// Writes `results.json` and `index.html`. `looks` are scenes that are shown after those that were judged. Returns the path
 /// of `index.html`.
 ///
 /// # Errors
@@ -30,7 +30,7 @@ const SCRIPT: [&str; 4] = [
 pub fn write(
     out: &Path,
     results: &[Judged],
-    looks: Option<Value>,
+    looks: Vec<Value>,
     bench: &Workbench,
     seconds: f64,
 ) -> Result<PathBuf, String> {

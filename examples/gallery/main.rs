@@ -25,10 +25,12 @@
 //! | `angles` | a plot of perspective maps beside cascades |
 //! | `readme` | the pictures of the README |
 //! | `uberlight` | one bust under the light model |
+//! | `day` | twelve pictures of a day, from occlusion interval maps |
 
 mod angles;
 mod chooser;
 mod cost;
+mod day;
 mod html;
 mod judge;
 mod lantern;
@@ -148,7 +150,7 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     let names: Vec<&str> = pages
         .iter()
         .map(|page| page.name)
-        .chain([uberlight::NAME])
+        .chain([uberlight::NAME, day::NAME])
         .collect();
     if let Some(only) = arguments
         .only
@@ -183,15 +185,18 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         results.push((page, result));
     }
     bar.finish_and_clear();
-    let mut looks = None;
+    let mut looks = Vec::new();
     if is_chosen(uberlight::NAME) {
         let shots = assets.join("../examples/shots/uberlight");
-        looks = Some(uberlight::draw(
+        looks.push(uberlight::draw(
             &bench.context,
             &shots,
             bench.scale * bench.size.y,
             out,
         )?);
+    }
+    if is_chosen(day::NAME) {
+        looks.push(day::draw(&bench.context, bench.scale * bench.size, out)?);
     }
     let index = html::write(out, &results, looks, &bench, begin.elapsed().as_secs_f64())?;
     println!("{}", results::verdict(&results));

@@ -10,8 +10,6 @@ use serde_json::{Map, Value, json};
 #[serde(transparent)]
 pub struct ShotShadow(Map<String, Value>);
 
-/// Settings that are paths, relative to the shot file.
-const PATHS: [&str; 1] = ["maps"];
 impl From<Map<String, Value>> for ShotShadow {
     fn from(shadow: Map<String, Value>) -> Self {
         Self(shadow)
@@ -84,8 +82,10 @@ impl ShotShadow {
     }
 
     /// Makes paths among the settings relative to the current folder instead of to `folder`.
-    pub fn find_files(&mut self, folder: &std::path::Path) {
-        for key in PATHS {
+    pub fn find_files(&mut self, folder: &std::path::Path, techniques: &Techniques) {
+        let name = self.0.get("technique").and_then(Value::as_str);
+        let row = name.and_then(|name| techniques.named(name));
+        for &key in row.map_or(&[][..], |row| row.paths()) {
             if let Some(Value::String(path)) = self.0.get_mut(key)
                 && !path.is_empty()
             {

@@ -1,6 +1,5 @@
 //! A world with a scene, a camera and lights, and a renderer that draws it headlessly.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use antumbra::geometry::Aabb;
@@ -16,7 +15,7 @@ use antumbra::scene::camera_place;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, load_gltf, meshes_of_name, spawn_scene};
 use antumbra::scene::{BlurredGround, WorldBounds};
 use antumbra::schedule::{init_resources, standalone_schedule};
-use antumbra::techniques::{IntervalLibrary, IntervalMaps, Settings, Techniques, add_row};
+use antumbra::techniques::{Settings, Techniques, add_row};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -132,20 +131,17 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Reads the maps that lights name, so that faults in them are errors instead of reports.
+    /// Reads the files that the lights' techniques name, so that faults in them are errors instead of reports.
     ///
     /// # Errors
     /// One line that names the light, the file and the element.
-    pub fn load_interval_maps(&mut self) -> Result<(), String> {
+    pub fn load_files(&mut self) -> Result<(), String> {
+        let rows = self.world.resource::<Techniques>().rows().to_vec();
         for (index, &light) in self.lights.iter().enumerate() {
-            let Some(settings) = self.world.get::<OcclusionInterval>(light) else {
-                continue;
-            };
-            let name = settings.maps.clone();
-            let maps = IntervalMaps::load(std::path::Path::new(&name))
-                .map_err(|error| format!("lights[{index}].shadow.maps: {}", one_line(&error)))?;
-            let mut library = self.world.resource_mut::<IntervalLibrary>();
-            library.insert(name, Arc::new(maps));
+            for row in &rows {
+                row.load_files(&mut self.world, light)
+                    .map_err(|error| format!("lights[{index}].shadow.{error}"))?;
+            }
         }
         Ok(())
     }

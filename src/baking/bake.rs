@@ -32,8 +32,8 @@ pub fn bake_intervals(
     job.finish(&batches)
 }
 
-/// Bakes like [`bake_intervals`] and writes the maps into a folder. A bake that was interrupted is gone on with. Maps that
-/// are in the folder already, and are those of this scene, path and settings, are returned as they are.
+/// Bakes like [`bake_intervals`] and writes the maps into a folder. An interrupted bake is resumed. Maps in the folder that
+/// were baked from the same scene, path and settings are returned as they are.
 ///
 /// # Errors
 /// [`BakeError`] says what cannot be baked or written.
@@ -45,18 +45,19 @@ pub fn bake_into(
     progress: impl FnMut(BakeProgress),
 ) -> Result<Bake, BakeError> {
     let job = Job::new(world, path, settings)?;
-    if folder.join(MANIFEST).exists()
-        && let Ok(maps) = IntervalMaps::load(folder)
-        && maps.key == job.key
-    {
-        let notes = job.notes.clone();
-        return Ok(Bake { maps, notes });
-    }
     let file = folder.join(PARTIAL);
     let in_file = |error| BakeError::Partial {
         file: file.clone(),
         error,
     };
+    if folder.join(MANIFEST).exists()
+        && let Ok(maps) = IntervalMaps::load(folder)
+        && maps.key == job.key
+    {
+        // It was left if the bake was interrupted between saving the maps and removing it.
+        PartialFile::remove_left(&file).map_err(in_file)?;
+        return Ok(job.bake_of(maps));
+    }
     let (mut partial, known) = PartialFile::open(&file, job.key).map_err(in_file)?;
     let batches = job.cast(known, |batch| partial.append(batch).map_err(in_file), progress)?;
     let bake = job.finish(&batches)?;
@@ -73,7 +74,8 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::baking::job::BATCH;
+    use crate::baking::BakeNote;
+    use crate::baking::partial::BATCH;
     use crate::scene::{Material, MeshData, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver};
 
     /// A board over a ground.
@@ -142,6 +144,27 @@ mod tests {
         assert_eq!(first.expect("progress").resumed, 3 * BATCH as u64);
         assert_eq!(timeless(resumed.maps), timeless(whole.maps));
         assert!(!folder.join(PARTIAL).exists());
+        std::fs::remove_dir_all(&folder).expect("it is removed");
+    }
+
+    #[test]
+    fn finished_maps_keep_their_notes_and_no_file_of_a_bake_stays() {
+        let folder = std::env::temp_dir().join(format!("antumbra-{}-finished", std::process::id()));
+        let night = LightPath::Sun {
+            latitude_degrees: 85.0,
+            day: 355.0,
+            hours: [0.0, 24.0],
+        };
+        let bake = || bake_into(&folder, &mut world(), &night, &settings(), |_| ()).expect("it is baked");
+        assert_eq!(bake().notes, [BakeNote::NeverSeen]);
+        // As if the bake had been interrupted after it saved the maps.
+        let (partial, _) = PartialFile::open(&folder.join(PARTIAL), 7).expect("a file");
+        drop(partial);
+        assert_eq!(bake().notes, [BakeNote::NeverSeen]);
+        assert!(!folder.join(PARTIAL).exists());
+        std::fs::write(folder.join(PARTIAL), "a user's").expect("it is written");
+        assert_eq!(bake().notes.len(), 1);
+        assert!(folder.join(PARTIAL).exists(), "it is no file of ours");
         std::fs::remove_dir_all(&folder).expect("it is removed");
     }
 

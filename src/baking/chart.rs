@@ -1,12 +1,21 @@
-//! Charts: connected pieces of a surface, flat on a page.
+//! Charts: connected pieces of a surface without creases, flat on a page.
 
 use std::collections::HashMap;
 
-use glam::{DVec2, UVec2, Vec2};
+use glam::{DVec2, DVec3, UVec2, Vec2};
+use smallvec::SmallVec;
 
 /// Texels around a chart that no other chart may use. Blending reads one texel beyond the surface; the second one keeps
 /// rounding apart.
 pub const PADDING: u32 = 2;
+
+/// Least cosine of the angle between two triangles that share an edge and a chart: 20 degrees. Texels are blended within a
+/// chart, and at a crease the light may be in front of one side and behind the other. Flatter curves stay whole, or every
+/// triangle of a ball would be a chart.
+///
+/// In `town_A` at 2 texels a metre, the mean error at 20 times of a day is 0.051 if charts go over creases, and 0.019 if they
+/// end there (`errors_on_a_town_by_hand`); maps have 1.4 times the texels.
+const LEAST_COSINE: f64 = 0.94;
 
 /// A triangle of a chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +26,7 @@ pub struct ChartTriangle {
     pub texels: [Vec2; 3],
 }
 
-/// A connected piece of a surface.
+/// A connected piece of a surface without creases.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chart {
     /// Index of the surface.
@@ -44,19 +53,21 @@ pub struct FlatTriangle {
     pub corners: [DVec2; 3],
     /// Numbers of the corners. Triangles that share two of them are connected.
     pub ids: [u32; 3],
+    /// Unit normal of the triangle in space.
+    pub normal: DVec3,
     /// Area of the triangle in space, m².
     pub area: f64,
 }
 
-/// Cuts a flat surface into its connected pieces. Each is scaled to `texels_per_metre`, or to fewer if it is larger than
-/// `page_size` texels.
+/// Cuts a flat surface into connected pieces that end at creases. Each is scaled to `texels_per_metre`, or to fewer if it is
+/// larger than `page_size` texels.
 pub fn charts_of(surface: u32, flat: &Flat, texels_per_metre: f32, page_size: u32) -> Vec<Chart> {
     let mut pieces: Vec<Vec<u32>> = Vec::new();
     let mut piece_of: HashMap<u32, usize> = HashMap::new();
     let mut roots = Roots::default();
     for (index, triangle) in (0u32..).zip(&flat.triangles) {
         if let Some(triangle) = triangle {
-            roots.join(index, &triangle.ids);
+            roots.join(index, triangle);
         }
     }
     for (index, triangle) in (0u32..).zip(&flat.triangles) {
@@ -99,7 +110,9 @@ fn lay_out(surface: u32, flat: &Flat, piece: &[u32], texels_per_metre: f32, page
         scale *= room / largest;
         coarser = Some((f64::from(texels_per_metre) * room / largest) as f32);
     }
-    let size = ((max - min) * scale).ceil().as_uvec2().max(UVec2::ONE) + 2 * PADDING;
+    // Rounding may make it a little larger than the room.
+    let extent = ((max - min) * scale).min(DVec2::splat(room));
+    let size = extent.ceil().as_uvec2().max(UVec2::ONE) + 2 * PADDING;
     let texel = |corner: DVec2| ((corner - min) * scale + f64::from(PADDING)).as_vec2();
     let triangles = triangles().map(|(triangle, flat)| ChartTriangle {
         triangle,
@@ -117,8 +130,8 @@ fn lay_out(surface: u32, flat: &Flat, piece: &[u32], texels_per_metre: f32, page
 #[derive(Default)]
 struct Roots {
     parents: Vec<u32>,
-    /// A triangle at each edge, by the numbers of its ends.
-    edges: HashMap<(u32, u32), u32>,
+    /// The triangles at each edge with their normals, by the numbers of its ends.
+    edges: HashMap<(u32, u32), SmallVec<[(u32, DVec3); 2]>>,
 }
 
 impl Roots {
@@ -131,15 +144,22 @@ impl Roots {
         at
     }
 
-    fn join(&mut self, index: u32, ids: &[u32; 3]) {
+    /// Adds a triangle, and joins it with its neighbours unless they meet at a crease.
+    fn join(&mut self, index: u32, triangle: &FlatTriangle) {
         while self.parents.len() <= index as usize {
             self.parents.push(self.parents.len() as u32);
         }
         for side in 0..3 {
-            let (a, b) = (ids[side], ids[(side + 1) % 3]);
-            let other = *self.edges.entry((a.min(b), a.max(b))).or_insert(index);
-            let (root, other) = (self.root(index), self.root(other));
-            self.parents[root as usize] = other;
+            let (a, b) = (triangle.ids[side], triangle.ids[(side + 1) % 3]);
+            let edge = (a.min(b), a.max(b));
+            let at_edge = self.edges.get(&edge).cloned().unwrap_or_default();
+            for (other, normal) in at_edge {
+                if normal.dot(triangle.normal) > LEAST_COSINE {
+                    let (root, other) = (self.root(index), self.root(other));
+                    self.parents[root as usize] = other;
+                }
+            }
+            self.edges.entry(edge).or_default().push((index, triangle.normal));
         }
     }
 }
@@ -161,11 +181,13 @@ mod tests {
             Some(FlatTriangle {
                 corners: [a, b, c],
                 ids: ids([0, 1, 2]),
+                normal: DVec3::Y,
                 area: 2.0,
             }),
             Some(FlatTriangle {
                 corners: [a, c, d],
                 ids: ids([0, 2, 3]),
+                normal: DVec3::Y,
                 area: 2.0,
             }),
         ]
@@ -187,6 +209,31 @@ mod tests {
             );
         }
         assert_eq!(charts[1].triangles[0].triangle, 3);
+    }
+
+    #[test]
+    fn charts_end_at_creases() {
+        let charts = |degrees: f64| {
+            let mut triangles = quad(DVec2::ZERO, 0).to_vec();
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            if let Some(second) = &mut triangles[1] {
+                second.normal = DVec3::new(sin, cos, 0.0);
+            }
+            charts_of(0, &Flat { triangles }, 8.0, 1024).len()
+        };
+        assert_eq!([0.0, 15.0, 25.0, 90.0, 180.0].map(charts), [1, 1, 2, 2, 2]);
+    }
+
+    #[test]
+    fn no_chart_is_larger_than_a_page_however_its_size_is_rounded() {
+        for i in 1..500 {
+            let mut triangles = quad(DVec2::ZERO, 0).to_vec();
+            for triangle in triangles.iter_mut().flatten() {
+                triangle.corners = triangle.corners.map(|corner| corner * 0.1 * f64::from(i));
+            }
+            let charts = charts_of(0, &Flat { triangles }, 1000.0, 256);
+            assert_eq!(charts[0].size, UVec2::splat(256), "{i}");
+        }
     }
 
     #[test]

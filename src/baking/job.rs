@@ -6,8 +6,9 @@ use bevy_ecs::prelude::*;
 use rayon::prelude::*;
 
 use super::chart::Chart;
+use super::key::key_of;
 use super::pack::{Packed, Wanted, pack};
-use super::partial::Batch;
+use super::partial::{BATCH, Batch};
 use super::settings::{Bake, BakeError, BakeNote, BakeProgress, BakeSettings};
 use super::surfaces::{StillScene, Surface, gather};
 use super::texels::{Texel, texels_of};
@@ -16,12 +17,8 @@ use super::unwrap::unwrap;
 use crate::scene::LightPath;
 use crate::techniques::occlusion_interval::intervals::Intervals;
 use crate::techniques::occlusion_interval::maps::{
-    BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_SIZE, Page, pairs_for,
+    BakeStatistics, BakedSurface, Corner, IntervalMaps, Page, pairs_for,
 };
-use crate::techniques::occlusion_interval::surface::StableHash;
-
-/// Number of texels whose rays are cast, and saved, together.
-pub(super) const BATCH: usize = if cfg!(test) { 64 } else { 4096 };
 
 /// A bake whose surfaces are laid flat.
 pub(super) struct Job<'a> {
@@ -30,8 +27,26 @@ pub(super) struct Job<'a> {
     pub notes: Vec<BakeNote>,
     path: &'a LightPath,
     settings: &'a BakeSettings,
-    /// Hash of everything that the result depends on.
+    /// Hash of everything that the result depends on ([`key_of`]).
     pub key: u64,
+}
+
+/// Refuses charts that would need more layers or bytes than maps may have, even if every texel had few intervals. A bake
+/// takes long, so that is not left to its end.
+fn check_size(charts: &[Chart], settings: &BakeSettings) -> Result<(), BakeError> {
+    let wanted = |chart: &Chart| Wanted {
+        size: chart.size,
+        pairs: 1,
+    };
+    let wanted: Vec<Wanted> = charts.iter().map(wanted).collect();
+    if pack(&wanted, settings.page_size).is_some() {
+        return Ok(());
+    }
+    let texels = |chart: &Chart| u64::from(chart.size.x) * u64::from(chart.size.y);
+    Err(BakeError::TooLarge {
+        texels: charts.iter().map(texels).sum(),
+        pairs: 1,
+    })
 }
 
 impl<'a> Job<'a> {
@@ -41,21 +56,8 @@ impl<'a> Job<'a> {
         settings: &'a BakeSettings,
     ) -> Result<Self, BakeError> {
         path.check()?;
+        settings.check()?;
         let density = settings.texels_per_metre;
-        if !(density > 0.0 && density.is_finite()) {
-            return Err(BakeError::Setting {
-                setting: "texels_per_metre",
-                value: density,
-                allowed: "finite and greater than 0",
-            });
-        }
-        if !(16..=MAX_SIZE).contains(&settings.page_size) {
-            return Err(BakeError::Setting {
-                setting: "page_size",
-                value: settings.page_size as f32,
-                allowed: "from 16 to 4096",
-            });
-        }
         let scene = gather(world, &settings.moving);
         let flat: Vec<_> = scene
             .surfaces
@@ -92,7 +94,8 @@ impl<'a> Job<'a> {
         if charts.is_empty() {
             return Err(BakeError::Nothing);
         }
-        let key = key_of(&scene.surfaces, &charts, path, settings);
+        check_size(&charts, settings)?;
+        let key = key_of(&scene, &charts, path, settings);
         Ok(Self {
             scene,
             charts,
@@ -103,7 +106,7 @@ impl<'a> Job<'a> {
         })
     }
 
-    /// Casts the rays of all texels, except of the batches that are known. Hands each new batch to `save`.
+    /// Casts the rays of all texels, except those of the batches that are known. Hands each new batch to `save`.
     pub fn cast(
         &self,
         mut batches: Vec<Batch>,
@@ -116,22 +119,12 @@ impl<'a> Job<'a> {
         let mut done = resumed.min(all);
         progress(BakeProgress { done, all, resumed });
         let targets = Targets::new(self.path, self.settings.casts_for);
-        let mut skip = batches.len();
-        let mut waiting: Vec<(&Chart, Texel)> = Vec::new();
-        let mut charts = self.charts.iter();
+        let of_chart = |chart| texels_of(chart).into_iter().map(move |texel| (chart, texel));
+        let mut waiting = self.charts.iter().flat_map(of_chart).skip(resumed as usize);
         loop {
-            while waiting.len() < BATCH {
-                let Some(chart) = charts.next() else { break };
-                waiting.extend(texels_of(chart).into_iter().map(|texel| (chart, texel)));
-            }
-            if waiting.is_empty() {
+            let texels: Vec<(&Chart, Texel)> = waiting.by_ref().take(BATCH).collect();
+            if texels.is_empty() {
                 return Ok(batches);
-            }
-            let rest = waiting.split_off(BATCH.min(waiting.len()));
-            let texels = std::mem::replace(&mut waiting, rest);
-            if skip > 0 {
-                skip -= 1;
-                continue;
             }
             let batch = self.cast_batch(&targets, &texels);
             save(&batch)?;
@@ -175,7 +168,7 @@ impl<'a> Job<'a> {
     }
 
     /// Packs the charts and writes the intervals into pages.
-    pub fn finish(mut self, batches: &[Batch]) -> Result<Bake, BakeError> {
+    pub fn finish(self, batches: &[Batch]) -> Result<Bake, BakeError> {
         let mut intervals = batches.iter().flat_map(|batch| &batch.texels);
         // The texels of each chart, in the order in which they were cast.
         let of_charts: Vec<(Vec<Texel>, Vec<&Intervals>)> = self
@@ -203,9 +196,6 @@ impl<'a> Job<'a> {
             texels,
             pairs: pairs_for(most_intervals),
         })?;
-        if most_intervals == 0 {
-            self.notes.push(BakeNote::NeverSeen);
-        }
         let statistics = BakeStatistics {
             texels,
             rays: batches.iter().map(|batch| batch.rays).sum(),
@@ -224,10 +214,16 @@ impl<'a> Job<'a> {
             corners,
             statistics,
         };
-        Ok(Bake {
-            maps,
-            notes: self.notes,
-        })
+        Ok(self.bake_of(maps))
+    }
+
+    /// Maps of this job with their notes.
+    pub fn bake_of(self, maps: IntervalMaps) -> Bake {
+        let mut notes = self.notes;
+        if maps.statistics.most_intervals == 0 {
+            notes.push(BakeNote::NeverSeen);
+        }
+        Bake { maps, notes }
     }
 }
 
@@ -246,7 +242,7 @@ fn write_pages(packed: &Packed, of_charts: &[(Vec<Texel>, Vec<&Intervals>)]) -> 
     pages
 }
 
-/// Lists the surfaces and where their corners are on the pages. Triangles without a chart have corners at 0.
+/// Lists the surfaces and where their corners are on the pages. Triangles without a chart are nowhere.
 fn baked_surfaces(
     surfaces: &[Surface],
     charts: &[Chart],
@@ -257,7 +253,7 @@ fn baked_surfaces(
     for surface in surfaces {
         let first = corners.len();
         if surface.receives {
-            corners.resize(first + 3 * surface.triangles.len(), Corner::default());
+            corners.resize(first + 3 * surface.triangles.len(), Corner::NOWHERE);
         }
         baked.push(BakedSurface {
             mesh: surface.mesh.clone(),
@@ -280,36 +276,4 @@ fn baked_surfaces(
         }
     }
     (baked, corners)
-}
-
-/// Hash of everything that the maps depend on: surfaces and their places, charts, path and settings.
-fn key_of(surfaces: &[Surface], charts: &[Chart], path: &LightPath, settings: &BakeSettings) -> u64 {
-    let mut hash = StableHash::default();
-    for surface in surfaces {
-        hash.add(surface.hash);
-        surface
-            .world_from_local
-            .into_iter()
-            .for_each(|value| hash.add_float(value));
-        hash.add(u64::from(surface.is_two_sided) | u64::from(surface.receives) << 1);
-        // Whether it blocks rays.
-        let blocks = surface
-            .triangles
-            .iter()
-            .flatten()
-            .filter(|triangle| triangle.slot.is_some());
-        hash.add(blocks.count() as u64);
-    }
-    for chart in charts {
-        hash.add(u64::from(chart.surface) << 32 | chart.triangles.len() as u64);
-        hash.add(u64::from(chart.size.x) << 32 | u64::from(chart.size.y));
-        for texel in chart.triangles.iter().flat_map(|triangle| triangle.texels) {
-            hash.add_float(texel.x);
-            hash.add_float(texel.y);
-        }
-    }
-    hash.add_bytes(format!("{path:?}").as_bytes());
-    hash.add_float(settings.texels_per_metre);
-    hash.add(u64::from(settings.casts_for));
-    hash.value()
 }

@@ -9,13 +9,14 @@
 //! | file | holds |
 //! | --- | --- |
 //! | `bake`, `job` | [`bake_intervals`] and [`bake_into`], which do all of it |
-//! | `settings` | what a bake takes and gives |
+//! | `settings` | input and output of a bake |
+//! | `key` | the hash by which an interrupted bake and finished maps are recognized |
 //! | `surfaces` | what stands still in a world |
-//! | `unwrap`, `overlap`, `chart` | surfaces laid flat, and cut into charts |
+//! | `unwrap`, `new_set`, `overlap`, `chart` | surfaces laid flat, and cut into charts |
 //! | `texels` | the surface point that each texel stands for |
 //! | `trace` | the rays of a texel |
 //! | `pack` | charts on pages |
-//! | `partial` | the file that an interrupted bake goes on from |
+//! | `partial` | the file from which an interrupted bake is resumed |
 //!
 //! Rays are those of [`reference`](crate::reference), in `f64`: a map is as exact as the truth, at its texels.
 //!
@@ -40,6 +41,8 @@
 pub(crate) mod bake;
 pub(crate) mod chart;
 pub(crate) mod job;
+pub(crate) mod key;
+pub(crate) mod new_set;
 pub(crate) mod overlap;
 pub(crate) mod pack;
 pub(crate) mod partial;

@@ -28,7 +28,7 @@ pub fn bad_coordinates(triangles: &[Option<[Vec2; 3]>]) -> Option<BadCoordinates
         let [a, b, c] = exact(corners);
         let area = (b - a).perp_dot(c - a).abs();
         // A NaN is not greater, either.
-        if !(area > 1e-14) {
+        if !(area > 1e-14 && area.is_finite()) {
             return Some(BadCoordinates::Degenerate(index as u32));
         }
     }
@@ -128,6 +128,7 @@ mod tests {
             [Vec2::ONE; 3],
             [Vec2::ZERO, Vec2::X, Vec2::X * 2.0],
             [Vec2::NAN; 3],
+            [Vec2::ZERO, Vec2::new(f32::INFINITY, 0.0), Vec2::Y],
         ] {
             assert_eq!(
                 bad_coordinates(&[Some(one), Some(bad)]),

@@ -3,7 +3,7 @@
 
 use glam::UVec2;
 
-use crate::techniques::occlusion_interval::maps::MAX_LAYERS;
+use crate::techniques::occlusion_interval::maps::{MAX_BYTES, MAX_LAYERS, bytes_of};
 
 /// The room that a chart needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +54,7 @@ impl Packed {
 const STEP: u32 = 4;
 
 /// Packs charts into pages of at most `page_size` texels along each side, so that the textures are small. `None` if they
-/// would have more layers than a device holds.
+/// would have more than [`MAX_LAYERS`] or [`MAX_BYTES`].
 pub fn pack(charts: &[Wanted], page_size: u32) -> Option<Packed> {
     let largest = charts
         .iter()
@@ -80,7 +80,7 @@ pub fn pack(charts: &[Wanted], page_size: u32) -> Option<Packed> {
     });
     let packed = sizes.map(|size| shelves(charts, &order, size));
     packed
-        .filter(|packed| packed.layers() <= MAX_LAYERS)
+        .filter(|packed| packed.layers() <= MAX_LAYERS && bytes_of(packed.size, packed.layers()) <= MAX_BYTES)
         .min_by_key(Packed::cost)
 }
 

@@ -1,4 +1,4 @@
-//! The file that an interrupted bake goes on from.
+//! The file from which an interrupted bake is resumed.
 //!
 //! A header, then one record for each batch of texels: length and hash of the body, and the body: rays (u64), seconds
 //! (f64), and for each texel the number of intervals and two bytes for each. Numbers are little endian. A record that was
@@ -14,7 +14,10 @@ use crate::techniques::occlusion_interval::surface::StableHash;
 /// First bytes of the file; the number is the version of its format.
 const MAGIC: &[u8; 16] = b"antumbra bake 1\n";
 
-/// What came of one batch of texels.
+/// Number of texels whose rays are cast, and saved, together.
+pub(super) const BATCH: usize = if cfg!(test) { 64 } else { 4096 };
+
+/// The result of one batch of texels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
     /// Intervals of each texel.
@@ -33,8 +36,8 @@ pub struct PartialFile {
 }
 
 impl PartialFile {
-    /// Opens a file, and returns the batches that are whole. A file of another bake (another `key`), or of none, is begun
-    /// anew.
+    /// Opens a file, and returns the batches that are whole. A file of another bake (another `key`), or with other content,
+    /// is emptied.
     ///
     /// # Errors
     /// What the system says.
@@ -91,6 +94,18 @@ impl PartialFile {
         drop(self.file);
         std::fs::remove_file(self.path)
     }
+
+    /// Removes a file that was left beside finished maps, if it is the file of a bake.
+    ///
+    /// # Errors
+    /// What the system says.
+    pub fn remove_left(path: &Path) -> std::io::Result<()> {
+        let mut magic = [0; MAGIC.len()];
+        match File::open(path).and_then(|mut file| file.read_exact(&mut magic)) {
+            Ok(()) if magic == *MAGIC => std::fs::remove_file(path),
+            _ => Ok(()),
+        }
+    }
 }
 
 fn header(key: u64) -> Vec<u8> {
@@ -124,10 +139,11 @@ fn eight(bytes: &[u8]) -> Option<[u8; 8]> {
 
 /// Reads the record at an offset, and returns where the next one begins. `None` if it is not whole.
 fn read_record(bytes: &[u8], at: usize) -> Option<(Batch, usize)> {
-    let length: [u8; 4] = bytes.get(at..at + 4)?.try_into().ok()?;
-    let length = u32::from_le_bytes(length) as usize;
-    let expected = u64::from_le_bytes(eight(bytes.get(at + 4..)?)?);
-    let body = bytes.get(at + 12..at + 12 + length)?;
+    let (length, rest) = bytes.get(at..)?.split_first_chunk::<4>()?;
+    let length = u32::from_le_bytes(*length) as usize;
+    let (expected, rest) = rest.split_first_chunk::<8>()?;
+    let expected = u64::from_le_bytes(*expected);
+    let body = rest.get(..length)?;
     if hash(body) != expected {
         return None;
     }

@@ -1,4 +1,4 @@
-//! What a bake takes and gives.
+//! Settings, errors and results of a bake.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use super::unwrap::UnwrapNote;
 use crate::scene::PathError;
 use crate::techniques::occlusion_interval::MapsError;
-use crate::techniques::occlusion_interval::maps::{IntervalMaps, MAX_LAYERS};
+use crate::techniques::occlusion_interval::maps::{IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE};
 
 /// How maps are baked.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +20,31 @@ pub struct BakeSettings {
     pub casts_for: u32,
     /// Objects that will move. They neither show nor cast shadows in the maps. Skinned and morphed ones need not be named.
     pub moving: Vec<Entity>,
+}
+
+impl BakeSettings {
+    /// Checks that all numbers are usable.
+    ///
+    /// # Errors
+    /// The first setting that is not.
+    pub(super) fn check(&self) -> Result<(), BakeError> {
+        let density = self.texels_per_metre;
+        if !(density > 0.0 && density.is_finite()) {
+            return Err(BakeError::Setting {
+                setting: "texels_per_metre",
+                value: density,
+                allowed: "finite and greater than 0",
+            });
+        }
+        if !(16..=MAX_SIZE).contains(&self.page_size) {
+            return Err(BakeError::Setting {
+                setting: "page_size",
+                value: self.page_size as f32,
+                allowed: "from 16 to 4096",
+            });
+        }
+        Ok(())
+    }
 }
 
 impl Default for BakeSettings {
@@ -64,9 +89,10 @@ pub enum BakeError {
     /// Nothing in the scene stands still and shows shadows.
     #[error("nothing in the scene stands still and shows shadows")]
     Nothing,
-    /// The maps would need more layers than a device holds.
+    /// The maps would need more layers than a device holds, or more bytes than maps may have.
     #[error(
-        "{texels} texels with up to {pairs} pairs of textures need more than {MAX_LAYERS} layers; use fewer texels per metre"
+        "{texels} texels with up to {pairs} pairs of textures need more than {MAX_LAYERS} layers or {} GiB; use fewer texels per metre, or larger pages",
+        MAX_BYTES >> 30
     )]
     TooLarge {
         /// Number of texels.
@@ -87,7 +113,7 @@ pub enum BakeError {
     Maps(#[from] MapsError),
 }
 
-/// Something that a bake did otherwise than asked.
+/// A point in which a bake differs from what was asked for.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BakeNote {
@@ -114,11 +140,11 @@ pub enum BakeNote {
     NeverSeen,
 }
 
-/// Baked maps, and what is to be said about them.
+/// Baked maps, and notes about them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bake {
     /// The maps.
     pub maps: IntervalMaps,
-    /// What was done otherwise than asked.
+    /// Notes for the user: points in which the maps differ from what was asked for.
     pub notes: Vec<BakeNote>,
 }

@@ -1,4 +1,4 @@
-//! Gathers what stands still in a world: the surfaces that maps are baked for, and the rays' scene.
+//! Gathers the objects of a world that stand still: the surfaces for which maps are baked, and the triangles that block rays.
 
 use std::collections::{HashMap, HashSet};
 
@@ -46,6 +46,12 @@ pub struct SurfaceTriangle {
     pub slot: Option<u32>,
 }
 
+/// Area of a triangle in space, m².
+pub(super) fn area(triangle: &SurfaceTriangle) -> f64 {
+    let [a, b, c] = triangle.corners;
+    0.5 * (b - a).cross(c - a).length()
+}
+
 /// What stands still in a world.
 #[derive(Debug)]
 pub struct StillScene {
@@ -89,12 +95,7 @@ pub fn gather(world: &mut World, moving: &[Entity]) -> StillScene {
         };
         push_surfaces(object, &place, sees_backs, &mut surfaces, &mut owners);
     }
-    let mut rays = RayScene::from_world(world);
-    if !left_out.is_empty() {
-        let still = rays.triangles().iter().copied();
-        let still = still.filter(|triangle| triangle.entity.is_none_or(|entity| !left_out.contains(&entity)));
-        rays = RayScene::from_scene_triangles(still.collect::<Vec<_>>());
-    }
+    let rays = RayScene::from_world_if(world, |entity| !left_out.contains(&entity));
     find_slots(&rays, &mut surfaces, &owners);
     StillScene { surfaces, rays }
 }

@@ -7,6 +7,10 @@ use super::chart::Chart;
 /// Texels that blending may read around a point lie within one texel of it along both axes.
 const REACH: f64 = 1.0;
 
+/// Largest distance of such a texel from the surface. A texel within reach of one point of a slanted rim may be nearest to
+/// another point, out of reach along one axis.
+const FAR: f64 = REACH * std::f64::consts::SQRT_2;
+
 /// Distance from the rim at which texels beyond the rim look for the light, texels. On the rim itself a wall that stands
 /// there touches the point, and what touches a point does not shadow it.
 const INSET: f64 = 1.0 / 16.0;
@@ -55,7 +59,7 @@ pub fn texels_of(chart: &Chart) -> Vec<Texel> {
                     continue;
                 }
                 let (distance, point) = nearest_point(center, &corners);
-                if distance < known && (center - point).abs().max_element() < REACH + 1e-6 {
+                if distance < known && distance < FAR {
                     nearest[at] = Some(Nearest {
                         distance,
                         triangle: index,
@@ -121,12 +125,24 @@ mod tests {
     use glam::Vec2;
 
     fn square(side: f32) -> Chart {
-        let at = |x: f32, y: f32| Vec2::new(x, y) * side + PADDING as f32;
+        turned_square(side, 0.0)
+    }
+
+    /// A place on a square, given by shares of its sides.
+    fn on_square(share: Vec2, side: f32, degrees: f32) -> Vec2 {
+        let turn = Vec2::from_angle(degrees.to_radians());
+        let left = turn.y * side; // that much of the square is left of its corner
+        turn.rotate(share * side) + Vec2::new(left, 0.0) + PADDING as f32
+    }
+
+    fn turned_square(side: f32, degrees: f32) -> Chart {
+        let at = |x: f32, y: f32| on_square(Vec2::new(x, y), side, degrees);
         let [a, b, c, d] = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
+        let extent = side * (degrees.to_radians().sin() + degrees.to_radians().cos());
         let triangle = |triangle, texels| ChartTriangle { triangle, texels };
         Chart {
             surface: 0,
-            size: UVec2::splat(side.ceil() as u32 + 2 * PADDING),
+            size: UVec2::splat(extent.ceil() as u32 + 2 * PADDING),
             triangles: vec![triangle(0, [a, b, c]), triangle(1, [a, c, d])],
             coarser: None,
         }
@@ -156,15 +172,19 @@ mod tests {
 
     #[test]
     fn every_texel_that_blending_reads_is_there() {
-        for side in [0.3, 1.0, 5.7, 8.49] {
-            let chart = square(side);
+        let squares = [0.3, 1.0, 5.7, 8.49].map(|side| [0.0, 20.0, 45.0, 77.0].map(|turn| (side, turn)));
+        for (side, degrees) in squares.into_iter().flatten() {
+            let chart = turned_square(side, degrees);
             let texels = texels_of(&chart);
             let is_there = |at: UVec2| texels.iter().any(|texel| texel.at == at);
             for step in 0..400 {
                 let share = Vec2::new((step % 20) as f32, (step / 20) as f32) / 19.0;
-                let corner = (share * side + PADDING as f32 - 0.5).floor().as_uvec2();
+                let corner = (on_square(share, side, degrees) - 0.5).floor().as_uvec2();
                 for (x, y) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    assert!(is_there(corner + UVec2::new(x, y)), "{side}: {corner} of {share}");
+                    assert!(
+                        is_there(corner + UVec2::new(x, y)),
+                        "{side} {degrees}: {corner} of {share}"
+                    );
                 }
             }
         }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::reference::RayScene;
 use crate::scene::{LightPath, PathPoint};
-use crate::techniques::occlusion_interval::intervals::{Intervals, STEPS, intervals_of};
+use crate::techniques::occlusion_interval::intervals::{Intervals, STEPS, intervals_of, middle_of};
 
 /// Where the light is in one step of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ impl Targets {
     /// The targets of a path. `casts_for` is the mask of [`LightSelection`](crate::scene::LightSelection).
     pub fn new(path: &LightPath, casts_for: u32) -> Self {
         let target = |step: usize| {
-            let time = (step as f32 + 0.5) / STEPS as f32;
+            let time = middle_of(step);
             match path.at(time) {
                 _ if !path.shines(time) => Target::Dark,
                 PathPoint::Direction(direction) => Target::Towards(-direction.as_dvec3()),

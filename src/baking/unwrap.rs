@@ -1,17 +1,13 @@
 //! Lays a surface flat: by its second texture coordinates if every place has coordinates of its own, else by a new set.
-//!
-//! New sets come from `uvunwrap`: charts grow within a cone of normals and are flattened by least squares conformal maps.
-//! Its charts are packed by us, as the islands of existing coordinates are, because pages of maps also depend on how many
-//! intervals charts need.
 
 use std::collections::HashMap;
 
-use glam::{DVec2, DVec3, Vec2};
-use uvunwrap::{Density, MeshInput, Options, Packing};
+use glam::{DVec3, Vec2};
 
 use super::chart::{Chart, Flat, FlatTriangle, charts_of};
+use super::new_set::{by_new_set, complete};
 use super::overlap::{BadCoordinates, bad_coordinates};
-use super::surfaces::{Surface, SurfaceTriangle};
+use super::surfaces::{Surface, SurfaceTriangle, area};
 
 /// Something about a surface that was laid flat.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -32,6 +28,14 @@ pub enum UnwrapNote {
         /// Index of the first one.
         first: usize,
     },
+    /// Triangles with an area have no place in the set of texture coordinates.
+    #[error("{count} triangles cannot be laid flat, the first is triangle {first}; they show no shadow")]
+    NoChart {
+        /// Number of the triangles.
+        count: usize,
+        /// Index of the first one.
+        first: usize,
+    },
     /// The surface cannot be laid flat as a whole.
     #[error("it cannot be laid flat ({0}), so each triangle is a chart of its own")]
     Single(String),
@@ -42,15 +46,12 @@ pub enum UnwrapNote {
 pub struct Unwrapped {
     /// The charts.
     pub charts: Vec<Chart>,
-    /// What is to be said about it.
+    /// Notes for the user.
     pub notes: Vec<UnwrapNote>,
 }
 
 /// Least area of a triangle, m²: a square of a hundredth of a millimetre.
 const LEAST_AREA: f64 = 1e-10;
-
-/// Largest ratio between areas on the page and in space within a chart of a new set. Density differs by its root.
-const DISTORTION: f32 = 2.0;
 
 /// Lays a surface flat and cuts it into charts.
 pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u32) -> Unwrapped {
@@ -81,21 +82,29 @@ pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u
                 BadCoordinates::Overlap(a, b) => UnwrapNote::Overlap(a, b),
                 BadCoordinates::Degenerate(triangle) => UnwrapNote::Degenerate(triangle),
             }));
-            by_new_set(&triangles, texels_per_metre).unwrap_or_else(|error| {
+            let mut flat = by_new_set(&triangles).unwrap_or_else(|error| {
                 notes.push(UnwrapNote::Single(error));
-                one_by_one(&triangles)
-            })
+                Flat::default()
+            });
+            flat.triangles.resize(triangles.len(), None);
+            complete(&mut flat, &triangles);
+            flat
         }
     };
-    Unwrapped {
-        charts: charts_of(index, &flat, texels_per_metre, page_size),
-        notes,
-    }
+    let charts = charts_of(index, &flat, texels_per_metre, page_size);
+    notes.extend(note_of_missing(&triangles, &charts));
+    Unwrapped { charts, notes }
 }
 
-fn area(triangle: &SurfaceTriangle) -> f64 {
-    let [a, b, c] = triangle.corners;
-    0.5 * (b - a).cross(c - a).length()
+/// The note about triangles that should be in a chart and are in none.
+fn note_of_missing(triangles: &[Option<SurfaceTriangle>], charts: &[Chart]) -> Option<UnwrapNote> {
+    let mut is_missing: Vec<bool> = triangles.iter().map(Option::is_some).collect();
+    for triangle in charts.iter().flat_map(|chart| &chart.triangles) {
+        is_missing[triangle.triangle as usize] = false;
+    }
+    let count = is_missing.iter().filter(|missing| **missing).count();
+    let first = is_missing.iter().position(|missing| *missing)?;
+    Some(UnwrapNote::NoChart { count, first })
 }
 
 /// The surface by its second texture coordinates. Triangles are connected where they share both ends of an edge in space
@@ -115,84 +124,12 @@ fn by_coordinates(triangles: &[Option<SurfaceTriangle>]) -> Flat {
         Some(FlatTriangle {
             corners: triangle.coordinates.map(|corner| corner.as_dvec2()),
             ids: [0, 1, 2].map(|at| id(triangle.corners[at], triangle.coordinates[at])),
+            normal: triangle.normal,
             area: area(triangle),
         })
     };
     Flat {
         triangles: triangles.iter().map(flat).collect(),
-    }
-}
-
-/// The surface by a new set of texture coordinates.
-fn by_new_set(triangles: &[Option<SurfaceTriangle>], texels_per_metre: f32) -> Result<Flat, String> {
-    let corners = || triangles.iter().flatten().flat_map(|triangle| triangle.corners);
-    let Some(origin) = corners().next() else {
-        return Ok(Flat {
-            triangles: vec![None; triangles.len()],
-        });
-    };
-    // Near its own origin a surface far from the world's has exact positions in `f32`, too. Corners at one place are one
-    // vertex, so that triangles that share an edge may share a chart.
-    let (mut positions, mut known) = (Vec::new(), HashMap::new());
-    let vertex = |corner: DVec3| {
-        let position = (corner - origin).as_vec3() + 0.0;
-        *known
-            .entry(position.to_array().map(f32::to_bits))
-            .or_insert_with(|| {
-                positions.push(position.to_array());
-                positions.len() as u32 - 1
-            })
-    };
-    let indices: Vec<u32> = corners().map(vertex).collect();
-    let options = Options {
-        density: Density::Fixed {
-            texels_per_unit: texels_per_metre,
-            page_size: None,
-        },
-        max_area_distortion: DISTORTION,
-        padding: 0,
-        packing: Packing::Fast,
-        ..Options::default()
-    };
-    let atlas = uvunwrap::generate(&[MeshInput::new(&positions, &indices)], &options)
-        .map_err(|error| error.to_string())?;
-    let size = DVec2::new(f64::from(atlas.width), f64::from(atlas.height));
-    let mesh = atlas.meshes.first().ok_or("it gave no mesh")?;
-    let mut of_triangles = mesh.indices.chunks_exact(3);
-    let flat = |triangle: &Option<SurfaceTriangle>| {
-        let triangle = triangle.as_ref()?;
-        let ids: [u32; 3] = of_triangles.next()?.try_into().ok()?;
-        let vertex = |id: u32| mesh.vertices.get(id as usize);
-        vertex(ids[0])?.chart?;
-        let corner =
-            |id: u32| vertex(id).map_or(DVec2::ZERO, |vertex| Vec2::from(vertex.uv).as_dvec2() * size);
-        Some(FlatTriangle {
-            corners: ids.map(corner),
-            ids,
-            area: area(triangle),
-        })
-    };
-    Ok(Flat {
-        triangles: triangles.iter().map(flat).collect(),
-    })
-}
-
-/// The surface as triangles that are not connected.
-fn one_by_one(triangles: &[Option<SurfaceTriangle>]) -> Flat {
-    let flat = |(index, triangle): (usize, &Option<SurfaceTriangle>)| {
-        let triangle = triangle.as_ref()?;
-        let [a, b, c] = triangle.corners;
-        let along = (b - a).normalize_or_zero();
-        let across = (b - a).cross(c - a).cross(along).normalize_or_zero();
-        let first = 3 * index as u32;
-        Some(FlatTriangle {
-            corners: [a, b, c].map(|corner| DVec2::new((corner - a).dot(along), (corner - a).dot(across))),
-            ids: [first, first + 1, first + 2],
-            area: area(triangle),
-        })
-    };
-    Flat {
-        triangles: triangles.iter().enumerate().map(flat).collect(),
     }
 }
 
@@ -260,10 +197,10 @@ mod tests {
             }
         }
         let cuboid = unwrap(0, &surface(&MeshData::cuboid(Vec3::ONE)), 16.0, 512);
-        assert!(
-            cuboid.charts.len() <= 6,
-            "its sides are not cut: {}",
-            cuboid.charts.len()
+        assert_eq!(
+            cuboid.charts.len(),
+            6,
+            "charts end at edges, and sides are not cut"
         );
     }
 
@@ -299,6 +236,44 @@ mod tests {
     }
 
     #[test]
+    fn large_grounds_are_laid_flat_at_any_density() {
+        let surface = surface(&MeshData::plane(256.0));
+        let unwrapped = unwrap(0, &surface, 64.0, 4096);
+        assert_eq!((unwrapped.notes.len(), unwrapped.charts.len()), (0, 1));
+        assert!(unwrapped.charts[0].coarser.is_some());
+    }
+
+    #[test]
+    fn slivers_have_charts_too() {
+        // A fan whose triangles become thinner and thinner.
+        let mut positions = vec![Vec3::ZERO];
+        positions.extend((0..14).map(|i| Vec3::new(0.5f32.powi(i), 0.0, 1.0)));
+        let indices = (1..14).flat_map(|i| [0, i, i + 1]).collect();
+        let mesh = MeshData::from_triangles("fan", positions, indices);
+        let surface = surface(&mesh);
+        let unwrapped = unwrap(0, &surface, 8.0, 512);
+        assert_eq!(unwrapped.notes, []);
+        assert_eq!(all_triangles(&unwrapped), (0..13).collect::<Vec<u32>>());
+    }
+
+    #[test]
+    fn triangles_that_cannot_be_laid_flat_are_counted() {
+        let mesh = MeshData::plane(1.0);
+        let triangles = surface(&mesh).triangles;
+        let mut flat = Flat {
+            triangles: vec![None],
+        };
+        complete(&mut flat, &triangles[..1]);
+        let charts = charts_of(0, &flat, 8.0, 512);
+        let note = note_of_missing(&triangles, &charts);
+        assert_eq!(note, Some(UnwrapNote::NoChart { count: 1, first: 1 }));
+        flat.triangles.push(None);
+        complete(&mut flat, &triangles);
+        let charts = charts_of(0, &flat, 8.0, 512);
+        assert_eq!((charts.len(), note_of_missing(&triangles, &charts)), (2, None));
+    }
+
+    #[test]
     fn triangles_without_area_are_left_out_and_counted() {
         let mut mesh = MeshData::plane(1.0);
         mesh.positions.push(Vec3::NAN);
@@ -314,7 +289,10 @@ mod tests {
     #[test]
     fn single_triangles_keep_their_shape() {
         let surface = surface(&MeshData::icosphere(1.0, 0));
-        let flat = one_by_one(&surface.triangles);
+        let mut flat = Flat {
+            triangles: vec![None; 20],
+        };
+        complete(&mut flat, &surface.triangles);
         let charts = charts_of(0, &flat, 8.0, 512);
         assert_eq!(charts.len(), 20);
         let notes = Vec::new();

@@ -1,7 +1,7 @@
 //! Registration of the adapter in a Bevy app, called by [`AntumbraPlugin`](crate::plugin::AntumbraPlugin).
 
 use bevy::app::{App, Last, PostUpdate, SubApp};
-use bevy::asset::{AssetEventSystems, Assets};
+use bevy::asset::{AssetEventSystems, AssetPlugin, Assets};
 use bevy::core_pipeline::CorePipelinePlugin;
 use bevy::core_pipeline::core_3d::{
     AlphaMask3d, Opaque3d, check_msaa, main_opaque_pass_3d, prepare_prepass_textures,
@@ -49,6 +49,7 @@ use crate::reports::Reports;
 use crate::scene::LightSelection;
 use crate::sets::OcclusionSettings;
 use crate::silhouettes::LightClearance;
+use crate::techniques::IntervalFolder;
 use crate::techniques::add_builtin;
 use crate::techniques::maps::MapSettings;
 use crate::techniques::occlusion_interval::component::follow_light_paths;
@@ -78,11 +79,13 @@ pub fn install(app: &mut App) -> bool {
     if !renders || app.get_sub_app(RenderApp).is_none() {
         return false;
     }
+    let interval_folder = asset_folder(app);
     app.insert_resource(Installed)
         .init_resource::<AntumbraSettings>()
         .init_resource::<MeshLibrary>()
         .init_resource::<Reports>()
         .init_resource::<TechniqueComponents>()
+        .insert_resource(interval_folder)
         .add_observer(put_back::<DepthPrepass>)
         .add_observer(put_back::<DeferredPrepass>)
         .add_systems(
@@ -154,6 +157,7 @@ fn add_extraction(render_app: &mut SubApp) {
                         sync_setting::<LightClearance>,
                         sync_setting::<OcclusionSettings>,
                         sync_setting::<MapSettings>,
+                        sync_setting::<IntervalFolder>,
                     ),
                     sync_transforms,
                     sync_levels,
@@ -205,6 +209,20 @@ fn add_rendering(render_app: &mut SubApp) {
                 .before(screen_space_reflections)
                 .before(main_opaque_pass_3d),
         );
+}
+
+/// The folder of the game's assets, which the maps of lights are relative to. A folder that the game has set is kept.
+fn asset_folder(app: &App) -> IntervalFolder {
+    if let Some(folder) = app.world().get_resource::<IntervalFolder>() {
+        return folder.clone();
+    }
+    let plugins = app.get_added_plugins::<AssetPlugin>();
+    let folder = plugins.first().map(|plugin| plugin.file_path.clone());
+    #[cfg(not(any(target_arch = "wasm32", target_os = "android")))]
+    let base = bevy::asset::io::file::FileAssetReader::get_base_path();
+    #[cfg(any(target_arch = "wasm32", target_os = "android"))]
+    let base = std::path::PathBuf::new();
+    IntervalFolder(base.join(folder.unwrap_or_default()))
 }
 
 /// Removes all mirrors, because what they hold on the GPU is lost with the device.

@@ -13,8 +13,8 @@ use super::sync_models::remove_model;
 use super::view_state::ViewState;
 use crate::geometry::Aabb;
 use crate::scene::{
-    ExtraBounds, Light, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh,
-    SelectionLayers, ShadowCaster, ShadowReceiver, Skin, WorldBounds,
+    ExtraBounds, Light, LightPath, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials,
+    SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver, Skin, WorldBounds,
 };
 use crate::schedule;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
@@ -171,7 +171,7 @@ impl Mirror {
                 row.remove(&mut light);
             }
             remove_model(&mut light);
-            light.remove::<(Light, LightSelection, HostLight)>();
+            light.remove::<(Light, LightPath, LightSelection, HostLight)>();
         }
     }
 

@@ -1,4 +1,4 @@
-//! A copy of what stands still in a game, in the components that maps are baked from.
+//! Copies the static meshes of a game into a world of our own components, from which maps are baked.
 
 use std::sync::Arc;
 
@@ -48,6 +48,7 @@ struct Object {
 /// fn bake(world: &mut World) -> Result<(), antumbra::baking::BakeError> {
 ///     let mut still = still_scene(world, |_| false);
 ///     let path = LightPath::Sun { latitude_degrees: 50.0, day: 172.0, hours: [4.0, 20.0] };
+///     // A light uses them with `OcclusionInterval { maps: "maps".into(), .. }`: names are relative to the assets.
 ///     bake_into("assets/maps".as_ref(), &mut still, &path, &BakeSettings::default(), |_| ())?;
 ///     Ok(())
 /// }

@@ -10,9 +10,9 @@ use bevy::transform::components::GlobalTransform;
 use super::light_convert::{convert_light, selection};
 use super::mirror::{HostLight, Mirror, Mirrors};
 use super::report::LightlessTechniques;
-use super::sync_models::{copy_model, has_model};
+use super::sync_models::{copy_model, copy_part, has_model};
 use super::techniques::TouchedLights;
-use crate::scene::{Light, LightSelection};
+use crate::scene::{Light, LightPath, LightSelection};
 use crate::techniques::Techniques;
 
 /// Filter of lights that changed in a way that the mirrors must copy.
@@ -31,6 +31,7 @@ type LightChanged = (
         Changed<RenderLayers>,
         Changed<InheritedVisibility>,
         Changed<LightSelection>,
+        Changed<LightPath>,
         Changed<RenderEntity>,
     )>,
 );
@@ -47,6 +48,7 @@ pub struct RemovedFromLights<'w, 's> {
     rect: Extract<'w, 's, RemovedComponents<'static, 'static, RectLight>>,
     layers: Extract<'w, 's, RemovedComponents<'static, 'static, RenderLayers>>,
     selection: Extract<'w, 's, RemovedComponents<'static, 'static, LightSelection>>,
+    path: Extract<'w, 's, RemovedComponents<'static, 'static, LightPath>>,
 }
 
 /// Copies lights that appeared, changed, were hidden or lost their technique and their light model to the mirrors.
@@ -83,6 +85,7 @@ pub(super) fn sync_lights(
     dirty.extend(removed.rect.read());
     dirty.extend(removed.layers.read());
     dirty.extend(removed.selection.read());
+    dirty.extend(removed.path.read());
     dirty.sort_unstable();
     dirty.dedup();
     for &entity in &*dirty {
@@ -139,5 +142,6 @@ fn sync_light(mirror: &mut Mirror, main: &World, techniques: &Techniques, entity
     for row in techniques.rows() {
         row.copy(&light, &mut target);
     }
+    copy_part::<LightPath>(&light, &mut target);
     copy_model(&light, &mut target);
 }

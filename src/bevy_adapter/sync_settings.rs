@@ -1,8 +1,9 @@
 //! Copies the settings that the game has as resources to the mirrors.
 //!
 //! [`LightClearance`](crate::silhouettes::LightClearance),
-//! [`OcclusionSettings`](crate::sets::OcclusionSettings) and
-//! [`MapSettings`](crate::techniques::maps::MapSettings) are resources of the world that the techniques run in.
+//! [`OcclusionSettings`](crate::sets::OcclusionSettings),
+//! [`MapSettings`](crate::techniques::maps::MapSettings) and
+//! [`IntervalFolder`](crate::techniques::IntervalFolder) are resources of the world that the techniques run in.
 //! In a game each marked camera has such a world. The game inserts the resource in its own world, and all
 //! cameras follow it. Without the resource they have its default.
 

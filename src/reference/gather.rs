@@ -33,12 +33,17 @@ impl RayScene {
     /// finite or name a missing vertex are dropped and counted. `GlobalTransform`s are read as they are, so
     /// propagate transforms first.
     pub fn from_world(world: &mut World) -> Self {
+        Self::from_world_if(world, |_| true)
+    }
+
+    /// Gathers like [`RayScene::from_world`] the triangles of those entities for which `takes` returns true.
+    pub(crate) fn from_world_if(world: &mut World, takes: impl Fn(Entity) -> bool) -> Self {
         let mut query = world.query::<Object>();
         let mut objects: Vec<_> = query.iter(world).collect();
         objects.sort_unstable_by_key(|object| object.entity);
         let mut triangles = Vec::new();
         let mut missing_count = 0;
-        for object in objects {
+        for object in objects.into_iter().filter(|object| takes(object.entity)) {
             missing_count += push_triangles(&object, &mut triangles);
         }
         let mut scene = Self::from_scene_triangles(triangles);

@@ -33,6 +33,7 @@ pub(crate) mod ground;
 pub(crate) mod light;
 pub(crate) mod light_model;
 pub(crate) mod light_path;
+pub(crate) mod light_path_check;
 pub(crate) mod material;
 pub(crate) mod mesh;
 pub(crate) mod occluder;
@@ -58,7 +59,8 @@ pub use light_model::{
     LoadProfileError, ProfileError, ProfileFault, ProfileTable, ShadowOrigin, ShadowSoftness, ShadowTint,
     SurfaceWeights, TooManyLayers,
 };
-pub use light_path::{LightPath, PathError, PathPoint};
+pub use light_path::{LightPath, PathPoint};
+pub use light_path_check::PathError;
 pub use material::{AlphaMode, Material, SceneMaterials, Texture, TextureSlot, TextureWrap};
 pub use mesh::{MeshData, MorphTarget, SceneMesh, Submesh};
 pub use occluder::Occluder;

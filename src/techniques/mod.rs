@@ -24,14 +24,14 @@ pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
 /// The crate whose deserializers [`Technique::parse`] reads from.
 #[cfg(feature = "serde")]
 pub use erased_serde;
-pub use occlusion_interval::{IntervalLibrary, IntervalMaps, OcclusionInterval};
+pub use occlusion_interval::{IntervalFolder, IntervalLibrary, IntervalMaps, OcclusionInterval};
 pub use occlusion_texture::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
 pub use omni_map::OmniMap;
 pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
 pub use perspective_map::{PerspectiveMap, PerspectiveMaps};
 pub use registry::{
-    AddTechnique, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems, Techniques,
-    add_builtin, add_row, choose_techniques,
+    AddTechnique, FileError, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems,
+    Techniques, add_builtin, add_row, choose_techniques,
 };
 #[cfg(feature = "schema")]
 pub use schemars;

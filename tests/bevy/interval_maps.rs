@@ -3,7 +3,9 @@
 use antumbra::baking::{BakeSettings, bake_into};
 use antumbra::bevy_adapter::prelude::*;
 use antumbra::bevy_adapter::still_scene;
+use antumbra::reports::Reports;
 use antumbra::scene::PathPoint;
+use antumbra::techniques::IntervalFolder;
 use bevy::prelude::*;
 
 use crate::harness::{self, Game, Picture, add_mesh, marked_camera};
@@ -75,5 +77,43 @@ fn a_game_bakes_its_scene_and_its_sun_follows_the_path() {
         pictures.push(shadowed);
     }
     assert_ne!(pictures[0], pictures[1]);
+    // Names are relative to the game's assets, or to another folder.
+    let assets = game.world().resource::<IntervalFolder>().0.clone();
+    assert!(assets.is_absolute() && assets.ends_with("assets"), "{assets:?}");
+    let (parent, name) = (
+        folder.parent().expect("its parent"),
+        folder.file_name().expect("its name"),
+    );
+    game.world().insert_resource(IntervalFolder(parent.to_owned()));
+    game.world().entity_mut(light).insert(OcclusionInterval {
+        maps: name.to_string_lossy().into_owned(),
+        time: 0.9,
+        ..default()
+    });
+    assert_eq!(game.run(3).settled(camera), pictures[1]);
+    // A light on another path than that of its maps is reported.
+    let messages = |game: &mut Game| -> Vec<String> {
+        let reports = game.world().resource::<Reports>();
+        let own = reports
+            .iter()
+            .filter(|report| report.topic == "occlusion_interval");
+        own.map(|report| report.message.clone()).collect()
+    };
+    assert_eq!(messages(&mut game), [] as [String; 0]);
+    let LightPath::Arc { direction, axis, .. } = path else {
+        panic!("the path is an arc");
+    };
+    let other = LightPath::Arc {
+        direction,
+        axis,
+        degrees: 90.0,
+    };
+    game.world().entity_mut(light).insert(other);
+    game.run(3);
+    let told = messages(&mut game);
+    assert!(told.len() == 1 && told[0].contains("another path"), "{told:?}");
+    game.world().entity_mut(light).insert(path);
+    game.run(3);
+    assert_eq!(messages(&mut game), [] as [String; 0]);
     std::fs::remove_dir_all(&folder).expect("it is removed");
 }

@@ -69,6 +69,11 @@ fn fault(root: &Value, schema: &Value, value: &Value) -> Option<String> {
             }
         }
     }
+    if let Some(all) = schema.get("allOf").and_then(Value::as_array)
+        && let Some(fault) = all.iter().find_map(|one| fault(root, one, value))
+    {
+        return Some(fault);
+    }
     if schema.get("const").is_some_and(|only| only != value) {
         return Some(format!("{value} is not {}", schema["const"]));
     }
@@ -175,6 +180,29 @@ fn the_shots_fit_the_schema_and_wrong_ones_do_not() {
         json!({"technique": "omni_map", "near": -1}),
         json!({"technique": "stencil_volume", "split": [1, 1]}),
         json!({"technique": "shadow_map", "cascades": {"count": 1.5}}),
+    ] {
+        assert!(with(wrong.clone()).is_some(), "{wrong}");
+    }
+}
+
+#[test]
+fn a_path_stands_for_the_direction_or_the_position_of_a_light() {
+    let schema = shot_schema(&Techniques::default());
+    let with = |light: Value| fault(&schema, &schema, &json!({"scene": "a.glb", "lights": [light]}));
+    for right in [
+        json!({"kind": "directional", "path": {"latitude_deg": 50, "day": 366}}),
+        json!({"kind": "directional", "direction": [0, -1, 0], "path": {"axis": [0, 0, 1], "degrees": 90}}),
+        json!({"kind": "point", "path": {"positions": [[0, 1, 0], [2, 1, 0]]}}),
+        json!({"kind": "directional", "direction": [0, -1, 0]}),
+    ] {
+        assert_eq!(with(right.clone()), None, "{right}");
+    }
+    for wrong in [
+        json!({"kind": "directional"}),
+        json!({"kind": "directional", "path": {"axis": [0, 0, 1], "degrees": 90}}),
+        json!({"kind": "directional", "path": {"latitude_deg": 50, "day": 367}}),
+        json!({"kind": "point", "path": {"latitude_deg": 50, "day": 3}}),
+        json!({"kind": "sphere", "position": [0, 0, 0], "radius": 1, "path": {"positions": [[0, 1, 0], [2, 1, 0]]}}),
     ] {
         assert!(with(wrong.clone()).is_some(), "{wrong}");
     }

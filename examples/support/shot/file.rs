@@ -90,7 +90,7 @@ impl Shot {
                 .find_files(folder)
                 .map_err(|error| format!("{}: lights[{index}].{error}", path.display()))?;
             if let Some(shadow) = light.emission.shadow_mut() {
-                shadow.find_files(folder);
+                shadow.find_files(folder, &shot.techniques);
             }
             if let ShotEmission::Rect {
                 texture: Some(texture),

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use antumbra::prelude::*;
-use antumbra::techniques::{Row, Settings, Technique, Techniques};
+use antumbra::techniques::{Row, Settings, Techniques};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::Deserialize;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::super::shadow::ShotShadow;
 use super::camera::frame;
@@ -56,10 +56,27 @@ impl JsonSchema for ShotLight {
         for kind in kinds.into_iter().flatten() {
             let own = kind.get_mut("properties").and_then(Value::as_object_mut);
             let shared = model.get("properties").and_then(Value::as_object);
-            if let (Some(own), Some(shared)) = (own, shared) {
-                own.extend(shared.clone());
-                own.insert("path".to_owned(), path.clone());
+            let (Some(own), Some(shared)) = (own, shared) else {
+                continue;
+            };
+            own.extend(shared.clone());
+            // What the path of a light gives instead.
+            let given = match own
+                .get("kind")
+                .and_then(|kind| kind.get("const"))
+                .and_then(Value::as_str)
+            {
+                Some("directional") => ("direction", json!(["latitude_deg"])),
+                Some("point" | "spot") => ("position", json!(["positions"])),
+                _ => continue,
+            };
+            own.insert("path".to_owned(), path.clone());
+            let (key, path_keys) = given;
+            if let Some(required) = kind.get_mut("required").and_then(Value::as_array_mut) {
+                required.retain(|name| name != key);
             }
+            let by_path = json!({"required": ["path"], "properties": {"path": {"required": path_keys}}});
+            kind["allOf"] = json!([{"anyOf": [{"required": [key]}, by_path]}]);
         }
         light
     }
@@ -218,7 +235,7 @@ impl ShotLight {
             path,
             ..emitted
         };
-        parts.check_path()?;
+        parts.check_path(techniques)?;
         self.model.check(&parts.light)?;
         Ok(parts)
     }
@@ -366,15 +383,16 @@ impl ShotEmission {
 
 impl LightParts {
     /// Checks that a path and a technique that follows it stand together.
-    fn check_path(&self) -> Result<(), String> {
-        let follows = OcclusionInterval::NAME;
-        let is_followed = self
-            .shadow
-            .as_ref()
-            .is_some_and(|shadow| shadow.row().name() == follows);
-        match (&self.path, is_followed) {
-            (Some(_), false) => Err(format!("path: needs the technique {follows}")),
-            (None, true) => Err(format!("path: {follows} needs one")),
+    fn check_path(&self, techniques: &Techniques) -> Result<(), String> {
+        let follows = |row: Row| row.needs().light_path;
+        let row = self.shadow.as_ref().map(Settings::row);
+        match (&self.path, row.filter(|row| follows(*row))) {
+            (Some(_), None) => {
+                let rows = techniques.rows().iter().filter(|row| follows(**row));
+                let names: Vec<&str> = rows.map(Row::name).collect();
+                Err(format!("path: needs the technique {}", names.join(" or ")))
+            }
+            (None, Some(row)) => Err(format!("path: {} needs one", row.name())),
             _ => Ok(()),
         }
     }

@@ -35,8 +35,10 @@ pub struct ShotArc {
 #[serde(deny_unknown_fields)]
 pub struct ShotSun {
     /// Latitude, degrees; north is positive.
+    #[schemars(range(min = -90, max = 90))]
     latitude_deg: f32,
-    /// Day of the year, 1 to 365.
+    /// Day of the year, 1 to 366.
+    #[schemars(range(min = 1, max = 366))]
     day: f32,
     /// First and last hour of the path, 0 to 24. Default: the whole day, from midnight.
     #[serde(default = "whole_day")]

@@ -29,6 +29,9 @@ pub struct Needs {
     /// The technique shows the picture that an area light's entity has
     /// ([`EmitterTexture`](crate::techniques::penumbra_wedge::EmitterTexture)).
     pub emitter_texture: bool,
+    /// The technique moves the light along the path that the light's entity has
+    /// ([`LightPath`](crate::scene::LightPath)).
+    pub light_path: bool,
 }
 
 impl Needs {
@@ -38,6 +41,7 @@ impl Needs {
         light_occlusion: false,
         receiver_planes: false,
         emitter_texture: false,
+        light_path: false,
     };
 }
 

@@ -31,7 +31,9 @@ use crate::techniques::registry::Refusal;
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OcclusionInterval {
-    /// Folder of the maps; it must be given. It is read once, in the first frame that needs it ([`IntervalLibrary`](super::IntervalLibrary)).
+    /// Folder of the maps, relative to [`IntervalFolder`](super::IntervalFolder): the current folder, or in Bevy that of the
+    /// assets. It must be given. The maps are read in the first frame that needs them
+    /// ([`IntervalLibrary`](super::IntervalLibrary)).
     pub maps: String,
     /// Time, as a share of the path, 0 to 1. It stops at the ends of an open path, and wraps around a closed one. Default: 0.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]

@@ -12,40 +12,40 @@
 
 use std::path::Path;
 
-use glam::Vec2;
-
 use super::manifest::{
-    FORMAT, Manifest, ManifestCorners, ManifestStatistics, ManifestSurface, VERSION, check_manifest,
-    light_path, manifest_path,
+    FORMAT, Manifest, ManifestCorners, ManifestStatistics, ManifestSurface, VERSION, manifest_path,
 };
-use super::maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, Page, Pair};
-use super::maps_error::{MapsError, content};
+use super::maps::{BakedSurface, Corner, IntervalMaps, Pair};
+use super::maps_error::MapsError;
 use super::surface::StableHash;
 
 /// Name of the manifest.
 pub const MANIFEST: &str = "maps.json";
 
-const CORNERS: &str = "corners.bin";
+pub(super) const CORNERS: &str = "corners.bin";
+
+/// Name of the manifest while it is written.
+const UNFINISHED: &str = "maps.json.unfinished";
 
 /// Bytes of a corner in its file.
-const CORNER_BYTES: usize = 12;
+pub(super) const CORNER_BYTES: usize = 12;
 
 fn hex(hash: u64) -> String {
     format!("{hash:016x}")
 }
 
-fn picture_name(page: usize, pair: usize, edge: &str) -> String {
+pub(super) fn picture_name(page: usize, pair: usize, edge: &str) -> String {
     format!("page{page}.pair{pair}.{edge}.png")
 }
 
-fn pair_hash(pair: &Pair) -> String {
+pub(super) fn pair_hash(pair: &Pair) -> String {
     let mut hash = StableHash::default();
     hash.add_bytes(&pair.rise);
     hash.add_bytes(&pair.fall);
     hex(hash.value())
 }
 
-fn bytes_hash(bytes: &[u8]) -> String {
+pub(super) fn bytes_hash(bytes: &[u8]) -> String {
     let mut hash = StableHash::default();
     hash.add_bytes(bytes);
     hex(hash.value())
@@ -61,16 +61,8 @@ fn corner_bytes(corners: &[Corner]) -> Vec<u8> {
     bytes
 }
 
-fn corner_of(bytes: &[u8]) -> Corner {
-    let word = |at: usize| [bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]];
-    Corner {
-        page: u32::from_le_bytes(word(0)),
-        texel: Vec2::new(f32::from_le_bytes(word(4)), f32::from_le_bytes(word(8))),
-    }
-}
-
 impl IntervalMaps {
-    /// Writes the maps into a folder, which is made if it is missing. Older maps in it are removed.
+    /// Writes the maps into a folder, which is made if it is missing. Older maps in it are removed; other files stay.
     ///
     /// # Errors
     /// [`MapsError`] names the file.
@@ -100,7 +92,10 @@ impl IntervalMaps {
             file: file.clone(),
             error,
         })?;
-        std::fs::write(&file, text).map_err(in_file(&file))
+        // Whoever looks for the manifest finds all of it or nothing.
+        let unfinished = folder.join(UNFINISHED);
+        std::fs::write(&unfinished, text).map_err(in_file(&unfinished))?;
+        std::fs::rename(&unfinished, &file).map_err(in_file(&file))
     }
 
     fn manifest(&self, corners: &[u8]) -> Manifest {
@@ -138,160 +133,45 @@ impl IntervalMaps {
             },
         }
     }
-
-    /// Reads the maps of a folder.
-    ///
-    /// # Errors
-    /// [`MapsError`] names the file and the element: what is missing, truncated, of another size, or not of these maps.
-    pub fn load(folder: &Path) -> Result<Self, MapsError> {
-        let file = folder.join(MANIFEST);
-        let bytes = read(&file)?;
-        let manifest: Manifest = serde_json::from_slice(&bytes).map_err(|error| MapsError::Manifest {
-            file: file.clone(),
-            error,
-        })?;
-        check_manifest(&manifest, &file)?;
-        let mut pages = Vec::with_capacity(manifest.pages.len());
-        for (page_index, hashes) in manifest.pages.iter().enumerate() {
-            let mut page = Page::default();
-            for (pair_index, hash) in hashes.iter().enumerate() {
-                page.pairs
-                    .push(load_pair(folder, (page_index, pair_index), manifest.size, hash)?);
-            }
-            pages.push(page);
-        }
-        let corners = load_corners(folder, &manifest)?;
-        let key = hash_of(&manifest.key, &file, "key")?;
-        let mut surfaces = Vec::with_capacity(manifest.surfaces.len());
-        for (index, surface) in manifest.surfaces.into_iter().enumerate() {
-            surfaces.push(baked_surface(surface, index, &file)?);
-        }
-        let statistics = manifest.statistics;
-        Ok(Self {
-            key,
-            path: light_path(manifest.path),
-            texels_per_metre: manifest.texels_per_metre,
-            size: manifest.size,
-            pages,
-            surfaces,
-            corners,
-            statistics: BakeStatistics {
-                texels: statistics.texels,
-                rays: statistics.rays,
-                seconds: statistics.seconds,
-                most_intervals: statistics.most_intervals,
-                coarser_charts: statistics.coarser_charts,
-            },
-        })
-    }
 }
 
-/// Removes the manifest of older maps, and their pictures.
+/// Removes the manifest of older maps, and their pictures. Only names that maps have are touched.
 fn remove_old(folder: &Path) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let name = entry.file_name();
-        let name = name.to_string_lossy();
-        if name == MANIFEST || (name.starts_with("page") && name.ends_with(".png")) {
+        if name
+            .to_str()
+            .is_some_and(|name| name == MANIFEST || is_picture(name))
+        {
             std::fs::remove_file(entry.path())?;
         }
     }
     Ok(())
 }
 
-fn read(file: &Path) -> Result<Vec<u8>, MapsError> {
-    std::fs::read(file).map_err(|error| MapsError::File {
-        file: file.to_owned(),
-        error,
-    })
-}
-
-fn load_pair(
-    folder: &Path,
-    (page, pair): (usize, usize),
-    size: u32,
-    expected: &str,
-) -> Result<Pair, MapsError> {
-    let load = |edge: &str| {
-        let file = folder.join(picture_name(page, pair, edge));
-        let bytes = read(&file)?;
-        let decoded = image::load_from_memory_with_format(&bytes, image::ImageFormat::Png);
-        let picture = match decoded {
-            Ok(image::DynamicImage::ImageRgba8(picture)) => picture,
-            Ok(other) => {
-                return Err(content(
-                    &file,
-                    "texels",
-                    format!("{:?} is not Rgba8", other.color()),
-                ));
-            }
-            Err(error) => return Err(MapsError::Picture { file, error }),
-        };
-        if picture.dimensions() != (size, size) {
-            let (width, height) = picture.dimensions();
-            let problem = format!("{width}×{height} texels are not {size}×{size}");
-            return Err(content(&file, "size", problem));
-        }
-        Ok(picture.into_raw())
+/// Whether a file has a name that [`picture_name`] gives.
+fn is_picture(name: &str) -> bool {
+    let numbers = || {
+        let (page, rest) = name.strip_prefix("page")?.split_once(".pair")?;
+        let (pair, rest) = rest.split_once('.')?;
+        let edge = rest.strip_suffix(".png")?;
+        let (page, pair): (usize, usize) = (page.parse().ok()?, pair.parse().ok()?);
+        let is_edge = ["rise", "fall"].contains(&edge);
+        Some(is_edge && picture_name(page, pair, edge) == name)
     };
-    let loaded = Pair {
-        rise: load("rise")?,
-        fall: load("fall")?,
-    };
-    if pair_hash(&loaded) != expected {
-        let file = folder.join(picture_name(page, pair, "rise"));
-        return Err(content(
-            &file,
-            "texels",
-            "they are not those of the manifest, or those of its fall are not: bake the maps again",
-        ));
-    }
-    Ok(loaded)
-}
-
-fn load_corners(folder: &Path, manifest: &Manifest) -> Result<Vec<Corner>, MapsError> {
-    let file = folder.join(CORNERS);
-    let bytes = read(&file)?;
-    let expected = manifest.corners.count as usize * CORNER_BYTES;
-    if bytes.len() != expected {
-        let problem = format!("{} bytes are not {expected}", bytes.len());
-        return Err(content(&file, "length", problem));
-    }
-    if bytes_hash(&bytes) != manifest.corners.hash {
-        let problem = "they are not those of the manifest: bake the maps again";
-        return Err(content(&file, "corners", problem));
-    }
-    let corners: Vec<Corner> = bytes.chunks_exact(CORNER_BYTES).map(corner_of).collect();
-    for (index, corner) in corners.iter().enumerate() {
-        if corner.page as usize >= manifest.pages.len().max(1) || !corner.texel.is_finite() {
-            let problem = format!("page {} of {}", corner.page, manifest.pages.len());
-            return Err(content(&file, format!("corner {index}"), problem));
-        }
-    }
-    Ok(corners)
-}
-
-fn hash_of(text: &str, file: &Path, element: &str) -> Result<u64, MapsError> {
-    u64::from_str_radix(text, 16).map_err(|_| content(file, element, format!("\"{text}\" is no hash")))
-}
-
-fn baked_surface(surface: ManifestSurface, index: usize, file: &Path) -> Result<BakedSurface, MapsError> {
-    Ok(BakedSurface {
-        hash: hash_of(&surface.hash, file, &format!("surfaces[{index}].hash"))?,
-        mesh: surface.mesh,
-        world_from_local: surface.world_from_local,
-        is_two_sided: surface.two_sided,
-        corners: surface.corners[0]..surface.corners[1],
-    })
+    numbers().unwrap_or(false)
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::PathBuf;
 
-    use glam::Vec3;
+    use glam::{Vec2, Vec3};
 
     use super::super::intervals::intervals_of;
+    use super::super::manifest::light_path;
+    use super::super::maps::{BakeStatistics, Page};
     use super::*;
     use crate::scene::LightPath;
 
@@ -376,6 +256,58 @@ mod tests {
         ] {
             assert_eq!(light_path(manifest_path(&path)), path);
         }
+    }
+
+    #[test]
+    fn older_maps_are_removed_and_a_users_pictures_are_not() {
+        let scratch = Scratch::new("old");
+        let names = || {
+            let entries = std::fs::read_dir(&scratch.0).expect("the folder");
+            let mut names: Vec<_> = entries
+                .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+                .collect();
+            names.sort();
+            names
+        };
+        let own = names();
+        assert!(own.contains(&MANIFEST.to_owned()) && own.len() == 8, "{own:?}");
+        let users = [
+            "page1.png",
+            "page0.pair0.png",
+            "page01.pair0.rise.png",
+            "page0.pair1.rise.png.bak",
+        ];
+        for name in users.into_iter().chain(["page7.pair3.fall.png"]) {
+            std::fs::write(scratch.0.join(name), b"a user's").expect("it is written");
+        }
+        maps().save(&scratch.0).expect("they are saved again");
+        let mut expected: Vec<String> = own.into_iter().chain(users.map(str::to_owned)).collect();
+        expected.sort();
+        assert_eq!(names(), expected);
+    }
+
+    #[test]
+    fn pictures_of_another_size_or_format_are_refused_before_they_are_decoded() {
+        let scratch = Scratch::new("pictures");
+        let picture = |picture: image::DynamicImage| {
+            move |_: Vec<u8>| {
+                let mut bytes = std::io::Cursor::new(Vec::new());
+                picture
+                    .write_to(&mut bytes, image::ImageFormat::Png)
+                    .expect("a picture");
+                bytes.into_inner()
+            }
+        };
+        let large = scratch.change(
+            "page0.pair0.rise.png",
+            picture(image::DynamicImage::new_rgba8(64, 4)),
+        );
+        assert!(large.contains("64×4 texels are not 4×4"), "{large}");
+        let gray = scratch.change(
+            "page0.pair0.rise.png",
+            picture(image::DynamicImage::new_luma8(4, 4)),
+        );
+        assert!(gray.contains("L8 is not Rgba8"), "{gray}");
     }
 
     #[test]

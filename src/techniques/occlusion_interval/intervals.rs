@@ -6,6 +6,8 @@
 
 use smallvec::SmallVec;
 
+use crate::scene::LightPath;
+
 /// Number of points of the path at which a texel looks for the light. Edges take 8 bits.
 pub const STEPS: usize = 256;
 
@@ -66,6 +68,19 @@ pub fn intervals_of(seen: impl Fn(usize) -> bool) -> Intervals {
         found.push(Interval { rise, fall: 255 });
     }
     found
+}
+
+/// The intervals in which a light on a path shines at all, as every point in the open would see it.
+pub fn shining(path: &LightPath) -> Intervals {
+    match path {
+        LightPath::Sun { .. } => intervals_of(|step| path.shines(middle_of(step))),
+        LightPath::Arc { .. } | LightPath::Positions(_) => intervals_of(|_| true),
+    }
+}
+
+/// The time in the middle of a step. Rays are cast to where the light is then.
+pub fn middle_of(step: usize) -> f32 {
+    (step as f32 + 0.5) / STEPS as f32
 }
 
 /// A window of time: the stretch of the path that the light fills, in one or two spans.
@@ -266,6 +281,20 @@ mod tests {
         assert_eq!(share(0.44), 0.0);
         assert!((share(0.5) - 0.5).abs() < 1e-5);
         assert!((share(0.56) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn the_sun_shines_while_it_is_above_the_horizon() {
+        let day = LightPath::Sun {
+            latitude_degrees: 50.0,
+            day: 81.0,
+            hours: [0.0, 24.0],
+        };
+        let shining = shining(&day);
+        assert_eq!(shining.as_slice(), [Interval { rise: 64, fall: 191 }]);
+        let share = |time: f32| seen_share(&shining, &Window::new(time, 0.02, true));
+        assert_eq!([share(0.0), share(0.2), share(0.9)], [0.0; 3]);
+        assert!((share(0.25) - 0.5).abs() < 1e-3 && (share(0.5) - 1.0).abs() < 1e-3);
     }
 
     #[test]

@@ -5,14 +5,14 @@ use std::path::Path;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::maps::{MAX_LAYERS, MAX_SIZE};
+use super::maps_check::{MapsFault, check_pages, check_ranges};
 use super::maps_error::{MapsError, content};
 use crate::scene::LightPath;
 
-/// What the manifest calls its format.
+/// Name of the format in the manifest.
 pub(super) const FORMAT: &str = "antumbra occlusion interval maps";
 
-/// The version of the format. It increases when older readers would misread newer files.
+/// Version of the format. It increases when older readers would misread newer files.
 pub(super) const VERSION: u32 = 1;
 
 #[derive(Serialize, Deserialize)]
@@ -127,7 +127,7 @@ pub(super) fn light_path(path: ManifestPath) -> LightPath {
     }
 }
 
-/// Checks everything in the manifest that the files beside it are read by.
+/// Checks the parts of the manifest that must be right before the files beside it are read.
 pub(super) fn check_manifest(manifest: &Manifest, file: &Path) -> Result<(), MapsError> {
     if manifest.format != FORMAT {
         let problem = format!("\"{}\" is not \"{FORMAT}\"", manifest.format);
@@ -137,32 +137,11 @@ pub(super) fn check_manifest(manifest: &Manifest, file: &Path) -> Result<(), Map
         let problem = format!("{} is not {VERSION}: bake the maps again", manifest.version);
         return Err(content(file, "version", problem));
     }
-    if !(1..=MAX_SIZE).contains(&manifest.size) {
-        let problem = format!("{} is not from 1 to {MAX_SIZE} texels", manifest.size);
-        return Err(content(file, "size", problem));
-    }
-    if !(manifest.texels_per_metre > 0.0 && manifest.texels_per_metre.is_finite()) {
-        let problem = format!("{} is not greater than 0", manifest.texels_per_metre);
-        return Err(content(file, "texels_per_metre", problem));
-    }
-    let layers: usize = manifest.pages.iter().map(Vec::len).sum();
-    if layers > MAX_LAYERS || manifest.pages.iter().any(Vec::is_empty) {
-        let problem =
-            format!("{layers} pairs; every page needs one, and all together have at most {MAX_LAYERS}");
-        return Err(content(file, "pages", problem));
-    }
-    let mut next = 0;
-    for (index, surface) in manifest.surfaces.iter().enumerate() {
+    let as_content = |fault: MapsFault| content(file, fault.element, fault.problem);
+    check_pages(manifest.size, manifest.pages.iter().map(Vec::len)).map_err(as_content)?;
+    let ranges = manifest.surfaces.iter().map(|surface| {
         let [first, end] = surface.corners;
-        if first != next || end < first || (end - first) % 3 != 0 {
-            let problem = format!("{first} to {end} are no triangles that begin at {next}");
-            return Err(content(file, format!("surfaces[{index}].corners"), problem));
-        }
-        next = end;
-    }
-    if next != manifest.corners.count {
-        let problem = format!("{} are not the {next} of the surfaces", manifest.corners.count);
-        return Err(content(file, "corners.count", problem));
-    }
-    Ok(())
+        first..end
+    });
+    check_ranges(ranges, manifest.corners.count as usize).map_err(as_content)
 }

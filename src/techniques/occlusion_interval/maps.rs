@@ -13,6 +13,9 @@ pub const MAX_LAYERS: usize = 256;
 /// Most texels along a side of a page. Every WebGPU device holds twice as many.
 pub const MAX_SIZE: u32 = 4096;
 
+/// Most bytes of all textures of one light's maps, 4 GiB. Bakes of more are refused, and so are files that claim more.
+pub const MAX_BYTES: u64 = 4 << 30;
+
 /// The maps of one light: the intervals of every texel of a static scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntervalMaps {
@@ -28,7 +31,7 @@ pub struct IntervalMaps {
     pub pages: Vec<Page>,
     /// Everything that stood still in the scene, receivers and casters alike.
     pub surfaces: Vec<BakedSurface>,
-    /// Three corners for each triangle of the surfaces that receive shadows.
+    /// Three corners for each triangle of the surfaces that receive shadows; [`Corner::NOWHERE`] for those on no page.
     pub corners: Vec<Corner>,
     /// Numbers of the bake.
     pub statistics: BakeStatistics,
@@ -74,6 +77,15 @@ pub struct Corner {
     pub texel: Vec2,
 }
 
+impl Corner {
+    /// The corners of a triangle that is on no page, because it has no area or cannot be laid flat. Charts are padded, so no
+    /// other corner is here. Such a triangle shows no shadow.
+    pub const NOWHERE: Self = Self {
+        page: 0,
+        texel: Vec2::ZERO,
+    };
+}
+
 /// Numbers of a bake.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BakeStatistics {
@@ -81,7 +93,7 @@ pub struct BakeStatistics {
     pub texels: u64,
     /// Rays that were cast. Steps for which a texel faces away from the light take none.
     pub rays: u64,
-    /// Time that casting took, seconds, of all threads together at once.
+    /// Time in which rays were cast, seconds. Threads that cast at the same time count once.
     pub seconds: f64,
     /// Most intervals of a texel.
     pub most_intervals: u32,
@@ -90,7 +102,7 @@ pub struct BakeStatistics {
 }
 
 impl Page {
-    /// A page of texels without intervals.
+    /// Makes a page of texels without intervals.
     pub fn dark(size: u32, pairs: usize) -> Self {
         let bytes = size as usize * size as usize * PER_PAIR;
         let pair = Pair {
@@ -132,7 +144,7 @@ impl IntervalMaps {
         Window::new(self.path.time(time), width, self.path.is_closed())
     }
 
-    /// Number of layers of the texture arrays: all pairs of all pages.
+    /// Returns the number of layers of the texture arrays: all pairs of all pages.
     pub fn layer_count(&self) -> usize {
         self.pages.iter().map(|page| page.pairs.len()).sum()
     }
@@ -144,7 +156,7 @@ impl IntervalMaps {
 
     /// Size of the textures, bytes.
     pub fn bytes(&self) -> u64 {
-        u64::from(self.size).pow(2) * (2 * PER_PAIR * self.layer_count()) as u64
+        bytes_of(self.size, self.layer_count())
     }
 
     /// Visibility at a place of a page. CPU twin of the shader.
@@ -173,6 +185,13 @@ impl IntervalMaps {
     pub fn index_of(&self, texel: UVec2) -> usize {
         texel.y as usize * self.size as usize + texel.x as usize
     }
+}
+
+/// Size of the textures of some layers, bytes.
+pub fn bytes_of(size: u32, layers: usize) -> u64 {
+    u64::from(size)
+        .pow(2)
+        .saturating_mul((2 * PER_PAIR * layers) as u64)
 }
 
 /// Number of pairs that a number of intervals takes, at least one.

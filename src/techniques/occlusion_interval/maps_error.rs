@@ -1,4 +1,4 @@
-//! What is wrong with maps on disk.
+//! Errors of maps on disk.
 
 use std::path::{Path, PathBuf};
 

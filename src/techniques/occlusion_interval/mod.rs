@@ -10,8 +10,10 @@
 //! | `component` | [`OcclusionInterval`], which a user sets on a light; the system that moves the light |
 //! | `technique` | how the component joins the frame |
 //! | `intervals` | the mathematics; twin of the shader |
-//! | `maps`, `files`, `manifest`, `maps_error` | maps in memory and on disk |
-//! | `library`, `scenes` | which maps a world has, and which of its objects are in them |
+//! | `maps`, `maps_check` | maps in memory |
+//! | `files`, `read`, `manifest`, `maps_error` | maps on disk |
+//! | `library` | the maps of a world, and the folders that they are read from |
+//! | `scenes`, `matching`, `fault` | which maps a light has, which objects are in them, and why a light has none |
 //! | `surface` | how an object is recognized |
 //! | `gpu` | the recorder (feature `render`) |
 //!
@@ -22,8 +24,11 @@
 //! time are settings of the frame. At the ends of an open path the stretch is cut; a closed path wraps around.
 //!
 //! **Exactness.** Maps know the path in 256 steps, so edges are right to 1/256 of the path in time, and to a texel in space.
-//! Texels are evaluated before they are blended, which is smooth where interpolated edges would be nonsense. A texel that
-//! lies below an object is dark, and blends into its neighbours: within a texel of a contact, shadows are too large.
+//! Texels are evaluated before they are blended, which is smooth where interpolated edges would be nonsense. Charts end at
+//! creases, so texels of surfaces that face elsewhere are never blended. A texel that lies below an object is dark, and
+//! blends into its neighbours: within a texel of a contact, shadows are too large.
+//! Against a ray-traced linear light at 20 times of a day, off the band of a texel, the mean RMSE is 0.003 in `interior` at
+//! 8 texels a metre and 0.019 in `town_A` at 2, where one or two pixels are wrong at some times (tests `by_hand`).
 //!
 //! **What moves.** Maps hold what stood still. An object that is not in the maps shows no shadow of the light and casts
 //! none. A light has one technique, so a game gives moving objects a second, equal light with a shadow map or volumes, and
@@ -31,8 +36,15 @@
 //! selects the static layers, that of the other the moving ones. Shadows of moving objects on static ones need both on one
 //! light and are not there.
 //!
+//! **Night.** While the sun is below the horizon, it lights nothing that shows shadows, whether that is in the maps or not.
+//! Objects that show no shadows are lit from below.
+//!
 //! **When the scene changes.** Surfaces are recognized by their triangles and their place. If one that was baked is gone or
-//! has moved, the maps are refused and reported, and the light shines without a shadow.
+//! has moved, the maps are refused and reported, and the light shines without a shadow. Objects that come or go elsewhere
+//! change nothing.
+//!
+//! **Several lights** on the same path may name the same maps. Their textures exist once, and count once towards
+//! [`TextureMemory`](crate::techniques::TextureMemory).
 //!
 //! **Two-sided surfaces** hold what both of their sides see. A window of time in which the light passes behind such a
 //! surface counts as seen, though the side in view does not see all of it.
@@ -43,6 +55,7 @@
 //! Source: Donnelly & Demers 2004, "Generating Soft Shadows Using Occlusion Interval Maps", GPU Gems, chapter 13.
 
 pub(crate) mod component;
+pub(crate) mod fault;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub(crate) mod files;
 #[cfg(feature = "render")]
@@ -52,21 +65,31 @@ pub(crate) mod library;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub(crate) mod manifest;
 pub(crate) mod maps;
+pub(crate) mod maps_check;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub(crate) mod maps_error;
+pub(crate) mod matching;
+#[cfg(any(feature = "render", feature = "reference"))]
+pub(crate) mod read;
 pub(crate) mod scenes;
 pub(crate) mod surface;
 pub(crate) mod technique;
 
 pub use component::OcclusionInterval;
+pub use fault::IntervalFault;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub use files::MANIFEST;
 pub use intervals::{
-    Interval, Intervals, LEAST_WIDTH, PER_PAIR, STEPS, Window, blended, intervals_of, seen_share,
+    Interval, Intervals, LEAST_WIDTH, PER_PAIR, STEPS, Window, blended, intervals_of, middle_of, seen_share,
+    shining,
 };
-pub use library::IntervalLibrary;
-pub use maps::{BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_LAYERS, MAX_SIZE, Page, Pair};
+pub use library::{IntervalFolder, IntervalLibrary};
+pub use maps::{
+    BakeStatistics, BakedSurface, Corner, IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE, Page, Pair,
+};
+pub use maps_check::MapsFault;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub use maps_error::MapsError;
-pub use scenes::{IntervalFault, IntervalLight, IntervalScene, IntervalScenes, MatchedSurface};
+pub use matching::{IntervalScene, MatchedSurface};
+pub use scenes::{IntervalLight, IntervalScenes};
 pub use surface::surface_hash;

@@ -1,92 +1,18 @@
-//! Finds the surfaces of maps among the objects of the world.
+//! The maps that the lights of a frame use.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 use smallvec::SmallVec;
 
 use super::component::OcclusionInterval;
-use super::library::IntervalLibrary;
+use super::fault::IntervalFault;
+use super::intervals::{Window, seen_share, shining};
+use super::library::{IntervalFolder, IntervalLibrary};
 use super::maps::IntervalMaps;
-use super::surface::{is_same_place, surface_hash};
-use crate::scene::placement::Placement;
-use crate::scene::{LightKind, LightPath, MeshData, PathError, SceneMesh};
+use super::matching::{IntervalScene, MeshHashes, Meshes};
+use crate::scene::{LightKind, LightPath, SceneMesh};
 use crate::sets::{FrameLights, Objects};
-
-/// Why a light's maps are not used. The light then shines without a shadow.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum IntervalFault {
-    /// The maps cannot be read.
-    #[error("its maps cannot be read: {0}")]
-    Maps(String),
-    /// The path of the light cannot be used.
-    #[error("its path cannot be used: {0}")]
-    Path(PathError),
-    /// The maps are those of another path.
-    #[error("its maps were baked for another path; bake them again")]
-    OtherPath,
-    /// The path moves a light of another kind.
-    #[error("the path of its maps is that of a {0} light")]
-    OtherKind(&'static str),
-    /// Surfaces that were baked are not in the scene.
-    #[error(
-        "{missing} of the {all} surfaces in its maps are not in the scene, or stand elsewhere, the first being mesh \"{first}\"; bake the maps again"
-    )]
-    OtherScene {
-        /// Number of surfaces that are missing.
-        missing: usize,
-        /// Number of surfaces in the maps.
-        all: usize,
-        /// Name of the first missing mesh.
-        first: String,
-    },
-}
-
-impl IntervalFault {
-    /// Number of the fault in reports.
-    pub(super) fn code(&self) -> u32 {
-        match self {
-            Self::Maps(_) => 1,
-            Self::Path(_) => 2,
-            Self::OtherPath => 3,
-            Self::OtherKind(_) => 4,
-            Self::OtherScene { .. } => 5,
-        }
-    }
-}
-
-/// A surface of the maps and the object that it belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MatchedSurface {
-    /// Entity of the object.
-    pub entity: Entity,
-    /// Dense index of the object.
-    pub object: u32,
-    /// Index of the submesh.
-    pub submesh: u32,
-    /// Index in [`IntervalMaps::surfaces`].
-    pub surface: u32,
-}
-
-/// The surfaces of one set of maps in the world.
-#[derive(Clone, Debug)]
-pub struct IntervalScene {
-    /// The maps.
-    pub maps: Arc<IntervalMaps>,
-    /// The surfaces that were found, in the order of objects.
-    pub matched: Vec<MatchedSurface>,
-    /// Number of surfaces that were not found.
-    pub missing: usize,
-    /// Index of the first surface that was not found.
-    pub first_missing: Option<usize>,
-    /// Receivers of the world that are not in the maps.
-    pub strangers: usize,
-    /// Increases whenever `matched` may have changed.
-    pub generation: u64,
-    layout: Option<u64>,
-    is_used: bool,
-}
 
 /// The maps of a light of the frame.
 #[derive(Clone, Debug)]
@@ -101,6 +27,9 @@ pub struct IntervalLight {
     pub time: f32,
     /// Width of the window, as a share of the path.
     pub width: f32,
+    /// Share of the window in which the light shines at all: what objects that are not in the maps see of it. The sun does
+    /// not shine below the horizon.
+    pub shining: f32,
 }
 
 /// The lights of the frame that maps shadow, and the scenes of those maps. Written by `match_interval_maps`.
@@ -112,6 +41,8 @@ pub struct IntervalScenes {
     pub lights: Vec<IntervalLight>,
     hashes: MeshHashes,
     generation: u64,
+    /// Layout of the objects when unused hashes were forgotten.
+    layout: u64,
 }
 
 impl IntervalScenes {
@@ -131,35 +62,16 @@ impl IntervalScenes {
     }
 }
 
-/// Hashes of meshes by the address of their data, which the entry keeps alive.
-#[derive(Debug, Default)]
-struct MeshHashes(HashMap<usize, (Arc<MeshData>, SmallVec<[u64; 2]>)>);
-
-impl MeshHashes {
-    fn of(&mut self, mesh: &Arc<MeshData>) -> &[u64] {
-        let entry = self.0.entry(Arc::as_ptr(mesh) as usize).or_insert_with(|| {
-            let hashes = mesh.submeshes.iter().map(|submesh| surface_hash(mesh, submesh));
-            (mesh.clone(), hashes.collect())
-        });
-        &entry.1
-    }
-
-    /// Forgets meshes that nobody else holds.
-    fn forget_unused(&mut self) {
-        self.0.retain(|_, (mesh, _)| Arc::strong_count(mesh) > 1);
-    }
-}
-
-type Meshes<'w, 's> = Query<'w, 's, (&'static SceneMesh, Placement)>;
-
 /// Reads the maps of lights that are new, and finds their surfaces in the world.
 ///
-/// Set: `BuildTechniques`, before memory for textures is asked for. Reads [`FrameLights`], [`Objects`], [`LightPath`] and
-/// the settings; writes [`IntervalLibrary`] and [`IntervalScenes`]. Meshes are hashed when objects come or go. A frame in
-/// which nothing moves compares nothing; one in which something does compares the maps' surfaces with what moved.
+/// Set: `BuildTechniques`, before memory for textures is asked for. Reads [`FrameLights`], [`Objects`], [`LightPath`],
+/// [`IntervalFolder`] and the settings; writes [`IntervalLibrary`] and [`IntervalScenes`]. Meshes are hashed when objects
+/// come or go. A frame in which nothing moves compares nothing; one in which something does compares the maps' surfaces with
+/// what moved.
 pub fn match_interval_maps(
     mut scenes: ResMut<IntervalScenes>,
     mut library: ResMut<IntervalLibrary>,
+    folder: Res<IntervalFolder>,
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     settings: Query<(&OcclusionInterval, Option<&LightPath>)>,
@@ -167,58 +79,29 @@ pub fn match_interval_maps(
     changed: Query<(), Changed<SceneMesh>>,
 ) {
     let scenes = &mut *scenes;
-    scenes.lights.clear();
-    for scene in &mut scenes.scenes {
-        scene.is_used = false;
-    }
     let library = library.bypass_change_detection();
-    for (index, light) in lights.lights.iter().enumerate() {
-        if !light.is_shadowed_by::<OcclusionInterval>() {
-            continue;
-        }
-        let Ok((settings, path)) = settings.get(light.entity) else {
-            continue;
-        };
-        library.read(&settings.maps);
-        let scene = match library.get(&settings.maps) {
-            Some(Ok(maps)) => check_light(maps, path, light.light.kind).map(|()| scenes.scene(maps)),
-            Some(Err(error)) => Err(IntervalFault::Maps(error.to_owned())),
-            None => continue,
-        };
-        let time = match &scene {
-            Ok(scene) => scenes.scenes[*scene].maps.path.time(settings.time),
-            Err(_) => settings.time,
-        };
-        scenes.lights.push(IntervalLight {
-            light: index,
-            entity: light.entity,
-            scene,
-            time,
-            width: settings.width,
-        });
-    }
-    scenes.forget_unused();
-    if scenes.scenes.is_empty() {
-        return;
-    }
+    scenes.list_lights(library, &folder, &lights, &settings);
+    library.end_frame(|name| settings.iter().any(|(settings, _)| settings.maps == name));
     let meshes_changed = !changed.is_empty();
     let IntervalScenes {
         scenes: all,
         hashes,
         generation,
+        layout,
         ..
     } = scenes;
     for scene in all.iter_mut() {
-        if scene.is_stale(&objects, &meshes, meshes_changed) {
+        if scene.is_stale(&objects, &meshes, meshes_changed) && scene.find(&objects, &meshes, hashes) {
             *generation += 1;
             scene.generation = *generation;
-            scene.find(&objects, &meshes, hashes);
         }
     }
-    if meshes_changed {
+    if meshes_changed || *layout != objects.layout_generation {
+        *layout = objects.layout_generation;
         hashes.forget_unused();
     }
-    refuse_other_scenes(scenes);
+    scenes.refuse_other_scenes();
+    scenes.choose_payers(&lights);
 }
 
 fn check_light(maps: &IntervalMaps, path: Option<&LightPath>, kind: LightKind) -> Result<(), IntervalFault> {
@@ -236,18 +119,93 @@ fn check_light(maps: &IntervalMaps, path: Option<&LightPath>, kind: LightKind) -
     }
 }
 
-/// Takes the maps from lights whose scene is another one.
-fn refuse_other_scenes(scenes: &mut IntervalScenes) {
-    for light in &mut scenes.lights {
-        let Ok(index) = light.scene else { continue };
-        let scene = &scenes.scenes[index];
-        if scene.missing > 0 {
-            let first = scene.first_missing.and_then(|at| scene.maps.surfaces.get(at));
-            light.scene = Err(IntervalFault::OtherScene {
-                missing: scene.missing,
-                all: scene.maps.surfaces.len(),
-                first: first.map(|surface| surface.mesh.clone()).unwrap_or_default(),
+/// The share of a window of time in which a light shines at all.
+fn shining_share(path: Option<&LightPath>, time: f32, width: f32) -> f32 {
+    match path {
+        Some(path) if path.check().is_ok() => {
+            let window = Window::new(path.time(time), width, path.is_closed());
+            seen_share(&shining(path), &window)
+        }
+        _ => 1.0,
+    }
+}
+
+impl IntervalScenes {
+    /// Lists the lights of the frame that maps shadow, and the scenes of those maps.
+    fn list_lights(
+        &mut self,
+        library: &mut IntervalLibrary,
+        folder: &IntervalFolder,
+        lights: &FrameLights,
+        settings: &Query<(&OcclusionInterval, Option<&LightPath>)>,
+    ) {
+        self.lights.clear();
+        for scene in &mut self.scenes {
+            scene.is_used = false;
+            scene.payer = None;
+        }
+        for (index, light) in lights.lights.iter().enumerate() {
+            if !light.is_shadowed_by::<OcclusionInterval>() {
+                continue;
+            }
+            let Ok((settings, path)) = settings.get(light.entity) else {
+                continue;
+            };
+            library.read(&settings.maps, folder);
+            let scene = match library.get(&settings.maps) {
+                Some(Ok(maps)) => check_light(maps, path, light.light.kind).map(|()| self.scene(maps)),
+                Some(Err(error)) => Err(IntervalFault::Maps(error.to_owned())),
+                None => continue,
+            };
+            let (time, shining) = match &scene {
+                Ok(scene) => {
+                    let scene = &self.scenes[*scene];
+                    let window = scene.maps.window(settings.time, settings.width);
+                    let shining = seen_share(&scene.shining, &window);
+                    (scene.maps.path.time(settings.time), shining)
+                }
+                Err(_) => (settings.time, shining_share(path, settings.time, settings.width)),
+            };
+            self.lights.push(IntervalLight {
+                light: index,
+                entity: light.entity,
+                scene,
+                time,
+                width: settings.width,
+                shining,
             });
+        }
+        self.forget_unused();
+    }
+
+    /// Takes the maps from lights whose scene is another one.
+    fn refuse_other_scenes(&mut self) {
+        for light in &mut self.lights {
+            let Ok(index) = light.scene else { continue };
+            let scene = &self.scenes[index];
+            if scene.missing > 0 {
+                let first = scene.first_missing.and_then(|at| scene.maps.surfaces.get(at));
+                light.scene = Err(IntervalFault::OtherScene {
+                    missing: scene.missing,
+                    all: scene.maps.surfaces.len(),
+                    first: first.map(|surface| surface.mesh.clone()).unwrap_or_default(),
+                });
+            }
+        }
+    }
+
+    /// Chooses the light that asks for the memory of each scene's textures.
+    fn choose_payers(&mut self, lights: &FrameLights) {
+        let area = |light: usize| {
+            let scissor = lights.lights.get(light).and_then(|light| light.region.scissor);
+            scissor.map_or(0, |scissor| scissor.area())
+        };
+        for light in &self.lights {
+            let Ok(index) = light.scene else { continue };
+            let payer = &mut self.scenes[index].payer;
+            if payer.is_none_or(|payer| area(payer) < area(light.light)) {
+                *payer = Some(light.light);
+            }
         }
     }
 }
@@ -260,16 +218,7 @@ impl IntervalScenes {
             .iter()
             .position(|scene| Arc::ptr_eq(&scene.maps, maps));
         let index = known.unwrap_or_else(|| {
-            self.scenes.push(IntervalScene {
-                maps: maps.clone(),
-                matched: Vec::new(),
-                missing: maps.surfaces.len(),
-                first_missing: None,
-                strangers: 0,
-                generation: 0,
-                layout: None,
-                is_used: true,
-            });
+            self.scenes.push(IntervalScene::new(maps));
             self.scenes.len() - 1
         });
         self.scenes[index].is_used = true;
@@ -297,68 +246,5 @@ impl IntervalScenes {
                 *scene = moved[*scene];
             }
         }
-    }
-}
-
-impl IntervalScene {
-    /// Whether the surfaces must be looked for again.
-    fn is_stale(&self, objects: &Objects, meshes: &Meshes, meshes_changed: bool) -> bool {
-        if self.layout != Some(objects.layout_generation) || meshes_changed {
-            return true;
-        }
-        if !objects.any_moved() {
-            return false;
-        }
-        let has_left = |matched: &MatchedSurface| {
-            objects.moved.contains(matched.object as usize) && {
-                let baked = &self.maps.surfaces[matched.surface as usize];
-                let place = meshes.get(matched.entity).ok();
-                let place = place.and_then(|(_, place)| place.exact_affine());
-                !place.is_some_and(|place| is_same_place(&baked.world_from_local, &place))
-            }
-        };
-        // What is missing may have come back.
-        self.missing > 0 || self.matched.iter().any(has_left)
-    }
-
-    fn find(&mut self, objects: &Objects, meshes: &Meshes, hashes: &mut MeshHashes) {
-        self.layout = Some(objects.layout_generation);
-        self.matched.clear();
-        self.strangers = 0;
-        let mut by_hash: HashMap<u64, SmallVec<[u32; 2]>> = HashMap::new();
-        for (index, surface) in self.maps.surfaces.iter().enumerate() {
-            by_hash.entry(surface.hash).or_default().push(index as u32);
-        }
-        let mut is_found = vec![false; self.maps.surfaces.len()];
-        for (object, &entity) in objects.entities.iter().enumerate() {
-            let Ok((mesh, place)) = meshes.get(entity) else {
-                continue;
-            };
-            let Some(place) = place.exact_affine() else {
-                continue;
-            };
-            let mut is_stranger = false;
-            for (submesh, hash) in hashes.of(&mesh.0).iter().enumerate() {
-                let candidates = by_hash.get(hash).map_or(&[][..], |found| found);
-                let here =
-                    |&&at: &&u32| is_same_place(&self.maps.surfaces[at as usize].world_from_local, &place);
-                // Two equal surfaces at one place see the same.
-                let fresh = candidates.iter().filter(here).find(|&&at| !is_found[at as usize]);
-                let Some(&surface) = fresh.or_else(|| candidates.iter().find(here)) else {
-                    is_stranger = true;
-                    continue;
-                };
-                is_found[surface as usize] = true;
-                self.matched.push(MatchedSurface {
-                    entity,
-                    object: object as u32,
-                    submesh: submesh as u32,
-                    surface,
-                });
-            }
-            self.strangers += usize::from(is_stranger && objects.receivers.contains(object));
-        }
-        self.missing = is_found.iter().filter(|found| !**found).count();
-        self.first_missing = is_found.iter().position(|found| !found);
     }
 }

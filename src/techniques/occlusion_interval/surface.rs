@@ -4,8 +4,12 @@ use glam::{Affine3A, Vec3};
 
 use crate::scene::{MeshData, Submesh};
 
-/// Largest relative difference of two transforms that count as the same. Compilers round products differently.
+/// Largest difference of axes that count as the same, as a share of the longest one, and of origins, metres. Compilers round
+/// products differently.
 const SAME: f32 = 1e-5;
+
+/// Number of roundings by which origins that count as the same may differ.
+const ULPS: f32 = 8.0;
 
 /// Offset and factor of the hash. Source: Fowler, Noll, Vo, FNV-1a with 64 bits, over words instead of bytes.
 const OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
@@ -84,13 +88,24 @@ pub fn surface_hash(mesh: &MeshData, submesh: &Submesh) -> u64 {
 }
 
 /// Whether two transforms are the same but for rounding.
+///
+/// Axes may differ by [`SAME`] of the longest one. Origins may differ by [`SAME`] metres and by [`ULPS`] roundings of their
+/// largest coordinate, because a parent's transform is rounded as well.
 pub fn is_same_place(baked: &[f32; 12], now: &Affine3A) -> bool {
     let now = now.to_cols_array();
-    let largest = now.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
-    baked
-        .iter()
-        .zip(&now)
-        .all(|(baked, now)| (baked - now).abs() <= SAME * (1.0 + largest))
+    let largest = |values: &[f32]| {
+        values
+            .iter()
+            .fold(0.0f32, |largest, value| largest.max(value.abs()))
+    };
+    let (axes, origin) = now.split_at(9);
+    let axis_tolerance = SAME * largest(axes);
+    let origin_tolerance = SAME + ULPS * f32::EPSILON * largest(origin);
+    let is_near = |baked: &[f32], now: &[f32], tolerance: f32| {
+        let mut pairs = baked.iter().zip(now);
+        pairs.all(|(baked, now)| (baked - now).abs() <= tolerance)
+    };
+    is_near(&baked[..9], axes, axis_tolerance) && is_near(&baked[9..], origin, origin_tolerance)
 }
 
 #[cfg(test)]
@@ -122,6 +137,23 @@ mod tests {
         assert!(is_same_place(&baked, &place));
         baked[10] += 1e-3;
         assert!(!is_same_place(&baked, &place));
+    }
+
+    #[test]
+    fn a_place_far_away_is_told_from_one_that_is_turned_or_moved_a_little() {
+        let at = |angle: f32, x: f32| {
+            Affine3A::from_rotation_translation(Quat::from_rotation_y(angle), Vec3::new(x, 0.0, 0.0))
+        };
+        let baked = at(0.7, 2000.0).to_cols_array();
+        assert!(is_same_place(&baked, &at(0.7, 2000.0)));
+        assert!(is_same_place(&baked, &at(0.7, 2000.001)), "some roundings");
+        assert!(
+            !is_same_place(&baked, &at(0.701, 2000.0)),
+            "a millimetre at a metre"
+        );
+        assert!(!is_same_place(&baked, &at(0.7, 2000.01)));
+        let small = |scale: f32| Affine3A::from_scale(Vec3::splat(scale));
+        assert!(!is_same_place(&small(0.001).to_cols_array(), &small(0.00101)));
     }
 
     #[test]

@@ -7,8 +7,9 @@ use super::component::{OcclusionInterval, follow_light_paths};
 #[cfg(feature = "render")]
 use super::gpu::{self, recorder::IntervalNode};
 use super::intervals::PER_PAIR;
-use super::library::IntervalLibrary;
-use super::scenes::{IntervalScenes, match_interval_maps};
+use super::library::{IntervalFolder, IntervalLibrary};
+use super::matching::IntervalScene;
+use super::scenes::{IntervalLight, IntervalScenes, match_interval_maps};
 #[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
@@ -16,23 +17,24 @@ use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::Needs;
-use crate::techniques::registry::{Refusal, Statistics, Technique};
+use crate::techniques::registry::{FileError, Refusal, Statistics, Technique};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureMemorySystems, TextureWant};
 
 /// Code of the report about receivers that are not in the maps.
 const STRANGERS: u32 = 6;
 
-/// Asks for the memory of the maps' textures.
+/// Code of the report about a light that shares the maps of another one, for which memory is short.
+const NO_MEMORY: u32 = 7;
+
+/// Asks for the memory of the maps' textures, once for all lights that share them.
 ///
 /// Set: `BuildTechniques`, in [`TextureMemorySystems::Ask`]. Reads [`IntervalScenes`]; writes [`TextureMemory`].
 pub fn ask_for_interval_maps(scenes: Res<IntervalScenes>, mut memory: ResMut<TextureMemory>) {
-    for light in &scenes.lights {
-        let Some(scene) = scenes.scene_of(light.light) else {
-            continue;
-        };
+    for scene in &scenes.scenes {
+        let Some(payer) = scene.payer else { continue };
         let size = scene.maps.size.max(1);
         memory.ask(
-            light.light,
+            payer,
             OcclusionInterval::NAME,
             TextureWant {
                 bytes_per_square: (2 * PER_PAIR * scene.maps.layer_count()) as u64,
@@ -44,9 +46,58 @@ pub fn ask_for_interval_maps(scenes: Res<IntervalScenes>, mut memory: ResMut<Tex
     }
 }
 
+/// Reports what is missing under a light whose maps are usable.
+fn report_scene(world: &World, light: &IntervalLight, scene: &IntervalScene, round: &mut Round) {
+    let memory = world.resource::<TextureMemory>();
+    let is_granted = |payer: usize| memory.grant(payer, OcclusionInterval::NAME).is_some();
+    // The payer itself is reported under the topic `texture_memory`.
+    if scene
+        .payer
+        .is_some_and(|payer| payer != light.light && !is_granted(payer))
+    {
+        round.state(
+            Some(light.entity),
+            NO_MEMORY,
+            format_args!(
+                "The light has no shadow: memory is short for the textures that it shares with other lights."
+            ),
+        );
+    }
+    if scene.strangers > 0 {
+        round.state(
+            Some(light.entity),
+            STRANGERS,
+            format_args!(
+                "{} receivers are not in the light's maps and show no shadow of it. If they stand still, bake the maps again.",
+                scene.strangers
+            ),
+        );
+    }
+}
+
 impl Technique for OcclusionInterval {
     const NAME: &'static str = "occlusion_interval";
-    const NEEDS: Needs = Needs::NOTHING;
+    const NEEDS: Needs = Needs {
+        light_path: true,
+        ..Needs::NOTHING
+    };
+    const PATHS: &'static [&'static str] = &["maps"];
+
+    fn load_files(world: &mut World, light: Entity) -> Result<(), FileError> {
+        let Some(settings) = world.get::<Self>(light) else {
+            return Ok(());
+        };
+        let name = settings.maps.clone();
+        let folder = world
+            .get_resource::<IntervalFolder>()
+            .cloned()
+            .unwrap_or_default();
+        let mut library = world.get_resource_or_init::<IntervalLibrary>();
+        library.read_again(&name, &folder).map_err(|problem| FileError {
+            setting: "maps",
+            problem,
+        })
+    }
 
     fn check(&self, light: &Light) -> Result<(), Refusal> {
         self.check_settings(light)
@@ -58,6 +109,7 @@ impl Technique for OcclusionInterval {
     }
 
     fn init(world: &mut World) {
+        world.init_resource::<IntervalFolder>();
         world.init_resource::<IntervalLibrary>();
         world.init_resource::<IntervalScenes>();
     }
@@ -92,6 +144,7 @@ impl Technique for OcclusionInterval {
                 group.set("bytes_per_texel", per_texel);
                 group.set("time", f64::from(light.time));
                 group.set("width", f64::from(light.width));
+                group.set("shining", f64::from(light.shining));
                 group
             });
         out.set("interval_maps", group);
@@ -105,16 +158,8 @@ impl Technique for OcclusionInterval {
                     format!("The light has no shadow: {fault}.")
                 }),
                 Ok(scene) => {
-                    let strangers = scenes.scenes.get(*scene).map_or(0, |scene| scene.strangers);
-                    if strangers > 0 {
-                        round.state(
-                            Some(light.entity),
-                            STRANGERS,
-                            format_args!(
-                                "{strangers} receivers are not in the light's maps and show no shadow of it. If they \
-                                 stand still, bake the maps again."
-                            ),
-                        );
+                    if let Some(scene) = scenes.scenes.get(*scene) {
+                        report_scene(world, light, scene, round);
                     }
                 }
             }

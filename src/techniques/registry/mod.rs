@@ -38,7 +38,7 @@ mod techniques;
 pub use add_technique::AddTechnique;
 pub use builtin::add_builtin;
 pub use choose::choose_techniques;
-pub use refusal::Refusal;
+pub use refusal::{FileError, Refusal};
 pub use row::{Row, Settings};
 pub use statistics::{Statistic, Statistics};
 pub use systems::TechniqueSystems;

@@ -74,6 +74,16 @@ impl Refusal {
     }
 }
 
+/// A file that a light's settings name and that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{setting}: {problem}")]
+pub struct FileError {
+    /// Name of the setting.
+    pub setting: &'static str,
+    /// Text that names the file and says what is wrong with it.
+    pub problem: String,
+}
+
 /// A light that its technique does not shadow, with the reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefusedLight {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
-use super::refusal::Refusal;
+use super::refusal::{FileError, Refusal};
 use super::statistics::Statistics;
 use super::technique::Technique;
 use crate::debug_lines::DebugLines;
@@ -17,7 +17,7 @@ use crate::sets::Needs;
 /// rows.
 #[derive(Clone, Copy)]
 pub struct Row {
-    name: &'static str,
+    constants: &'static Constants,
     needs: Needs,
     component: TypeId,
     component_name: &'static str,
@@ -41,6 +41,13 @@ pub struct Row {
     pub(super) gpu: super::gpu_row::GpuRow,
 }
 
+/// The parts of a row that need not lie in it, because rows are copied about.
+struct Constants {
+    name: &'static str,
+    paths: &'static [&'static str],
+    load_files: fn(&mut World, Entity) -> Result<(), FileError>,
+}
+
 impl PartialEq for Row {
     fn eq(&self, other: &Self) -> bool {
         self.component == other.component
@@ -51,7 +58,7 @@ impl Eq for Row {}
 
 impl std::fmt::Debug for Row {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Row").field(&self.name).finish()
+        f.debug_tuple("Row").field(&self.name()).finish()
     }
 }
 
@@ -65,7 +72,13 @@ impl Row {
     /// Makes the row of a technique.
     pub fn of<T: Technique>() -> Self {
         Self {
-            name: T::NAME,
+            constants: const {
+                &Constants {
+                    name: T::NAME,
+                    paths: T::PATHS,
+                    load_files: T::load_files,
+                }
+            },
             needs: T::NEEDS,
             component: TypeId::of::<T>(),
             component_name: short_type_name::<T>(),
@@ -94,7 +107,7 @@ impl Row {
 
     /// Returns the name of the technique, in snake case.
     pub fn name(&self) -> &'static str {
-        self.name
+        self.constants.name
     }
 
     /// Returns the name of the component's type without its path, for messages to whoever inserted it.
@@ -105,6 +118,19 @@ impl Row {
     /// Returns what the stages before and after the technique do for its lights ([`Technique::NEEDS`]).
     pub fn needs(&self) -> Needs {
         self.needs
+    }
+
+    /// Returns the names of the settings that are paths ([`Technique::PATHS`]).
+    pub fn paths(&self) -> &'static [&'static str] {
+        self.constants.paths
+    }
+
+    /// Reads the files that the technique's settings on a light name ([`Technique::load_files`]).
+    ///
+    /// # Errors
+    /// The setting, and what is wrong with its file.
+    pub fn load_files(&self, world: &mut World, light: Entity) -> Result<(), FileError> {
+        (self.constants.load_files)(world, light)
     }
 
     /// Returns the type of the technique's component.
@@ -240,7 +266,7 @@ impl<T: Technique> AnyTechnique for T {
 
 impl std::fmt::Debug for Settings {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Settings").field(&self.row.name).finish()
+        f.debug_tuple("Settings").field(&self.row.name()).finish()
     }
 }
 

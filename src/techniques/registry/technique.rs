@@ -3,7 +3,7 @@
 use bevy_ecs::component::Mutable;
 use bevy_ecs::prelude::*;
 
-use super::refusal::Refusal;
+use super::refusal::{FileError, Refusal};
 use super::statistics::Statistics;
 use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
@@ -25,6 +25,20 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
 
     /// Work that the stages before and after this technique do for its lights.
     const NEEDS: Needs;
+
+    /// Names of the settings that are paths of files or folders. A shot file has them relative to itself. The default is no
+    /// paths.
+    const PATHS: &'static [&'static str] = &[];
+
+    /// Reads the files that a light's settings name, so that faults in them are errors of whoever loads a scene. Without
+    /// this call the technique reads them in the first frame that needs them, and reports faults. The default reads
+    /// nothing.
+    ///
+    /// # Errors
+    /// The setting, and what is wrong with its file.
+    fn load_files(_world: &mut World, _light: Entity) -> Result<(), FileError> {
+        Ok(())
+    }
 
     /// Checks whether a light can be shadowed with these settings. A light that is refused shines without a
     /// shadow, and the crate reports the reason. The default accepts every light.

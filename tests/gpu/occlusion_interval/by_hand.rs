@@ -61,6 +61,11 @@ fn bake(stage: &mut Stage, texels_per_metre: f32) -> Arc<IntervalMaps> {
         start.elapsed().as_secs_f64(),
         bake.notes.len(),
     );
+    let notes: Vec<String> = bake.notes.iter().map(ToString::to_string).collect();
+    let not_flat = notes.iter().filter(|note| note.contains("cannot be laid flat"));
+    for note in not_flat.take(5) {
+        println!("{note}");
+    }
     Arc::new(bake.maps)
 }
 
@@ -109,8 +114,13 @@ fn errors(name: &str, texels_per_metre: f32) {
             ((sum / count.max(1) as f32).sqrt(), count)
         };
         let ((off, off_count), (all, count)) = (error(|varies| !varies), error(|_| true));
+        let wrong = truth.iter().zip(&rendered.visibility[0]);
+        let wrong = wrong.filter(|(truth, drawn)| {
+            truth.is_some_and(|(truth, varies)| !varies && (truth - **drawn).abs() > 0.5)
+        });
         println!(
-            "{time:.3}: {off:.4} over {off_count} pixels off the band of a texel, {all:.4} over all {count}"
+            "{time:.3}: {off:.4} over {off_count} pixels off the band of a texel, {} of them by more than half; {all:.4} over all {count}",
+            wrong.count()
         );
         worst = worst.max(off);
         sum += off;
@@ -177,11 +187,17 @@ fn cost_of_a_frame_by_hand() {
         times.sort_by(f64::total_cmp);
         times[4]
     };
+    let mut times = Vec::new();
     for (at, width) in [(0.3, 0.0), (0.3, 0.03), (0.3, 0.3)] {
         set(&mut stage, at, width);
-        println!("time {at}, width {width}: {:.2} ms", time(&mut stage));
+        times.push((at, width, time(&mut stage)));
     }
     let light = stage.lights[0];
     stage.world.entity_mut(light).remove::<OcclusionInterval>();
-    println!("unshadowed: {:.2} ms", time(&mut stage));
+    let unshadowed = time(&mut stage);
+    println!("unshadowed: {unshadowed:.2} ms");
+    for (at, width, time) in times {
+        let ratio = time / unshadowed;
+        println!("time {at}, width {width}: {time:.2} ms, {ratio:.2} times the unshadowed light");
+    }
 }

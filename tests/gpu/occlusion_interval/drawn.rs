@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
+use antumbra::techniques::IntervalLibrary;
 use antumbra::techniques::occlusion_interval::{
     BakeStatistics, BakedSurface, Corner, IntervalMaps, Page, intervals_of, surface_hash,
 };
@@ -154,4 +155,52 @@ fn a_light_follows_its_path_and_steady_frames_make_nothing() {
     let third = stage.render().expect("the frame renders");
     assert_ne!(first.picture, third.picture, "time is a setting of the frame");
     assert_eq!(made(&stage), pipelines);
+}
+
+#[test]
+fn the_sun_lights_nothing_at_night_whether_it_is_in_the_maps_or_not() {
+    let day = LightPath::Sun {
+        latitude_degrees: 0.0,
+        day: 81.0,
+        hours: [0.0, 24.0],
+    };
+    let (mut stage, maps) = plane(|step| (64..192).contains(&step), day);
+    // Something that is not in the maps hides the middle of the plane.
+    let mut stranger = MeshData::plane(0.4);
+    stranger.name = "stranger".to_owned();
+    stage.world.spawn((
+        SceneMesh(Arc::new(stranger)),
+        SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+        (ShadowCaster, ShadowReceiver),
+        Transform::from_xyz(0.0, 0.5, 0.0),
+    ));
+    let light = add_light(&mut stage, maps.clone(), 0.0, 0.02);
+    let seen = |stage: &mut Stage, time: f32| {
+        stage.world.entity_mut(light).insert(settings(time, 0.02));
+        let rendered = stage.render().expect("the frame renders");
+        let visibility = &rendered.visibility[0];
+        let at = |x: u32| visibility[(SIZE.y / 2 * SIZE.x + x) as usize];
+        [at(SIZE.x / 2), at(SIZE.x / 2 + SIZE.y / 4)]
+    };
+    for (time, share) in [(0.0, 0.0), (0.1, 0.0), (0.25, 0.5), (0.5, 1.0), (0.9, 0.0)] {
+        let [stranger, baked] = seen(&mut stage, time);
+        assert!((stranger - share).abs() < 2e-3, "{time}: {stranger}");
+        assert!((baked - share).abs() < 2e-3, "{time}: {baked}");
+    }
+    // Lights whose maps cannot be used keep their nights.
+    stage.world.resource_mut::<IntervalLibrary>().forget("ladder");
+    assert_eq!(seen(&mut stage, 0.1), [0.0; 2]);
+    assert_eq!(seen(&mut stage, 0.5), [1.0; 2]);
+}
+
+#[test]
+fn triangles_on_no_page_show_no_shadow() {
+    let (mut stage, maps) = plane(|_| false, path());
+    add_light(&mut stage, maps.clone(), 0.5, 0.0);
+    assert_eq!(at(&mut stage, 0.5, 0.0), 0.0, "the light is never seen");
+    let mut without = (*maps).clone();
+    without.corners.fill(Corner::NOWHERE);
+    let mut library = stage.world.resource_mut::<IntervalLibrary>();
+    library.insert("ladder", Arc::new(without));
+    assert_eq!(at(&mut stage, 0.5, 0.0), 1.0);
 }

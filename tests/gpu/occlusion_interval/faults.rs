@@ -144,6 +144,73 @@ fn two_lights_share_maps_and_each_has_its_time() {
 }
 
 #[test]
+fn shared_maps_take_their_memory_once() {
+    let mut stage = lit_ladder(maps(), 0.2, 0.02);
+    add_light(&mut stage, maps(), 0.8, 0.02);
+    let bytes = maps().bytes();
+    stage.world.resource_mut::<TextureMemory>().limit = bytes;
+    let rendered = stage.render().expect("the frame renders");
+    let dark = |light: usize| rendered.visibility[light].iter().filter(|&&v| v < 0.5).count();
+    assert!(dark(0) > 50 && dark(1) > 50, "{} {}", dark(0), dark(1));
+    assert_eq!(stage.world.resource::<TextureMemory>().bytes(), bytes);
+    assert_eq!(said(&stage), [] as [String; 0]);
+    stage.world.resource_mut::<TextureMemory>().limit = bytes - 1;
+    let rendered = stage.render().expect("the frame renders");
+    assert!(rendered.visibility.iter().flatten().all(|&v| v == 1.0));
+    let reports = said(&stage);
+    assert_eq!(reports.len(), 2, "both lights are named: {reports:?}");
+    assert!(
+        reports.iter().all(|report| report.contains("memory")),
+        "{reports:?}"
+    );
+}
+
+#[test]
+fn what_comes_and_goes_elsewhere_builds_nothing_again() {
+    let mut stage = lit_ladder(maps(), 0.3, 0.02);
+    let shadowed = dark(&mut stage);
+    let generation = |stage: &Stage| stage.world.resource::<IntervalScenes>().scenes[0].generation;
+    let before = generation(&stage);
+    // Behind the wall, out of view.
+    spawn(
+        &mut stage.world,
+        MeshData::icosphere(0.1, 1),
+        Transform::from_xyz(0.0, 0.5, -1.5),
+    );
+    assert_eq!((dark(&mut stage), generation(&stage)), (shadowed, before));
+    let mut query = stage
+        .world
+        .query_filtered::<(Entity, &Transform), With<SceneMesh>>();
+    let (roof, _) = query
+        .iter(&stage.world)
+        .max_by(|a, b| a.1.translation.y.total_cmp(&b.1.translation.y))
+        .expect("the roof");
+    stage.world.despawn(roof);
+    let _refused = dark(&mut stage);
+    assert!(generation(&stage) > before, "one of the maps' own is gone");
+}
+
+#[test]
+fn bakes_that_cannot_fit_are_refused_before_rays_are_cast() {
+    let mut stage = Stage::empty(SIZE, Camera::default(), Transform::IDENTITY);
+    for i in 0..50 {
+        let place = Transform::from_xyz(3.0 * i as f32, 0.0, 0.0);
+        spawn(&mut stage.world, MeshData::cuboid(Vec3::ONE), place);
+    }
+    stage.schedule.run(&mut stage.world);
+    // Each of the 300 sides fills a page.
+    let dense = BakeSettings {
+        texels_per_metre: 400.0,
+        page_size: 64,
+        ..Default::default()
+    };
+    let mut calls = 0;
+    let refused = bake_intervals(&mut stage.world, &maps().path, &dense, |_| calls += 1);
+    assert!(matches!(refused, Err(BakeError::TooLarge { .. })), "{refused:?}");
+    assert_eq!(calls, 0);
+}
+
+#[test]
 fn what_cannot_be_baked_is_said() {
     let mut world = ladder().world;
     let sun = |latitude_degrees: f32| LightPath::Sun {

@@ -95,7 +95,7 @@ fn a_shot_is_baked_beside_its_file_and_drawn_from_there() {
     let shot = Shot::load(&file, Techniques::default()).expect("the shot");
     let mut stage = Stage::of_shot(&shot).expect("the scene");
     stage.world.insert_resource(FaceCulling::None);
-    let missing = stage.load_interval_maps().expect_err("there are no maps");
+    let missing = stage.load_files().expect_err("there are no maps");
     assert!(
         missing.contains("lights[0].shadow.maps") && missing.contains("maps.json"),
         "{missing}"
@@ -118,7 +118,7 @@ fn a_shot_is_baked_beside_its_file_and_drawn_from_there() {
 
     let mut stage = Stage::of_shot(&shot).expect("the scene");
     stage.world.insert_resource(FaceCulling::None);
-    stage.load_interval_maps().expect("the maps are there");
+    stage.load_files().expect("the maps are there");
     stage
         .add_renderer(strict_context(), RenderSettings::default())
         .expect("shaders compose");
@@ -128,7 +128,7 @@ fn a_shot_is_baked_beside_its_file_and_drawn_from_there() {
     let picture = maps.join("page0.pair0.rise.png");
     let bytes = std::fs::read(&picture).expect("a page");
     std::fs::write(&picture, &bytes[..bytes.len() / 2]).expect("it is cut");
-    let cut = stage.load_interval_maps().expect_err("the page is cut");
+    let cut = stage.load_files().expect_err("the page is cut");
     assert!(cut.contains("page0.pair0.rise.png"), "{cut}");
     std::fs::remove_dir_all(&folder).expect("it is removed");
 }

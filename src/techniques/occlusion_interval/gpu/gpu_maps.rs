@@ -11,14 +11,14 @@ use crate::render::RenderContext;
 use crate::scene::SceneMesh;
 use crate::techniques::occlusion_interval::intervals::PER_PAIR;
 use crate::techniques::occlusion_interval::maps::{Corner, IntervalMaps, Page};
-use crate::techniques::occlusion_interval::scenes::IntervalScene;
+use crate::techniques::occlusion_interval::matching::IntervalScene;
 use crate::techniques::occlusion_interval::surface::local_triangles;
 
 /// A drawable surface of the maps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GpuSurface {
-    /// Dense index of its object.
-    pub object: u32,
+    /// Index in [`IntervalScene::matched`].
+    pub matched: u32,
     /// Vertices of its triangles.
     pub vertices: Range<u32>,
     /// Whether the maps hold what its back sees, too.
@@ -161,7 +161,7 @@ fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec
     let maps = &scene.maps;
     let layers = page_layers(maps);
     let (mut surfaces, mut vertices) = (Vec::new(), Vec::new());
-    for matched in &scene.matched {
+    for (index, matched) in (0u32..).zip(&scene.matched) {
         let baked = &maps.surfaces[matched.surface as usize];
         let corners = &maps.corners[baked.corners.start as usize..baked.corners.end as usize];
         let Some(mesh) = world.get::<SceneMesh>(matched.entity) else {
@@ -173,6 +173,9 @@ fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec
         let first = vertices.len() as u32;
         for (triangle, corners) in local_triangles(&mesh.0, submesh).zip(corners.chunks_exact(3)) {
             let Some(positions) = triangle else { continue };
+            if corners.iter().all(|corner| *corner == Corner::NOWHERE) {
+                continue;
+            }
             let vertex = |(position, corner): (glam::Vec3, &Corner)| IntervalVertex {
                 position_local: position.to_array(),
                 texel: corner.texel.to_array(),
@@ -183,7 +186,7 @@ fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec
         let end = vertices.len() as u32;
         if first < end {
             surfaces.push(GpuSurface {
-                object: matched.object,
+                matched: index,
                 vertices: first..end,
                 is_two_sided: baked.is_two_sided,
             });

@@ -5,7 +5,8 @@
 //! Reads   depth.  Writes  the mask, inside the light's scissor
 //! Order   before `light_accumulate` of the same light
 //!
-//! The mask is cleared to 1 first: what is not in the maps shows no shadow.
+//! The mask is cleared to the share of the window in which the light shines at all, which is 1 unless the sun is below the
+//! horizon: objects that are not in the maps show no shadow.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,7 +25,7 @@ use crate::render::{Gpu, RenderError};
 use crate::scene::FaceCulling;
 use crate::sets::{FrameLights, Objects};
 use crate::techniques::occlusion_interval::component::OcclusionInterval;
-use crate::techniques::occlusion_interval::scenes::IntervalScenes;
+use crate::techniques::occlusion_interval::scenes::{IntervalLight, IntervalScenes};
 use crate::techniques::registry::Technique;
 use crate::techniques::shared::texture_memory::TextureMemory;
 
@@ -43,6 +44,8 @@ struct LightPlan {
     light: usize,
     /// Index of the maps in [`IntervalNode::maps`]; `None` if the light shows no shadow.
     maps: Option<usize>,
+    /// Visibility where nothing is drawn.
+    shining: f32,
     draws: Range<usize>,
     /// Index of the window among the constants.
     window: usize,
@@ -118,7 +121,7 @@ impl IntervalNode {
         let scene = scenes.scene_of(light)?;
         world
             .resource::<TextureMemory>()
-            .grant(light, OcclusionInterval::NAME)?;
+            .grant(scene.payer?, OcclusionInterval::NAME)?;
         let known = self
             .maps
             .iter()
@@ -145,15 +148,25 @@ impl IntervalNode {
     }
 
     /// Plans the draws of one light: the surfaces of the maps that it lights and that show its shadows.
-    fn plan_light(&mut self, world: &World, input: &PrepareInput, light: usize, maps: Option<usize>) {
-        let first = self.draws.len();
-        if let Some(maps) = maps {
+    fn plan_light(
+        &mut self,
+        world: &World,
+        input: &PrepareInput,
+        planned: &IntervalLight,
+        maps: Option<usize>,
+    ) {
+        let (first, light) = (self.draws.len(), planned.light);
+        let scene = world.resource::<IntervalScenes>().scene_of(light);
+        if let (Some(maps), Some(scene)) = (maps, scene) {
             let frame_light = &world.resource::<FrameLights>().lights[light];
             let objects = world.resource::<Objects>();
             let culls =
                 world.get_resource::<FaceCulling>().copied().unwrap_or_default() == FaceCulling::SingleSided;
             for surface in &self.maps[maps].maps.surfaces {
-                let object = surface.object as usize;
+                let Some(&index) = scene.objects.get(surface.matched as usize) else {
+                    continue;
+                };
+                let object = index as usize;
                 let shows = frame_light.sets.i.contains(object)
                     && objects.receivers.contains(object)
                     && objects.layers[object] & frame_light.selection.shows_on != 0;
@@ -169,12 +182,13 @@ impl IntervalNode {
                     vertices: surface.vertices.clone(),
                     instance: self.objects.len() as u32,
                 });
-                self.objects.push(surface.object);
+                self.objects.push(index);
             }
         }
         self.lights.push(LightPlan {
             light,
             maps,
+            shining: planned.shining,
             draws: first..self.draws.len(),
             window: self.lights.len(),
         });
@@ -198,7 +212,7 @@ impl Recorder for IntervalNode {
                 Window::new(&maps.window(light.time, light.width), maps.size)
             });
             self.windows.constants.push(&window.unwrap_or_default());
-            self.plan_light(world, input, light.light, maps);
+            self.plan_light(world, input, light, maps);
         }
         for at in 0..self.draws.len() {
             let (key, layouts) = (self.draws[at].key, &self.layouts);
@@ -255,6 +269,13 @@ impl IntervalNode {
 impl Resolve for IntervalNode {
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
         let Some(plan) = self.plan_of(light) else { return };
+        let shining = f64::from(plan.shining);
+        let everywhere = wgpu::Color {
+            r: shining,
+            g: shining,
+            b: shining,
+            a: shining,
+        };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("interval lookup"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -262,7 +283,7 @@ impl Resolve for IntervalNode {
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                    load: wgpu::LoadOp::Clear(everywhere),
                     store: wgpu::StoreOp::Store,
                 },
             })],

@@ -1,0 +1,194 @@
+//! Finds the surfaces of one set of maps among the objects of the world.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
+
+use bevy_ecs::prelude::*;
+use smallvec::SmallVec;
+
+use super::intervals::{Intervals, shining};
+use super::maps::IntervalMaps;
+use super::surface::{is_same_place, surface_hash};
+use crate::scene::placement::Placement;
+use crate::scene::{MeshData, SceneMesh};
+use crate::sets::Objects;
+
+/// A surface of the maps and the submesh that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct MatchedSurface {
+    /// Index in [`IntervalMaps::surfaces`].
+    pub surface: u32,
+    /// Entity of the object.
+    pub entity: Entity,
+    /// Index of the submesh.
+    pub submesh: u32,
+}
+
+/// The surfaces of one set of maps in the world.
+#[derive(Clone, Debug)]
+pub struct IntervalScene {
+    /// The maps.
+    pub maps: Arc<IntervalMaps>,
+    /// The surfaces that were found, in ascending order.
+    pub matched: Vec<MatchedSurface>,
+    /// Dense index in [`Objects`] of each matched surface's object.
+    pub objects: Vec<u32>,
+    /// Number of surfaces that were not found.
+    pub missing: usize,
+    /// Index of the first surface that was not found.
+    pub first_missing: Option<usize>,
+    /// Receivers of the world that are not in the maps.
+    pub strangers: usize,
+    /// Increases when `matched` changed. It stays while other objects come and go.
+    pub generation: u64,
+    /// Index in [`FrameLights`](crate::sets::FrameLights) of the light that asks for the memory of the textures: the most
+    /// visible one of those that share them. `None` if no light uses the maps in this frame.
+    pub payer: Option<usize>,
+    /// When the light shines at all, as intervals of its path.
+    pub(super) shining: Intervals,
+    pub(super) is_used: bool,
+    layout: Option<u64>,
+    by_hash: HashMap<u64, SmallVec<[u32; 2]>>,
+    /// Memory that is kept for its allocation.
+    found: Vec<(MatchedSurface, u32)>,
+}
+
+/// Hashes of meshes by the address of their data. An entry keeps the address from being used again, but not the data.
+#[derive(Debug, Default)]
+pub(super) struct MeshHashes(HashMap<usize, (Weak<MeshData>, SmallVec<[u64; 2]>)>);
+
+impl MeshHashes {
+    fn of(&mut self, mesh: &Arc<MeshData>) -> &[u64] {
+        let entry = self.0.entry(Arc::as_ptr(mesh) as usize).or_insert_with(|| {
+            let hashes = mesh.submeshes.iter().map(|submesh| surface_hash(mesh, submesh));
+            (Arc::downgrade(mesh), hashes.collect())
+        });
+        &entry.1
+    }
+
+    /// Forgets meshes that are gone.
+    pub(super) fn forget_unused(&mut self) {
+        self.0.retain(|_, (mesh, _)| mesh.strong_count() > 0);
+    }
+
+    /// Number of meshes whose hashes are known.
+    #[cfg(test)]
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+pub(super) type Meshes<'w, 's> = Query<'w, 's, (&'static SceneMesh, Placement)>;
+
+impl IntervalScene {
+    pub(super) fn new(maps: &Arc<IntervalMaps>) -> Self {
+        let mut by_hash: HashMap<u64, SmallVec<[u32; 2]>> = HashMap::new();
+        for (index, surface) in (0u32..).zip(&maps.surfaces) {
+            by_hash.entry(surface.hash).or_default().push(index);
+        }
+        Self {
+            maps: maps.clone(),
+            matched: Vec::new(),
+            objects: Vec::new(),
+            missing: maps.surfaces.len(),
+            first_missing: None,
+            strangers: 0,
+            generation: 0,
+            payer: None,
+            shining: shining(&maps.path),
+            is_used: true,
+            layout: None,
+            by_hash,
+            found: Vec::new(),
+        }
+    }
+
+    /// Whether the surfaces must be looked for again.
+    pub(super) fn is_stale(&self, objects: &Objects, meshes: &Meshes, meshes_changed: bool) -> bool {
+        if self.layout != Some(objects.layout_generation) || meshes_changed {
+            return true;
+        }
+        if !objects.any_moved() {
+            return false;
+        }
+        let has_left = |(matched, object): (&MatchedSurface, &u32)| {
+            objects.moved.contains(*object as usize) && {
+                let baked = &self.maps.surfaces[matched.surface as usize];
+                let place = meshes.get(matched.entity).ok();
+                let place = place.and_then(|(_, place)| place.exact_affine());
+                !place.is_some_and(|place| is_same_place(&baked.world_from_local, &place))
+            }
+        };
+        // What is missing may have come back.
+        self.missing > 0 || self.matched.iter().zip(&self.objects).any(has_left)
+    }
+
+    /// Looks for the surfaces among all objects. Returns whether others are matched than before.
+    pub(super) fn find(&mut self, objects: &Objects, meshes: &Meshes, hashes: &mut MeshHashes) -> bool {
+        self.layout = Some(objects.layout_generation);
+        self.strangers = 0;
+        let mut found = std::mem::take(&mut self.found);
+        found.clear();
+        let mut is_found = vec![false; self.maps.surfaces.len()];
+        for (object, &entity) in objects.entities.iter().enumerate() {
+            let Ok((mesh, place)) = meshes.get(entity) else {
+                continue;
+            };
+            let Some(place) = place.exact_affine() else {
+                continue;
+            };
+            let mut is_stranger = false;
+            for (submesh, hash) in hashes.of(&mesh.0).iter().enumerate() {
+                let candidates = self.by_hash.get(hash).map_or(&[][..], |found| found);
+                let here =
+                    |&&at: &&u32| is_same_place(&self.maps.surfaces[at as usize].world_from_local, &place);
+                // Two equal surfaces at one place see the same.
+                let fresh = candidates.iter().filter(here).find(|&&at| !is_found[at as usize]);
+                let Some(&surface) = fresh.or_else(|| candidates.iter().find(here)) else {
+                    is_stranger = true;
+                    continue;
+                };
+                is_found[surface as usize] = true;
+                let submesh = submesh as u32;
+                let matched = MatchedSurface {
+                    surface,
+                    entity,
+                    submesh,
+                };
+                found.push((matched, object as u32));
+            }
+            self.strangers += usize::from(is_stranger && objects.receivers.contains(object));
+        }
+        found.sort_unstable();
+        self.missing = is_found.iter().filter(|found| !**found).count();
+        self.first_missing = is_found.iter().position(|found| !found);
+        self.objects.clear();
+        self.objects.extend(found.iter().map(|(_, object)| object));
+        let matched = || found.iter().map(|(matched, _)| *matched);
+        let is_changed = !matched().eq(self.matched.iter().copied());
+        if is_changed {
+            self.matched.clear();
+            self.matched.extend(matched());
+        }
+        self.found = found;
+        is_changed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hashes_keep_no_mesh_alive() {
+        let mut hashes = MeshHashes::default();
+        let mesh = Arc::new(MeshData::plane(1.0));
+        let kept = Arc::new(MeshData::plane(1.0));
+        assert_eq!(hashes.of(&mesh).to_vec(), hashes.of(&kept).to_vec());
+        let watched = Arc::downgrade(&mesh);
+        drop(mesh);
+        assert!(watched.upgrade().is_none(), "its data is freed");
+        hashes.forget_unused();
+        assert_eq!(hashes.len(), 1);
+    }
+}
