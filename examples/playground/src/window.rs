@@ -112,37 +112,16 @@ fn device(
     instance: &wgpu::Instance,
     surface: &wgpu::Surface,
 ) -> Result<(wgpu::Adapter, RenderContext), String> {
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
-        power_preference: wgpu::PowerPreference::HighPerformance,
-        compatible_surface: Some(surface),
-        ..Default::default()
-    }))
-    .map_err(|error| {
-        format!("no driver draws on this window: {error} (on Debian install mesa-vulkan-drivers)")
-    })?;
-    let wanted = wgpu::Features::DEPTH32FLOAT_STENCIL8
-        | wgpu::Features::FLOAT32_BLENDABLE
-        | wgpu::Features::TIMESTAMP_QUERY;
-    let offered = adapter.limits();
-    let limits = wgpu::Limits {
-        max_color_attachment_bytes_per_sample: offered.max_color_attachment_bytes_per_sample.clamp(32, 64),
-        max_texture_dimension_2d: offered.max_texture_dimension_2d.max(8192),
+    let requested = RequestedFeatures {
+        timestamps: true,
         ..Default::default()
     };
-    let info = adapter.get_info();
-    let made = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-        label: Some("playground"),
-        required_features: wanted & adapter.features(),
-        required_limits: limits,
-        ..Default::default()
-    }));
-    let (device, queue) = made.map_err(|error| format!("{} gives no device: {error}", info.name))?;
-    let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-    let mut context = RenderContext::from_device(device, queue, name);
-    if info.device_type == wgpu::DeviceType::Cpu {
-        context.anisotropy = 1;
-    }
-    Ok((adapter, context))
+    let made = pollster::block_on(async {
+        let adapter = RenderContext::adapter_for(instance, Some(surface)).await?;
+        let context = RenderContext::on_adapter(&adapter, requested).await?;
+        Ok((adapter, context))
+    });
+    made.map_err(|error: RenderError| one_line(&error))
 }
 
 impl Running {
@@ -191,6 +170,19 @@ impl Running {
         self.config.height = size.height.clamp(1, largest);
         self.surface.configure(device, &self.config);
         self.window.request_redraw();
+    }
+
+    /// Makes a new surface of the window. The old one is dropped first: a window has one at a time.
+    fn renew_surface(&mut self) -> Result<(), String> {
+        self.surface = None;
+        self.surface = Some(new_surface(&self.instance, &self.window)?);
+        Ok(())
+    }
+
+    fn configure(&self) {
+        if let Some(surface) = &self.surface {
+            surface.configure(&self.app.gpu.context.device, &self.config);
+        }
     }
 
     /// Makes everything anew on another device. The document stays.

@@ -23,6 +23,7 @@ pub enum ShotPath {
 /// An arc.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "arc")]
 pub struct ShotArc {
     /// Axis about which the direction of the light turns; of any length.
     axis: [f32; 3],
@@ -33,6 +34,7 @@ pub struct ShotArc {
 /// A day of the sun.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "sun")]
 pub struct ShotSun {
     /// Latitude, degrees; north is positive.
     latitude_deg: f32,

@@ -29,7 +29,11 @@ use crate::techniques::registry::Refusal;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(extend("required" = ["maps"]))
+)]
 pub struct OcclusionInterval {
     /// Folder of the maps; it must be given. It is read once, in the first frame that needs it ([`IntervalLibrary`](super::IntervalLibrary)).
     pub maps: String,
