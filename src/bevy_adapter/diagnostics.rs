@@ -104,7 +104,7 @@ fn publish_diagnostics(mut main: ResMut<MainWorld>, mirrors: Option<ResMut<Mirro
         return;
     };
     let (mut sums, mut milliseconds): (Sums, f64) = ([0.0; 8], 0.0);
-    for (_, mirror) in mirrors.iter_mut() {
+    for mirror in mirrors.iter_mut() {
         if !std::mem::take(&mut mirror.has_run) {
             continue; // its camera draws nothing
         }
