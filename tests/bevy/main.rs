@@ -9,6 +9,7 @@ mod core_harness;
 
 mod bad_input;
 mod cameras;
+mod copied;
 mod cut_outs;
 mod depth;
 mod diagnostics;

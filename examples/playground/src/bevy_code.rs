@@ -4,72 +4,130 @@ use std::fmt::Write as _;
 
 use antumbra::prelude::*;
 use antumbra::techniques::Techniques;
+use antumbra_stage::shadow::nest_softness;
+use antumbra_stage::shot::LightParts;
 use glam::{EulerRot, Quat, Vec3};
 use serde_json::{Map, Value};
 
-use crate::document::{Document, Side};
+use crate::document::{Document, LightDoc, Side};
 use crate::schema::{BranchKind, Form, Schemas, definition, rust_path};
 
 /// Luminous power of a light of one candela in all directions, lumen: Bevy gives points and spots by their power.
 const LUMEN: f32 = 4.0 * std::f32::consts::PI;
 
-/// Returns code that spawns the lights with the techniques of a side.
+/// Returns code that spawns the lights with the techniques of a side. It compiles as it is in a game that depends on
+/// `antumbra` with its feature `bevy`, and on `bevy`.
 pub fn lights(document: &Document, side: Side, techniques: &Techniques, schemas: &Schemas) -> String {
-    let mut code =
-        "use antumbra::prelude::*;\nuse antumbra::techniques::*;\nuse bevy::prelude::*;\n\n".to_owned();
-    code += "fn spawn_lights(mut commands: Commands) {\n";
+    let mut code = String::new();
+    let (mut has_path, mut has_technique) = (false, false);
     for light in document.lights() {
-        let parts = match light.parts(side, techniques) {
-            Ok(parts) => parts,
-            Err(error) => {
-                let _ = writeln!(code, "    // {}: left out, because {error}", light.name);
-                continue;
+        // A name may hold anything, but not end the comment.
+        let name = light.name.replace(['\n', '\r'], " ");
+        match light.parts(side, techniques) {
+            Ok((parts, note)) => {
+                has_path |= parts.path.is_some();
+                has_technique |= parts.shadow.is_some();
+                let note = note.map_or_else(String::new, |note| format!(" ({})", note.replace('\n', " ")));
+                let _ = writeln!(code, "    // {name}{note}");
+                code += &spawn(light, &parts, side, schemas);
             }
-        };
-        let _ = writeln!(code, "    // {}", light.name);
-        let _ = writeln!(code, "    commands.spawn((");
-        let _ = writeln!(code, "        {},", component(&parts.light));
-        let transform = &parts.transform;
-        let at = vec3(transform.translation);
-        if transform.rotation.angle_between(Quat::IDENTITY) < 1e-4 {
-            let _ = writeln!(code, "        Transform::from_translation({at}),");
-        } else {
-            let (y, x, z) = transform.rotation.to_euler(EulerRot::YXZ);
-            let angles = [y, x, z].map(number).join(", ");
-            let turn = format!("Quat::from_euler(EulerRot::YXZ, {angles})");
-            let _ = writeln!(
-                code,
-                "        Transform::from_translation({at}).with_rotation({turn}),"
-            );
-        }
-        if let Some(shadow) = &parts.shadow {
-            let row = shadow.row();
-            let settings = &light.shadows[side.index()];
-            let value = match schemas.technique(row.name()) {
-                Some(schema) => structure(schemas, row.component_name(), schema, settings, 2),
-                None => format!("{}::default()", row.component_name()),
-            };
-            let _ = writeln!(code, "        {value},");
-        }
-        let _ = writeln!(code, "    ));");
-        let model: Vec<&str> = MODEL
-            .into_iter()
-            .filter(|key| light.keys.contains_key(*key))
-            .collect();
-        if !model.is_empty() {
-            let _ = writeln!(
-                code,
-                "    // Insert also the components of the light model for {}.",
-                model.join(", ")
-            );
+            Err(error) => {
+                let error = error.replace('\n', " ");
+                let _ = writeln!(code, "    // {name}: left out, because {error}");
+            }
         }
     }
-    code + "}\n"
+    let mut uses = String::new();
+    if has_path {
+        uses += "use antumbra::scene::LightPath;\n";
+    }
+    if has_technique {
+        uses += "use antumbra::techniques::*;\n";
+    }
+    format!("{uses}use bevy::prelude::*;\n\nfn spawn_lights(mut commands: Commands) {{\n{code}}}\n")
+}
+
+/// Returns the statement that spawns a light.
+fn spawn(light: &LightDoc, parts: &LightParts, side: Side, schemas: &Schemas) -> String {
+    let mut code = "    commands.spawn((\n".to_owned();
+    let _ = writeln!(code, "        {},", component(&parts.light));
+    let transform = &parts.transform;
+    let at = vec3(transform.translation);
+    if transform.rotation.angle_between(Quat::IDENTITY) < 1e-4 {
+        let _ = writeln!(code, "        Transform::from_translation({at}),");
+    } else {
+        let (y, x, z) = transform.rotation.to_euler(EulerRot::YXZ);
+        let angles = [y, x, z].map(angle).join(", ");
+        let turn = format!("Quat::from_euler(EulerRot::YXZ, {angles})");
+        let _ = writeln!(
+            code,
+            "        Transform::from_translation({at}).with_rotation({turn}),"
+        );
+    }
+    if let Some(path) = &parts.path {
+        let _ = writeln!(code, "        {},", light_path(path));
+    }
+    if let Some(shadow) = &parts.shadow {
+        let row = shadow.row();
+        let mut settings = light.shadows[side.index()].clone();
+        nest_softness(&mut settings);
+        let schema = schemas.technique(row.name());
+        // A key of the light can stand for a setting.
+        let has_angle = schema.is_some_and(|schema| schema.pointer("/properties/angle_deg").is_some());
+        if let Some(angle) = light.keys.get("angle_deg").filter(|_| has_angle) {
+            settings.entry("angle_deg").or_insert_with(|| angle.clone());
+        }
+        let value = match schema {
+            Some(schema) => structure(schemas, row.component_name(), schema, &settings, 2),
+            None => format!("{}::default()", row.component_name()),
+        };
+        let _ = writeln!(code, "        {value},");
+    }
+    code += "    ));\n";
+    let model: Vec<&str> = MODEL
+        .into_iter()
+        .filter(|key| light.keys.contains_key(*key))
+        .collect();
+    if !model.is_empty() {
+        let _ = writeln!(
+            code,
+            "    // Insert also the components of the light model for {}.",
+            model.join(", ")
+        );
+    }
+    code
+}
+
+/// Returns a path.
+fn light_path(path: &LightPath) -> String {
+    match path {
+        LightPath::Arc {
+            direction,
+            axis,
+            degrees,
+        } => {
+            let (direction, axis, degrees) = (vec3(*direction), vec3(*axis), number(*degrees));
+            format!("LightPath::Arc {{ direction: {direction}, axis: {axis}, degrees: {degrees} }}")
+        }
+        LightPath::Sun {
+            latitude_degrees,
+            day,
+            hours,
+        } => {
+            let [latitude, day, from, to] = [*latitude_degrees, *day, hours[0], hours[1]].map(number);
+            format!("LightPath::Sun {{ latitude_degrees: {latitude}, day: {day}, hours: [{from}, {to}] }}")
+        }
+        LightPath::Positions(positions) => {
+            let positions: Vec<String> = positions.iter().copied().map(vec3).collect();
+            format!("LightPath::Positions(vec![{}])", positions.join(", "))
+        }
+    }
 }
 
 /// Keys of the light model, which are components of their own.
-const MODEL: [&str; 13] = [
+const MODEL: [&str; 15] = [
     "shape",
+    "barn_map",
     "distance",
     "weights",
     "shadow_color",
@@ -82,6 +140,7 @@ const MODEL: [&str; 13] = [
     "affects",
     "casts_for",
     "shows_on",
+    "texture",
 ];
 
 /// Returns Bevy's component of a light.
@@ -104,7 +163,7 @@ fn component(light: &Light) -> String {
             inner_angle,
             outer_angle,
         } => {
-            let (inner, outer) = (number(inner_angle), number(outer_angle));
+            let (inner, outer) = (angle(inner_angle), angle(outer_angle));
             format!(
                 "SpotLight {{ {color}, {power}{range}, inner_angle: {inner}, outer_angle: {outer}, ..default() }}"
             )
@@ -177,14 +236,21 @@ fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) ->
                 .branch_of(&branches, value)
                 .and_then(|at| branches.get(at))
             else {
-                return format!("{}::default()", name.unwrap_or("_"));
+                return "default()".to_owned();
             };
+            if let Some(flag) = value.as_bool()
+                && let Some(rust) = branch.schema.get(if flag { "x-rust-true" } else { "x-rust-false" })
+            {
+                return rust.as_str().unwrap_or("_").to_owned();
+            }
             let path = rust_path(branch.schema).map_or_else(
                 || format!("{}::{}", name.unwrap_or("_"), camel_case(&branch.name)),
                 |path| path.trim_end_matches("(_)").to_owned(),
             );
             match branch.kind {
-                BranchKind::Name(_) => path,
+                BranchKind::Exactly(Value::String(_)) => path,
+                BranchKind::Exactly(value) => value.to_string(),
+                BranchKind::Plain if path == "_" => expression(schemas, branch.schema, value, depth),
                 BranchKind::Keyed(key, inner) => variant(
                     schemas,
                     &path,
@@ -202,7 +268,8 @@ fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) ->
                 structure(schemas, name.unwrap_or("_"), schema, &settings, depth)
             }
         },
-        Form::Flag | Form::Text | Form::Texts | Form::Other => value.to_string(),
+        Form::Text => format!("{value}.to_owned()"),
+        Form::Flag | Form::Texts | Form::Other => value.to_string(),
     }
 }
 
@@ -241,25 +308,22 @@ fn vec3(v: Vec3) -> String {
     format!("Vec3::new({})", v.to_array().map(number).join(", "))
 }
 
-/// Returns a number as Rust has it, with at most four decimals unless it is small.
+/// Returns an angle in radians as Rust code.
+fn angle(radians: f32) -> String {
+    let degrees = radians.to_degrees();
+    let rounded = (degrees * 1e3).round() / 1e3;
+    // What the conversion leaves of a whole number of degrees is no part of it.
+    let exact = (rounded - degrees).abs() < 2e-5 * degrees.abs().max(1.0);
+    format!("f32::to_radians({})", number(if exact { rounded } else { degrees }))
+}
+
+/// Returns a number as Rust code: the fewest digits that give it.
 fn number(value: f32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value.is_finite() {
-            "0.0".to_owned()
-        } else {
-            "f32::INFINITY".to_owned()
-        };
+    if value.is_finite() {
+        return format!("{:?}", value + 0.0); // no negative zero
     }
-    if value.abs() < 0.01 {
-        return format!("{value:?}");
-    }
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0');
-    if text.ends_with('.') {
-        format!("{text}0")
-    } else {
-        text.to_owned()
-    }
+    let infinity = if value < 0.0 { "f32::NEG_INFINITY" } else { "f32::INFINITY" };
+    infinity.to_owned()
 }
 
 #[cfg(test)]
@@ -290,7 +354,7 @@ mod tests {
         };
         let plain = with(json!({"technique": "shadow_map"}));
         assert!(plain.contains("        ShadowMap::default(),\n"), "{plain}");
-        assert!(plain.contains("SpotLight { color: Color::linear_rgb(1.0, 1.0, 1.0), intensity: 753.9822,"));
+        assert!(plain.contains("SpotLight { color: Color::linear_rgb(1.0, 1.0, 1.0), intensity: 753.98224,"));
         let set = with(json!({"technique": "shadow_map", "resolution": 512, "near": 0.05,
             "filter": {"jittered": {"softness": 0.02, "adaptive": false}},
             "bias": {"normal_texels": 2.0}}));
@@ -313,5 +377,106 @@ mod tests {
         );
         let none = with(json!({"technique": "none"}));
         assert!(!none.contains("::default()"), "{none}");
+        assert!(!none.contains("antumbra"), "{none}");
+    }
+
+    /// Values of a schema that differ from the default: one for each branch of each choice.
+    fn others(schemas: &Schemas, schema: &Value) -> Vec<Value> {
+        let default = schema.get("default").cloned().unwrap_or_default();
+        match schemas.form(schema) {
+            Form::Flag => vec![json!(default != json!(true))],
+            Form::Number(bounds) => {
+                let before = default.as_f64().or(schemas.first(schema).as_f64()).unwrap();
+                let less = if bounds.whole { before - 1.0 } else { before * 0.5 };
+                let other = [less, before + 0.25, before + 1.0].into_iter().find(|other| {
+                    bounds.least.is_none_or(|least| *other > least)
+                        && bounds.most.is_none_or(|most| *other <= most)
+                        && (!bounds.whole || other.fract() == 0.0)
+                        && Some(*other) != default.as_f64()
+                });
+                vec![if bounds.whole { json!(other.unwrap() as i64) } else { json!(other.unwrap()) }]
+            }
+            Form::Text => vec![json!("some/\"folder\"")],
+            Form::Row(count, item) => vec![Value::Array(vec![schemas.first(item); count])],
+            Form::Choice(branches) => branches.iter().map(|branch| schemas.first_of(branch)).collect(),
+            Form::Optional(inner) => {
+                let some = schemas.first(inner);
+                let within = others(schemas, schemas.resolve(inner));
+                if matches!(schemas.form_of_some(inner), Form::Object(_)) { within } else { vec![some] }
+            }
+            Form::Object(properties) => {
+                let pair = |(key, inner): (&String, &Value)| (key.clone(), others(schemas, inner).remove(0));
+                vec![Value::Object(properties.iter().map(pair).collect())]
+            }
+            Form::Texts | Form::Other => panic!("no technique has such a setting: {schema}"),
+        }
+    }
+
+    /// Lights of all kinds, and lights that have between them each setting of each technique.
+    fn all_lights(techniques: &Techniques, schemas: &Schemas) -> Vec<LightDoc> {
+        let place = json!({"position": [0.5, 2, -1], "direction": [0.3, -1, 0.2], "inner_deg": 20, "outer_deg": 30,
+            "width": 0.6, "height": 0.4, "radius": 0.2});
+        let paths = [
+            json!({"axis": [0, 0, 1], "degrees": 150}),
+            json!({"latitude_deg": 50, "day": 172, "hours": [6, 18]}),
+            json!({"positions": [[0, 2, 0], [4, 2, 0.5]]}),
+        ];
+        let keys = |kind: &str, path: Option<&Value>| {
+            let schema = schemas.light(kind).unwrap()["properties"].as_object().unwrap();
+            let own = place.as_object().unwrap().iter().filter(|(key, _)| schema.contains_key(*key));
+            let mut keys: Map<String, Value> = own.map(|(key, value)| (key.clone(), value.clone())).collect();
+            keys.insert("kind".to_owned(), json!(kind));
+            keys.extend(path.map(|path| ("path".to_owned(), path.clone())));
+            keys
+        };
+        let light = |keys: &Map<String, Value>, name: &str, settings: Map<String, Value>| {
+            let mut light = LightDoc::new(name.to_owned(), keys.clone(), techniques);
+            light.shadows[0] = settings;
+            light.shadows[0].insert("technique".to_owned(), json!(name));
+            light
+        };
+        let bare = schemas.light_kinds().into_iter().map(|kind| light(&keys(kind, None), "none", Map::new()));
+        let mut all: Vec<LightDoc> = bare.collect();
+        for name in schemas.technique_names() {
+            let Form::Object(properties) = schemas.form_of_some(schemas.technique(name).unwrap()) else {
+                panic!("{name} has no settings");
+            };
+            let values: Vec<_> = properties.iter().map(|(key, schema)| (key, others(schemas, schema))).collect();
+            let count = values.iter().map(|(_, all)| all.len()).max().unwrap_or(0).max(paths.len());
+            for index in 0..count {
+                let settings = values.iter().map(|(key, all)| ((*key).clone(), all[index % all.len()].clone()));
+                let settings: Map<String, Value> = settings.collect();
+                let kinds = schemas.light_kinds().into_iter();
+                let choices = kinds.flat_map(|kind| {
+                    let with = keys(kind, Some(&paths[index % paths.len()]));
+                    [light(&keys(kind, None), name, settings.clone()), light(&with, name, settings.clone())]
+                });
+                let fitting = choices.into_iter().find(|light| {
+                    let parts = light.parts(Side::A, techniques);
+                    parts.is_ok_and(|(_, note)| note.is_none())
+                });
+                all.push(fitting.unwrap_or_else(|| panic!("no light takes {name} with {settings:?}")));
+            }
+        }
+        all
+    }
+
+    /// The file is compiled and run by the tests of the library with Bevy. Write it with `ANTUMBRA_WRITE_COPIED=1`.
+    #[test]
+    fn the_code_that_is_compiled_with_bevy_is_what_is_copied() {
+        let techniques = Techniques::default();
+        let schemas = Schemas::of(&techniques);
+        let document = Document {
+            lights: Some(all_lights(&techniques, &schemas)),
+            ..Document::default()
+        };
+        let code = lights(&document, Side::A, &techniques, &schemas);
+        assert!(!code.contains("left out"), "{code}");
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/bevy/copied_lights.in");
+        if std::env::var_os("ANTUMBRA_WRITE_COPIED").is_some() {
+            std::fs::write(&path, &code).unwrap();
+        }
+        let file = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(file == code, "{} is old:\n{code}", path.display());
     }
 }

@@ -159,6 +159,18 @@ pub enum Command {
         #[serde(default)]
         ctrl: bool,
     },
+    /// Holds a key down while frames are drawn, and releases it.
+    Hold {
+        /// Name of the key, such as `W`.
+        key: String,
+        /// Number of frames.
+        frames: usize,
+    },
+    /// Clicks on the middle of a text of the window.
+    Click {
+        /// The text.
+        text: String,
+    },
     /// Moves the pointer.
     Pointer {
         /// Place, points from the window's top left corner.

@@ -8,6 +8,7 @@ use antumbra::prelude::*;
 use antumbra::techniques::Techniques;
 use antumbra_playground::app::App;
 use antumbra_playground::ui::theme;
+use antumbra_stage::stage::one_line;
 use egui::ViewportId;
 use glam::UVec2;
 use winit::application::ApplicationHandler;
@@ -50,12 +51,15 @@ struct Shell {
 struct Running {
     window: Arc<Window>,
     instance: wgpu::Instance,
-    surface: wgpu::Surface<'static>,
+    /// `None` only while a new one replaces it.
+    surface: Option<wgpu::Surface<'static>>,
     config: wgpu::SurfaceConfiguration,
     app: App,
     context: egui::Context,
     input: egui_winit::State,
     last: Instant,
+    /// Whether the window is minimised or wholly covered. Nothing is drawn then.
+    hidden: bool,
 }
 
 impl ApplicationHandler for Shell {
@@ -84,17 +88,23 @@ impl ApplicationHandler for Shell {
         match event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::Resized(size) => running.resize(size),
-            WindowEvent::RedrawRequested => {
-                if let Err(failure) = running.paint(events) {
-                    self.fail(events, failure);
-                }
+            WindowEvent::Occluded(hidden) => {
+                running.hidden = hidden;
+                running.window.request_redraw();
             }
+            WindowEvent::RedrawRequested if running.hidden => {}
+            WindowEvent::RedrawRequested => match running.paint() {
+                Ok(wait) => running.repaint_after(events, wait),
+                Err(failure) => self.fail(events, failure),
+            },
             _ => {}
         }
     }
 
-    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+    fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
         if let (StartCause::ResumeTimeReached { .. }, Some(running)) = (cause, &self.running) {
+            // A time that has passed would wake the loop again at once, whether or not anything is drawn.
+            events.set_control_flow(ControlFlow::Wait);
             running.window.request_redraw();
         }
     }
@@ -105,6 +115,16 @@ impl Shell {
         self.failure = Some(failure);
         events.exit();
     }
+}
+
+/// Makes the surface of a window.
+fn new_surface(
+    instance: &wgpu::Instance,
+    window: &Arc<Window>,
+) -> Result<wgpu::Surface<'static>, String> {
+    instance
+        .create_surface(window.clone())
+        .map_err(|error| format!("nothing can be drawn on this window: {error}"))
 }
 
 /// Makes a device that can draw on a surface.
@@ -134,9 +154,7 @@ impl Running {
             .map_err(|error| format!("no window can be opened: {error}"))?;
         let window = Arc::new(window);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let surface = instance
-            .create_surface(window.clone())
-            .map_err(|error| format!("nothing can be drawn on this window: {error}"))?;
+        let surface = new_surface(&instance, &window)?;
         let (adapter, render) = device(&instance, &surface)?;
         let inner = window.inner_size();
         let mut config = surface
@@ -154,21 +172,25 @@ impl Running {
         Ok(Self {
             window,
             instance,
-            surface,
+            surface: Some(surface),
             config,
             app,
             context,
             input,
             last: Instant::now(),
+            hidden: false,
         })
     }
 
     fn resize(&mut self, size: PhysicalSize<u32>) {
-        let device = &self.app.gpu.context.device;
-        let largest = device.limits().max_texture_dimension_2d;
-        self.config.width = size.width.clamp(1, largest);
-        self.config.height = size.height.clamp(1, largest);
-        self.surface.configure(device, &self.config);
+        self.hidden = size.width == 0 || size.height == 0; // minimised
+        if self.hidden {
+            return;
+        }
+        let largest = self.app.gpu.context.device.limits().max_texture_dimension_2d;
+        self.config.width = size.width.min(largest);
+        self.config.height = size.height.min(largest);
+        self.configure();
         self.window.request_redraw();
     }
 
@@ -187,19 +209,44 @@ impl Running {
 
     /// Makes everything anew on another device. The document stays.
     fn revive(&mut self) -> Result<(), String> {
-        self.surface = self
-            .instance
-            .create_surface(self.window.clone())
-            .map_err(|error| format!("nothing can be drawn on this window: {error}"))?;
-        let (_, render) = device(&self.instance, &self.surface)?;
-        self.surface.configure(&render.device, &self.config);
+        self.renew_surface()?;
+        let Some(surface) = &self.surface else { return Ok(()) };
+        let (_, render) = device(&self.instance, surface)?;
         let largest = render.device.limits().max_texture_dimension_2d as usize;
         self.app.revive(render, self.config.format)?;
+        self.configure();
         (self.context, self.input) = interface(&self.window, largest);
         Ok(())
     }
 
-    fn paint(&mut self, events: &ActiveEventLoop) -> Result<(), String> {
+    /// Returns the texture that is shown next, and whether the surface should be configured anew after it is shown.
+    /// Without a texture, the time is that until the next try; `None` waits for an event.
+    fn next_texture(&mut self) -> Result<NextTexture, String> {
+        let Some(surface) = &self.surface else {
+            return Ok(NextTexture::None(None));
+        };
+        Ok(match surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(texture) => NextTexture::Some(texture, false),
+            // A surface must not be configured while a texture of it is held.
+            wgpu::CurrentSurfaceTexture::Suboptimal(texture) => NextTexture::Some(texture, true),
+            wgpu::CurrentSurfaceTexture::Outdated => {
+                self.configure();
+                NextTexture::None(Some(Duration::ZERO))
+            }
+            wgpu::CurrentSurfaceTexture::Lost => {
+                self.renew_surface()?;
+                self.configure();
+                NextTexture::None(Some(Duration::ZERO))
+            }
+            wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Validation => {
+                NextTexture::None(Some(RETRY))
+            }
+            wgpu::CurrentSurfaceTexture::Occluded => NextTexture::None(Some(HIDDEN)),
+        })
+    }
+
+    /// Draws the window. Returns the time until it must be drawn again; `None` waits for an event.
+    fn paint(&mut self) -> Result<Option<Duration>, String> {
         if self.app.gpu.context.notice_loss() {
             self.revive()?;
         }
@@ -207,16 +254,9 @@ impl Running {
         let seconds = now.duration_since(self.last).as_secs_f32().min(0.1);
         self.last = now;
         self.app.advance(seconds);
-        let frame = match self.surface.get_current_texture() {
-            wgpu::CurrentSurfaceTexture::Success(frame) => frame,
-            wgpu::CurrentSurfaceTexture::Suboptimal(_)
-            | wgpu::CurrentSurfaceTexture::Outdated
-            | wgpu::CurrentSurfaceTexture::Lost => {
-                self.surface.configure(&self.app.gpu.context.device, &self.config);
-                self.window.request_redraw();
-                return Ok(());
-            }
-            _ => return Ok(()), // hidden, or busy: the next event draws again
+        let (texture, is_suboptimal) = match self.next_texture()? {
+            NextTexture::Some(texture, is_suboptimal) => (texture, is_suboptimal),
+            NextTexture::None(wait) => return Ok(wait),
         };
         let input = self.input.take_egui_input(&self.window);
         let app = &mut self.app;
@@ -224,7 +264,7 @@ impl Running {
         self.input
             .handle_platform_output(&self.window, output.platform_output);
         let primitives = self.context.tessellate(output.shapes, output.pixels_per_point);
-        let view = frame.texture.create_view(&Default::default());
+        let view = texture.texture.create_view(&Default::default());
         self.app.painter.paint(
             &view,
             UVec2::new(self.config.width, self.config.height),
@@ -233,20 +273,39 @@ impl Running {
             &output.textures_delta,
         );
         self.window.pre_present_notify();
-        frame.present();
-        let wait = output
-            .viewport_output
-            .get(&ViewportId::ROOT)
-            .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        if wait.is_zero() {
-            self.window.request_redraw();
+        texture.present();
+        if is_suboptimal {
+            self.configure();
         }
-        events.set_control_flow(match now.checked_add(wait) {
-            Some(then) if !wait.is_zero() => ControlFlow::WaitUntil(then),
-            _ => ControlFlow::Wait,
-        });
-        Ok(())
+        let viewport = output.viewport_output.get(&ViewportId::ROOT);
+        Ok(viewport.map(|viewport| viewport.repaint_delay))
     }
+
+    fn repaint_after(&self, events: &ActiveEventLoop, wait: Option<Duration>) {
+        let then = wait.and_then(|wait| Instant::now().checked_add(wait));
+        match then {
+            Some(_) if wait == Some(Duration::ZERO) => {
+                events.set_control_flow(ControlFlow::Wait);
+                self.window.request_redraw();
+            }
+            Some(then) => events.set_control_flow(ControlFlow::WaitUntil(then)),
+            None => events.set_control_flow(ControlFlow::Wait),
+        }
+    }
+}
+
+/// Time until a surface that is busy is tried again.
+const RETRY: Duration = Duration::from_millis(50);
+
+/// Time until a covered window is tried again: not every system says when it is uncovered.
+const HIDDEN: Duration = Duration::from_millis(500);
+
+/// What a surface gives to draw on.
+enum NextTexture {
+    /// A texture, and whether the surface no longer fits the window.
+    Some(wgpu::SurfaceTexture, bool),
+    /// None, and the time until the next try.
+    None(Option<Duration>),
 }
 
 fn interface(window: &Window, largest: usize) -> (egui::Context, egui_winit::State) {

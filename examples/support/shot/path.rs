@@ -26,8 +26,10 @@ pub enum ShotPath {
 #[schemars(title = "arc")]
 pub struct ShotArc {
     /// Axis about which the direction of the light turns; of any length.
+    #[schemars(example = [0, 0, 1])]
     axis: [f32; 3],
     /// Angle of the whole path, degrees.
+    #[schemars(example = 150)]
     degrees: f32,
 }
 
@@ -37,8 +39,10 @@ pub struct ShotArc {
 #[schemars(title = "sun")]
 pub struct ShotSun {
     /// Latitude, degrees; north is positive.
+    #[schemars(example = 50)]
     latitude_deg: f32,
-    /// Day of the year, 1 to 365.
+    /// Day of the year, 1 to 366.
+    #[schemars(example = 172)]
     day: f32,
     /// First and last hour of the path, 0 to 24. Default: the whole day, from midnight.
     #[serde(default = "whole_day")]
@@ -50,6 +54,7 @@ pub struct ShotSun {
 #[serde(deny_unknown_fields)]
 pub struct ShotPositions {
     /// Points of the polyline, metres.
+    #[schemars(example = [[0, 2, 0], [4, 2, 0]])]
     positions: Vec<[f32; 3]>,
 }
 

@@ -53,9 +53,13 @@ impl App {
             .compare
             .as_ref()
             .is_some_and(|compare| compare.truth.is_refining());
-        if refining || self.shown.playing || self.shown.times {
+        if self.shown.playing || self.shown.times {
             ui.ctx()
                 .request_repaint_after(std::time::Duration::from_millis(16));
+        } else if refining {
+            // The cores are needed by the threads that trace.
+            ui.ctx()
+                .request_repaint_after(std::time::Duration::from_millis(100));
         }
     }
 
