@@ -65,7 +65,11 @@ fn flatten_softness(settings: &mut Map<String, Value>) {
     let Some(filter) = settings.get_mut("filter").and_then(Value::as_object_mut) else {
         return;
     };
-    let of_maps = |reference: &Value| reference.as_str().is_some_and(|name| name.ends_with("/MapFilter"));
+    let of_maps = |reference: &Value| {
+        reference
+            .as_str()
+            .is_some_and(|name| name.ends_with("/MapFilter"))
+    };
     if !filter.get("$ref").is_some_and(of_maps) {
         return; // the filter of another technique has no softness
     }

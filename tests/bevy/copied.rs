@@ -34,9 +34,14 @@ fn copied_lights_compile_and_have_every_technique() {
     };
     assert!(lights.iter().filter(|light| is_light(light)).count() > 30);
     for row in Techniques::default().rows() {
-        let count = lights.iter().filter(|light| row.settings_of(light).is_some()).count();
+        let count = lights
+            .iter()
+            .filter(|light| row.settings_of(light).is_some())
+            .count();
         assert!(count >= 3, "{}: {count} lights", row.name());
     }
-    let paths = lights.iter().filter(|light| light.contains::<antumbra::scene::LightPath>());
+    let paths = lights
+        .iter()
+        .filter(|light| light.contains::<antumbra::scene::LightPath>());
     assert!(paths.count() >= 3);
 }

@@ -207,7 +207,11 @@ fn the_guide_names_every_property_of_the_schema() {
     let mut all = std::collections::BTreeSet::new();
     properties(&schema, &mut all);
     assert!(all.len() > 80, "{} properties", all.len());
-    let is_named = |name: &&&str| guide.contains(&format!("`{name}`")) || guide.contains(&format!("\"{name}\""));
+    let is_named =
+        |name: &&&str| guide.contains(&format!("`{name}`")) || guide.contains(&format!("\"{name}\""));
     let missing: Vec<_> = all.iter().filter(|name| !is_named(name)).collect();
-    assert!(missing.is_empty(), "src/guide/shot_file.md does not name {missing:?}");
+    assert!(
+        missing.is_empty(),
+        "src/guide/shot_file.md does not name {missing:?}"
+    );
 }

@@ -63,11 +63,11 @@ pub struct Shown {
     pub help: bool,
     /// Whether the graph of times is open.
     pub times: bool,
-    /// Bevy code that is shown.
+    /// Bevy code that the window shows, if any.
     pub code: Option<String>,
-    /// Path that is typed into the field of the button that opens a file.
+    /// Text in the field for the path of a file to open.
     pub path: String,
-    /// The drag of a handle that goes on.
+    /// The drag in progress.
     pub drag: Option<Drag>,
     /// The view, points.
     pub view: egui::Rect,
@@ -156,7 +156,7 @@ impl App {
         })
     }
 
-    /// Goes on with another device after the first was lost. The document stays.
+    /// Continues on another device after the first was lost. The document stays.
     ///
     /// # Errors
     /// One line that says what the device refuses.
@@ -353,7 +353,7 @@ impl App {
                 keys.insert(key.to_owned(), value);
             }
         }
-        // By eye: bright at the middle of the scene, and the more the larger it is.
+        // By eye: bright in the middle of the scene. Larger scenes need more intensity.
         let reach = (radius.min(6.0) * 0.5).max(0.05);
         if keys.contains_key("position") {
             keys.insert(
@@ -463,7 +463,7 @@ impl App {
             .map_or(0.0, |clip| clip.duration())
     }
 
-    /// Plays the animation on.
+    /// Advances the animation, if it plays.
     pub fn advance(&mut self, seconds: f32) {
         if self.shown.playing {
             let pose = self.document.pose.unwrap_or(Pose { clip: 0, time: 0.0 });

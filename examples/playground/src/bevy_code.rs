@@ -239,7 +239,9 @@ fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) ->
                 return "default()".to_owned();
             };
             if let Some(flag) = value.as_bool()
-                && let Some(rust) = branch.schema.get(if flag { "x-rust-true" } else { "x-rust-false" })
+                && let Some(rust) = branch
+                    .schema
+                    .get(if flag { "x-rust-true" } else { "x-rust-false" })
             {
                 return rust.as_str().unwrap_or("_").to_owned();
             }
@@ -314,7 +316,10 @@ fn angle(radians: f32) -> String {
     let rounded = (degrees * 1e3).round() / 1e3;
     // What the conversion leaves of a whole number of degrees is no part of it.
     let exact = (rounded - degrees).abs() < 2e-5 * degrees.abs().max(1.0);
-    format!("f32::to_radians({})", number(if exact { rounded } else { degrees }))
+    format!(
+        "f32::to_radians({})",
+        number(if exact { rounded } else { degrees })
+    )
 }
 
 /// Returns a number as Rust code: the fewest digits that give it.
@@ -322,7 +327,11 @@ fn number(value: f32) -> String {
     if value.is_finite() {
         return format!("{:?}", value + 0.0); // no negative zero
     }
-    let infinity = if value < 0.0 { "f32::NEG_INFINITY" } else { "f32::INFINITY" };
+    let infinity = if value < 0.0 {
+        "f32::NEG_INFINITY"
+    } else {
+        "f32::INFINITY"
+    };
     infinity.to_owned()
 }
 
@@ -394,7 +403,11 @@ mod tests {
                         && (!bounds.whole || other.fract() == 0.0)
                         && Some(*other) != default.as_f64()
                 });
-                vec![if bounds.whole { json!(other.unwrap() as i64) } else { json!(other.unwrap()) }]
+                vec![if bounds.whole {
+                    json!(other.unwrap() as i64)
+                } else {
+                    json!(other.unwrap())
+                }]
             }
             Form::Text => vec![json!("some/\"folder\"")],
             Form::Row(count, item) => vec![Value::Array(vec![schemas.first(item); count])],
@@ -402,7 +415,11 @@ mod tests {
             Form::Optional(inner) => {
                 let some = schemas.first(inner);
                 let within = others(schemas, schemas.resolve(inner));
-                if matches!(schemas.form_of_some(inner), Form::Object(_)) { within } else { vec![some] }
+                if matches!(schemas.form_of_some(inner), Form::Object(_)) {
+                    within
+                } else {
+                    vec![some]
+                }
             }
             Form::Object(properties) => {
                 let pair = |(key, inner): (&String, &Value)| (key.clone(), others(schemas, inner).remove(0));
@@ -423,7 +440,11 @@ mod tests {
         ];
         let keys = |kind: &str, path: Option<&Value>| {
             let schema = schemas.light(kind).unwrap()["properties"].as_object().unwrap();
-            let own = place.as_object().unwrap().iter().filter(|(key, _)| schema.contains_key(*key));
+            let own = place
+                .as_object()
+                .unwrap()
+                .iter()
+                .filter(|(key, _)| schema.contains_key(*key));
             let mut keys: Map<String, Value> = own.map(|(key, value)| (key.clone(), value.clone())).collect();
             keys.insert("kind".to_owned(), json!(kind));
             keys.extend(path.map(|path| ("path".to_owned(), path.clone())));
@@ -435,21 +456,37 @@ mod tests {
             light.shadows[0].insert("technique".to_owned(), json!(name));
             light
         };
-        let bare = schemas.light_kinds().into_iter().map(|kind| light(&keys(kind, None), "none", Map::new()));
+        let bare = schemas
+            .light_kinds()
+            .into_iter()
+            .map(|kind| light(&keys(kind, None), "none", Map::new()));
         let mut all: Vec<LightDoc> = bare.collect();
         for name in schemas.technique_names() {
             let Form::Object(properties) = schemas.form_of_some(schemas.technique(name).unwrap()) else {
                 panic!("{name} has no settings");
             };
-            let values: Vec<_> = properties.iter().map(|(key, schema)| (key, others(schemas, schema))).collect();
-            let count = values.iter().map(|(_, all)| all.len()).max().unwrap_or(0).max(paths.len());
+            let values: Vec<_> = properties
+                .iter()
+                .map(|(key, schema)| (key, others(schemas, schema)))
+                .collect();
+            let count = values
+                .iter()
+                .map(|(_, all)| all.len())
+                .max()
+                .unwrap_or(0)
+                .max(paths.len());
             for index in 0..count {
-                let settings = values.iter().map(|(key, all)| ((*key).clone(), all[index % all.len()].clone()));
+                let settings = values
+                    .iter()
+                    .map(|(key, all)| ((*key).clone(), all[index % all.len()].clone()));
                 let settings: Map<String, Value> = settings.collect();
                 let kinds = schemas.light_kinds().into_iter();
                 let choices = kinds.flat_map(|kind| {
                     let with = keys(kind, Some(&paths[index % paths.len()]));
-                    [light(&keys(kind, None), name, settings.clone()), light(&with, name, settings.clone())]
+                    [
+                        light(&keys(kind, None), name, settings.clone()),
+                        light(&with, name, settings.clone()),
+                    ]
                 });
                 let fitting = choices.into_iter().find(|light| {
                     let parts = light.parts(Side::A, techniques);

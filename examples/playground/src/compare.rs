@@ -324,12 +324,7 @@ impl Compare {
             .map_or(Ok(()), |failure| Err(failure.to_owned()))
     }
 
-    fn judge(
-        &mut self,
-        side: Side,
-        wanted: &Wanted,
-        visibility: Option<Vec<f32>>,
-    ) -> Result<(), String> {
+    fn judge(&mut self, side: Side, wanted: &Wanted, visibility: Option<Vec<f32>>) -> Result<(), String> {
         self.judgements[side.index()] = None;
         let truth = wanted.selected.and_then(|light| {
             let answer = self.truth.answer()?;

@@ -204,7 +204,9 @@ impl LightDoc {
         let there = all.filter(|(_, key)| self.keys.contains_key(**key));
         let there = there.fold(0_usize, |bits, (index, _)| bits | 1 << index);
         // As few as possible are left out.
-        let mut choices: Vec<usize> = (1..1 << SPECIAL.len()).filter(|bits| bits & !there == 0).collect();
+        let mut choices: Vec<usize> = (1..1 << SPECIAL.len())
+            .filter(|bits| bits & !there == 0)
+            .collect();
         choices.sort_by_key(|bits| bits.count_ones());
         let found = choices
             .into_iter()
@@ -309,7 +311,9 @@ fn change_paths(light: &mut Map<String, Value>, change: &dyn Fn(&Path) -> PathBu
         light.get_mut(key).into_iter().for_each(apply);
     }
     for pointer in [("cookie", "path"), ("shadow", "maps")] {
-        let inner = light.get_mut(pointer.0).and_then(|inner| inner.get_mut(pointer.1));
+        let inner = light
+            .get_mut(pointer.0)
+            .and_then(|inner| inner.get_mut(pointer.1));
         inner.into_iter().for_each(apply);
     }
 }
@@ -377,7 +381,8 @@ impl Document {
                 "near": exactly(view.camera.near),
             });
             if let Some(flat) = view.camera.orthographic {
-                shot["camera"]["orthographic"] = json!({"height": exactly(flat.height), "far": exactly(flat.far)});
+                shot["camera"]["orthographic"] =
+                    json!({"height": exactly(flat.height), "far": exactly(flat.far)});
             }
         }
         if let Some(pose) = self.pose {
@@ -391,7 +396,8 @@ impl Document {
         shot["lights"] = lights.collect();
         if !self.blurred_grounds.is_empty() {
             let grounds = self.blurred_grounds.iter();
-            let grounds = grounds.map(|ground| json!({"node": ground.node, "radius": exactly(ground.radius)}));
+            let grounds =
+                grounds.map(|ground| json!({"node": ground.node, "radius": exactly(ground.radius)}));
             shot["blurred_grounds"] = grounds.collect();
         }
         // A value of JSON values alone always has a text.

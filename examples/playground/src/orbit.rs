@@ -195,10 +195,18 @@ mod tests {
         assert!(eye.axes().iter().all(|axis| axis.is_finite()));
         eye.dolly(1e-9);
         assert!(eye.distance() > 0.0);
-        for (near, factor) in [(1e30, 1.0), (0.1, f32::INFINITY), (0.1, f32::NAN), (f32::NAN, 2.0)] {
+        for (near, factor) in [
+            (1e30, 1.0),
+            (0.1, f32::INFINITY),
+            (0.1, f32::NAN),
+            (f32::NAN, 2.0),
+        ] {
             eye.camera.near = near;
             eye.dolly(factor);
-            assert!(eye.eye.is_finite() && eye.distance() > 0.0, "{near} {factor}: {eye:?}");
+            assert!(
+                eye.eye.is_finite() && eye.distance() > 0.0,
+                "{near} {factor}: {eye:?}"
+            );
         }
     }
 }

@@ -264,7 +264,9 @@ impl Schemas {
                 "boolean" => value.is_boolean(),
                 "string" => value.is_string(),
                 "array" => value.is_array(),
-                "object" => value.as_object().is_some_and(|object| has_keys_of(object, branch.schema)),
+                "object" => value
+                    .as_object()
+                    .is_some_and(|object| has_keys_of(object, branch.schema)),
                 _ => false,
             },
         });
@@ -434,7 +436,8 @@ mod tests {
         match schema {
             Value::Object(all) => {
                 to.push((at.clone(), schema));
-                all.iter().for_each(|(key, inner)| below(inner, format!("{at}/{key}"), to));
+                all.iter()
+                    .for_each(|(key, inner)| below(inner, format!("{at}/{key}"), to));
             }
             Value::Array(all) => {
                 let inner = all.iter().enumerate();
@@ -468,7 +471,11 @@ mod tests {
             for (index, branch) in branches.iter().enumerate() {
                 let first = schemas.first_of(branch);
                 assert_eq!(schemas.branch_of(&branches, &first), Some(index), "{at}: {first}");
-                assert!(!["object", "boolean", "integer", "number"].contains(&&*branch.name), "{at}: {}", branch.name);
+                assert!(
+                    !["object", "boolean", "integer", "number"].contains(&&*branch.name),
+                    "{at}: {}",
+                    branch.name
+                );
             }
         }
         assert!(count > 20, "{count}");
@@ -485,7 +492,10 @@ mod tests {
             }
         };
         assert_eq!(of("shadow_map", "resolution", 0), json!(1024));
-        assert_eq!(of("shadow_map", "resolution", 1), json!({"least": 128, "most": 1024}));
+        assert_eq!(
+            of("shadow_map", "resolution", 1),
+            json!({"least": 128, "most": 1024})
+        );
         assert_eq!(of("shadow_map", "near", 0), json!(0.05));
         assert_eq!(of("occlusion_texture", "resolution", 2), json!(64));
         let light = schemas.light("directional").unwrap();

@@ -302,7 +302,7 @@ impl Session {
         }
     }
 
-    /// Turns a command into a call or into input.
+    /// Does a command by a call of the playground or by input to the window.
     fn input(&mut self, command: Command) -> Result<(), String> {
         let app = &mut self.app;
         match command {

@@ -1,4 +1,4 @@
-//! One of the pictures that are compared: a world with the scene and the lights of a document, and its renderer.
+//! A world with the scene and the lights of a document, and a renderer that draws one of the pictures to compare.
 
 use std::sync::Arc;
 
@@ -273,7 +273,7 @@ impl SideStage {
         let lights = &self.stage.world.resource::<FrameLights>().lights;
         let entity = judged.and_then(|light| self.stage.lights.get(light));
         let index = entity.and_then(|entity| lights.iter().position(|light| light.entity == *entity));
-        let mask = |label: &str| create_target(&context, label, target.size, VISIBILITY_FORMAT);
+        let mask = |label: &'static str| create_target(&context, label, target.size, VISIBILITY_FORMAT);
         let (mut wanted, mut views) = (None, Vec::new());
         if let Some(index) = index {
             // A frame draws the visibility of all lights or of none. All others share a texture that nobody reads.

@@ -19,7 +19,7 @@ const PASS: [u32; 2] = [4, 16];
 /// Samples on an area light after which it is not refined further.
 const DEFAULT_SAMPLES: u32 = 256;
 
-/// What is seen, by which truth is known to be that of the picture.
+/// Everything on which the truth depends. An answer belongs to the picture as long as its question is the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// Size of the picture, pixels.

@@ -118,10 +118,7 @@ impl Shell {
 }
 
 /// Makes the surface of a window.
-fn new_surface(
-    instance: &wgpu::Instance,
-    window: &Arc<Window>,
-) -> Result<wgpu::Surface<'static>, String> {
+fn new_surface(instance: &wgpu::Instance, window: &Arc<Window>) -> Result<wgpu::Surface<'static>, String> {
     instance
         .create_surface(window.clone())
         .map_err(|error| format!("nothing can be drawn on this window: {error}"))
@@ -210,7 +207,9 @@ impl Running {
     /// Makes everything anew on another device. The document stays.
     fn revive(&mut self) -> Result<(), String> {
         self.renew_surface()?;
-        let Some(surface) = &self.surface else { return Ok(()) };
+        let Some(surface) = &self.surface else {
+            return Ok(());
+        };
         let (_, render) = device(&self.instance, surface)?;
         let largest = render.device.limits().max_texture_dimension_2d as usize;
         self.app.revive(render, self.config.format)?;

@@ -110,7 +110,7 @@ impl App {
             if compare.truth.is_refining() {
                 ui.horizontal(|ui| {
                     ui.spinner();
-                    ui.weak("The truth is traced.");
+                    ui.weak("Tracing the truth…");
                 });
             }
             return;
@@ -197,8 +197,17 @@ mod tests {
             let Value::Object(keys) = light else { panic!() };
             truth_notes(&LightDoc::new(String::new(), keys, &Techniques::default())).len()
         };
-        assert_eq!(count(json!({"kind": "sphere", "position": [0, 1, 0], "radius": 0.2})), 0);
-        assert_eq!(count(json!({"kind": "point", "position": [0, 1, 0], "shadow_softness": 0.2})), 1);
-        assert_eq!(count(json!({"kind": "directional", "path": {"latitude_deg": 50, "day": 172}})), 2);
+        assert_eq!(
+            count(json!({"kind": "sphere", "position": [0, 1, 0], "radius": 0.2})),
+            0
+        );
+        assert_eq!(
+            count(json!({"kind": "point", "position": [0, 1, 0], "shadow_softness": 0.2})),
+            1
+        );
+        assert_eq!(
+            count(json!({"kind": "directional", "path": {"latitude_deg": 50, "day": 172}})),
+            2
+        );
     }
 }

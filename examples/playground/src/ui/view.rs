@@ -86,7 +86,7 @@ impl App {
                     let text = if self.shown.playing {
                         "The truth waits until the animation stops."
                     } else if show == Show::Truth || self.shown.selected.is_some() {
-                        "The truth is traced."
+                        "Tracing the truth…"
                     } else {
                         "Select a light."
                     };

@@ -11,7 +11,12 @@ use crate::harness::{PICTURE, different, opened, out, report, run, session};
 
 /// A tetrahedron that moves by two metres in a second, there and back.
 fn moving() -> PathBuf {
-    let corners: [[f32; 3]; 4] = [[0.0, 1.0, 0.0], [-0.8, -0.5, 0.5], [0.8, -0.5, 0.5], [0.0, -0.5, -0.9]];
+    let corners: [[f32; 3]; 4] = [
+        [0.0, 1.0, 0.0],
+        [-0.8, -0.5, 0.5],
+        [0.8, -0.5, 0.5],
+        [0.0, -0.5, -0.9],
+    ];
     let triangles: [u16; 12] = [0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2];
     let times: [f32; 3] = [0.0, 0.5, 1.0];
     let places: [[f32; 3]; 3] = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
@@ -28,9 +33,7 @@ fn moving() -> PathBuf {
         at += part.len();
         view
     });
-    let accessor = |view: usize, component: u32, count: usize, kind: &str| {
-        json!({"bufferView": view, "componentType": component, "count": count, "type": kind})
-    };
+    let accessor = |view: usize, component: u32, count: usize, kind: &str| json!({"bufferView": view, "componentType": component, "count": count, "type": kind});
     let mut positions = accessor(0, 5126, 4, "VEC3");
     positions["min"] = json!([-0.8, -0.5, -0.9]);
     positions["max"] = json!([0.8, 1.0, 0.5]);
@@ -101,7 +104,10 @@ fn the_space_key_plays_the_animation_and_the_truth_waits_for_it() {
     assert!((time(&session) - 0.75).abs() < 1e-4, "a clip repeats");
     assert!(!session.texts().any(|text| text == waits));
     // The truth is that of the pose.
-    let (a, truth) = (session.picture(Show::A).unwrap().1, session.picture(Show::Truth).unwrap().1);
+    let (a, truth) = (
+        session.picture(Show::A).unwrap().1,
+        session.picture(Show::Truth).unwrap().1,
+    );
     assert!(different(&a, &truth, 60) < 60, "{}", different(&a, &truth, 60));
     // The pose is saved.
     run(&mut session, r#"{"do":"save","side":"a","file":"posed.json"}"#);
@@ -121,7 +127,10 @@ fn keys_fly_edit_and_undo() {
     let ahead = view(&session);
     let along = (ahead.eye - start.eye).dot(start.axes()[2]);
     assert!(along > 0.02, "{along}");
-    assert!((ahead.eye - start.eye - start.axes()[2] * along).length() < 1e-3, "straight ahead");
+    assert!(
+        (ahead.eye - start.eye - start.axes()[2] * along).length() < 1e-3,
+        "straight ahead"
+    );
     run(&mut session, r#"{"do":"hold","key":"D","frames":6}"#);
     assert!((view(&session).eye - ahead.eye).dot(start.axes()[0]) > 0.02);
     run(&mut session, r#"{"do":"key","key":"F"}"#);

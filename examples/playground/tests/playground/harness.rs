@@ -80,4 +80,3 @@ pub fn opened(name: &str, size: UVec2) -> Session {
     session.frame().unwrap();
     session
 }
-

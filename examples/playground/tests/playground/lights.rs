@@ -36,7 +36,12 @@ fn a_technique_comes_back_when_the_light_fits_it_again() {
         {"do":"select","light":0}
         {"do":"technique","side":"a","name":"occlusion_texture"}"#,
     );
-    assert!(error(&session, 0).as_str().unwrap().contains("occlusion textures need"));
+    assert!(
+        error(&session, 0)
+            .as_str()
+            .unwrap()
+            .contains("occlusion textures need")
+    );
     assert!(!has::<OcclusionTexture>(&session, 0, 0) && !has::<StencilVolume>(&session, 0, 0));
     // The keys of the light change, and its technique does not.
     session.app.change_light("kind", 0, |light| {
@@ -47,7 +52,10 @@ fn a_technique_comes_back_when_the_light_fits_it_again() {
     assert_eq!(error(&session, 0), Value::Null);
     assert!(has::<OcclusionTexture>(&session, 0, 0));
     set(&mut session, "intensity", json!(7));
-    assert!(has::<OcclusionTexture>(&session, 0, 0), "other keys do not matter");
+    assert!(
+        has::<OcclusionTexture>(&session, 0, 0),
+        "other keys do not matter"
+    );
     // A value that cannot be used, then the one before: the light is as it was.
     set(&mut session, "radius", json!(-1));
     assert!(error(&session, 0).is_string());
@@ -68,7 +76,11 @@ fn parts_of_the_light_model_go_with_their_keys() {
         r#"{"do":"show","left":"a","right":"a"}
         {"do":"select","light":0}"#,
     );
-    set(&mut session, "shape", json!({"width": 1, "height": 1, "width_edge": 0.5, "height_edge": 0.5}));
+    set(
+        &mut session,
+        "shape",
+        json!({"width": 1, "height": 1, "width_edge": 0.5, "height_edge": 0.5}),
+    );
     set(&mut session, "barn_map", json!({}));
     assert_eq!(error(&session, 0), Value::Null);
     assert!(has::<LightShape>(&session, 0, 0) && has::<BarnMap>(&session, 0, 0));
@@ -77,7 +89,10 @@ fn parts_of_the_light_model_go_with_their_keys() {
     set(&mut session, "shape", Value::Null);
     assert!(!has::<LightShape>(&session, 0, 0));
     run(&mut session, r#"{"do":"add","kind":"rect"}"#);
-    run(&mut session, r#"{"do":"technique","side":"a","name":"penumbra_wedge"}"#);
+    run(
+        &mut session,
+        r#"{"do":"technique","side":"a","name":"penumbra_wedge"}"#,
+    );
     type Texture = antumbra::techniques::penumbra_wedge::EmitterTexture;
     set(&mut session, "texture", json!(path));
     assert_eq!(error(&session, 2), Value::Null);
@@ -86,7 +101,10 @@ fn parts_of_the_light_model_go_with_their_keys() {
     run(&mut session, r#"{"do":"technique","side":"a","name":"smoothie"}"#);
     assert!(error(&session, 2).as_str().unwrap().contains("texture: needs"));
     assert!(!has::<Texture>(&session, 0, 2) && has::<Smoothie>(&session, 0, 2));
-    run(&mut session, r#"{"do":"technique","side":"a","name":"penumbra_wedge"}"#);
+    run(
+        &mut session,
+        r#"{"do":"technique","side":"a","name":"penumbra_wedge"}"#,
+    );
     assert!(has::<Texture>(&session, 0, 2) && has::<PenumbraWedge>(&session, 0, 2));
     set(&mut session, "texture", Value::Null);
     assert!(!has::<Texture>(&session, 0, 2));
@@ -101,7 +119,10 @@ fn a_light_on_a_path_is_compared_with_other_techniques() {
         {"do":"technique","side":"b","name":"shadow_map"}
         {"do":"technique","side":"a","name":"occlusion_interval"}"#,
     );
-    assert!(error(&session, 2).as_str().unwrap().contains("maps"), "they must be given");
+    assert!(
+        error(&session, 2).as_str().unwrap().contains("maps"),
+        "they must be given"
+    );
     run(
         &mut session,
         r#"{"do":"set","side":"a","key":"maps","value":"nowhere"}
@@ -115,12 +136,20 @@ fn a_light_on_a_path_is_compared_with_other_techniques() {
     let place = |side: usize| {
         let compare = session.app.compare.as_ref().unwrap();
         let stage = &compare.sides[side].as_ref().unwrap().stage;
-        let place = stage.world.get::<bevy_transform::prelude::Transform>(stage.lights[2]);
+        let place = stage
+            .world
+            .get::<bevy_transform::prelude::Transform>(stage.lights[2]);
         place.unwrap().rotation
     };
     assert_eq!(place(0), place(1), "both sides show the same moment");
-    let start = session.app.document.lights()[2].vector("direction").unwrap().normalize();
-    assert!((place(0) * glam::Vec3::NEG_Z).angle_between(start) > 0.5, "the light has moved");
+    let start = session.app.document.lights()[2]
+        .vector("direction")
+        .unwrap()
+        .normalize();
+    assert!(
+        (place(0) * glam::Vec3::NEG_Z).angle_between(start) > 0.5,
+        "the light has moved"
+    );
     // Maps that are not there are told beside the light.
     let reports = report(&session)["lights"][2]["reports"].to_string();
     assert!(reports.contains("nowhere"), "{reports}");

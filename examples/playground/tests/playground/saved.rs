@@ -70,7 +70,10 @@ fn nothing_of_a_shot_file_is_lost() {
     session.frame().unwrap();
     assert_eq!(grounds(&mut session), [0.35]);
     let document = session.app.document.clone();
-    run(&mut session, r#"{"do":"save","side":"a","file":"deeper/again.json"}"#);
+    run(
+        &mut session,
+        r#"{"do":"save","side":"a","file":"deeper/again.json"}"#,
+    );
     let again = folder.join("deeper/again.json");
     let value: Value = serde_json::from_str(&std::fs::read_to_string(&again).unwrap()).unwrap();
     assert_eq!(value["blurred_grounds"], shot["blurred_grounds"]);
@@ -85,7 +88,11 @@ fn nothing_of_a_shot_file_is_lost() {
     assert_eq!(reopened.blurred_grounds, document.blurred_grounds);
     assert_eq!(reopened.lights().len(), 2);
     for key in ["position", "direction", "kind", "inner_deg"] {
-        assert_eq!(reopened.lights()[0].keys.get(key), document.lights()[0].keys.get(key), "{key}");
+        assert_eq!(
+            reopened.lights()[0].keys.get(key),
+            document.lights()[0].keys.get(key),
+            "{key}"
+        );
     }
     // A ground that is not there is an error, and the old scene stays.
     let mut wrong = shot.clone();
@@ -93,7 +100,10 @@ fn nothing_of_a_shot_file_is_lost() {
     std::fs::write(&path, wrong.to_string()).unwrap();
     assert!(!session.app.open(&path));
     let message = session.app.message.clone().unwrap().text;
-    assert!(message.contains("shot.json: blurred_grounds[0].node"), "{message}");
+    assert!(
+        message.contains("shot.json: blurred_grounds[0].node"),
+        "{message}"
+    );
     session.frame().unwrap();
     assert_eq!(grounds(&mut session), [0.35]);
     // A scene without blurred grounds has none.
