@@ -213,17 +213,22 @@ fn structure(
 
 /// Returns a value of a schema.
 fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) -> String {
+    let Form::Optional(inner) = schemas.form(schema) else {
+        return expression_of(schemas.form(schema), schemas, schema, value, depth);
+    };
+    let value = expression_of(schemas.form_of_some(inner), schemas, inner, value, depth);
+    // A type that says itself how it is written has no `Option` around it.
+    if rust_path(schemas.resolve(inner)).is_some() {
+        value
+    } else {
+        format!("Some({value})")
+    }
+}
+
+/// Returns a value of a schema that has a form.
+fn expression_of(form: Form, schemas: &Schemas, schema: &Value, value: &Value, depth: usize) -> String {
     let name = type_name(schema);
-    match schemas.form(schema) {
-        Form::Optional(inner) => {
-            let value = expression(schemas, inner, value, depth);
-            // A type that says itself how it is written has no `Option` around it.
-            if rust_path(schemas.resolve(inner)).is_some() {
-                value
-            } else {
-                format!("Some({value})")
-            }
-        }
+    match form {
         Form::Number(bounds) if bounds.whole => value.to_string(),
         Form::Number(_) => number(value.as_f64().unwrap_or_default() as f32),
         Form::Row(_, item) => {
@@ -271,7 +276,7 @@ fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) ->
             }
         },
         Form::Text => format!("{value}.to_owned()"),
-        Form::Flag | Form::Texts | Form::Other => value.to_string(),
+        Form::Flag | Form::Texts | Form::Optional(_) | Form::Other => value.to_string(),
     }
 }
 
@@ -310,16 +315,10 @@ fn vec3(v: Vec3) -> String {
     format!("Vec3::new({})", v.to_array().map(number).join(", "))
 }
 
-/// Returns an angle in radians as Rust code.
+/// Returns an angle in radians as Rust code: degrees, rounded to a thousandth.
 fn angle(radians: f32) -> String {
-    let degrees = radians.to_degrees();
-    let rounded = (degrees * 1e3).round() / 1e3;
-    // What the conversion leaves of a whole number of degrees is no part of it.
-    let exact = (rounded - degrees).abs() < 2e-5 * degrees.abs().max(1.0);
-    format!(
-        "f32::to_radians({})",
-        number(if exact { rounded } else { degrees })
-    )
+    let degrees = (radians.to_degrees() * 1e3).round() / 1e3;
+    format!("f32::to_radians({})", number(degrees))
 }
 
 /// Returns a number as Rust code: the fewest digits that give it.
@@ -387,133 +386,5 @@ mod tests {
         let none = with(json!({"technique": "none"}));
         assert!(!none.contains("::default()"), "{none}");
         assert!(!none.contains("antumbra"), "{none}");
-    }
-
-    /// Values of a schema that differ from the default: one for each branch of each choice.
-    fn others(schemas: &Schemas, schema: &Value) -> Vec<Value> {
-        let default = schema.get("default").cloned().unwrap_or_default();
-        match schemas.form(schema) {
-            Form::Flag => vec![json!(default != json!(true))],
-            Form::Number(bounds) => {
-                let before = default.as_f64().or(schemas.first(schema).as_f64()).unwrap();
-                let less = if bounds.whole { before - 1.0 } else { before * 0.5 };
-                let other = [less, before + 0.25, before + 1.0].into_iter().find(|other| {
-                    bounds.least.is_none_or(|least| *other > least)
-                        && bounds.most.is_none_or(|most| *other <= most)
-                        && (!bounds.whole || other.fract() == 0.0)
-                        && Some(*other) != default.as_f64()
-                });
-                vec![if bounds.whole {
-                    json!(other.unwrap() as i64)
-                } else {
-                    json!(other.unwrap())
-                }]
-            }
-            Form::Text => vec![json!("some/\"folder\"")],
-            Form::Row(count, item) => vec![Value::Array(vec![schemas.first(item); count])],
-            Form::Choice(branches) => branches.iter().map(|branch| schemas.first_of(branch)).collect(),
-            Form::Optional(inner) => {
-                let some = schemas.first(inner);
-                let within = others(schemas, schemas.resolve(inner));
-                if matches!(schemas.form_of_some(inner), Form::Object(_)) {
-                    within
-                } else {
-                    vec![some]
-                }
-            }
-            Form::Object(properties) => {
-                let pair = |(key, inner): (&String, &Value)| (key.clone(), others(schemas, inner).remove(0));
-                vec![Value::Object(properties.iter().map(pair).collect())]
-            }
-            Form::Texts | Form::Other => panic!("no technique has such a setting: {schema}"),
-        }
-    }
-
-    /// Lights of all kinds, and lights that have between them each setting of each technique.
-    fn all_lights(techniques: &Techniques, schemas: &Schemas) -> Vec<LightDoc> {
-        let place = json!({"position": [0.5, 2, -1], "direction": [0.3, -1, 0.2], "inner_deg": 20, "outer_deg": 30,
-            "width": 0.6, "height": 0.4, "radius": 0.2});
-        let paths = [
-            json!({"axis": [0, 0, 1], "degrees": 150}),
-            json!({"latitude_deg": 50, "day": 172, "hours": [6, 18]}),
-            json!({"positions": [[0, 2, 0], [4, 2, 0.5]]}),
-        ];
-        let keys = |kind: &str, path: Option<&Value>| {
-            let schema = schemas.light(kind).unwrap()["properties"].as_object().unwrap();
-            let own = place
-                .as_object()
-                .unwrap()
-                .iter()
-                .filter(|(key, _)| schema.contains_key(*key));
-            let mut keys: Map<String, Value> = own.map(|(key, value)| (key.clone(), value.clone())).collect();
-            keys.insert("kind".to_owned(), json!(kind));
-            keys.extend(path.map(|path| ("path".to_owned(), path.clone())));
-            keys
-        };
-        let light = |keys: &Map<String, Value>, name: &str, settings: Map<String, Value>| {
-            let mut light = LightDoc::new(name.to_owned(), keys.clone(), techniques);
-            light.shadows[0] = settings;
-            light.shadows[0].insert("technique".to_owned(), json!(name));
-            light
-        };
-        let bare = schemas
-            .light_kinds()
-            .into_iter()
-            .map(|kind| light(&keys(kind, None), "none", Map::new()));
-        let mut all: Vec<LightDoc> = bare.collect();
-        for name in schemas.technique_names() {
-            let Form::Object(properties) = schemas.form_of_some(schemas.technique(name).unwrap()) else {
-                panic!("{name} has no settings");
-            };
-            let values: Vec<_> = properties
-                .iter()
-                .map(|(key, schema)| (key, others(schemas, schema)))
-                .collect();
-            let count = values
-                .iter()
-                .map(|(_, all)| all.len())
-                .max()
-                .unwrap_or(0)
-                .max(paths.len());
-            for index in 0..count {
-                let settings = values
-                    .iter()
-                    .map(|(key, all)| ((*key).clone(), all[index % all.len()].clone()));
-                let settings: Map<String, Value> = settings.collect();
-                let kinds = schemas.light_kinds().into_iter();
-                let choices = kinds.flat_map(|kind| {
-                    let with = keys(kind, Some(&paths[index % paths.len()]));
-                    [
-                        light(&keys(kind, None), name, settings.clone()),
-                        light(&with, name, settings.clone()),
-                    ]
-                });
-                let fitting = choices.into_iter().find(|light| {
-                    let parts = light.parts(Side::A, techniques);
-                    parts.is_ok_and(|(_, note)| note.is_none())
-                });
-                all.push(fitting.unwrap_or_else(|| panic!("no light takes {name} with {settings:?}")));
-            }
-        }
-        all
-    }
-
-    /// The file is compiled and run by the tests of the library with Bevy. Write it with `ANTUMBRA_WRITE_COPIED=1`.
-    #[test]
-    fn the_code_that_is_compiled_with_bevy_is_what_is_copied() {
-        let techniques = Techniques::default();
-        let schemas = Schemas::of(&techniques);
-        let document = Document {
-            lights: Some(all_lights(&techniques, &schemas)),
-            ..Document::default()
-        };
-        let code = lights(&document, Side::A, &techniques, &schemas);
-        assert!(!code.contains("left out"), "{code}");
-        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/bevy/copied_lights.in");
-        if std::env::var_os("ANTUMBRA_WRITE_COPIED").is_some() {
-            std::fs::write(&path, &code).unwrap();
-        }
-        let file = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(file == code, "{} is old:\n{code}", path.display());
     }
 }

@@ -1,6 +1,7 @@
 //! What a user does in the playground, done by scripts without a display.
 
 mod animation;
+mod copied;
 mod harness;
 mod lights;
 mod menus;
