@@ -410,7 +410,7 @@ mod tests {
     #[test]
     fn the_truth_holds_as_many_lights_as_fit_and_the_selected_one_first() {
         let light = LightSource::new(
-            &Light::point(glam::Vec3::ONE, 1.0),
+            &Light::point(glam::Vec3::ONE, 1.0, 5.0),
             &GlobalTransform::IDENTITY,
             LightSelection::default(),
         );
