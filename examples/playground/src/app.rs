@@ -348,8 +348,9 @@ impl App {
             ("height", json!(0.6)),
             ("radius", json!(0.2)),
         ];
+        let known = schema.get("properties").and_then(Value::as_object);
         for (key, value) in usual {
-            if keys.contains_key(key) {
+            if known.is_some_and(|known| known.contains_key(key)) {
                 keys.insert(key.to_owned(), value);
             }
         }

@@ -86,7 +86,7 @@ impl ApplicationHandler for Shell {
             running.window.request_redraw();
         }
         match event {
-            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
             WindowEvent::Resized(size) => running.resize(size),
             WindowEvent::Occluded(hidden) => {
                 running.hidden = hidden;
