@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use antumbra::prelude::*;
+use antumbra::render::RenderError;
 use antumbra::techniques::Techniques;
 use antumbra_playground::app::App;
 use antumbra_playground::ui::theme;
