@@ -1,5 +1,6 @@
 //! The lights of a document as Bevy code, written from the schemas of their settings.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use antumbra::prelude::*;
@@ -19,14 +20,13 @@ const LUMEN: f32 = 4.0 * std::f32::consts::PI;
 /// `antumbra` with its feature `bevy`, and on `bevy`.
 pub fn lights(document: &Document, side: Side, techniques: &Techniques, schemas: &Schemas) -> String {
     let mut code = String::new();
-    let (mut has_path, mut has_technique) = (false, false);
+    let mut has_path = false;
     for light in document.lights() {
         // A name may hold anything, but not end the comment.
         let name = light.name.replace(['\n', '\r'], " ");
         match light.parts(side, techniques) {
             Ok((parts, note)) => {
                 has_path |= parts.path.is_some();
-                has_technique |= parts.shadow.is_some();
                 let note = note.map_or_else(String::new, |note| format!(" ({})", note.replace('\n', " ")));
                 let _ = writeln!(code, "    // {name}{note}");
                 code += &spawn(light, &parts, side, schemas);
@@ -37,14 +37,28 @@ pub fn lights(document: &Document, side: Side, techniques: &Techniques, schemas:
             }
         }
     }
+    // Names are imported one by one and within the function: some are also names of Bevy's.
     let mut uses = String::new();
     if has_path {
-        uses += "use antumbra::scene::LightPath;\n";
+        uses += "    use antumbra::scene::LightPath;\n";
     }
-    if has_technique {
-        uses += "use antumbra::techniques::*;\n";
+    let names = names_in(&code, schemas);
+    if !names.is_empty() {
+        let names = names.into_iter().collect::<Vec<_>>().join(", ");
+        let _ = writeln!(uses, "    use antumbra::techniques::{{{names}}};");
     }
-    format!("{uses}use bevy::prelude::*;\n\nfn spawn_lights(mut commands: Commands) {{\n{code}}}\n")
+    format!("use bevy::prelude::*;\n\nfn spawn_lights(mut commands: Commands) {{\n{uses}{code}}}\n")
+}
+
+/// Returns the types of this crate's techniques and of their settings that code names.
+fn names_in<'a>(code: &'a str, schemas: &Schemas) -> BTreeSet<&'a str> {
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let words = lines.flat_map(|line| line.split(|letter: char| !letter.is_alphanumeric()));
+    let builtin = Techniques::default();
+    let is_component = |word: &str| builtin.rows().iter().any(|row| row.component_name() == word);
+    words
+        .filter(|word| is_component(word) || schemas.is_type(word))
+        .collect()
 }
 
 /// Returns the statement that spawns a light.

@@ -132,6 +132,11 @@ impl Schemas {
             .collect()
     }
 
+    /// Whether a schema is that of a type of this name.
+    pub fn is_type(&self, name: &str) -> bool {
+        self.defs.contains_key(name)
+    }
+
     /// Follows the reference of a schema.
     pub fn resolve<'a>(&'a self, schema: &'a Value) -> &'a Value {
         let mut schema = schema;

@@ -88,7 +88,11 @@ impl ApplicationHandler for Shell {
         }
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
-            WindowEvent::Resized(size) => running.resize(size),
+            WindowEvent::Resized(size) => {
+                if let Err(failure) = running.resize(size) {
+                    self.fail(events, failure);
+                }
+            }
             WindowEvent::Occluded(hidden) => {
                 running.hidden = hidden;
                 running.window.request_redraw();
@@ -180,16 +184,17 @@ impl Running {
         })
     }
 
-    fn resize(&mut self, size: PhysicalSize<u32>) {
+    fn resize(&mut self, size: PhysicalSize<u32>) -> Result<(), String> {
         self.hidden = size.width == 0 || size.height == 0; // minimised
         if self.hidden {
-            return;
+            return Ok(());
         }
         let largest = self.app.gpu.context.device.limits().max_texture_dimension_2d;
         self.config.width = size.width.min(largest);
         self.config.height = size.height.min(largest);
-        self.configure();
+        let configured = self.configure();
         self.window.request_redraw();
+        configured
     }
 
     /// Makes a new surface of the window. The old one is dropped first: a window has one at a time.
@@ -199,10 +204,25 @@ impl Running {
         Ok(())
     }
 
-    fn configure(&self) {
-        if let Some(surface) = &self.surface {
-            surface.configure(&self.app.gpu.context.device, &self.config);
-        }
+    /// Fits the surface to the window.
+    ///
+    /// # Errors
+    /// One line that says what the window refuses, such as that it is there no more.
+    fn configure(&self) -> Result<(), String> {
+        let Some(surface) = &self.surface else {
+            return Ok(());
+        };
+        let device = &self.app.gpu.context.device;
+        // Without a scope, an error of the surface would end the program with a backtrace.
+        let errors = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        surface.configure(device, &self.config);
+        let error = pollster::block_on(errors.pop());
+        error.map_or(Ok(()), |error| {
+            Err(format!(
+                "nothing can be drawn on this window any more: {}",
+                one_line(&error)
+            ))
+        })
     }
 
     /// Makes everything anew on another device. The document stays.
@@ -214,7 +234,7 @@ impl Running {
         let (_, render) = device(&self.instance, surface)?;
         let largest = render.device.limits().max_texture_dimension_2d as usize;
         self.app.revive(render, self.config.format)?;
-        self.configure();
+        self.configure()?;
         (self.context, self.input) = interface(&self.window, largest);
         Ok(())
     }
@@ -230,12 +250,12 @@ impl Running {
             // A surface must not be configured while a texture of it is held.
             wgpu::CurrentSurfaceTexture::Suboptimal(texture) => NextTexture::Some(texture, true),
             wgpu::CurrentSurfaceTexture::Outdated => {
-                self.configure();
+                self.configure()?;
                 NextTexture::None(Some(Duration::ZERO))
             }
             wgpu::CurrentSurfaceTexture::Lost => {
                 self.renew_surface()?;
-                self.configure();
+                self.configure()?;
                 NextTexture::None(Some(Duration::ZERO))
             }
             wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Validation => {
@@ -275,7 +295,7 @@ impl Running {
         self.window.pre_present_notify();
         texture.present();
         if is_suboptimal {
-            self.configure();
+            self.configure()?;
         }
         let viewport = output.viewport_output.get(&ViewportId::ROOT);
         Ok(viewport.map(|viewport| viewport.repaint_delay))
