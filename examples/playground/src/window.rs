@@ -83,7 +83,8 @@ impl ApplicationHandler for Shell {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(running) = &mut self.running else { return };
         let response = running.input.on_window_event(&running.window, &event);
-        if response.repaint {
+        // egui asks for a frame after each frame too, which would never end.
+        if response.repaint && event != WindowEvent::RedrawRequested {
             running.window.request_redraw();
         }
         match event {
