@@ -22,7 +22,7 @@ export ANTUMBRA_MODELS ?= $(CURDIR)/assets/models
 ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ignored --skip by_hand)
 
 # All features but the windows: nothing here opens one, and they bring 75 crates. That they compile is seen by test-lints.
-FEATURES := --features bevy,gltf,gltf-meshopt,gltf-basisu,reference,profile
+FEATURES := --features bevy-gizmos,gltf,gltf-meshopt,gltf-basisu,reference,profile
 
 # The same for the library and the playground, which scripts drive in its tests. It is selected together with the library,
 # so that nothing is compiled twice, and without its window, which the tests do not open.
@@ -30,9 +30,16 @@ comma := ,
 BOTH := --no-default-features --features antumbra/default$(comma)antumbra/$(subst $(comma),$(comma)antumbra/,$(lastword $(FEATURES))) \
 	--package antumbra --package antumbra_playground
 
+# Pictures of tests are small, so that the software driver compiles shaders for longer than it runs them. This turns off
+# LLVM's optimizations (https://docs.mesa3d.org/envvars.html); other drivers do not read it.
+test test-all test-examples test-benches: export GALLIVM_PERF ?= nopt
+
 # Where examples put what they draw in `make test`.
 SMALL := target/small
-BENCHES := $(shell sed -n '/^\[\[bench\]\]/,/^name/s/^name = "\(.*\)"/\1/p' Cargo.toml)
+named_in = $(shell sed -n '/^\[\[$(1)\]\]/,/^name/s/^name = "\(.*\)"/\1/p' Cargo.toml)
+BENCHES := $(call named_in,bench)
+# All test programs but that of Bevy, which runs beside them.
+TESTS := $(filter-out bevy,$(call named_in,test)) playground
 SHOTS := $(filter-out %/schema.json,$(wildcard examples/shots/*.json))
 
 help: ## this list
@@ -71,10 +78,13 @@ test-docs: ## API documentation, no warning allowed
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features --lib --example own_engine
 
 # In parts: with --include-ignored, snippets that are no programs would be run too. The first command builds the examples
-# that tests run.
+# that tests run. The tests with Bevy use one core for most of their time, so the others run beside them.
 test-all: ## all tests and doc tests
 	cargo test $(BOTH) --no-run
-	cargo test $(BOTH) --tests $(ALL_MODELS)
+	mkdir -p target; cargo test $(BOTH) --test bevy $(ALL_MODELS) >target/test-bevy.log 2>&1 & bevy=$$!; \
+	cargo test $(BOTH) --lib --bins $(addprefix --test ,$(TESTS)) $(ALL_MODELS) || failed=1; \
+	wait $$bevy || failed=1; \
+	cat target/test-bevy.log; exit $${failed:-0}
 	cargo test $(FEATURES) --doc
 
 # The gallery is drawn in small by the test `gallery_page`; what its pages judge is judged by the tests as well.
@@ -85,6 +95,7 @@ test-examples: ## the examples and every shot file
 	cargo run --quiet $(FEATURES) --example own_engine -- --out $(SMALL)
 	cargo run --quiet $(FEATURES) --example bevy_minimal -- --headless --out $(SMALL)
 	cargo run --quiet $(FEATURES) --example bevy_dungeon -- --headless --out $(SMALL)
+	cargo run --quiet $(FEATURES) --example bevy_split_screen -- --headless --out $(SMALL)
 	cargo run --quiet $(FEATURES) --example bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1
 
 # With the profile of the tests: their answers are asked for here, not their times.

@@ -35,6 +35,7 @@
 //! | [`scene`] | components that a user spawns, those of the light model among them; glTF import, poses, animation |
 //! | [`sets`] | the sets of seen, lit and casting objects: F, V, L, I, S, scissors, depth bounds |
 //! | [`silhouettes`] | facing bits, signed edges, closed loops, and the cache of (light, caster) pairs |
+//! | [`debug_lines`] | lines that show sets, silhouettes, hulls, regions and cells |
 //! | [`reference`](mod@reference) | ray-cast visibility, slow and exact, with which techniques are compared (feature `reference`) |
 //! | [`render`] | all code on wgpu that belongs to no technique (feature `render`) |
 //! | [`techniques`] | one folder for each technique: component, CPU geometry, recorder; also the trait and the list of techniques |
@@ -61,7 +62,8 @@
 //! | `schema` | no | JSON Schemas of these settings ([`Row::schema`](techniques::Row::schema)) |
 //! | `profile` | no | GPU timers, which [`RequestedFeatures`](render::RequestedFeatures) then asks for by default |
 //! | `bevy` | no | the plugin for Bevy, with `render`; also Bevy's light visibility as a baseline in `benches/sets` |
-//! | `bevy-window` | no | a window for the examples with Bevy, with `bevy` |
+//! | `bevy-gizmos` | no | debug lines through Bevy's gizmos, with `bevy` |
+//! | `bevy-window` | no | a window for the examples with Bevy, with `bevy-gizmos` |
 //!
 //! Without any feature the ECS core remains: sets, silhouettes, and the CPU geometry of the techniques.
 
@@ -70,6 +72,7 @@ pub mod baking;
 #[cfg(feature = "bevy")]
 pub mod bevy_adapter;
 pub mod conventions;
+pub mod debug_lines;
 pub mod geometry;
 pub mod guide;
 pub mod plugin;

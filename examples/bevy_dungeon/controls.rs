@@ -1,43 +1,35 @@
-//! The flying camera, the keys, and the text on the screen.
+//! The flying camera, and the keys.
 
 use antumbra::bevy_adapter::prelude::*;
 use bevy::input::mouse::AccumulatedMouseMotion;
 use bevy::prelude::*;
+use bevy::render::view::screenshot::{Screenshot, save_to_disk};
+use bevy::window::PrimaryWindow;
 
 use crate::Moving;
-use crate::lights::Technique;
+use crate::flame_size;
+use crate::lights::{FlameRadius, Technique};
 
-/// Plugin for everything that a visitor controls.
+/// Plugin for the camera, and for the keys that change lights.
 pub struct Controls;
 
 /// The light that keys change; `None` means all lights.
 #[derive(Resource, Default)]
-struct Chosen(Option<Entity>);
+pub struct Chosen(pub Option<Entity>);
 
-/// Time of a frame, smoothed, milliseconds.
+/// What the gizmos show: the names of the subjects, and which one is on.
 #[derive(Resource, Default)]
-struct FrameTime(f32);
-
-#[derive(Component)]
-struct Figures;
+pub struct Shown(pub usize);
 
 impl Plugin for Controls {
     fn build(&self, app: &mut App) {
         app.init_resource::<Chosen>()
-            .init_resource::<FrameTime>()
-            .add_systems(Startup, write)
-            .add_systems(Update, (fly, choose, change, stop, tell).chain());
+            .init_resource::<Shown>()
+            .add_systems(
+                Update,
+                (fly, (choose, pick, change).chain(), stop, show, take_screenshot),
+            );
     }
-}
-
-fn write(mut commands: Commands) {
-    let corner = Node {
-        position_type: PositionType::Absolute,
-        top: Val::Px(8.0),
-        left: Val::Px(8.0),
-        ..default()
-    };
-    commands.spawn((Text::default(), corner, Figures));
 }
 
 fn fly(
@@ -107,6 +99,7 @@ fn change(
     mut commands: Commands,
     keys: Res<ButtonInput<KeyCode>>,
     chosen: Res<Chosen>,
+    radius: Res<FlameRadius>,
     mut lights: Query<(Entity, &mut PointLight), With<Technique>>,
 ) {
     for (key, technique) in KEYS.into_iter().zip(Technique::all()) {
@@ -115,7 +108,7 @@ fn change(
         }
         for (light, mut point) in &mut lights {
             if chosen.0.is_none_or(|chosen| chosen == light) {
-                technique.give(&mut commands.entity(light), &mut point);
+                technique.give(&mut commands.entity(light), &mut point, *radius);
             }
         }
     }
@@ -127,32 +120,75 @@ fn stop(keys: Res<ButtonInput<KeyCode>>, mut moving: ResMut<Moving>) {
     }
 }
 
-fn tell(
-    time: Res<Time<Real>>,
-    chosen: Res<Chosen>,
-    mut frame: ResMut<FrameTime>,
-    lights: Query<(Entity, &Technique)>,
-    mut figures: Query<&mut Text, With<Figures>>,
+/// Distance from a flame within which a click chooses it, metres.
+const GRIP: f32 = 0.3;
+
+/// Chooses the flame that is clicked, nearest first. Walls are not looked at.
+fn pick(
+    buttons: Res<ButtonInput<MouseButton>>,
+    windows: Query<&Window, With<PrimaryWindow>>,
+    cameras: Query<(&Camera, &GlobalTransform), With<AntumbraCamera>>,
+    lights: Query<(Entity, &GlobalTransform), With<Technique>>,
+    mut chosen: ResMut<Chosen>,
 ) {
-    let now = time.delta_secs() * 1e3;
-    frame.0 += (now - frame.0) * 0.1;
-    let count = |technique| lights.iter().filter(|(_, own)| **own == technique).count();
-    let techniques = Technique::all();
-    let by_technique = techniques
-        .iter()
-        .enumerate()
-        .map(|(at, &technique)| format!("{} {}: {}", at + 1, technique.name(), count(technique)));
-    let by_technique: Vec<String> = by_technique.collect();
-    let chosen = match chosen.0.and_then(|light| lights.get(light).ok()) {
-        Some((light, technique)) => format!("light {light}: {}", technique.name()),
-        None => "all lights".to_owned(),
+    let (Ok(window), Ok((camera, eyes))) = (windows.single(), cameras.single()) else {
+        return;
     };
-    for mut text in &mut figures {
-        text.0 = format!(
-            "{:.1} ms, {:.0} frames a second\n{}\nTab, Backspace: {chosen}",
-            frame.0,
-            1e3 / frame.0.max(1e-3),
-            by_technique.join(", "),
-        );
+    let Some(cursor) = window
+        .cursor_position()
+        .filter(|cursor| buttons.just_pressed(MouseButton::Left) && !flame_size::is_on_bar(window, *cursor))
+    else {
+        return;
+    };
+    let Ok(ray) = camera.viewport_to_world(eyes, cursor) else {
+        return;
+    };
+    let hit = |(light, place): (Entity, &GlobalTransform)| {
+        let to_light = place.translation() - ray.origin;
+        let depth = to_light.dot(*ray.direction);
+        let off = (to_light - *ray.direction * depth).length();
+        (depth > 0.0 && off < GRIP).then_some((depth, light))
+    };
+    let hits = lights.iter().filter_map(hit);
+    if let Some((_, light)) = hits.min_by(|a, b| a.0.total_cmp(&b.0)) {
+        chosen.0 = Some(light);
+    }
+}
+
+/// Names of what gizmos can show, each with the switch that turns it on.
+pub const SUBJECTS: [(&str, fn(&mut AntumbraGizmos)); 7] = [
+    ("nothing", |_| {}),
+    ("sets", |gizmos| gizmos.sets = true),
+    ("silhouettes", |gizmos| gizmos.silhouettes = true),
+    ("reach", |gizmos| gizmos.reach = true),
+    ("hulls", |gizmos| gizmos.hulls = true),
+    ("regions", |gizmos| gizmos.regions = true),
+    ("techniques", |gizmos| gizmos.techniques = true),
+];
+
+fn show(
+    keys: Res<ButtonInput<KeyCode>>,
+    chosen: Res<Chosen>,
+    mut shown: ResMut<Shown>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+) {
+    if keys.just_pressed(KeyCode::KeyG) {
+        shown.0 = (shown.0 + 1) % SUBJECTS.len();
+    }
+    let (_, config) = gizmos.config_mut::<AntumbraGizmos>();
+    *config = AntumbraGizmos {
+        light: chosen.0,
+        ..default()
+    };
+    SUBJECTS[shown.0].1(config);
+}
+
+fn take_screenshot(mut commands: Commands, keys: Res<ButtonInput<KeyCode>>, mut taken: Local<u32>) {
+    if keys.just_pressed(KeyCode::F12) {
+        let file = format!("bevy_dungeon_{}.png", *taken);
+        *taken += 1;
+        commands
+            .spawn(Screenshot::primary_window())
+            .observe(save_to_disk(file));
     }
 }

@@ -18,8 +18,15 @@ pub enum Technique {
     None,
 }
 
-/// Radius of a flame, metres.
-const FLAME: f32 = 0.08;
+/// Radius of flames, metres.
+#[derive(Resource, Clone, Copy, PartialEq)]
+pub struct FlameRadius(pub f32);
+
+impl Default for FlameRadius {
+    fn default() -> Self {
+        Self(0.08)
+    }
+}
 
 impl Technique {
     /// Returns all choices: first our techniques that fit a point light, in the order of their list, then the others.
@@ -44,12 +51,16 @@ impl Technique {
         }
     }
 
+    /// Whether lights of the technique have an extent. Objects can be hidden from a light only if the light is a point, so
+    /// techniques that use this get a point.
+    pub fn has_flame(self) -> bool {
+        matches!(self, Self::Ours(row) if !row.needs().light_occlusion)
+    }
+
     /// Gives the technique to a light and removes the light's other techniques.
-    pub fn give(self, light: &mut EntityCommands, point: &mut PointLight) {
+    pub fn give(self, light: &mut EntityCommands, point: &mut PointLight, radius: FlameRadius) {
         point.shadow_maps_enabled = self == Self::Bevy;
-        // Objects can be hidden from a light only if the light is a point, so techniques that use this get a point.
-        let is_flame = matches!(self, Self::Ours(row) if !row.needs().light_occlusion);
-        point.radius = if is_flame { FLAME } else { 0.0 };
+        point.radius = if self.has_flame() { radius.0 } else { 0.0 };
         light.insert(self);
         light.queue(move |mut light: EntityWorldMut| {
             Techniques::default().take(&mut light);
@@ -77,6 +88,7 @@ pub fn hang(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
+    radius: Res<FlameRadius>,
 ) {
     let flame_mesh = meshes.add(Sphere::new(0.05));
     let mut glow = |color: LinearRgba| {
@@ -104,7 +116,7 @@ pub fn hang(
             bevy::light::NotShadowCaster,
         );
         let mut light = commands.spawn((Transform::from_translation(place), Flame { mean, phase }, flame));
-        first.give(&mut light, &mut point);
+        first.give(&mut light, &mut point, *radius);
         light.insert(point).id()
     };
     for (index, middle) in rooms().enumerate() {

@@ -10,12 +10,20 @@
 //! | --- | --- |
 //! | W A S D, Q E | walk, sink and rise; three times as fast with Shift |
 //! | arrows, or the mouse with its right button down | look around |
-//! | Tab, Backspace | choose the next light, or all of them |
-//! | 1 2 3 4 5 | stencil volumes, penumbra wedges, omnidirectional maps, Bevy's own maps, no shadows |
+//! | click on a flame, Tab, Backspace | choose this light, the next one, or all of them |
+//! | 1 to 9 | the technique of the chosen lights; the text on the screen lists them |
+//! | the bar, or [ and ] | the size of flames, from 0 to 0.5 m |
+//! | G | show the next of the sets, silhouettes, hulls … as gizmos, or none |
 //! | P | stop and go |
+//! | F12 | save a screenshot to `bevy_dungeon_N.png` |
+//! | H | hide and show the text |
 
 #[cfg(feature = "bevy-window")]
 mod controls;
+#[cfg(feature = "bevy-window")]
+mod figures;
+#[cfg(feature = "bevy-window")]
+mod flame_size;
 mod lights;
 mod rooms;
 
@@ -38,13 +46,19 @@ fn main() {
             ..default()
         })
         .insert_resource(Moving(true))
+        .init_resource::<lights::FlameRadius>()
         .add_systems(Startup, (rooms::build, lights::hang, enter))
         .add_systems(
             Update,
             (rooms::turn, lights::flicker, lights::wander).run_if(|moving: Res<Moving>| moving.0),
         );
     #[cfg(feature = "bevy-window")]
-    app.add_plugins(controls::Controls);
+    app.add_plugins((
+        AntumbraGizmosPlugin,
+        controls::Controls,
+        figures::Figures,
+        flame_size::FlameSizes,
+    ));
     bevy_headless::run(app);
 }
 

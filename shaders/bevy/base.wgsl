@@ -24,6 +24,8 @@
 struct Unindexed {
     color: vec4<f32>,
     place: vec4<f32>,        // direction to a directional light, or position of a rectangle
+    right: vec4<f32>,        // of a rectangle; w: its width
+    up: vec4<f32>,           // of a rectangle; w: its height
 }
 struct Managed {
     counts: vec4<u32>,       // directional lights, rectangles, words of managed_bits
@@ -67,10 +69,12 @@ override fn bevy_pbr::lighting::directional_light(
 override fn bevy_pbr::lighting::rect_light(
     light_id: u32, input: ptr<function, LightingInput>, enable_diffuse: bool
 ) -> vec3<f32> {
-    let color = lights.rect_lights[light_id].color;
-    let place = lights.rect_lights[light_id].position;
+    let rect = lights.rect_lights[light_id];
     for (var i = 0u; i < managed.counts.y; i = i + 1u) {
-        if all(managed.rect[i].place.xyz == place) && all(managed.rect[i].color == color) {
+        let known = managed.rect[i];
+        if all(known.place.xyz == rect.position) && all(known.color == rect.color)
+            && all(known.right == vec4<f32>(rect.right, rect.width))
+            && all(known.up == vec4<f32>(rect.up, rect.height)) {
             return vec3<f32>(0.0);
         }
     }

@@ -11,6 +11,8 @@
 struct AntumbraUnindexed {
     color: vec4<f32>,
     place: vec4<f32>,        // xyz as in base.wgsl; w: the layer plus 1, or 0
+    right: vec4<f32>,        // as in base.wgsl
+    up: vec4<f32>,           // as in base.wgsl
 }
 struct AntumbraManaged {
     counts: vec4<u32>,       // directional lights, rectangles, length of antumbra_layers
@@ -62,12 +64,13 @@ override fn bevy_pbr::lighting::rect_light(
     light_id: u32, input: ptr<function, antumbra_lighting::LightingInput>, enable_diffuse: bool
 ) -> vec3<f32> {
     let light = antumbra_lighting::rect_light(light_id, input, enable_diffuse);
-    let color = antumbra_bindings::lights.rect_lights[light_id].color;
-    let place = antumbra_bindings::lights.rect_lights[light_id].position;
+    let rect = antumbra_bindings::lights.rect_lights[light_id];
     var layer = 0u;
     for (var i = 0u; i < antumbra_managed.counts.y; i = i + 1u) {
         let known = antumbra_managed.rect[i];
-        if all(known.place.xyz == place) && all(known.color == color) { layer = u32(known.place.w); }
+        if all(known.place.xyz == rect.position) && all(known.color == rect.color)
+            && all(known.right == vec4<f32>(rect.right, rect.width))
+            && all(known.up == vec4<f32>(rect.up, rect.height)) { layer = u32(known.place.w); }
     }
     if layer == 0u { return light; }
     return light * antumbra_visibility(layer, (*input).P);

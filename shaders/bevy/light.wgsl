@@ -28,6 +28,8 @@ const PI: f32 = 3.141592653589793;
 struct LightDraw {
     color: vec4<f32>,        // as Bevy uploads it; for directional lights and rectangles
     place: vec4<f32>,        // direction to a directional light, or position of a rectangle
+    right: vec4<f32>,        // of a rectangle; w: its width
+    up: vec4<f32>,           // of a rectangle; w: its height
     index: vec4<u32>,        // x: Bevy's index of a point or spot light; y: 1 if surfaces have weights of their own
     weights: vec4<f32>,      // of ambient, diffuse and specular light; w: darkness of shadows
     shadow: vec4<f32>,       // colour of shadows, for a light whose largest component is 1
@@ -92,7 +94,9 @@ fn find_light() -> u32 {
     let count = lights.n_rect_lights;
     var found = count;
     for (var i = 0u; i < count; i = i + 1u) {
-        let same = all(lights.rect_lights[i].position == draw.place.xyz) && all(lights.rect_lights[i].color == draw.color);
+        let rect = lights.rect_lights[i];
+        let same = all(rect.position == draw.place.xyz) && all(rect.color == draw.color)
+            && all(vec4<f32>(rect.right, rect.width) == draw.right) && all(vec4<f32>(rect.up, rect.height) == draw.up);
         found = select(found, i, same && found == count);
     }
     return found;

@@ -164,6 +164,7 @@ pub(super) fn queue_deferred(
         };
         let queued = meshes.dirty.iter_to_queue(view, visible, &pending.prev_frame);
         for (&render_entity, &entity) in queued {
+            forward.forget(view, entity);
             let stays = queue_mesh(
                 (render_entity, entity),
                 view_key,

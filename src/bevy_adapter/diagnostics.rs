@@ -99,13 +99,13 @@ impl Plugin for AntumbraDiagnosticsPlugin {
 ///
 /// Runs in `ExtractSchedule`, before [`Collect`](AntumbraExtractSystems::Collect), while the mirrors are still
 /// those that ran.
-fn publish_diagnostics(mut main: ResMut<MainWorld>, mirrors: Option<ResMut<Mirrors>>) {
-    let (Some(mut mirrors), Some(mut store)) = (mirrors, main.get_resource_mut::<DiagnosticsStore>()) else {
+fn publish_diagnostics(mut main: ResMut<MainWorld>, mirrors: Option<Res<Mirrors>>) {
+    let (Some(mirrors), Some(mut store)) = (mirrors, main.get_resource_mut::<DiagnosticsStore>()) else {
         return;
     };
     let (mut sums, mut milliseconds): (Sums, f64) = ([0.0; 8], 0.0);
-    for mirror in mirrors.iter_mut() {
-        if !std::mem::take(&mut mirror.has_run) {
+    for (_, mirror) in mirrors.iter() {
+        if !mirror.has_run {
             continue; // its camera draws nothing
         }
         for (sum, count) in sums.iter_mut().zip(counts(mirror)) {

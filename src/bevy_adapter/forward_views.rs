@@ -20,7 +20,7 @@ use bevy::pbr::{
     SetMeshBindGroup, SetMeshViewBindGroup, SetMeshViewBindingArrayBindGroup,
     SpecializedMaterialPipelineCache,
 };
-use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::collections::HashMap;
 use bevy::render::render_phase::{
     BinnedRenderPhaseType, DrawFunctions, PhaseItem, RenderCommand, RenderCommandResult, SetItemPipeline,
     TrackedRenderPass,
@@ -81,14 +81,14 @@ pub struct ForwardViews {
     pipelines: HashMap<CachedRenderPipelineId, Option<CachedRenderPipelineId>>,
     /// Meshes of each view that Bevy's own pipelines draw until ours are ready.
     pending: HashMap<RetainedViewEntity, MainEntityHashSet>,
-    /// Views in which a mesh is drawn with our masks.
-    shadowed: HashSet<RetainedViewEntity>,
+    /// Meshes of each view that are drawn with our masks.
+    shadowed: HashMap<RetainedViewEntity, MainEntityHashSet>,
 }
 
 impl ForwardViews {
     /// Whether a mesh of a view reads masks.
     pub fn reads_masks(&self, view: RetainedViewEntity) -> bool {
-        self.shadowed.contains(&view)
+        self.shadowed.get(&view).is_some_and(|meshes| !meshes.is_empty())
     }
 
     /// Forgets the pipelines, which are lost with the device.
@@ -122,6 +122,13 @@ impl ForwardQueue<'_> {
         self.own.forward_layout.is_some()
     }
 
+    /// Forgets that a mesh of a view reads masks, because Bevy queues it anew.
+    pub fn forget(&mut self, view: RetainedViewEntity, mesh: MainEntity) {
+        if let Some(meshes) = self.views.shadowed.get_mut(&view) {
+            meshes.remove(&mesh);
+        }
+    }
+
     /// Takes up a mesh that Bevy has queued in a forward phase of a view.
     pub fn push(&mut self, view: RetainedViewEntity, mesh: MainEntity) {
         self.views.pending.entry(view).or_default().insert(mesh);
@@ -136,6 +143,11 @@ impl ForwardQueue<'_> {
         phases: &mut ViewPhases,
         cache: &PipelineCache,
     ) {
+        if let Some(shadowed) = self.views.shadowed.get_mut(&view) {
+            for (_, gone) in &visible.removed_entities {
+                shadowed.remove(gone);
+            }
+        }
         let Some(waiting) = self.views.pending.remove(&view) else {
             return;
         };
@@ -151,9 +163,10 @@ impl ForwardQueue<'_> {
         }
     }
 
-    /// Forgets the meshes that wait in views which are gone.
+    /// Forgets the meshes of views which are gone.
     pub fn keep_views(&mut self, is_there: impl Fn(&RetainedViewEntity) -> bool) {
         self.views.pending.retain(|view, _| is_there(view));
+        self.views.shadowed.retain(|view, _| is_there(view));
     }
 
     fn queue_mesh(
@@ -210,7 +223,7 @@ impl ForwardQueue<'_> {
             }
             RenderPhaseType::Transmissive | RenderPhaseType::Transparent => return None,
         }
-        self.views.shadowed.insert(view);
+        self.views.shadowed.entry(view).or_default().insert(entity);
         Some(Progress::Done)
     }
 

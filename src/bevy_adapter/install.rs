@@ -1,6 +1,6 @@
 //! Registration of the adapter in a Bevy app, called by [`AntumbraPlugin`](crate::plugin::AntumbraPlugin).
 
-use bevy::app::{App, Last, PostUpdate};
+use bevy::app::{App, Last, PostUpdate, SubApp};
 use bevy::asset::{AssetEventSystems, Assets};
 use bevy::core_pipeline::CorePipelinePlugin;
 use bevy::core_pipeline::core_3d::{
@@ -38,6 +38,7 @@ use super::settings::AntumbraSettings;
 use super::shared_targets::separate_prepass_textures;
 use super::surfaces::{Surfaces, collect_surfaces};
 use super::sync::{end_sync, sync_cameras, sync_texture_memory, sync_transforms};
+use super::sync_cells::sync_cells;
 use super::sync_lights::sync_lights;
 use super::sync_models;
 use super::sync_objects::sync_objects;
@@ -102,8 +103,15 @@ pub fn install(app: &mut App) -> bool {
     sync_models::watch(app);
     let shaders = AntumbraShaders::add(&mut app.world_mut().resource_mut::<Assets<Shader>>());
     let render_app = app.sub_app_mut(RenderApp);
+    render_app.insert_resource(shaders);
+    add_render_resources(render_app);
+    add_extraction(render_app);
+    add_rendering(render_app);
+    true
+}
+
+fn add_render_resources(render_app: &mut SubApp) {
     render_app
-        .insert_resource(shaders)
         .init_resource::<Mirrors>()
         .init_resource::<RefusedMeshes>()
         .init_resource::<CutOutCasters>()
@@ -114,7 +122,12 @@ pub fn install(app: &mut App) -> bool {
         .add_render_command::<Opaque3d, DrawShadowed>()
         .add_render_command::<AlphaMask3d, DrawShadowed>()
         .init_resource::<DeferredViews>()
-        .init_resource::<LightlessTechniques>()
+        .init_resource::<LightlessTechniques>();
+}
+
+/// Adds the systems that copy the game to the mirrors.
+fn add_extraction(render_app: &mut SubApp) {
+    render_app
         .configure_sets(
             ExtractSchedule,
             (AntumbraExtractSystems::Collect, AntumbraExtractSystems::Sync).chain(),
@@ -145,6 +158,7 @@ pub fn install(app: &mut App) -> bool {
                     sync_transforms,
                     sync_levels,
                     sync_objects,
+                    sync_cells,
                     sync_lights,
                     sync_texture_memory,
                     end_sync,
@@ -152,7 +166,12 @@ pub fn install(app: &mut App) -> bool {
                     .chain()
                     .in_set(AntumbraExtractSystems::Sync),
             ),
-        )
+        );
+}
+
+/// Adds the systems that queue the meshes of marked cameras, and draw their lights.
+fn add_rendering(render_app: &mut SubApp) {
+    render_app
         .add_systems(
             Render,
             (
@@ -186,7 +205,6 @@ pub fn install(app: &mut App) -> bool {
                 .before(screen_space_reflections)
                 .before(main_opaque_pass_3d),
         );
-    true
 }
 
 /// Removes all mirrors, because what they hold on the GPU is lost with the device.

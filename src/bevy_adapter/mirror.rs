@@ -13,8 +13,8 @@ use super::sync_models::remove_model;
 use super::view_state::ViewState;
 use crate::geometry::Aabb;
 use crate::scene::{
-    Light, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers,
-    ShadowCaster, ShadowReceiver, Skin, WorldBounds,
+    ExtraBounds, Light, LightSelection, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh,
+    SelectionLayers, ShadowCaster, ShadowReceiver, Skin, WorldBounds,
 };
 use crate::schedule;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
@@ -50,6 +50,7 @@ type ObjectComponents = (
     ShadowReceiver,
     SelectionLayers,
     LocalBounds,
+    ExtraBounds,
     WorldBounds,
     HostBounds,
     Skin,
@@ -72,8 +73,10 @@ pub struct Mirror {
     pub camera: Entity,
     /// True until the first synchronisation, which copies everything instead of only what changed.
     pub fresh: bool,
-    /// Whether the frame's schedule has run since the diagnostics read the mirror.
+    /// Whether the schedule ran in the last frame.
     pub(super) has_run: bool,
+    /// Number of frames since the schedule ran.
+    pub(super) idle_frames: u32,
     /// State with which the GPU draws the camera's lights.
     pub view: ViewState,
     /// Objects of the game that must be synchronised again, beside those that changed in the game. Their level
@@ -106,6 +109,7 @@ impl Mirror {
             camera,
             fresh: true,
             has_run: false,
+            idle_frames: 0,
             view: ViewState::default(),
             dirty: Vec::new(),
             receivers_changed: Vec::new(),
@@ -263,8 +267,8 @@ impl Mirrors {
     }
 
     /// Removes the mirrors of cameras for which `keep` is false.
-    pub fn retain(&mut self, keep: impl Fn(Entity) -> bool) {
-        self.entries.retain(|&(camera, _)| keep(camera));
+    pub fn retain(&mut self, keep: impl Fn(Entity, &Mirror) -> bool) {
+        self.entries.retain(|(camera, mirror)| keep(*camera, mirror));
     }
 
     /// Adds the mirror of a camera. Does nothing if the camera has a mirror.

@@ -33,6 +33,7 @@
 //! | `Camera`s | any number, perspective or orthographic, with render targets, viewports, TAA jitter and fog; marked cameras have no MSAA, because deferred shading has one sample a pixel |
 //! | `VisibilityRange` | a level of detail that the camera does not draw casts nothing; of two levels that fade into each other the one that is drawn more casts |
 //! | alpha-masked and blended casters | maps leave out the holes, volumes and wedges do not (see below) |
+//! | [`Cell`](crate::scene::Cell), [`Portal`](crate::scene::Portal), [`InCells`](crate::scene::InCells), [`Occluder`](crate::scene::Occluder) | hide objects from lights and from the light passes of marked cameras; Bevy still draws every object |
 //! | negative and zero scales | meshes are drawn as Bevy draws them, and block light as they are drawn |
 //! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow |
 //! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
@@ -104,12 +105,13 @@
 //! | `deferral`, `deferred_views` | the choice of materials that are deferred for marked cameras, and their queues |
 //! | `report` | reports in the game's [`Reports`](crate::reports::Reports) and in the log |
 //! | `diagnostics` | counts and times in Bevy's diagnostics |
+//! | `gizmos` | sets, silhouettes, hulls, regions, cells and techniques as Bevy's gizmos |
 //! | `mesh_convert`, `mesh_library`, `refused` | meshes, made ready on other threads |
 //! | `still_scene` | a copy of what stands still, to bake maps from |
 //! | `surfaces`, `cut_outs` | opaque and see-through objects, holes by alpha |
 //! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
-//! | `sync`, `sync_objects`, `sync_lights`, `sync_models`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
+//! | `sync`, `sync_objects`, `sync_cells`, `sync_lights`, `sync_models`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
 //! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
@@ -122,6 +124,8 @@ pub(crate) mod entity_map;
 pub(crate) mod forward_masks;
 pub(crate) mod forward_shaders;
 pub(crate) mod forward_views;
+#[cfg(feature = "bevy-gizmos")]
+pub(crate) mod gizmos;
 pub(crate) mod install;
 pub(crate) mod light_convert;
 pub(crate) mod mesh_convert;
@@ -140,6 +144,7 @@ pub(crate) mod shared_targets;
 pub(crate) mod still_scene;
 pub(crate) mod surfaces;
 pub(crate) mod sync;
+pub(crate) mod sync_cells;
 pub(crate) mod sync_lights;
 pub(crate) mod sync_models;
 pub(crate) mod sync_objects;
@@ -151,6 +156,8 @@ pub(crate) mod view_state;
 
 pub use camera::AntumbraCamera;
 pub use diagnostics::AntumbraDiagnosticsPlugin;
+#[cfg(feature = "bevy-gizmos")]
+pub use gizmos::{AntumbraGizmoLines, AntumbraGizmos, AntumbraGizmosPlugin};
 pub use mesh_convert::MeshRefusal;
 pub use mesh_library::{MeshEntry, MeshLibrary, ReadyMesh};
 pub use mirror::{HostBounds, HostEntity, HostLight, Mirror, Mirrors};

@@ -19,7 +19,7 @@ use bevy::render::view::ExtractedView;
 use bytemuck::Zeroable;
 use glam::{UVec2, Vec3, Vec4};
 
-use super::forward_masks::{MAX_LAYERS, neutral};
+use super::forward_masks::{ForwardMasks, MAX_LAYERS, neutral};
 use super::forward_views::{ForwardGroup, ForwardViews};
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror, Mirrors};
@@ -142,6 +142,9 @@ pub(super) fn prepare_views(
         };
         let key = gpu.keys.get(&extracted.retained_view_entity).copied();
         mirror.view.keeps_masks = forward.reads_masks(extracted.retained_view_entity);
+        if !mirror.view.keeps_masks {
+            mirror.view.forward = ForwardMasks::default(); // frees the masks of meshes that are gone
+        }
         // An upscaler lets the main pass draw into a part of the viewport.
         let size = resolution.map(|size| size.0).or(camera.physical_viewport_size);
         let ready = match (key, size) {
@@ -382,6 +385,9 @@ fn describe(host: &HostLight, lights: &BevyLights) -> Option<LightDraw> {
             let light = lights.rect.get(host.render_entity).ok()?;
             let color = Vec4::from_slice(&light.color.to_f32_array()) * light.intensity;
             draw.unindexed = unindexed(color, light.transform.translation());
+            let (right, up): (Vec3, Vec3) = (light.transform.right().into(), light.transform.up().into());
+            draw.unindexed.right = right.extend(light.width).to_array();
+            draw.unindexed.up = up.extend(light.height).to_array();
         }
     }
     Some(draw)
@@ -391,6 +397,7 @@ fn unindexed(color: Vec4, place: Vec3) -> Unindexed {
     Unindexed {
         color: color.to_array(),
         place: place.extend(0.0).to_array(),
+        ..Default::default()
     }
 }
 

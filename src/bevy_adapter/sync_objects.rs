@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use bevy::asset::Assets;
 use bevy::camera::primitives::Aabb as BevyAabb;
+use bevy::camera::visibility::NoAutoAabb;
 use bevy::camera::visibility::{InheritedVisibility, RenderLayers};
 use bevy::ecs::prelude::*;
 use bevy::ecs::world::EntityRef;
@@ -26,8 +27,8 @@ use super::surfaces::{Surface, Surfaces, standard_material};
 use super::sync_models::copy_part;
 use crate::geometry::Aabb;
 use crate::scene::{
-    BlurredGround, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers,
-    ShadowCaster, ShadowReceiver, Skin, SurfaceWeights, WorldBounds,
+    BlurredGround, ExtraBounds, LocalBounds, MorphWeights, PosedMesh, SceneMaterials, SceneMesh,
+    SelectionLayers, ShadowCaster, ShadowReceiver, Skin, SurfaceWeights, WorldBounds,
 };
 use crate::silhouettes::CasterMeshes;
 use crate::silhouettes::casters::{CasterEdges, PosedPlanes};
@@ -48,6 +49,7 @@ type ObjectChanged = (
         Changed<BlurredGround>,
         Added<NotShadowCaster>,
         Added<NotShadowReceiver>,
+        Added<NoAutoAabb>,
     )>,
 );
 
@@ -206,15 +208,12 @@ fn sync_object(
         && level.casts()
         && surface != Surface::NotDrawn
         && !object.contains::<NotShadowCaster>();
-    match (target.get::<BlurredGround>(), object.get::<BlurredGround>()) {
-        (known, wanted) if known == wanted => {}
-        (_, Some(wanted)) => {
-            target.insert(*wanted);
-        }
-        (_, None) => {
-            target.remove::<BlurredGround>();
-        }
-    }
+    set_part(&mut target, object.get::<BlurredGround>().copied());
+    // Bevy measures other meshes itself.
+    let given = object
+        .get::<BevyAabb>()
+        .filter(|_| object.contains::<NoAutoAabb>());
+    set_part(&mut target, given.map(|aabb| ExtraBounds(converted(aabb))));
     set(&mut target, ShadowCaster, casts);
     if casts && material.is_some_and(|material| game.surfaces.is_cut_out(material)) {
         cut_outs.insert(&object);
@@ -254,6 +253,26 @@ fn surface_of(object: &EntityRef, transform: &GlobalTransform, level: Level, sur
     }
 }
 
+fn converted(aabb: &BevyAabb) -> Aabb {
+    Aabb {
+        min: Vec3::from(aabb.min()),
+        max: Vec3::from(aabb.max()),
+    }
+}
+
+/// Inserts, replaces or removes a component where that changes something.
+fn set_part<C: Component + PartialEq>(target: &mut EntityWorldMut, wanted: Option<C>) {
+    match wanted {
+        wanted if target.get::<C>() == wanted.as_ref() => {}
+        Some(wanted) => {
+            target.insert(wanted);
+        }
+        None => {
+            target.remove::<C>();
+        }
+    }
+}
+
 /// Inserts or removes a marker. Returns whether that changed anything.
 fn set<C: Component>(target: &mut EntityWorldMut, marker: C, wanted: bool) -> bool {
     let changes = wanted != target.contains::<C>();
@@ -283,10 +302,7 @@ fn insert_mesh(mirror: &mut Mirror, mirrored: Entity, ready: &ReadyMesh) {
 
 /// Gives an object bounds in place of a mesh that is not ready or was refused. With bounds the object is lit.
 fn insert_bounds(mirror: &mut Mirror, mirrored: Entity, object: &EntityRef, transform: &GlobalTransform) {
-    let bounds = object.get::<BevyAabb>().map_or(EVERYWHERE, |aabb| Aabb {
-        min: Vec3::from(aabb.min()),
-        max: Vec3::from(aabb.max()),
-    });
+    let bounds = object.get::<BevyAabb>().map_or(EVERYWHERE, converted);
     let mut target = mirror.world.entity_mut(mirrored);
     target.remove::<(
         SceneMesh,

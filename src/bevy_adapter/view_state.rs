@@ -23,6 +23,10 @@ pub struct Unindexed {
     /// Unit direction towards a directional light, or position of a rectangle's centre, world space. In lists of
     /// lights, w is 1 more than the layer with the light's visibility; it is 0 if there is no layer.
     pub place: [f32; 4],
+    /// Unit vector to the right of a rectangle, world space; w: its width, metres. 0 for directional lights.
+    pub right: [f32; 4],
+    /// Unit vector to the top of a rectangle, world space; w: its height, metres. 0 for directional lights.
+    pub up: [f32; 4],
 }
 
 /// The managed lights of a view, which the base draw leaves out. WGSL mirror: `Managed` in
@@ -55,7 +59,7 @@ pub struct LightDraw {
 
 // These are the sizes in the shaders. Naga cannot read those shaders without Bevy's, so no test compares the
 // structs. `tests/bevy/shading.rs` would show a difference in the picture.
-const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 32 && size_of::<LightDraw>() == 80);
+const _: () = assert!(size_of::<Managed>() == 16 + (10 + 8) * 64 && size_of::<LightDraw>() == 112);
 
 /// The uniforms and pipelines with which a light of the frame is drawn.
 #[derive(Clone, Copy, Debug)]

@@ -353,11 +353,25 @@ impl Renderer {
         Ok(())
     }
 
-    pub(super) fn write_objects(&mut self) {
-        let bytes = bytemuck::cast_slice(self.table.constants());
+    /// Uploads the constants of all objects.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] if the device cannot bind so many.
+    pub(super) fn write_objects(&mut self) -> Result<(), RenderError> {
+        let bytes: &[u8] = bytemuck::cast_slice(self.table.constants());
+        let limits = self.gpu.context.device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if bytes.len() as u64 > limit {
+            return Err(RenderError::Limit {
+                what: "the list of all objects",
+                needed: bytes.len() as u64,
+                limit,
+            });
+        }
         if self.objects.write(&self.gpu.context, bytes) {
             self.view_group = bind_view(&self.gpu, &self.view_buffer, &self.objects.buffer);
         }
+        Ok(())
     }
 
     pub(super) fn write_lights(&mut self) {

@@ -6,37 +6,62 @@ use bevy_transform::prelude::GlobalTransform;
 
 use super::changes::{Since, bits};
 use super::placement::placed;
-use super::{LocalBounds, PosedMesh, SceneMesh, Skin, WorldBounds, tasks};
+use super::{ExtraBounds, LocalBounds, PosedMesh, SceneMesh, Skin, WorldBounds, tasks};
 use crate::geometry::Aabb;
 
-/// Recomputes [`LocalBounds`] of meshes that were added, replaced or posed.
+/// Recomputes [`LocalBounds`] of meshes that were added, replaced or posed, or got other [`ExtraBounds`].
 ///
 /// Set: `UpdateBounds`, after [`pose_meshes`](super::pose_meshes). A mesh that is not posed yet has the
 /// bounds of its rest pose. Cost: the vertices of changed meshes.
-#[allow(clippy::type_complexity, reason = "a query says what the system reads")]
 pub fn update_local_bounds(
-    mut meshes: Query<
-        (&SceneMesh, Option<&PosedMesh>, &mut LocalBounds),
-        Or<(Changed<SceneMesh>, Changed<PosedMesh>)>,
-    >,
+    mut changed: ParamSet<(
+        Query<Measured, Or<(Changed<SceneMesh>, Changed<PosedMesh>, Changed<ExtraBounds>)>>,
+        Query<Measured>,
+    )>,
+    mut without_extra: RemovedComponents<ExtraBounds>,
     mut without_mesh: Query<&mut LocalBounds, Without<SceneMesh>>,
 ) {
     // The mesh component was removed; the other components remain.
     for mut bounds in &mut without_mesh {
         bounds.set_if_neq(LocalBounds::default());
     }
-    for (mesh, posed, mut bounds) in &mut meshes {
-        let posed = posed
-            .map(|posed| &posed.positions)
-            .filter(|posed| posed.len() == mesh.0.positions.len());
-        let positions = posed.unwrap_or(&mesh.0.positions);
-        let aabb = if mesh.0.indices.is_empty() {
-            Aabb::EMPTY
-        } else {
-            Aabb::from_points(positions.iter().copied())
-        };
-        bounds.set_if_neq(LocalBounds(aabb));
+    changed.p0().iter_mut().for_each(measure);
+    let mut all = changed.p1();
+    for entity in without_extra.read() {
+        if let Ok(object) = all.get_mut(entity) {
+            measure(object);
+        }
     }
+}
+
+/// An object that may be measured.
+type Measured = (
+    &'static SceneMesh,
+    Option<&'static PosedMesh>,
+    Option<&'static ExtraBounds>,
+    &'static mut LocalBounds,
+);
+
+fn measure(
+    (mesh, posed, extra, mut bounds): (
+        &SceneMesh,
+        Option<&PosedMesh>,
+        Option<&ExtraBounds>,
+        Mut<LocalBounds>,
+    ),
+) {
+    let posed = posed
+        .map(|posed| &posed.positions)
+        .filter(|posed| posed.len() == mesh.0.positions.len());
+    let positions = posed.unwrap_or(&mesh.0.positions);
+    let mut aabb = Aabb::EMPTY;
+    if !mesh.0.indices.is_empty() {
+        aabb = Aabb::from_points(positions.iter().copied());
+        if let Some(extra) = extra.filter(|extra| !extra.0.is_empty()) {
+            aabb = aabb.union(extra.0);
+        }
+    }
+    bounds.set_if_neq(LocalBounds(aabb));
 }
 
 /// Number of rows that one task processes.
@@ -97,4 +122,41 @@ pub fn update_world_bounds(
 fn world_bounds(local: &LocalBounds, transform: &GlobalTransform, is_skinned: bool) -> WorldBounds {
     let affine = placed(transform, is_skinned);
     WorldBounds(affine.map_or(Aabb::EMPTY, |affine| local.0.transformed(&affine)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::Vec3;
+
+    use super::*;
+    use crate::scene::MeshData;
+
+    #[test]
+    fn extra_bounds_add_to_those_of_the_mesh_as_long_as_they_are_there() {
+        let mut world = World::new();
+        let mut schedule = Schedule::default();
+        schedule.add_systems(update_local_bounds);
+        let mesh = SceneMesh(Arc::new(MeshData::cuboid(Vec3::ONE)));
+        let object = world.spawn((mesh, LocalBounds::default())).id();
+        let mut bounds = |world: &mut World| {
+            schedule.run(world);
+            world
+                .get::<LocalBounds>(object)
+                .map(|bounds| (bounds.0.min, bounds.0.max))
+        };
+        let own = Some((Vec3::NEG_ONE, Vec3::ONE));
+        assert_eq!(bounds(&mut world), own);
+        let wave = Aabb::around(Vec3::ZERO, Vec3::new(0.5, 4.0, 0.5));
+        world.entity_mut(object).insert(ExtraBounds(wave));
+        let taller = Some((Vec3::new(-1.0, -4.0, -1.0), Vec3::new(1.0, 4.0, 1.0)));
+        assert_eq!(bounds(&mut world), taller);
+        world.entity_mut(object).insert(ExtraBounds(Aabb::EMPTY));
+        assert_eq!(bounds(&mut world), own, "empty bounds add nothing");
+        world.entity_mut(object).insert(ExtraBounds(wave));
+        assert_eq!(bounds(&mut world), taller);
+        world.entity_mut(object).remove::<ExtraBounds>();
+        assert_eq!(bounds(&mut world), own);
+    }
 }

@@ -16,6 +16,14 @@ impl Default for LocalBounds {
     }
 }
 
+/// Bounds in local space that hold what an object's mesh does not: vertices that a shader displaces, such as those of water,
+/// wind or terrain. The object is culled, lit and shadowed within its mesh's bounds and these. Its shadow stays that of the
+/// mesh.
+///
+/// In Bevy the `Aabb` of an entity with `NoAutoAabb` counts as this component.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct ExtraBounds(pub Aabb);
+
 /// Bounds of an object in world space. They are empty for an object that is left out because it has no
 /// triangles, or because its transform leaves no area or is not finite.
 ///

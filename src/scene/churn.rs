@@ -6,8 +6,8 @@ use bevy_ecs::world::DeferredWorld;
 
 /// How often a component that makes an entity a member of a set was added to or removed from any entity.
 /// These components are [`WorldBounds`](super::WorldBounds), [`ShadowCaster`](super::ShadowCaster),
-/// [`ShadowReceiver`](super::ShadowReceiver), [`SceneMaterials`](super::SceneMaterials) and
-/// [`SelectionLayers`](super::SelectionLayers). Their hooks write the count, so that no system has to search
+/// [`ShadowReceiver`](super::ShadowReceiver), [`SceneMaterials`](super::SceneMaterials),
+/// [`SelectionLayers`](super::SelectionLayers), and [`PosedMesh`](super::PosedMesh), with which an object has vertices of its own. Their hooks write the count, so that no system has to search
 /// for changes each frame. [`find_inverted_hulls`](crate::sets::find_inverted_hulls) counts what it leaves out or takes
 /// back.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]

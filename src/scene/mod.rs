@@ -45,7 +45,7 @@ pub(crate) mod tasks;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{update_local_bounds, update_world_bounds};
-pub use bounds_components::{LocalBounds, WorldBounds};
+pub use bounds_components::{ExtraBounds, LocalBounds, WorldBounds};
 pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
 pub use caster::{CulledCasters, FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
 pub use cell::{Cell, InCells, Portal};

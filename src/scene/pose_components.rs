@@ -5,6 +5,8 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 use glam::{Mat4, Vec3, Vec4};
 
+use super::churn::count_churn;
+
 /// Binds a mesh to joints. Removing this component returns the mesh to its rest pose.
 #[derive(Component, Clone, Debug)]
 #[require(PosedMesh)]
@@ -28,6 +30,7 @@ pub struct MorphWeights(pub Vec<f32>);
 /// after [`SceneMesh`](super::SceneMesh), [`Skin`] or [`MorphWeights`] changed, and for a skinned mesh also after the
 /// `GlobalTransform` of a joint or of the entity itself changed. The triangles remain those of the mesh.
 #[derive(Component, Clone, Debug, Default, PartialEq)]
+#[component(on_add = count_churn, on_remove = count_churn)]
 pub struct PosedMesh {
     /// Posed position of each vertex, metres, local space.
     pub positions: Vec<Vec3>,

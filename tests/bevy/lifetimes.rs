@@ -144,3 +144,55 @@ fn a_target_may_shrink_to_nothing_and_grow_again() {
     }
     assert_shows_shadows(&mut game, camera, &before);
 }
+
+#[test]
+fn a_camera_that_rests_keeps_nothing_of_what_comes_and_goes() {
+    let mut app = harness::antumbra();
+    let camera = scene(&mut app);
+    let mut game = Game::start(app);
+    let before = game.run(5).settled(camera);
+    game.world()
+        .get_mut::<Camera>(camera)
+        .expect("a camera")
+        .is_active = false;
+    game.run(130);
+    let mirrors = game.render_world().resource::<Mirrors>();
+    assert!(mirrors.get(camera).is_none(), "its mirror is given up");
+    let cube = Cuboid::new(0.5, 0.5, 0.5);
+    harness::add_mesh(game.world(), cube, Transform::from_xyz(1.5, 0.5, 0.0));
+    game.world()
+        .get_mut::<Camera>(camera)
+        .expect("a camera")
+        .is_active = true;
+    let after = game.run(3).settled(camera);
+    assert!(after.difference(&before).channels > 100, "the new cube is there");
+    assert_shows_shadows(&mut game, camera, &after);
+}
+
+/// A material that moves vertices needs bounds that the mesh does not have.
+#[test]
+fn bounds_that_a_game_gives_count_beside_those_of_the_mesh() {
+    use antumbra::scene::WorldBounds;
+    use bevy::camera::primitives::Aabb;
+    use bevy::camera::visibility::NoAutoAabb;
+
+    let mut app = harness::antumbra();
+    let world = app.world_mut();
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let water = Plane3d::default().mesh().size(4.0, 4.0);
+    let water = harness::add_mesh(world, water, Transform::from_xyz(0.0, 1.0, 0.0));
+    harness::add_light(world);
+    let mut game = Game::start(app);
+    let height = |game: &mut Game| {
+        game.run(3);
+        let mirrors = game.render_world().resource::<Mirrors>();
+        let mirror = mirrors.get(camera).expect("a mirror");
+        let object = mirror.get(water).expect("the water is mirrored");
+        let bounds = mirror.world.get::<WorldBounds>(object).expect("it has bounds");
+        (bounds.0.min.y, bounds.0.max.y)
+    };
+    assert_eq!(height(&mut game), (1.0, 1.0));
+    let waves = Aabb::from_min_max(Vec3::new(-2.0, -0.5, -2.0), Vec3::new(2.0, 0.5, 2.0));
+    game.world().entity_mut(water).insert((waves, NoAutoAabb));
+    assert_eq!(height(&mut game), (0.5, 1.5));
+}

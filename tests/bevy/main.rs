@@ -9,6 +9,7 @@ mod core_harness;
 
 mod bad_input;
 mod cameras;
+mod cells;
 mod copied;
 mod cut_outs;
 mod depth;
@@ -16,6 +17,7 @@ mod diagnostics;
 mod drawn;
 mod foreign;
 mod forward;
+mod gizmos;
 mod harness;
 mod interval_maps;
 mod lifetimes;

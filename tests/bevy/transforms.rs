@@ -153,3 +153,45 @@ fn rectangles_cast_with_the_size_that_bevy_shades() {
     game.world().get_mut::<Transform>(light).unwrap().scale = Vec3::ONE;
     assert_eq!(game.run(2).settled(camera).difference(&small).channels, 0);
 }
+
+/// Two panels at one place that shine to opposite sides, as a panel that shines to both sides is made.
+#[test]
+fn panels_at_one_place_are_told_apart() {
+    let mut app = harness::antumbra();
+    app.insert_resource(GlobalAmbientLight::NONE);
+    let world = app.world_mut();
+    let camera = harness::marked_camera(world, Vec3::new(0.0, 0.5, 6.0));
+    for side in [-1.0, 1.0] {
+        let wall = Cuboid::new(0.1, 4.0, 4.0);
+        harness::add_mesh(world, wall, Transform::from_xyz(2.0 * side, 0.0, 0.0));
+    }
+    let panel = RectLight {
+        intensity: 400_000.0,
+        ..default()
+    };
+    let place = |towards: Vec3| Transform::default().looking_to(towards, Vec3::Y);
+    let lights = [Vec3::X, Vec3::NEG_X].map(|towards| {
+        world
+            .spawn((panel, PenumbraWedge::default(), place(towards)))
+            .id()
+    });
+    let mut game = Game::start(app);
+    let both = game.run(3).settled(camera);
+    // The same, without techniques: Bevy draws them.
+    for light in lights {
+        game.world().entity_mut(light).remove::<PenumbraWedge>();
+    }
+    let bevys = game.run(3).settled(camera);
+    let difference = both.difference(&bevys);
+    assert!(difference.steps < 3, "nothing casts: {difference:?}");
+    // One of them is left to Bevy.
+    game.world()
+        .entity_mut(lights[1])
+        .insert(PenumbraWedge::default());
+    let one = game.run(3).settled(camera);
+    let difference = one.difference(&bevys);
+    assert!(difference.steps < 3, "{difference:?}");
+    game.world().despawn(lights[0]);
+    let left = game.run(3).settled(camera);
+    assert!(left.difference(&bevys).channels > 500, "one side is dark");
+}

@@ -7,13 +7,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Layers in order. A file may use its own layer and earlier ones.
-const LAYERS: [&str; 13] = [
+const LAYERS: [&str; 14] = [
     "conventions",
     "geometry",
     "reports",
     "scene",
     "sets",
     "silhouettes",
+    "debug_lines",
     "render",
     "techniques",
     "baking",

@@ -145,3 +145,25 @@ fn a_mesh_beyond_the_device_is_reported_of_its_object() {
     stage.world.despawn(object);
     expect_nothing(&mut stage);
 }
+
+#[test]
+fn more_objects_than_the_device_can_bind_are_reported_and_lost_no_longer_than_needed() {
+    let mut stage = stage(small_device());
+    expect_nothing(&mut stage);
+    let mesh = Arc::new(MeshData::cuboid(Vec3::splat(0.01)));
+    let objects: Vec<Entity> = (0..2100)
+        .map(|index| {
+            let place = Transform::from_xyz(0.02 * index as f32, -5.0, 0.0);
+            stage
+                .world
+                .spawn((SceneMesh(mesh.clone()), ShadowReceiver, place))
+                .id()
+        })
+        .collect();
+    let text = ["the list of all objects", "262144"];
+    expect(&mut stage, "renderer", None, &text);
+    for object in objects {
+        stage.world.despawn(object);
+    }
+    expect_nothing(&mut stage);
+}

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::reports::Reports;
+use antumbra::scene::{MorphTarget, MorphWeights};
 use antumbra::techniques::{Row, Techniques};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
@@ -120,4 +121,48 @@ fn techniques_with_one_type_of_recorder_share_it() {
         recorders.count() < recorders.row_count(),
         "both kinds of map share one"
     );
+}
+
+#[test]
+fn a_pose_that_comes_late_moves_its_object_alone() {
+    let (mut stage, light) = stage(strict_context());
+    stage.world.entity_mut(light).insert(StencilVolume::default());
+    let mut mesh = MeshData::icosphere(0.4, 3);
+    let offsets = vec![Vec3::new(0.0, 0.8, 0.0); mesh.positions.len()];
+    mesh.morph_targets.push(MorphTarget {
+        positions: offsets,
+        ..Default::default()
+    });
+    let mesh = Arc::new(mesh);
+    let matte = Arc::new(Material::matte(Vec3::splat(0.7)));
+    let [moved, still] = [-1.5, 1.5].map(|x| {
+        let parts = (
+            SceneMesh(mesh.clone()),
+            SceneMaterials([matte.clone()].into()),
+            (ShadowCaster, ShadowReceiver),
+            Transform::from_xyz(x, 0.5, 0.0),
+        );
+        stage.world.spawn(parts).id()
+    });
+    let together = stage.render().expect("the frame renders").picture;
+    stage.world.entity_mut(moved).insert(MorphWeights(vec![1.0]));
+    let late = stage.render().expect("the frame renders").picture;
+    assert_ne!(late, together, "the pose shows");
+    // As if the pose had been there from the beginning.
+    for object in [moved, still] {
+        stage.world.despawn(object);
+    }
+    for (x, weight) in [(-1.5, Some(1.0)), (1.5, None)] {
+        let mut object = stage.world.spawn((
+            SceneMesh(mesh.clone()),
+            SceneMaterials([matte.clone()].into()),
+            (ShadowCaster, ShadowReceiver),
+            Transform::from_xyz(x, 0.5, 0.0),
+        ));
+        if let Some(weight) = weight {
+            object.insert(MorphWeights(vec![weight]));
+        }
+    }
+    let early = stage.render().expect("the frame renders").picture;
+    assert_eq!(late, early);
 }

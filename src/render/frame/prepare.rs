@@ -78,7 +78,12 @@ pub fn prepare_objects(
         renderer
             .table
             .update_constants(&objects.entities, &places, &weights, clip_from_world, eye);
-        renderer.write_objects();
+        if let Err(error) = renderer.write_objects() {
+            renderer.failure = Some(error);
+            renderer.frame.has_view = false;
+            renderer.last_clip_from_world = None; // the next frame needs all matrices again
+            return;
+        }
         renderer.last_clip_from_world = Some(clip_from_world);
     }
     write_view(renderer, current);

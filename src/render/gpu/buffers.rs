@@ -38,8 +38,13 @@ impl GrowingBuffer {
         if size <= self.buffer.size() {
             return false;
         }
-        // The capacity exceeds the device's limit only if `size` itself does. wgpu reports that case.
-        let limit = context.device.limits().max_buffer_size;
+        // The capacity exceeds the device's limits only if `size` itself does. wgpu reports that case.
+        let limits = context.device.limits();
+        let binding = match self.usage.contains(wgpu::BufferUsages::STORAGE) {
+            true => limits.max_storage_buffer_binding_size,
+            false => u64::MAX,
+        };
+        let limit = limits.max_buffer_size.min(binding);
         let capacity = size.next_power_of_two().min(limit).max(size).next_multiple_of(4);
         let grown = Self::create(context, self.label, self.usage, capacity);
         if keep {

@@ -75,10 +75,14 @@ pub fn ask_for_maps(
     objects: Res<Objects>,
     view: Res<View>,
     exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    mut stripped: RemovedComponents<SceneMaterials>,
 ) {
     let maps = &mut *maps;
     maps.frame += 1;
-    let exchanged = exchanged.iter().filter_map(|entity| objects.index_of(entity));
+    let exchanged = exchanged
+        .iter()
+        .chain(stripped.read())
+        .filter_map(|entity| objects.index_of(entity));
     let remap = maps
         .movers
         .update(&objects, exchanged, maps.frame, settings.still_after);

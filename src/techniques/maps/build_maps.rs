@@ -99,7 +99,7 @@ impl Maps {
             }
             let changed = fill_casters(&mut map.casters, scene.objects, light, map.cached);
             let unmoved = map.settled_at.is_some_and(|at| at >= self.movers.changed_at);
-            if map.cached && unmoved && !changed {
+            if map.cached && unmoved && !changed && !light.moved {
                 let key = map.face_key(light, scene, map.reach);
                 if map.key == Some(key) {
                     map.settled_at = Some(now);

@@ -56,7 +56,8 @@ pub struct LightMap {
     hand_overs: u64,
 }
 
-/// Everything on which faces depend, besides the casters.
+/// Everything on which faces depend, besides the casters, and besides what makes a light
+/// [`moved`](FrameLight::moved): its kind, range and shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FaceKey {
     /// The light as a homogeneous point.
@@ -65,6 +66,8 @@ pub(super) struct FaceKey {
     pub direction: DVec3,
     /// Reach of the map, metres.
     pub reach: f64,
+    /// Share of a distance within which surfaces do not block the light.
+    pub near_share: f64,
     /// Generation of the view, for cascades; number of changes of faces that were handed over.
     pub view: u64,
     /// What the light asked for.
@@ -195,6 +198,7 @@ impl LightMap {
             point_world: light.point_world,
             direction: light.direction.as_dvec3(),
             reach,
+            near_share: scene.near_share,
             view: match self.request.shape {
                 MapShape::Spot | MapShape::Cube => 0,
                 MapShape::Cascades => scene.view_generation,

@@ -23,7 +23,8 @@
 //! | `ask_for_maps` | the lights of the frame, and the textures that their maps need |
 //! | `build_maps` | the frame's [`Maps`]: which faces are drawn again |
 //! | `packing` | the packings of squared distance into bytes; twin of the shader |
-//! | `jitter` | the texture of jittered discs |
+//! | `jitter` | the texture of jittered discs
+//! | `debug_lines` | the faces as lines |
 //! | `gpu` | the recorder (feature `render`) |
 //!
 //! # Error and cost
@@ -47,6 +48,7 @@ pub(crate) mod build_maps;
 pub(crate) mod cascade_range;
 pub(crate) mod cascades;
 pub(crate) mod cube;
+pub(crate) mod debug_lines;
 pub(crate) mod face;
 pub(crate) mod face_state;
 pub(crate) mod frame_scene;

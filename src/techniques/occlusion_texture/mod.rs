@@ -16,6 +16,7 @@
 //! | `face` | one picture: its projection and its slices |
 //! | `records` | records of pictures and lights, for the GPU |
 //! | `kernel`, `filter` | what a receiver looks up; twins of the shaders |
+//! | `debug_lines` | the slices as lines |
 //! | `gpu` | the recorder (feature `render`) |
 //!
 //! **Lights.** A rectangle has one picture, drawn from behind it. A sphere has one picture if all casters lie to one side
@@ -64,6 +65,7 @@
 
 pub(crate) mod build;
 pub(crate) mod component;
+mod debug_lines;
 pub(crate) mod face;
 pub(crate) mod filter;
 pub(crate) mod fit;

@@ -4,8 +4,10 @@ use bevy_ecs::prelude::*;
 
 use super::build::{OcclusionTextures, ask_for_slices, build_slices};
 use super::component::OcclusionTexture;
+use super::debug_lines;
 #[cfg(feature = "render")]
 use super::gpu::{self, recorder::SliceNode};
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
@@ -81,6 +83,10 @@ impl Technique for OcclusionTexture {
                 });
             }
         }
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        debug_lines::debug_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

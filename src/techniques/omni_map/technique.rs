@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use super::component::OmniMap;
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
@@ -52,6 +53,10 @@ impl Technique for OmniMap {
 
     fn report(world: &World, round: &mut Round) {
         systems::report::<Self>(world, round);
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        maps::debug_lines::debug_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

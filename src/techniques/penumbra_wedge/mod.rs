@@ -79,6 +79,7 @@ mod assemble;
 pub(crate) mod build_wedges;
 mod chunks;
 pub(crate) mod component;
+mod debug_lines;
 pub(crate) mod geometry;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;

@@ -4,11 +4,13 @@ use bevy_ecs::prelude::*;
 
 use super::build_wedges::build_penumbra_wedges;
 use super::component::{MAX_SPLIT, MOST_STACKED, Overlap, PenumbraWedge};
+use super::debug_lines;
 use super::geometry::cut::MOST_CUTS;
 #[cfg(feature = "render")]
 use super::gpu::recorder::PenumbraWedgeNode;
 use super::overflow::{SPLIT_CAPACITY, WedgeOverflow};
 use super::wedges::PenumbraWedges;
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::{ShaderFile, shader_files};
 #[cfg(feature = "render")]
@@ -96,6 +98,10 @@ impl Technique for PenumbraWedge {
                 )
             });
         }
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        debug_lines::debug_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

@@ -8,6 +8,7 @@ use super::fit::{Fit, FitInput, Scratch, fit_faces};
 use super::gpu::{self, recorder::PerspectiveNode};
 use super::grounds::{BLUR_REACH, BlurredGrounds, LeftOut, collect_blurred_grounds};
 use super::parts::{MeshParts, Receiver, collect_boxes};
+use crate::debug_lines::DebugLines;
 use crate::geometry::Aabb;
 #[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
@@ -197,6 +198,10 @@ impl Technique for PerspectiveMap {
                     .to_owned()
             });
         }
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        maps::debug_lines::debug_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use super::refusal::Refusal;
 use super::statistics::Statistics;
 use super::technique::Technique;
+use crate::debug_lines::DebugLines;
 use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::Needs;
@@ -34,6 +35,7 @@ pub struct Row {
     add_systems: fn(&mut Schedule),
     statistics: fn(&World, usize, &mut Statistics),
     frame_statistics: fn(&World, &mut Statistics),
+    debug_lines: fn(&World, usize, &mut DebugLines),
     report: fn(&World, &mut Round),
     #[cfg(feature = "render")]
     pub(super) gpu: super::gpu_row::GpuRow,
@@ -83,6 +85,7 @@ impl Row {
             add_systems: T::add_systems,
             statistics: T::statistics,
             frame_statistics: T::frame_statistics,
+            debug_lines: T::debug_lines,
             report: T::report,
             #[cfg(feature = "render")]
             gpu: super::gpu_row::GpuRow::of::<T>(),
@@ -177,6 +180,11 @@ impl Row {
     /// Sets the technique's statistics of the whole frame.
     pub fn frame_statistics(&self, world: &World, out: &mut Statistics) {
         (self.frame_statistics)(world, out);
+    }
+
+    /// Adds lines that show how the technique shadows a light ([`Technique::debug_lines`]).
+    pub(super) fn debug_lines(&self, world: &World, light: usize, out: &mut DebugLines) {
+        (self.debug_lines)(world, light, out);
     }
 
     /// Returns the technique's WGSL files. Each file comes after the files that it imports.

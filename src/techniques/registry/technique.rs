@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 
 use super::refusal::Refusal;
 use super::statistics::Statistics;
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::RenderError;
 #[cfg(feature = "render")]
@@ -50,6 +51,10 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
 
     /// Sets statistics of the whole frame.
     fn frame_statistics(_world: &World, _out: &mut Statistics) {}
+
+    /// Adds lines that show how the technique shadows a light, such as the faces of its map. `light` is an index into
+    /// [`FrameLights`](crate::sets::FrameLights) of a light that this technique shadows. The default adds none.
+    fn debug_lines(_world: &World, _light: usize, _out: &mut DebugLines) {}
 
     /// Raises reports about lights that [`Technique::check`] accepts but that the technique cannot shadow as
     /// asked in this frame. The topic is [`Technique::NAME`].

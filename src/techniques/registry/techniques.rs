@@ -7,6 +7,8 @@ use super::builtin::add_builtin;
 use super::refusal::RefusedLight;
 use super::row::{Row, Settings};
 use super::technique::Technique;
+use crate::debug_lines::DebugLines;
+use crate::sets::{FrameLights, LightTechnique};
 
 /// The techniques that a world knows. The crate's own techniques come first.
 #[derive(Resource, Clone, Debug)]
@@ -75,6 +77,22 @@ impl Techniques {
     /// Yields the techniques whose components are on an entity. The first of them shadows the light.
     pub fn on<'a>(&'a self, entity: EntityRef<'a>) -> impl Iterator<Item = Row> + 'a {
         self.rows.iter().copied().filter(move |row| row.is_on(&entity))
+    }
+
+    /// Adds lines that show how the technique of a light shadows it, such as the faces of its map. `light` is an index
+    /// into [`FrameLights`] of the last frame of `world`; a light without a technique has no lines.
+    pub fn debug_lines(&self, world: &World, light: usize, out: &mut DebugLines) {
+        let technique = world
+            .get_resource::<FrameLights>()
+            .and_then(|lights| lights.lights.get(light)?.technique);
+        let row = |technique: LightTechnique| {
+            self.rows
+                .iter()
+                .find(|row| row.component() == technique.component)
+        };
+        if let Some(row) = technique.and_then(row) {
+            row.debug_lines(world, light, out);
+        }
     }
 
     /// Removes the components of all techniques from a light. Returns their settings in the order of the

@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use super::component::ShadowMap;
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
@@ -56,6 +57,10 @@ impl Technique for ShadowMap {
 
     fn report(world: &World, round: &mut Round) {
         systems::report::<Self>(world, round);
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        maps::debug_lines::debug_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

@@ -1,5 +1,5 @@
-//! What several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, and the memory
-//! for textures.
+//! What several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines, and the
+//! memory for textures.
 
 pub(crate) mod extrude;
 pub(crate) mod finite_reach;
@@ -7,4 +7,5 @@ pub(crate) mod finite_reach;
 pub(crate) mod gpu;
 pub(crate) mod inside_test;
 pub(crate) mod near_caps;
+pub(crate) mod shadow_lines;
 pub(crate) mod texture_memory;

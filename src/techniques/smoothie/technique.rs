@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 use super::component::Smoothie;
 #[cfg(feature = "render")]
 use super::gpu::{self, recorder::SmoothieNode};
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
@@ -78,6 +79,10 @@ impl Technique for Smoothie {
 
     fn report(world: &World, round: &mut Round) {
         systems::report::<Self>(world, round);
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        maps::debug_lines::debug_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

@@ -6,6 +6,7 @@ use super::component::{MOST_STACKED, StencilVolume};
 #[cfg(feature = "render")]
 use super::gpu::recorder::StencilVolumeNode;
 use super::volumes::{StencilVolumes, build_stencil_volumes};
+use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::shaders::{ShaderFile, shader_files};
 #[cfg(feature = "render")]
@@ -14,6 +15,7 @@ use crate::reports::Round;
 use crate::sets::{FrameLights, NeededSilhouettes, Needs};
 use crate::silhouettes::Silhouettes;
 use crate::techniques::registry::{Statistics, Technique, TechniqueSystems};
+use crate::techniques::shared::shadow_lines::volume_lines;
 
 impl Technique for StencilVolume {
     const NAME: &'static str = "stencil_volume";
@@ -66,6 +68,10 @@ impl Technique for StencilVolume {
         out.set("casters_depth_pass", count(true));
         out.set("casters_depth_fail", count(false));
         out.set("casters_culled", volumes.map_or(0, |volumes| volumes.culled));
+    }
+
+    fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
+        volume_lines(world, light, out);
     }
 
     #[cfg(feature = "serde")]

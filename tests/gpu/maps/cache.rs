@@ -312,3 +312,44 @@ fn short_memory_costs_resolution_then_the_cache_and_is_reported() {
     }
     assert_eq!(stage.world.resource::<TextureMemory>().shortages().len(), 6);
 }
+
+/// A change of the light's cone alone: what it reaches stays the same objects.
+#[test]
+fn a_cone_that_widens_widens_its_kept_map() {
+    let mut stage = stage();
+    let mut casters = stage.world.query_filtered::<Entity, With<SceneMesh>>();
+    for mesh in casters.iter(&stage.world).skip(1).collect::<Vec<_>>() {
+        stage.world.despawn(mesh);
+    }
+    let rail = MeshData::cuboid(Vec3::new(4.0, 0.1, 0.1));
+    spawn(&mut stage, rail, Vec3::new(0.0, 0.6, 0.3));
+    let narrow = LightKind::Spot {
+        inner_angle: 0.2,
+        outer_angle: 0.25,
+    };
+    twins(
+        &mut stage,
+        narrow,
+        MapFilter::Bilinear,
+        MapFormat::Depth,
+        MapSurface::Nearest,
+    );
+    let first = same(&mut stage, 3, "narrow");
+    for light in stage.lights.clone() {
+        let mut light = stage.world.get_mut::<Light>(light).expect("a light");
+        light.kind = SPOT;
+    }
+    let wide = same(&mut stage, 2, "wide");
+    let dark = |picture: &[f32]| picture.iter().filter(|v| **v < 0.5).count();
+    assert!(
+        dark(&wide) > dark(&first) + 50,
+        "{} {}",
+        dark(&wide),
+        dark(&first)
+    );
+    for light in stage.lights.clone() {
+        let mut light = stage.world.get_mut::<Light>(light).expect("a light");
+        light.range = 3.9;
+    }
+    same(&mut stage, 2, "near");
+}

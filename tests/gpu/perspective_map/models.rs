@@ -12,7 +12,10 @@ const SIZE: UVec2 = UVec2::new(80, 45);
 /// Share of the pixels of a picture that may be wrong.
 const ALLOWED: f64 = 0.005;
 
-/// The view that is worse, and its share: 29 of 1,670 pixels, dark where they should be lit. The cause is not known.
+/// The view that is worse, and its share: 29 of 1,670 pixels, dark where they should be lit. All of them look up texels beside
+/// the diagonal of one quad, which has a corner before the near plane and so outside of the picture. With the other diagonal,
+/// or with the light 10⁻⁶ m away, no pixel is wrong in most cases. So the cause is probably the software driver: it clips the
+/// triangles at the border of the picture, and stores the depth of the sliver that remains with too great an error.
 const WORST: (&str, &str, f64) = ("lights.glb", "Touching spot", 0.02);
 
 /// Pixels that make a share meaningful.

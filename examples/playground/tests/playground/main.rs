@@ -355,7 +355,13 @@ fn the_window_shows_its_panels_help_and_times() {
         different(&other, &session.pixels().unwrap(), 20) > 1000,
         "the graph is open"
     );
-    for (name, least) in [("sets", 20), ("silhouettes", 20), ("scissor", 20)] {
+    for (name, least) in [
+        ("sets", 20),
+        ("silhouettes", 20),
+        ("region", 20),
+        ("hulls", 20),
+        ("technique", 20),
+    ] {
         let shown = session.pixels().unwrap();
         run(
             &mut session,

@@ -69,11 +69,16 @@ impl LightTextureStore {
     /// Returns the texture of a cookie. It is uploaded when a view first asks for it.
     pub fn cookie(&self, context: &RenderContext, image: &Arc<CookieImage>) -> wgpu::TextureView {
         let address = Arc::as_ptr(image) as usize;
+        if let Some((_, view)) = self.known().cookies.get(&address) {
+            return view.clone();
+        }
+        // Made without the lock, which other views wait for. If two views make it at once, the first one is kept.
+        let made = upload_cookie(context, image);
         let mut known = self.known();
         let (_, view) = known
             .cookies
             .entry(address)
-            .or_insert_with(|| (image.clone(), upload_cookie(context, image)));
+            .or_insert_with(|| (image.clone(), made));
         view.clone()
     }
 
