@@ -40,24 +40,37 @@ pub fn shadow_schema(techniques: &Techniques, of: &mut SchemaGenerator) -> Value
         let described = row.schema(of).map(Schema::to_value);
         let mut schema = described.unwrap_or_else(|| json!({"type": "object"}));
         let mut properties = Map::new();
+        let own = schema.get("required").and_then(Value::as_array).cloned();
+        let required: Vec<Value> = [json!("technique")]
+            .into_iter()
+            .chain(own.unwrap_or_default())
+            .collect();
         properties.insert("technique".to_owned(), json!({"const": row.name()}));
         if let Some(settings) = schema.get_mut("properties").and_then(Value::as_object_mut) {
             flatten_softness(settings);
             properties.extend(std::mem::take(settings));
         }
         schema["properties"] = Value::Object(properties);
-        schema["required"] = json!(["technique"]);
+        schema["required"] = Value::Array(required);
         schema
     });
     let all: Vec<Value> = [none].into_iter().chain(all).collect();
     json!({ "oneOf": all })
 }
 
-/// Lets a filter be named with its softness beside it, as [`nest_softness`] reads it.
+/// Lets a filter of maps be named with its softness beside it, as [`nest_softness`] reads it.
 fn flatten_softness(settings: &mut Map<String, Value>) {
     let Some(filter) = settings.get_mut("filter").and_then(Value::as_object_mut) else {
         return;
     };
+    let of_maps = |reference: &Value| {
+        reference
+            .as_str()
+            .is_some_and(|name| name.ends_with("/MapFilter"))
+    };
+    if !filter.get("$ref").is_some_and(of_maps) {
+        return; // the filter of another technique has no softness
+    }
     let nested = filter.remove("$ref").map(|reference| json!({"$ref": reference}));
     let flat = json!({"enum": ["jittered", "jittered_full", "soft_4"]});
     filter.insert("anyOf".to_owned(), nested.into_iter().chain([flat]).collect());

@@ -22,7 +22,7 @@ use glam::{UVec2, Vec3};
 
 use super::picture;
 use super::shared_gpu::shared_gpu;
-use super::shot::Shot;
+use super::shot::{Shot, ShotGround};
 
 /// Format of the picture.
 pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
@@ -69,19 +69,7 @@ impl Stage {
         let mut stage = Self::empty(size, Camera::default(), Transform::IDENTITY);
         stage.load_time = start.elapsed();
         let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
-        for (index, ground) in shot.blurred_grounds.iter().enumerate() {
-            let meshes =
-                meshes_of_name(&stage.world, &loaded, &spawned.nodes, &ground.node).ok_or_else(|| {
-                    format!(
-                        "blurred_grounds[{index}].node: no node has the name `{}`",
-                        ground.node
-                    )
-                })?;
-            let radius = ground.radius;
-            for mesh in meshes {
-                stage.world.entity_mut(mesh).insert(BlurredGround { radius });
-            }
-        }
+        blur_grounds(&mut stage.world, (&loaded, &spawned), &shot.blurred_grounds)?;
         if let Some(animation) = shot.animation {
             stage.pose(&loaded, &spawned, animation.clip, animation.time)?;
         }
@@ -414,6 +402,34 @@ fn halves(rows: &TexelRows) -> Vec<f32> {
         .chunks_exact(2)
         .map(|bytes| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32())
         .collect()
+}
+
+/// Blurs the shadows on grounds of a scene, and no longer on others.
+///
+/// # Errors
+/// One line that names the ground: no node of the scene has its name. No ground is blurred then.
+pub fn blur_grounds(
+    world: &mut World,
+    (loaded, spawned): (&LoadedGltf, &SpawnedScene),
+    grounds: &[ShotGround],
+) -> Result<(), String> {
+    let mut blurred = world.query_filtered::<Entity, With<BlurredGround>>();
+    let before: Vec<Entity> = blurred.iter(world).collect();
+    for mesh in before {
+        world.entity_mut(mesh).remove::<BlurredGround>();
+    }
+    let mut found = Vec::new();
+    for (index, ground) in grounds.iter().enumerate() {
+        let node = &ground.node;
+        let meshes = meshes_of_name(world, loaded, &spawned.nodes, node)
+            .ok_or_else(|| format!("blurred_grounds[{index}].node: no node has the name `{node}`"))?;
+        let radius = ground.radius;
+        found.extend(meshes.into_iter().map(|mesh| (mesh, BlurredGround { radius })));
+    }
+    for (mesh, ground) in found {
+        world.entity_mut(mesh).insert(ground);
+    }
+    Ok(())
 }
 
 /// Returns a camera that sees the whole box from the front, the right and above.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::reference::{HitImage, LightSource, Ray, RayScene, camera_rays, hard_visibility, primary_hits};
+use antumbra::techniques::Settings;
 use antumbra::techniques::maps::{LightMap, MapFace, MapResolution, Maps};
 use antumbra::techniques::perspective_map::PerspectiveFaces;
 use antumbra::techniques::shadow_map::Cascades;
@@ -21,18 +22,11 @@ pub const SIZE: UVec2 = UVec2::new(96, 54);
 /// Texels along a side of a map with all texels in one square.
 const SIDE: u32 = 1024;
 
-/// A map that is compared.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Map {
-    Perspective(PerspectiveMap),
-    Shadow(ShadowMap),
-}
-
 /// The maps that are compared, with as many texels each, as far as sides are whole.
-pub fn maps() -> [(&'static str, Map); 5] {
+pub fn maps() -> [(&'static str, Settings); 5] {
     let fixed = |share: f64| MapResolution::Fixed((f64::from(SIDE) * share.sqrt()) as u32);
     let perspective = |slide, faces, share| {
-        Map::Perspective(PerspectiveMap {
+        Settings::of(PerspectiveMap {
             resolution: fixed(share),
             slide,
             faces,
@@ -40,7 +34,7 @@ pub fn maps() -> [(&'static str, Map); 5] {
         })
     };
     let cascades = |count| {
-        Map::Shadow(ShadowMap {
+        Settings::of(ShadowMap {
             resolution: fixed(1.0 / f64::from(count)),
             cascades: Cascades {
                 count,
@@ -203,7 +197,7 @@ impl Judged {
     }
 
     /// Shines from a direction through a map, and measures texels and, with a renderer, RMSE to the ray caster.
-    fn measure(&mut self, direction: Vec3, map: Map, with_rmse: bool) -> Result<(Texels, f64), String> {
+    fn measure(&mut self, direction: Vec3, map: &Settings, with_rmse: bool) -> Result<(Texels, f64), String> {
         let up = if direction.y.abs() > 0.95 {
             Vec3::X
         } else {
@@ -214,12 +208,7 @@ impl Judged {
         for light in stage.lights.drain(..) {
             stage.world.despawn(light);
         }
-        let light = stage.spawn_light(Light::directional(Vec3::ONE, 3.0), place, None::<StencilVolume>);
-        let mut entity = stage.world.entity_mut(light);
-        match map {
-            Map::Perspective(map) => entity.insert(map),
-            Map::Shadow(map) => entity.insert(map),
-        };
+        let light = stage.spawn_shadowed(Light::directional(Vec3::ONE, 3.0), place, Some(map));
         let mut rmse = 0.0;
         if with_rmse {
             let rendered = stage.render().map_err(|error| one_line(&error))?;
@@ -245,8 +234,8 @@ impl Judged {
     pub fn rows(&mut self, with_rmse: bool) -> Result<Vec<Row>, String> {
         let mut rows = Vec::new();
         for (angle, direction) in directions(self.forward) {
-            let of = |(_, map): (&str, Map)| self.measure(direction, map, with_rmse);
-            let maps = maps().into_iter().map(of).collect::<Result<Vec<_>, String>>()?;
+            let of = |(_, map): &(&str, Settings)| self.measure(direction, map, with_rmse);
+            let maps = maps().iter().map(of).collect::<Result<Vec<_>, String>>()?;
             rows.push(Row { angle, maps });
         }
         Ok(rows)

@@ -130,24 +130,48 @@ pub struct RenderContext {
 }
 
 impl RenderContext {
-    /// Makes a device for this context alone, without a window. It respects the environment variables of wgpu:
-    /// `WGPU_BACKEND` and so on, and `WGPU_ADAPTER_NAME`, which is a part of the adapter's name.
+    /// Makes a device for this context alone, without a window. The adapter is that of [`RenderContext::adapter_for`].
     ///
     /// # Errors
     /// [`RenderError::NoAdapter`] if no driver offers an adapter, [`RenderError::UnknownAdapter`] if none has the
     /// name, [`RenderError::NoDevice`] if the adapter gives no device.
     pub async fn headless(requested: RequestedFeatures) -> Result<Self, RenderError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let adapter = match std::env::var("WGPU_ADAPTER_NAME") {
-            Ok(wanted) if !wanted.is_empty() => named_adapter(&instance, wanted).await?,
+        let adapter = Self::adapter_for(&instance, None).await?;
+        Self::on_adapter(&adapter, requested).await
+    }
+
+    /// Chooses an adapter: the one that the environment variable `WGPU_ADAPTER_NAME` asks for by a part of its name, or
+    /// else the fastest that draws on the surface, if there is one.
+    ///
+    /// # Errors
+    /// [`RenderError::NoAdapter`] if no driver offers an adapter, [`RenderError::UnknownAdapter`] if none has the
+    /// name.
+    pub async fn adapter_for(
+        instance: &wgpu::Instance,
+        surface: Option<&wgpu::Surface<'_>>,
+    ) -> Result<wgpu::Adapter, RenderError> {
+        match std::env::var("WGPU_ADAPTER_NAME") {
+            Ok(wanted) if !wanted.is_empty() => named_adapter(instance, wanted).await,
             _ => instance
                 .request_adapter(&wgpu::RequestAdapterOptions {
                     power_preference: wgpu::PowerPreference::HighPerformance,
+                    compatible_surface: surface,
                     ..Default::default()
                 })
                 .await
-                .map_err(|error| RenderError::NoAdapter(error.to_string()))?,
-        };
+                .map_err(|error| RenderError::NoAdapter(error.to_string())),
+        }
+    }
+
+    /// Makes a device of an adapter for this context alone.
+    ///
+    /// # Errors
+    /// [`RenderError::NoDevice`] if the adapter gives no device.
+    pub async fn on_adapter(
+        adapter: &wgpu::Adapter,
+        requested: RequestedFeatures,
+    ) -> Result<Self, RenderError> {
         let info = adapter.get_info();
         let mut features = wgpu::Features::empty();
         if requested.float_depth {
@@ -183,8 +207,8 @@ impl RenderContext {
                 adapter: info.name.clone(),
                 reason: error.to_string(),
             })?;
-        let adapter = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-        let mut context = Self::from_device(device, queue, adapter);
+        let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
+        let mut context = Self::from_device(device, queue, name);
         if info.device_type == wgpu::DeviceType::Cpu {
             context.anisotropy = 1;
         }

@@ -24,11 +24,17 @@ pub use crate::sets::{LightTechnique, NeededSilhouettes, Needs};
 /// The crate whose deserializers [`Technique::parse`] reads from.
 #[cfg(feature = "serde")]
 pub use erased_serde;
+pub use maps::{Cascades, MapBias, MapFilter, MapFormat, MapResolution, MapSurface};
 pub use occlusion_interval::{IntervalFolder, IntervalLibrary, IntervalMaps, OcclusionInterval};
 pub use occlusion_texture::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
 pub use omni_map::OmniMap;
-pub use penumbra_wedge::{PenumbraWedge, PenumbraWedges};
-pub use perspective_map::{PerspectiveMap, PerspectiveMaps};
+pub use penumbra_wedge::{
+    CoverageMaths, Overlap, PenumbraWedge, PenumbraWedges, VisibilityBuffer, WedgeBounds, WedgeCulling,
+    WedgeSilhouette,
+};
+pub use perspective_map::{
+    MapFocus, PerspectiveFaces, PerspectiveMap, PerspectiveMaps, PerspectiveProjection,
+};
 pub use registry::{
     AddTechnique, FileError, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems,
     Techniques, add_builtin, add_row, choose_techniques,
@@ -40,4 +46,4 @@ pub use shared::texture_memory::{
     Shortage, Storage, TextureGrant, TextureMemory, TextureMemorySystems, TextureShortage, TextureWant,
 };
 pub use smoothie::{Smoothie, SmoothieWidth};
-pub use stencil_volume::StencilVolume;
+pub use stencil_volume::{Counting, Extent, StencilVolume};

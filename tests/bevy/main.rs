@@ -10,6 +10,7 @@ mod core_harness;
 mod bad_input;
 mod cameras;
 mod cells;
+mod copied;
 mod cut_outs;
 mod depth;
 mod diagnostics;

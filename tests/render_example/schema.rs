@@ -168,6 +168,8 @@ fn the_shots_fit_the_schema_and_wrong_ones_do_not() {
         json!({"technique": "none"}),
         json!({"technique": "omni_map", "filter": "jittered", "softness": 0.02}),
         json!({"technique": "omni_map", "filter": {"soft_4": {"softness": 0.02}}, "resolution": 512, "bias": null}),
+        json!({"technique": "occlusion_texture", "filter": "mipmaps", "resolution": 64, "close_leaks": true}),
+        json!({"technique": "occlusion_interval", "maps": "maps"}),
         json!({"technique": "smoothie", "width": {"share": 0.02}, "resolution": {"least": 64, "most": 128}}),
     ] {
         assert_eq!(with(right.clone()), None, "{right}");
@@ -180,6 +182,10 @@ fn the_shots_fit_the_schema_and_wrong_ones_do_not() {
         json!({"technique": "omni_map", "near": -1}),
         json!({"technique": "stencil_volume", "split": [1, 1]}),
         json!({"technique": "shadow_map", "cascades": {"count": 1.5}}),
+        json!({"technique": "occlusion_texture", "filter": "jittered"}),
+        json!({"technique": "occlusion_texture", "softness": 0.02}),
+        json!({"technique": "occlusion_texture", "resolution": 300}),
+        json!({"technique": "occlusion_interval"}),
     ] {
         assert!(with(wrong.clone()).is_some(), "{wrong}");
     }
@@ -206,4 +212,34 @@ fn a_path_stands_for_the_direction_or_the_position_of_a_light() {
     ] {
         assert!(with(wrong.clone()).is_some(), "{wrong}");
     }
+}
+
+/// Collects the names of all properties of a schema.
+fn properties<'a>(schema: &'a Value, to: &mut std::collections::BTreeSet<&'a str>) {
+    match schema {
+        Value::Object(all) => {
+            if let Some(Value::Object(own)) = all.get("properties") {
+                to.extend(own.keys().map(String::as_str));
+            }
+            all.values().for_each(|inner| properties(inner, to));
+        }
+        Value::Array(all) => all.iter().for_each(|inner| properties(inner, to)),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_guide_names_every_property_of_the_schema() {
+    let guide = std::fs::read_to_string(root().join("src/guide/shot_file.md")).unwrap();
+    let schema = shot_schema(&Techniques::default());
+    let mut all = std::collections::BTreeSet::new();
+    properties(&schema, &mut all);
+    assert!(all.len() > 80, "{} properties", all.len());
+    let is_named =
+        |name: &&&str| guide.contains(&format!("`{name}`")) || guide.contains(&format!("\"{name}\""));
+    let missing: Vec<_> = all.iter().filter(|name| !is_named(name)).collect();
+    assert!(
+        missing.is_empty(),
+        "src/guide/shot_file.md does not name {missing:?}"
+    );
 }

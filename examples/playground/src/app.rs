@@ -7,7 +7,7 @@ use antumbra::prelude::*;
 use antumbra::render::Gpu;
 use antumbra::scene::gltf_import::load_gltf;
 use antumbra::techniques::Techniques;
-use antumbra_stage::stage::{Stage, framing_camera, one_line};
+use antumbra_stage::stage::{Stage, blur_grounds, framing_camera, one_line};
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 use serde_json::{Map, Value, json};
@@ -63,11 +63,11 @@ pub struct Shown {
     pub help: bool,
     /// Whether the graph of times is open.
     pub times: bool,
-    /// Bevy code that is shown.
+    /// Bevy code that the window shows, if any.
     pub code: Option<String>,
-    /// Path that is typed into the field of the button that opens a file.
+    /// Text in the field for the path of a file to open.
     pub path: String,
-    /// The drag of a handle that goes on.
+    /// The drag in progress.
     pub drag: Option<Drag>,
     /// The view, points.
     pub view: egui::Rect,
@@ -156,7 +156,7 @@ impl App {
         })
     }
 
-    /// Goes on with another device after the first was lost. The document stays.
+    /// Continues on another device after the first was lost. The document stays.
     ///
     /// # Errors
     /// One line that says what the device refuses.
@@ -219,7 +219,9 @@ impl App {
             return Err(format!("{}: more than {MOST_LIGHTS} lights", path.display()));
         }
         let compare = Compare::new(self.gpu.clone(), loaded, &self.techniques)?;
-        let bounds = self.complete(&mut document, &compare)?;
+        let bounds = self
+            .complete(&mut document, &compare)
+            .map_err(|error| format!("{}: {error}", path.display()))?;
         let count = document.lights().len();
         self.bounds = bounds;
         self.document = document;
@@ -231,17 +233,22 @@ impl App {
         self.shown.selected = (count > 0).then_some(0);
         self.shown.playing = false;
         self.shown.path = path.display().to_string();
+        self.times = Times::default();
         self.message = None;
+        if count == 0 {
+            self.tell("The scene has no lights. Add one from the menu Add.");
+        }
         Ok(())
     }
 
-    /// Gives a document the camera and the lights of its scene, and a light if the scene has none. Returns the
-    /// scene's centre and radius.
+    /// Gives a document the camera and the lights of its scene where it has none of its own. Returns the scene's
+    /// centre and radius.
     fn complete(&self, document: &mut Document, compare: &Compare) -> Result<(Vec3, f32), String> {
         let mut stage = Stage::empty(UVec2::ONE, Camera::default(), Transform::IDENTITY);
         let loaded = &compare.loaded;
         let spawned = antumbra::scene::gltf_import::spawn_scene(&mut stage.world, loaded, None)
             .map_err(|error| one_line(&error))?;
+        blur_grounds(&mut stage.world, (loaded, &spawned), &document.blurred_grounds)?;
         stage.schedule.run(&mut stage.world);
         let bounds = stage.scene_bounds();
         let (center, radius) = if bounds.is_empty() {
@@ -341,12 +348,13 @@ impl App {
             ("height", json!(0.6)),
             ("radius", json!(0.2)),
         ];
+        let known = schema.get("properties").and_then(Value::as_object);
         for (key, value) in usual {
-            if keys.contains_key(key) {
+            if known.is_some_and(|known| known.contains_key(key)) {
                 keys.insert(key.to_owned(), value);
             }
         }
-        // By eye: bright at the middle of the scene, and the more the larger it is.
+        // By eye: bright in the middle of the scene. Larger scenes need more intensity.
         let reach = (radius.min(6.0) * 0.5).max(0.05);
         if keys.contains_key("position") {
             keys.insert(
@@ -358,17 +366,11 @@ impl App {
     }
 
     fn insert_light(&mut self, mut keys: Map<String, Value>) {
-        let fitting = self.techniques.rows().iter().map(|row| shadow_of(row.name()));
-        let fits = |shadow: &Map<String, Value>| {
-            let mut keys = keys.clone();
-            keys.insert("shadow".to_owned(), Value::Object(shadow.clone()));
-            let light = antumbra_stage::shot::ShotLight::try_from(keys);
-            light.is_ok_and(|light| light.parts(&self.techniques).is_ok())
-        };
-        if !keys.contains_key("shadow")
-            && let Some(shadow) = fitting.into_iter().find(fits)
-        {
-            keys.insert("shadow".to_owned(), Value::Object(shadow));
+        if !keys.contains_key("shadow") {
+            let bare = LightDoc::new(String::new(), keys.clone(), &self.techniques);
+            let all = self.techniques.rows().iter().map(|row| shadow_of(row.name()));
+            let fitting = all.into_iter().find(|shadow| bare.fits(shadow, &self.techniques));
+            keys.extend(fitting.map(|shadow| ("shadow".to_owned(), Value::Object(shadow))));
         }
         let index = self.document.lights().len();
         let light = LightDoc::new(light_name(index, &keys), keys, &self.techniques);
@@ -430,8 +432,14 @@ impl App {
             return;
         }
         self.history.close();
+        let mut settings = shadow_of(name);
+        if let Some(schema) = self.schemas.technique(name)
+            && let Value::Object(needed) = self.schemas.first(schema)
+        {
+            settings.extend(needed); // what has no default
+        }
         self.change_light("technique", index, |light| {
-            light.shadows[side.index()] = shadow_of(name)
+            light.shadows[side.index()] = settings;
         });
     }
 
@@ -456,7 +464,7 @@ impl App {
             .map_or(0.0, |clip| clip.duration())
     }
 
-    /// Plays the animation on.
+    /// Advances the animation, if it plays.
     pub fn advance(&mut self, seconds: f32) {
         if self.shown.playing {
             let pose = self.document.pose.unwrap_or(Pose { clip: 0, time: 0.0 });

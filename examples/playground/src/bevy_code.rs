@@ -1,75 +1,147 @@
 //! The lights of a document as Bevy code, written from the schemas of their settings.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use antumbra::prelude::*;
 use antumbra::techniques::Techniques;
+use antumbra_stage::shadow::nest_softness;
+use antumbra_stage::shot::LightParts;
 use glam::{EulerRot, Quat, Vec3};
 use serde_json::{Map, Value};
 
-use crate::document::{Document, Side};
+use crate::document::{Document, LightDoc, Side};
 use crate::schema::{BranchKind, Form, Schemas, definition, rust_path};
 
 /// Luminous power of a light of one candela in all directions, lumen: Bevy gives points and spots by their power.
 const LUMEN: f32 = 4.0 * std::f32::consts::PI;
 
-/// Returns code that spawns the lights with the techniques of a side.
+/// Returns code that spawns the lights with the techniques of a side. It compiles as it is in a game that depends on
+/// `antumbra` with its feature `bevy`, and on `bevy`.
 pub fn lights(document: &Document, side: Side, techniques: &Techniques, schemas: &Schemas) -> String {
-    let mut code =
-        "use antumbra::prelude::*;\nuse antumbra::techniques::*;\nuse bevy::prelude::*;\n\n".to_owned();
-    code += "fn spawn_lights(mut commands: Commands) {\n";
+    let mut code = String::new();
+    let mut has_path = false;
     for light in document.lights() {
-        let parts = match light.parts(side, techniques) {
-            Ok(parts) => parts,
-            Err(error) => {
-                let _ = writeln!(code, "    // {}: left out, because {error}", light.name);
-                continue;
+        // A name may hold anything, but not end the comment.
+        let name = light.name.replace(['\n', '\r'], " ");
+        match light.parts(side, techniques) {
+            Ok((parts, note)) => {
+                has_path |= parts.path.is_some();
+                let note = note.map_or_else(String::new, |note| format!(" ({})", note.replace('\n', " ")));
+                let _ = writeln!(code, "    // {name}{note}");
+                code += &spawn(light, &parts, side, schemas);
             }
-        };
-        let _ = writeln!(code, "    // {}", light.name);
-        let _ = writeln!(code, "    commands.spawn((");
-        let _ = writeln!(code, "        {},", component(&parts.light));
-        let transform = &parts.transform;
-        let at = vec3(transform.translation);
-        if transform.rotation.angle_between(Quat::IDENTITY) < 1e-4 {
-            let _ = writeln!(code, "        Transform::from_translation({at}),");
-        } else {
-            let (y, x, z) = transform.rotation.to_euler(EulerRot::YXZ);
-            let angles = [y, x, z].map(number).join(", ");
-            let turn = format!("Quat::from_euler(EulerRot::YXZ, {angles})");
-            let _ = writeln!(
-                code,
-                "        Transform::from_translation({at}).with_rotation({turn}),"
-            );
-        }
-        if let Some(shadow) = &parts.shadow {
-            let row = shadow.row();
-            let settings = &light.shadows[side.index()];
-            let value = match schemas.technique(row.name()) {
-                Some(schema) => structure(schemas, row.component_name(), schema, settings, 2),
-                None => format!("{}::default()", row.component_name()),
-            };
-            let _ = writeln!(code, "        {value},");
-        }
-        let _ = writeln!(code, "    ));");
-        let model: Vec<&str> = MODEL
-            .into_iter()
-            .filter(|key| light.keys.contains_key(*key))
-            .collect();
-        if !model.is_empty() {
-            let _ = writeln!(
-                code,
-                "    // Insert also the components of the light model for {}.",
-                model.join(", ")
-            );
+            Err(error) => {
+                let error = error.replace('\n', " ");
+                let _ = writeln!(code, "    // {name}: left out, because {error}");
+            }
         }
     }
-    code + "}\n"
+    // Names are imported one by one and within the function: some are also names of Bevy's.
+    let mut uses = String::new();
+    if has_path {
+        uses += "    use antumbra::scene::LightPath;\n";
+    }
+    let names = names_in(&code, schemas);
+    if !names.is_empty() {
+        let names = names.into_iter().collect::<Vec<_>>().join(", ");
+        let _ = writeln!(uses, "    use antumbra::techniques::{{{names}}};");
+    }
+    format!("use bevy::prelude::*;\n\nfn spawn_lights(mut commands: Commands) {{\n{uses}{code}}}\n")
+}
+
+/// Returns the types of this crate's techniques and of their settings that code names.
+fn names_in<'a>(code: &'a str, schemas: &Schemas) -> BTreeSet<&'a str> {
+    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let words = lines.flat_map(|line| line.split(|letter: char| !letter.is_alphanumeric()));
+    let builtin = Techniques::default();
+    let is_component = |word: &str| builtin.rows().iter().any(|row| row.component_name() == word);
+    words
+        .filter(|word| is_component(word) || schemas.is_type(word))
+        .collect()
+}
+
+/// Returns the statement that spawns a light.
+fn spawn(light: &LightDoc, parts: &LightParts, side: Side, schemas: &Schemas) -> String {
+    let mut code = "    commands.spawn((\n".to_owned();
+    let _ = writeln!(code, "        {},", component(&parts.light));
+    let transform = &parts.transform;
+    let at = vec3(transform.translation);
+    if transform.rotation.angle_between(Quat::IDENTITY) < 1e-4 {
+        let _ = writeln!(code, "        Transform::from_translation({at}),");
+    } else {
+        let (y, x, z) = transform.rotation.to_euler(EulerRot::YXZ);
+        let angles = [y, x, z].map(angle).join(", ");
+        let turn = format!("Quat::from_euler(EulerRot::YXZ, {angles})");
+        let _ = writeln!(
+            code,
+            "        Transform::from_translation({at}).with_rotation({turn}),"
+        );
+    }
+    if let Some(path) = &parts.path {
+        let _ = writeln!(code, "        {},", light_path(path));
+    }
+    if let Some(shadow) = &parts.shadow {
+        let row = shadow.row();
+        let mut settings = light.shadows[side.index()].clone();
+        nest_softness(&mut settings);
+        let schema = schemas.technique(row.name());
+        // A key of the light can stand for a setting.
+        let has_angle = schema.is_some_and(|schema| schema.pointer("/properties/angle_deg").is_some());
+        if let Some(angle) = light.keys.get("angle_deg").filter(|_| has_angle) {
+            settings.entry("angle_deg").or_insert_with(|| angle.clone());
+        }
+        let value = match schema {
+            Some(schema) => structure(schemas, row.component_name(), schema, &settings, 2),
+            None => format!("{}::default()", row.component_name()),
+        };
+        let _ = writeln!(code, "        {value},");
+    }
+    code += "    ));\n";
+    let model: Vec<&str> = MODEL
+        .into_iter()
+        .filter(|key| light.keys.contains_key(*key))
+        .collect();
+    if !model.is_empty() {
+        let _ = writeln!(
+            code,
+            "    // Insert also the components of the light model for {}.",
+            model.join(", ")
+        );
+    }
+    code
+}
+
+/// Returns a path.
+fn light_path(path: &LightPath) -> String {
+    match path {
+        LightPath::Arc {
+            direction,
+            axis,
+            degrees,
+        } => {
+            let (direction, axis, degrees) = (vec3(*direction), vec3(*axis), number(*degrees));
+            format!("LightPath::Arc {{ direction: {direction}, axis: {axis}, degrees: {degrees} }}")
+        }
+        LightPath::Sun {
+            latitude_degrees,
+            day,
+            hours,
+        } => {
+            let [latitude, day, from, to] = [*latitude_degrees, *day, hours[0], hours[1]].map(number);
+            format!("LightPath::Sun {{ latitude_degrees: {latitude}, day: {day}, hours: [{from}, {to}] }}")
+        }
+        LightPath::Positions(positions) => {
+            let positions: Vec<String> = positions.iter().copied().map(vec3).collect();
+            format!("LightPath::Positions(vec![{}])", positions.join(", "))
+        }
+    }
 }
 
 /// Keys of the light model, which are components of their own.
-const MODEL: [&str; 13] = [
+const MODEL: [&str; 15] = [
     "shape",
+    "barn_map",
     "distance",
     "weights",
     "shadow_color",
@@ -82,6 +154,7 @@ const MODEL: [&str; 13] = [
     "affects",
     "casts_for",
     "shows_on",
+    "texture",
 ];
 
 /// Returns Bevy's component of a light.
@@ -104,7 +177,7 @@ fn component(light: &Light) -> String {
             inner_angle,
             outer_angle,
         } => {
-            let (inner, outer) = (number(inner_angle), number(outer_angle));
+            let (inner, outer) = (angle(inner_angle), angle(outer_angle));
             format!(
                 "SpotLight {{ {color}, {power}{range}, inner_angle: {inner}, outer_angle: {outer}, ..default() }}"
             )
@@ -154,17 +227,22 @@ fn structure(
 
 /// Returns a value of a schema.
 fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) -> String {
+    let Form::Optional(inner) = schemas.form(schema) else {
+        return expression_of(schemas.form(schema), schemas, schema, value, depth);
+    };
+    let value = expression_of(schemas.form_of_some(inner), schemas, inner, value, depth);
+    // A type that says itself how it is written has no `Option` around it.
+    if rust_path(schemas.resolve(inner)).is_some() {
+        value
+    } else {
+        format!("Some({value})")
+    }
+}
+
+/// Returns a value of a schema that has a form.
+fn expression_of(form: Form, schemas: &Schemas, schema: &Value, value: &Value, depth: usize) -> String {
     let name = type_name(schema);
-    match schemas.form(schema) {
-        Form::Optional(inner) => {
-            let value = expression(schemas, inner, value, depth);
-            // A type that says itself how it is written has no `Option` around it.
-            if rust_path(schemas.resolve(inner)).is_some() {
-                value
-            } else {
-                format!("Some({value})")
-            }
-        }
+    match form {
         Form::Number(bounds) if bounds.whole => value.to_string(),
         Form::Number(_) => number(value.as_f64().unwrap_or_default() as f32),
         Form::Row(_, item) => {
@@ -177,14 +255,23 @@ fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) ->
                 .branch_of(&branches, value)
                 .and_then(|at| branches.get(at))
             else {
-                return format!("{}::default()", name.unwrap_or("_"));
+                return "default()".to_owned();
             };
+            if let Some(flag) = value.as_bool()
+                && let Some(rust) = branch
+                    .schema
+                    .get(if flag { "x-rust-true" } else { "x-rust-false" })
+            {
+                return rust.as_str().unwrap_or("_").to_owned();
+            }
             let path = rust_path(branch.schema).map_or_else(
                 || format!("{}::{}", name.unwrap_or("_"), camel_case(&branch.name)),
                 |path| path.trim_end_matches("(_)").to_owned(),
             );
             match branch.kind {
-                BranchKind::Name(_) => path,
+                BranchKind::Exactly(Value::String(_)) => path,
+                BranchKind::Exactly(value) => value.to_string(),
+                BranchKind::Plain if path == "_" => expression(schemas, branch.schema, value, depth),
                 BranchKind::Keyed(key, inner) => variant(
                     schemas,
                     &path,
@@ -202,7 +289,8 @@ fn expression(schemas: &Schemas, schema: &Value, value: &Value, depth: usize) ->
                 structure(schemas, name.unwrap_or("_"), schema, &settings, depth)
             }
         },
-        Form::Flag | Form::Text | Form::Texts | Form::Other => value.to_string(),
+        Form::Text => format!("{value}.to_owned()"),
+        Form::Flag | Form::Texts | Form::Optional(_) | Form::Other => value.to_string(),
     }
 }
 
@@ -241,25 +329,23 @@ fn vec3(v: Vec3) -> String {
     format!("Vec3::new({})", v.to_array().map(number).join(", "))
 }
 
-/// Returns a number as Rust has it, with at most four decimals unless it is small.
+/// Returns an angle in radians as Rust code: degrees, rounded to a thousandth.
+fn angle(radians: f32) -> String {
+    let degrees = (radians.to_degrees() * 1e3).round() / 1e3;
+    format!("f32::to_radians({})", number(degrees))
+}
+
+/// Returns a number as Rust code: the fewest digits that give it.
 fn number(value: f32) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return if value.is_finite() {
-            "0.0".to_owned()
-        } else {
-            "f32::INFINITY".to_owned()
-        };
+    if value.is_finite() {
+        return format!("{:?}", value + 0.0); // no negative zero
     }
-    if value.abs() < 0.01 {
-        return format!("{value:?}");
-    }
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0');
-    if text.ends_with('.') {
-        format!("{text}0")
+    let infinity = if value < 0.0 {
+        "f32::NEG_INFINITY"
     } else {
-        text.to_owned()
-    }
+        "f32::INFINITY"
+    };
+    infinity.to_owned()
 }
 
 #[cfg(test)]
@@ -290,7 +376,7 @@ mod tests {
         };
         let plain = with(json!({"technique": "shadow_map"}));
         assert!(plain.contains("        ShadowMap::default(),\n"), "{plain}");
-        assert!(plain.contains("SpotLight { color: Color::linear_rgb(1.0, 1.0, 1.0), intensity: 753.9822,"));
+        assert!(plain.contains("SpotLight { color: Color::linear_rgb(1.0, 1.0, 1.0), intensity: 753.98224,"));
         let set = with(json!({"technique": "shadow_map", "resolution": 512, "near": 0.05,
             "filter": {"jittered": {"softness": 0.02, "adaptive": false}},
             "bias": {"normal_texels": 2.0}}));
@@ -313,5 +399,6 @@ mod tests {
         );
         let none = with(json!({"technique": "none"}));
         assert!(!none.contains("::default()"), "{none}");
+        assert!(!none.contains("antumbra"), "{none}");
     }
 }

@@ -1,4 +1,4 @@
-//! What can be done, as a line of a script holds it. The window does the same by the same functions.
+//! The commands of scripts. Most call the functions that the window calls; the others stand for mouse and keyboard.
 
 use std::path::PathBuf;
 
@@ -67,7 +67,7 @@ pub enum Command {
     Delete,
     /// Undoes the last change.
     Undo,
-    /// Does the change again that was undone last.
+    /// Redoes the change that was undone last.
     Redo,
     /// Chooses what the halves of the view show.
     Show {
@@ -114,7 +114,7 @@ pub enum Command {
         /// Time within the clip.
         seconds: f32,
     },
-    /// Traces the truth beside the pictures, and waits until it is refined.
+    /// Traces the truth, and waits until it has all its samples.
     Truth {
         /// Samples on each area light.
         samples: u32,
@@ -159,6 +159,18 @@ pub enum Command {
         #[serde(default)]
         ctrl: bool,
     },
+    /// Holds a key down while frames are drawn, and releases it.
+    Hold {
+        /// Name of the key, such as `W`.
+        key: String,
+        /// Number of frames.
+        frames: usize,
+    },
+    /// Clicks on the middle of a text of the window.
+    Click {
+        /// The text.
+        text: String,
+    },
     /// Moves the pointer.
     Pointer {
         /// Place, points from the window's top left corner.
@@ -189,7 +201,7 @@ pub enum Command {
         /// Lines.
         lines: f32,
     },
-    /// Loses the device, as a driver that is reset does.
+    /// Loses the device, as happens when a driver is reset.
     LoseDevice,
     /// Writes a picture of the window.
     Screenshot {

@@ -112,6 +112,13 @@ pub struct Wanted {
     pub debug_volumes: bool,
 }
 
+impl Wanted {
+    /// Whether a half shows the picture of a side or an error of it.
+    fn shows(&self, side: Side) -> bool {
+        self.panes.iter().any(|pane| pane.side() == Some(side))
+    }
+}
+
 /// All pictures of a document.
 #[derive(Debug)]
 pub struct Compare {
@@ -124,6 +131,8 @@ pub struct Compare {
     given: Option<SideStage>,
     /// The ray-traced visibility.
     pub truth: Truth,
+    /// Lights that are not traced, because the pictures of all take too much memory.
+    pub left_out: usize,
     traced: Option<(Arc<RayScene>, u64)>,
     pose_number: u64,
     posed: Option<crate::document::Pose>,
@@ -131,6 +140,8 @@ pub struct Compare {
     pub targets: [Option<Target>; 5],
     /// Errors of the sides.
     pub judgements: [Option<Judgement>; 2],
+    /// Sides that the last frame drew.
+    pub drawn: [bool; 2],
     judged: Option<Judged>,
 }
 
@@ -157,11 +168,13 @@ impl Compare {
             sides: [Some(side), None],
             given: None,
             truth: Truth::default(),
+            left_out: 0,
             traced: None,
             pose_number: 0,
             posed: None,
             targets: [const { None }; 5],
             judgements: [None; 2],
+            drawn: [false; 2],
             judged: None,
         })
     }
@@ -182,15 +195,32 @@ impl Compare {
             self.posed = document.pose;
             self.pose_number += 1;
         }
-        let is_shown = |side: Side| wanted.panes.iter().any(|pane| pane.side() == Some(side));
+        if refining {
+            self.truth.poll();
+        }
+        let judged = self.to_judge(document, wanted).filter(|_| refining);
+        let light = judged.as_ref().and(wanted.selected);
+        let mut visibility = [None, None];
         for side in Side::ALL {
-            if side == Side::A || is_shown(side) {
-                self.draw_side(side, document, wanted, techniques)?;
+            let index = side.index();
+            // The truth is that of what side A shows.
+            self.drawn[index] = side == Side::A || wanted.shows(side);
+            if self.drawn[index] {
+                visibility[index] = self.draw_side(side, document, wanted, light, techniques)?;
             }
         }
         if refining {
-            self.ask(wanted.size)?;
-            self.judge_again(document, wanted)?;
+            self.ask(wanted)?;
+            if let Some(judged) = judged {
+                for (side, visibility) in Side::ALL.into_iter().zip(visibility) {
+                    self.judge(side, wanted, visibility)?;
+                }
+                self.judged = Some(judged);
+            }
+            if self.truth.answer().is_none() {
+                self.judgements = [None; 2];
+                self.judged = None;
+            }
         } else {
             self.truth.stop();
             self.judged = None;
@@ -202,6 +232,18 @@ impl Compare {
         Ok(())
     }
 
+    /// Returns what a judgement is made of, unless it is made already or there is no truth yet.
+    fn to_judge(&self, document: &Document, wanted: &Wanted) -> Option<Judged> {
+        let judged = Judged {
+            document: document.clone(),
+            samples: self.truth.answer()?.samples,
+            selected: wanted.selected,
+            size: wanted.size,
+            panes: wanted.panes,
+        };
+        (self.judged.as_ref() != Some(&judged)).then_some(judged)
+    }
+
     /// Whether there is a picture of what is to be shown.
     pub fn is_known(&self, show: Show) -> bool {
         match show {
@@ -210,39 +252,6 @@ impl Compare {
             Show::ErrorA => self.judgements[Side::A.index()].is_some(),
             Show::ErrorB => self.judgements[Side::B.index()].is_some(),
         }
-    }
-
-    /// Judges the sides that are shown, unless they are judged already.
-    fn judge_again(&mut self, document: &Document, wanted: &Wanted) -> Result<(), String> {
-        let samples = self.truth.answer().map_or(0, |answer| answer.samples);
-        let judged = Judged {
-            document: document.clone(),
-            samples,
-            selected: wanted.selected,
-            size: wanted.size,
-            panes: wanted.panes,
-        };
-        if self.judged.as_ref() == Some(&judged) {
-            return Ok(());
-        }
-        self.judgements = [None; 2];
-        if samples > 0 {
-            for side in Side::ALL {
-                let is_shown = wanted.panes.iter().any(|pane| pane.side() == Some(side));
-                if !is_shown && side == Side::B {
-                    continue;
-                }
-                let Some(mut stage) = self.sides[side.index()].take() else {
-                    continue;
-                };
-                let target = self.target([Show::A, Show::B][side.index()], wanted.size);
-                let drawn = stage.draw(target, true).map_err(|error| one_line(&error));
-                self.sides[side.index()] = Some(stage);
-                self.judge(side, wanted, drawn?)?;
-            }
-        }
-        self.judged = Some(judged);
-        Ok(())
     }
 
     fn target(&mut self, show: Show, size: UVec2) -> &Target {
@@ -258,24 +267,28 @@ impl Compare {
         side: Side,
         document: &Document,
         wanted: &Wanted,
+        judged: Option<usize>,
         techniques: &Techniques,
-    ) -> Result<(), String> {
+    ) -> Result<Option<Vec<f32>>, String> {
         let show = [Show::A, Show::B][side.index()];
         let mut stage = match self.sides[side.index()].take() {
             Some(stage) => stage,
             None => SideStage::new(&self.gpu, &self.loaded, Shading::Techniques(side), techniques)?,
         };
-        stage.apply(document, wanted.size);
         let mut renderer = stage.stage.world.resource_mut::<Renderer>();
         renderer.settings.debug_volumes = wanted.debug_volumes;
+        let applied = stage.apply(document, wanted.size);
+        if let (Side::B, Some(a)) = (side, &self.sides[Side::A.index()]) {
+            stage.place_as(a);
+        }
         let target = self.target(show, wanted.size);
-        let drawn = stage.draw(target, false).map_err(|error| one_line(&error));
+        let drawn = stage.draw(target, judged).map_err(|error| one_line(&error));
         self.sides[side.index()] = Some(stage);
-        drawn.map(|_| ())
+        applied.and(drawn)
     }
 
     /// Asks for the truth of what side A shows.
-    fn ask(&mut self, size: UVec2) -> Result<(), String> {
+    fn ask(&mut self, wanted: &Wanted) -> Result<(), String> {
         let Some(side) = &mut self.sides[Side::A.index()] else {
             return Ok(());
         };
@@ -291,40 +304,33 @@ impl Compare {
         ) else {
             return Ok(());
         };
+        let mut lights: Vec<_> = lights
+            .iter()
+            .map(|light| LightSource::of_entity(world, *light).ok())
+            .collect();
+        self.left_out = leave_out(&mut lights, wanted.size, wanted.selected);
         let question = Question {
-            size,
+            size: wanted.size,
             camera: *camera,
             world_from_camera: *place,
-            lights: lights
-                .iter()
-                .map(|light| LightSource::of_entity(world, *light).ok())
-                .collect(),
+            lights,
             scene: number,
         };
         if let Some((scene, _)) = &self.traced {
             self.truth.ask(question, scene);
-            self.truth.poll();
         }
         self.truth
             .failure()
             .map_or(Ok(()), |failure| Err(failure.to_owned()))
     }
 
-    fn judge(
-        &mut self,
-        side: Side,
-        wanted: &Wanted,
-        mut visibility: Vec<Option<Vec<f32>>>,
-    ) -> Result<(), String> {
+    fn judge(&mut self, side: Side, wanted: &Wanted, visibility: Option<Vec<f32>>) -> Result<(), String> {
         self.judgements[side.index()] = None;
         let truth = wanted.selected.and_then(|light| {
             let answer = self.truth.answer()?;
-            Some((light, answer.lights.get(light)?.clone()?))
+            answer.lights.get(light)?.clone()
         });
-        let Some((light, truth)) = truth else {
-            return Ok(());
-        };
-        let Some(got) = visibility.get_mut(light).and_then(Option::take) else {
+        let (Some(truth), Some(got)) = (truth, visibility) else {
             return Ok(());
         };
         if truth.size() != wanted.size {
@@ -355,13 +361,74 @@ impl Compare {
             Some(stage) => stage,
             None => SideStage::new(&self.gpu, &self.loaded, Shading::Given, techniques)?,
         };
-        stage.apply(document, wanted.size);
+        let applied = stage.apply(document, wanted.size);
+        if let Some(a) = &self.sides[Side::A.index()] {
+            stage.place_as(a);
+        }
         if let Some(answer) = self.truth.answer() {
             stage.give(&answer.pictures);
         }
         let target = self.target(Show::Truth, wanted.size);
-        let drawn = stage.draw(target, false).map_err(|error| one_line(&error));
+        let drawn = stage.draw(target, None).map_err(|error| one_line(&error));
         self.given = Some(stage);
-        drawn.map(|_| ())
+        applied.and(drawn.map(|_| ()))
+    }
+}
+
+/// Most pixels of visibility that the truth holds, in sum over all lights. Each takes up to 24 bytes: the sum of the
+/// samples, the mean, and a texel of half floats, the latter two also of the answer before.
+const MOST_PIXELS: u64 = 64_000_000;
+
+/// Removes the lights whose pictures would take too much memory; the selected light is the last to go. Returns how many
+/// were removed.
+fn leave_out(lights: &mut [Option<LightSource>], size: UVec2, selected: Option<usize>) -> usize {
+    let pixels = u64::from(size.x) * u64::from(size.y);
+    let mut room = (MOST_PIXELS / pixels.max(1)).max(1);
+    let first = selected.filter(|light| *light < lights.len());
+    let others = (0..lights.len()).filter(|light| Some(*light) != first);
+    let mut count = 0;
+    for light in first.into_iter().chain(others) {
+        if lights[light].is_none() {
+            continue;
+        }
+        if room == 0 {
+            lights[light] = None;
+            count += 1;
+        } else {
+            room -= 1;
+        }
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use antumbra::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn the_truth_holds_as_many_lights_as_fit_and_the_selected_one_first() {
+        let light = LightSource::new(
+            &Light::point(glam::Vec3::ONE, 1.0, 5.0),
+            &GlobalTransform::IDENTITY,
+            LightSelection::default(),
+        );
+        let light = light.ok();
+        assert!(light.is_some());
+        let mut lights = vec![light; 40];
+        lights[0] = None;
+        assert_eq!(leave_out(&mut lights, UVec2::new(1920, 1080), Some(38)), 9);
+        let kept: Vec<usize> = (0..40).filter(|index| lights[*index].is_some()).collect();
+        assert_eq!(kept, (1..30).chain([38]).collect::<Vec<_>>());
+        let mut few = vec![light; 40];
+        assert_eq!(leave_out(&mut few, UVec2::new(640, 360), None), 0);
+        let mut huge = vec![light; 2];
+        assert_eq!(
+            leave_out(&mut huge, UVec2::new(15_360, 8640), Some(1)),
+            1,
+            "one is always traced"
+        );
+        assert!(huge[0].is_none() && huge[1].is_some());
     }
 }

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use antumbra::prelude::*;
-use antumbra::techniques::{Settings, Techniques};
-use antumbra_stage::shadow::{ShotShadow, nest_softness};
-use antumbra_stage::shot::{LightParts, Shot, ShotLight};
+use antumbra::techniques::Techniques;
+use antumbra_stage::shadow::nest_softness;
+use antumbra_stage::shot::{LightParts, Shot, ShotGround, ShotLight};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 use serde::Deserialize;
@@ -87,6 +87,8 @@ pub struct Document {
     pub pose: Option<Pose>,
     /// The lights; `None` takes those of the scene.
     pub lights: Option<Vec<LightDoc>>,
+    /// Grounds on which perspective maps blur their shadows.
+    pub blurred_grounds: Vec<ShotGround>,
 }
 
 impl Default for Document {
@@ -98,9 +100,16 @@ impl Default for Document {
             exposure: 1.0,
             pose: None,
             lights: None,
+            blurred_grounds: Vec::new(),
         }
     }
 }
+
+/// Keys of a light that only some techniques take.
+const SPECIAL: [&str; 3] = [PATH, "angle_deg", "texture"];
+
+/// Key of the path along which a light moves.
+const PATH: &str = "path";
 
 /// Name of no technique.
 pub const NONE: &str = "none";
@@ -132,9 +141,8 @@ impl LightDoc {
     fn other_technique(&self, techniques: &Techniques) -> Map<String, Value> {
         let others = techniques.rows().iter().rev().map(|row| shadow_of(row.name()));
         let mut others = others.filter(|other| other.get("technique") != self.shadows[0].get("technique"));
-        let fits = |shadow: &Map<String, Value>| self.parts_with(shadow, techniques).is_ok();
         others
-            .find(fits)
+            .find(|shadow| self.fits(shadow, techniques))
             .unwrap_or_else(|| self.shadows[Side::A.index()].clone())
     }
 
@@ -149,28 +157,69 @@ impl LightDoc {
         self.keys.get("kind").and_then(Value::as_str).unwrap_or("point")
     }
 
-    /// Returns the value of the light in a shot file.
-    pub fn to_value(&self, side: Side) -> Value {
+    /// Returns the keys of the light in a shot file.
+    pub fn to_keys(&self, side: Side) -> Map<String, Value> {
         let mut keys = self.keys.clone();
-        keys.insert(
-            "shadow".to_owned(),
-            Value::Object(self.shadows[side.index()].clone()),
-        );
-        Value::Object(keys)
+        let shadow = self.shadows[side.index()].clone();
+        keys.insert("shadow".to_owned(), Value::Object(shadow));
+        keys
     }
 
-    fn parts_with(&self, shadow: &Map<String, Value>, techniques: &Techniques) -> Result<LightParts, String> {
+    /// Makes the parts of the light, without the keys of [`SPECIAL`] whose bits are set.
+    fn parts_without(
+        &self,
+        bits: usize,
+        shadow: Option<&Map<String, Value>>,
+        techniques: &Techniques,
+    ) -> Result<LightParts, String> {
+        let is_left_out = |key: &str| {
+            let index = SPECIAL.iter().position(|special| *special == key);
+            index.is_some_and(|index| bits >> index & 1 == 1)
+        };
         let mut keys = self.keys.clone();
-        keys.insert("shadow".to_owned(), Value::Object(shadow.clone()));
-        ShotLight::try_from(keys)?.parts(techniques)
+        // A path also places the light, so it is read before it is left out.
+        keys.retain(|key, _| key == PATH || !is_left_out(key));
+        if let Some(shadow) = shadow {
+            keys.insert("shadow".to_owned(), Value::Object(shadow.clone()));
+        }
+        let mut light = ShotLight::try_from(keys)?;
+        if is_left_out(PATH) {
+            light.path = None;
+        }
+        light.parts(techniques)
     }
 
-    /// Returns what to spawn for the light.
+    /// Makes the parts of the light. Keys of [`SPECIAL`] that the technique does not take are left out, because the
+    /// technique of the other side may need them. In that case the second value says what was left out and why.
+    fn parts_with(
+        &self,
+        shadow: Option<&Map<String, Value>>,
+        techniques: &Techniques,
+    ) -> Result<(LightParts, Option<String>), String> {
+        let refused = match self.parts_without(0, shadow, techniques) {
+            Ok(parts) => return Ok((parts, None)),
+            Err(error) => error,
+        };
+        let all = SPECIAL.iter().enumerate();
+        let there = all.filter(|(_, key)| self.keys.contains_key(**key));
+        let there = there.fold(0_usize, |bits, (index, _)| bits | 1 << index);
+        // As few as possible are left out.
+        let mut choices: Vec<usize> = (1..1 << SPECIAL.len())
+            .filter(|bits| bits & !there == 0)
+            .collect();
+        choices.sort_by_key(|bits| bits.count_ones());
+        let found = choices
+            .into_iter()
+            .find_map(|bits| self.parts_without(bits, shadow, techniques).ok());
+        found.map(|parts| (parts, Some(refused.clone()))).ok_or(refused)
+    }
+
+    /// Returns what to spawn for the light, and a note if a key is left out that the technique does not take.
     ///
     /// # Errors
     /// A key or a setting that cannot be used.
-    pub fn parts(&self, side: Side, techniques: &Techniques) -> Result<LightParts, String> {
-        self.parts_with(&self.shadows[side.index()], techniques)
+    pub fn parts(&self, side: Side, techniques: &Techniques) -> Result<(LightParts, Option<String>), String> {
+        self.parts_with(Some(&self.shadows[side.index()]), techniques)
     }
 
     /// Returns what to spawn for the light without a shadow.
@@ -178,17 +227,12 @@ impl LightDoc {
     /// # Errors
     /// A key that cannot be used.
     pub fn bare_parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
-        let mut keys = self.keys.clone();
-        keys.remove("texture"); // only some techniques show one
-        ShotLight::try_from(keys)?.parts(techniques)
+        self.parts_with(None, techniques).map(|(parts, _)| parts)
     }
 
-    /// Returns the technique's settings of a side; `None` for no technique.
-    ///
-    /// # Errors
-    /// A setting that cannot be used.
-    pub fn settings(&self, side: Side, techniques: &Techniques) -> Result<Option<Settings>, String> {
-        ShotShadow::from(self.shadows[side.index()].clone()).settings(techniques)
+    /// Whether a value of `shadow` can be used for the light.
+    pub fn fits(&self, shadow: &Map<String, Value>, techniques: &Techniques) -> bool {
+        self.parts_with(Some(shadow), techniques).is_ok()
     }
 
     /// Returns a vector that the light's keys hold.
@@ -205,9 +249,17 @@ impl LightDoc {
     }
 }
 
-/// Rounds to a tenth of a millimetre, so that saved files stay readable.
+/// Rounds to six digits, so that saved files stay readable at any scale. What is left of a zero becomes one.
 pub fn rounded(value: f32) -> f64 {
-    (f64::from(value) * 1e4).round() / 1e4
+    if value.abs() < 1e-7 {
+        return 0.0;
+    }
+    format!("{value:.5e}").parse().unwrap_or(f64::from(value))
+}
+
+/// Returns the number with the digits that an `f32` has, so that it is read back as it is.
+fn exactly(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
 }
 
 /// Returns the value of a light in a shot file.
@@ -229,15 +281,15 @@ pub fn light_value(light: &Light, transform: &Transform) -> Map<String, Value> {
             "kind": "rect",
             "direction": forward,
             "up": (transform.rotation * Vec3::Y).to_array().map(rounded),
-            "width": width,
-            "height": height,
+            "width": exactly(width),
+            "height": exactly(height),
         }),
-        LightKind::Sphere { radius } => json!({"kind": "sphere", "radius": radius}),
+        LightKind::Sphere { radius } => json!({"kind": "sphere", "radius": exactly(radius)}),
     };
     if light.kind != LightKind::Directional {
         value["position"] = json!(transform.translation.to_array().map(rounded));
         if light.range.is_finite() {
-            value["range"] = json!(light.range);
+            value["range"] = json!(exactly(light.range));
         }
     }
     value["color"] = json!(light.color.to_array().map(rounded));
@@ -248,18 +300,21 @@ pub fn light_value(light: &Light, transform: &Transform) -> Map<String, Value> {
     }
 }
 
-/// Keys that hold a path relative to the shot file.
-fn absolute_paths(light: &mut Map<String, Value>, folder: &Path) {
-    let join = |value: &mut Value| {
-        if let Some(path) = value.as_str() {
-            *value = json!(folder.join(path));
+/// Changes all paths of a light and of its shadows, but no empty ones.
+fn change_paths(light: &mut Map<String, Value>, change: &dyn Fn(&Path) -> PathBuf) {
+    let apply = |value: &mut Value| {
+        if let Some(path) = value.as_str().filter(|path| !path.is_empty()) {
+            *value = json!(change(Path::new(path)));
         }
     };
-    ["profile", "texture"]
-        .iter()
-        .for_each(|key| light.get_mut(*key).into_iter().for_each(join));
-    if let Some(path) = light.get_mut("cookie").and_then(|cookie| cookie.get_mut("path")) {
-        join(path);
+    for key in ["profile", "texture"] {
+        light.get_mut(key).into_iter().for_each(apply);
+    }
+    for pointer in [("cookie", "path"), ("shadow", "maps")] {
+        let inner = light
+            .get_mut(pointer.0)
+            .and_then(|inner| inner.get_mut(pointer.1));
+        inner.into_iter().for_each(apply);
     }
 }
 
@@ -290,7 +345,7 @@ impl Document {
         let lights = lights.map(|lights| {
             let all = lights.iter_mut().enumerate().filter_map(|(index, light)| {
                 let mut keys = std::mem::take(light.as_object_mut()?);
-                absolute_paths(&mut keys, folder);
+                change_paths(&mut keys, &|path| folder.join(path));
                 Some(LightDoc::new(light_name(index, &keys), keys, techniques))
             });
             all.collect()
@@ -305,6 +360,7 @@ impl Document {
                 time: pose.time,
             }),
             lights,
+            blurred_grounds: shot.blurred_grounds,
         })
     }
 
@@ -314,7 +370,7 @@ impl Document {
         let mut shot = json!({
             "scene": relative(&self.scene, folder),
             "size": size,
-            "ambient": self.ambient.map(rounded),
+            "ambient": self.ambient.map(exactly),
         });
         if let Some(view) = &self.view {
             shot["camera"] = json!({
@@ -322,17 +378,28 @@ impl Document {
                 "target": view.target.to_array().map(rounded),
                 "up": view.up.to_array().map(rounded),
                 "vfov_deg": rounded(view.camera.vertical_fov.to_degrees()),
-                "near": rounded(view.camera.near),
+                "near": exactly(view.camera.near),
             });
             if let Some(flat) = view.camera.orthographic {
-                shot["camera"]["orthographic"] = json!({"height": flat.height, "far": flat.far});
+                shot["camera"]["orthographic"] =
+                    json!({"height": exactly(flat.height), "far": exactly(flat.far)});
             }
         }
         if let Some(pose) = self.pose {
             shot["animation"] = json!({"clip": pose.clip, "time": rounded(pose.time)});
         }
-        let lights = self.lights.iter().flatten();
-        shot["lights"] = lights.map(|light| light.to_value(side)).collect();
+        let lights = self.lights.iter().flatten().map(|light| {
+            let mut keys = light.to_keys(side);
+            change_paths(&mut keys, &|path| relative(path, folder));
+            Value::Object(keys)
+        });
+        shot["lights"] = lights.collect();
+        if !self.blurred_grounds.is_empty() {
+            let grounds = self.blurred_grounds.iter();
+            let grounds =
+                grounds.map(|ground| json!({"node": ground.node, "radius": exactly(ground.radius)}));
+            shot["blurred_grounds"] = grounds.collect();
+        }
         // A value of JSON values alone always has a text.
         serde_json::to_string_pretty(&shot).unwrap_or_default() + "\n"
     }

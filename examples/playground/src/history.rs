@@ -2,15 +2,15 @@
 
 use crate::document::Document;
 
-/// Changes that are kept.
+/// Number of changes that can be undone; older ones are forgotten.
 const DEPTH: usize = 200;
 
-/// Documents that can be gone back and forth to.
+/// Documents before and after the current one.
 #[derive(Debug, Default)]
 pub struct History {
     past: Vec<Document>,
     future: Vec<Document>,
-    /// Name of the change that goes on, such as the drag of one light. It is undone in one step.
+    /// Name of the change in progress, such as the drag of one light. It is undone in one step.
     open: Option<String>,
 }
 
@@ -29,12 +29,12 @@ impl History {
         self.future.clear();
     }
 
-    /// Ends the change that goes on.
+    /// Ends the change in progress, so that the next one is undone by itself.
     pub fn close(&mut self) {
         self.open = None;
     }
 
-    /// Forgets everything: another scene is there.
+    /// Forgets all changes, as when another scene is opened.
     pub fn clear(&mut self) {
         *self = Self::default();
     }

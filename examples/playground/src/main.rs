@@ -38,9 +38,7 @@ struct Arguments {
 fn parse_size(text: &str) -> Result<UVec2, String> {
     let parts = text.split_once('x').and_then(|(width, height)| {
         let size = UVec2::new(width.parse().ok()?, height.parse().ok()?);
-        (1..=8192)
-            .contains(&size.min_element())
-            .then_some(size.min(UVec2::splat(8192)))
+        (size.min_element() >= 1 && size.max_element() <= 8192).then_some(size)
     });
     parts.ok_or_else(|| format!("`{text}` is no size such as 1280x800, of 1 to 8192 pixels"))
 }
@@ -83,4 +81,17 @@ fn open_window(_: &Arguments) -> Result<(), String> {
         "this playground was built without its feature `window`; run a script with --script FILE --out DIR"
             .to_owned(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_sides_of_a_size_are_checked() {
+        assert_eq!(parse_size("8192x1"), Ok(UVec2::new(8192, 1)));
+        for wrong in ["0x5", "5x0", "9000x5", "5x9000", "5", "5x", "-5x5"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
 }

@@ -58,9 +58,11 @@ impl Eye {
 
     /// Goes nearer to the target by a factor.
     pub fn dolly(&mut self, factor: f32) {
-        let least = self.camera.near * 2.0;
+        const FARTHEST: f32 = 1e6;
+        // The near plane of a file may be anywhere.
+        let least = (self.camera.near * 2.0).min(FARTHEST);
         let offset = self.eye - self.target;
-        let length = (offset.length() * factor).clamp(least, 1e6);
+        let length = (offset.length() * factor).max(least).min(FARTHEST);
         self.eye = self.target + offset.normalize_or(Vec3::Z) * length;
     }
 
@@ -193,5 +195,18 @@ mod tests {
         assert!(eye.axes().iter().all(|axis| axis.is_finite()));
         eye.dolly(1e-9);
         assert!(eye.distance() > 0.0);
+        for (near, factor) in [
+            (1e30, 1.0),
+            (0.1, f32::INFINITY),
+            (0.1, f32::NAN),
+            (f32::NAN, 2.0),
+        ] {
+            eye.camera.near = near;
+            eye.dolly(factor);
+            assert!(
+                eye.eye.is_finite() && eye.distance() > 0.0,
+                "{near} {factor}: {eye:?}"
+            );
+        }
     }
 }

@@ -29,7 +29,7 @@ pub enum Form<'a> {
     Texts,
     /// An object with these properties.
     Object(&'a Map<String, Value>),
-    /// One of several forms.
+    /// One of several forms. Two of the same name are two ways to write the same.
     Choice(Vec<Branch<'a>>),
     /// A value of a schema, or none.
     Optional(&'a Value),
@@ -64,8 +64,8 @@ pub struct Branch<'a> {
 /// How a value of a branch looks.
 #[derive(Debug)]
 pub enum BranchKind<'a> {
-    /// It is this text.
-    Name(&'a str),
+    /// It is this text or this number.
+    Exactly(&'a Value),
     /// It is an object with one key, whose value has this schema.
     Keyed(&'a str, &'a Value),
     /// It is a value of the branch's schema.
@@ -132,6 +132,11 @@ impl Schemas {
             .collect()
     }
 
+    /// Whether a schema is that of a type of this name.
+    pub fn is_type(&self, name: &str) -> bool {
+        self.defs.contains_key(name)
+    }
+
     /// Follows the reference of a schema.
     pub fn resolve<'a>(&'a self, schema: &'a Value) -> &'a Value {
         let mut schema = schema;
@@ -150,9 +155,8 @@ impl Schemas {
         if let Some(branches) = branches(schema) {
             return self.choice(branches);
         }
-        if let Some(names) = schema.get("enum").and_then(Value::as_array) {
-            let names = names.iter().filter_map(Value::as_str);
-            return Form::Choice(names.map(|name| named(name, schema)).collect());
+        if let Some(values) = schema.get("enum").and_then(Value::as_array) {
+            return Form::Choice(values.iter().map(|value| exactly(value, schema)).collect());
         }
         let (kind, optional) = type_of(schema);
         if optional {
@@ -217,14 +221,7 @@ impl Schemas {
         for schema in all {
             self.add_branches(schema, &mut known);
         }
-        // The first way to write a choice counts.
-        let mut menu: Vec<Branch> = Vec::new();
-        for branch in known {
-            if menu.iter().all(|other| other.name != branch.name) {
-                menu.push(branch);
-            }
-        }
-        Form::Choice(menu)
+        Form::Choice(known)
     }
 
     fn add_branches<'a>(&'a self, schema: &'a Value, to: &mut Vec<Branch<'a>>) {
@@ -233,17 +230,12 @@ impl Schemas {
             inner.iter().for_each(|schema| self.add_branches(schema, to));
             return;
         }
-        if let Some(name) = schema.get("const").and_then(Value::as_str) {
-            to.push(named(name, schema));
+        if let Some(value) = schema.get("const") {
+            to.push(exactly(value, schema));
             return;
         }
-        if let Some(names) = schema.get("enum").and_then(Value::as_array) {
-            to.extend(
-                names
-                    .iter()
-                    .filter_map(Value::as_str)
-                    .map(|name| named(name, schema)),
-            );
+        if let Some(values) = schema.get("enum").and_then(Value::as_array) {
+            to.extend(values.iter().map(|value| exactly(value, schema)));
             return;
         }
         let keyed = schema
@@ -269,21 +261,32 @@ impl Schemas {
 
     /// Returns the index of the branch that a value is of.
     pub fn branch_of(&self, branches: &[Branch], value: &Value) -> Option<usize> {
-        branches.iter().position(|branch| match branch.kind {
-            BranchKind::Name(name) => value.as_str() == Some(name),
+        let exact = branches.iter().position(|branch| match branch.kind {
+            BranchKind::Exactly(only) => value == only,
             BranchKind::Keyed(key, _) => value.get(key).is_some(),
             BranchKind::Plain => match type_of(branch.schema).0 {
                 "number" | "integer" => value.is_number(),
-                "object" => value.is_object(),
+                "boolean" => value.is_boolean(),
+                "string" => value.is_string(),
+                "array" => value.is_array(),
+                "object" => value
+                    .as_object()
+                    .is_some_and(|object| has_keys_of(object, branch.schema)),
                 _ => false,
             },
-        })
+        });
+        // An object with a key too few or too many is shown as one, so that it can be mended.
+        let is_object = |branch: &Branch| {
+            matches!(branch.kind, BranchKind::Plain) && type_of(branch.schema).0 == "object"
+        };
+        let similar = || branches.iter().position(is_object).filter(|_| value.is_object());
+        exact.or_else(similar)
     }
 
     /// Returns the first value of a branch.
     pub fn first_of(&self, branch: &Branch) -> Value {
         match branch.kind {
-            BranchKind::Name(name) => json!(name),
+            BranchKind::Exactly(value) => value.clone(),
             BranchKind::Keyed(key, inner) => json!({ key: self.first(inner) }),
             BranchKind::Plain => self.first(branch.schema),
         }
@@ -317,6 +320,7 @@ impl Schemas {
             Form::Texts => json!([]),
             Form::Row(count, item) => Value::Array(vec![self.first(item); count]),
             Form::Object(properties) => {
+                // Anything else has a default.
                 let required = schema.get("required").and_then(Value::as_array);
                 let keys = required.into_iter().flatten().filter_map(Value::as_str);
                 let pairs = keys.map(|key| (key.to_owned(), self.first(&properties[key])));
@@ -340,13 +344,22 @@ fn branches(schema: &Value) -> Option<&[Value]> {
     all.as_array().map(Vec::as_slice)
 }
 
-fn named<'a>(name: &'a str, schema: &'a Value) -> Branch<'a> {
+fn exactly<'a>(value: &'a Value, schema: &'a Value) -> Branch<'a> {
     Branch {
-        name: name.to_owned(),
+        name: value.as_str().map_or_else(|| value.to_string(), str::to_owned),
         help: description(schema),
         schema,
-        kind: BranchKind::Name(name),
+        kind: BranchKind::Exactly(value),
     }
+}
+
+/// Whether an object has all keys that a schema requires, and none that it does not know.
+fn has_keys_of(object: &Map<String, Value>, schema: &Value) -> bool {
+    let required = schema.get("required").and_then(Value::as_array);
+    let mut required = required.into_iter().flatten().filter_map(Value::as_str);
+    let known = schema.get("properties").and_then(Value::as_object);
+    required.all(|key| object.contains_key(key))
+        && known.is_none_or(|known| object.keys().all(|key| known.contains_key(key)))
 }
 
 /// Returns the type of a schema, and whether it may also be null.
@@ -367,8 +380,11 @@ fn type_of(schema: &Value) -> (&str, bool) {
     }
 }
 
-/// Returns the name of a branch that has none in the file: that of its variant, or its type.
+/// Returns the name of a branch that has none in the file: its title, that of its variant, or its type.
 fn plain_name(schema: &Value) -> String {
+    if let Some(title) = schema.get("title").and_then(Value::as_str) {
+        return title.to_owned();
+    }
     let variant = rust_path(schema).map(|path| path.trim_end_matches("(_)"));
     let variant = variant.and_then(|path| path.rsplit("::").next());
     variant.map_or_else(|| type_of(schema).0.to_owned(), snake_case)
@@ -414,4 +430,85 @@ pub fn label(key: &str) -> String {
         .next()
         .map(|first| first.to_uppercase().chain(letters).collect())
         .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All schemas below one, with where they are.
+    fn below<'a>(schema: &'a Value, at: String, to: &mut Vec<(String, &'a Value)>) {
+        match schema {
+            Value::Object(all) => {
+                to.push((at.clone(), schema));
+                all.iter()
+                    .for_each(|(key, inner)| below(inner, format!("{at}/{key}"), to));
+            }
+            Value::Array(all) => {
+                let inner = all.iter().enumerate();
+                inner.for_each(|(index, inner)| below(inner, format!("{at}/{index}"), to));
+            }
+            _ => {}
+        }
+    }
+
+    #[test]
+    fn every_choice_knows_its_values_and_has_names_that_differ() {
+        let schemas = Schemas::of(&Techniques::default());
+        let mut all = Vec::new();
+        below(&schemas.light, "light".to_owned(), &mut all);
+        for (name, schema) in &schemas.defs {
+            below(schema, name.clone(), &mut all);
+        }
+        for (name, schema) in &schemas.techniques {
+            below(schema.as_ref().unwrap(), (*name).to_owned(), &mut all);
+        }
+        let mut count = 0;
+        for (at, schema) in all {
+            let Form::Choice(branches) = schemas.form(schema) else {
+                continue;
+            };
+            if at == "light" {
+                continue; // the kind of a light is not a choice of its settings
+            }
+            count += 1;
+            assert!(!branches.is_empty(), "{at}");
+            for (index, branch) in branches.iter().enumerate() {
+                let first = schemas.first_of(branch);
+                assert_eq!(schemas.branch_of(&branches, &first), Some(index), "{at}: {first}");
+                assert!(
+                    !["object", "boolean", "integer", "number"].contains(&&*branch.name),
+                    "{at}: {}",
+                    branch.name
+                );
+            }
+        }
+        assert!(count > 20, "{count}");
+    }
+
+    #[test]
+    fn a_setting_begins_with_a_useful_value() {
+        let schemas = Schemas::of(&Techniques::default());
+        let of = |technique: &str, key: &str, branch: usize| {
+            let property = &schemas.technique(technique).unwrap()["properties"][key];
+            match schemas.form_of_some(property) {
+                Form::Choice(branches) => schemas.first_of(&branches[branch]),
+                _ => schemas.first(property),
+            }
+        };
+        assert_eq!(of("shadow_map", "resolution", 0), json!(1024));
+        assert_eq!(
+            of("shadow_map", "resolution", 1),
+            json!({"least": 128, "most": 1024})
+        );
+        assert_eq!(of("shadow_map", "near", 0), json!(0.05));
+        assert_eq!(of("occlusion_texture", "resolution", 2), json!(64));
+        let light = schemas.light("directional").unwrap();
+        assert_eq!(light["properties"]["intensity"]["default"], json!(3.0));
+        let Form::Choice(paths) = schemas.form_of_some(&light["properties"]["path"]) else {
+            panic!("a path is a choice");
+        };
+        let names: Vec<&str> = paths.iter().map(|path| path.name.as_str()).collect();
+        assert_eq!(names, ["arc", "sun", "positions"]);
+    }
 }

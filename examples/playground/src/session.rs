@@ -42,6 +42,7 @@ pub struct Session {
     pointer: Pos2,
     frames: u64,
     window: Option<wgpu::Texture>,
+    texts: Vec<(String, Rect)>,
 }
 
 impl std::fmt::Debug for Session {
@@ -88,6 +89,7 @@ impl Session {
             pointer: Pos2::ZERO,
             frames: 0,
             window: None,
+            texts: Vec::new(),
         })
     }
 
@@ -141,6 +143,10 @@ impl Session {
         self.frames += 1;
         let app = &mut self.app;
         let output = self.context.run_ui(input, |ui| app.ui(ui));
+        self.texts.clear();
+        for clipped in &output.shapes {
+            texts_of(&clipped.shape, clipped.clip_rect, &mut self.texts);
+        }
         let primitives = self.context.tessellate(output.shapes, output.pixels_per_point);
         let size = self.size.max(UVec2::ONE);
         let window = self.window.take().filter(|window| {
@@ -202,6 +208,24 @@ impl Session {
         match command {
             Command::Frames { count } => (0..count).try_for_each(|_| self.frame()),
             Command::Truth { samples } => self.refine(samples),
+            Command::Hold { key, frames } => {
+                let key = key_of(&key)?;
+                self.key(key, true, Modifiers::NONE);
+                (0..frames).try_for_each(|_| self.frame())?;
+                self.key(key, false, Modifiers::NONE);
+                self.frame()
+            }
+            Command::Click { text } => {
+                let place = self.place_of(&text);
+                let place = place.ok_or_else(|| format!("the window does not show `{text}`"))?;
+                self.point(place);
+                self.frame()?;
+                for pressed in [true, false] {
+                    self.button(0, pressed)?;
+                    self.frame()?;
+                }
+                self.frame() // what opens has its size then
+            }
             Command::LoseDevice => {
                 self.app.gpu.context.device.destroy();
                 self.app.gpu.context.set_lost();
@@ -257,7 +281,7 @@ impl Session {
         self.app.shown.judge = true;
         if let Some(compare) = &mut self.app.compare {
             compare.truth.limit = samples.max(1);
-            compare.truth.stop();
+            compare.truth.forget();
         }
         let start = Instant::now();
         loop {
@@ -278,7 +302,7 @@ impl Session {
         }
     }
 
-    /// Turns a command into a call or into input.
+    /// Does a command by a call of the playground or by input to the window.
     fn input(&mut self, command: Command) -> Result<(), String> {
         let app = &mut self.app;
         match command {
@@ -357,20 +381,14 @@ impl Session {
     fn device_input(&mut self, command: Command) -> Result<(), String> {
         match command {
             Command::Key { key, ctrl } => {
-                let key = egui::Key::from_name(&key).ok_or_else(|| format!("no key is called `{key}`"))?;
+                let key = key_of(&key)?;
                 let modifiers = if ctrl {
                     Modifiers::COMMAND | Modifiers::CTRL
                 } else {
                     Modifiers::NONE
                 };
                 for pressed in [true, false] {
-                    self.events.push(Event::Key {
-                        key,
-                        physical_key: None,
-                        pressed,
-                        repeat: false,
-                        modifiers,
-                    });
+                    self.key(key, pressed, modifiers);
                 }
             }
             Command::Pointer { to } => self.point(egui::pos2(to[0], to[1])),
@@ -400,6 +418,27 @@ impl Session {
             other => return Err(format!("{other:?} is no input")),
         }
         Ok(())
+    }
+
+    fn key(&mut self, key: egui::Key, pressed: bool, modifiers: Modifiers) {
+        self.events.push(Event::Key {
+            key,
+            physical_key: None,
+            pressed,
+            repeat: false,
+            modifiers,
+        });
+    }
+
+    /// Texts that the last frame showed.
+    pub fn texts(&self) -> impl Iterator<Item = &str> {
+        self.texts.iter().map(|(text, _)| text.as_str())
+    }
+
+    /// Returns the middle of a text that the last frame showed; of several, that drawn last.
+    fn place_of(&self, text: &str) -> Option<Pos2> {
+        let found = self.texts.iter().rev().find(|(shown, _)| shown == text);
+        found.map(|(_, rect)| rect.center())
     }
 
     fn point(&mut self, to: Pos2) {
@@ -439,7 +478,7 @@ impl Session {
             let stage = app.compare.as_ref().and_then(|compare| compare.sides[0].as_ref());
             json!({
                 "name": light.name,
-                "value": light.to_value(Side::A),
+                "value": light.to_keys(Side::A),
                 "technique": [light.technique(Side::A), light.technique(Side::B)],
                 "error": stage.and_then(|stage| stage.errors.get(index).cloned().flatten()),
                 "reports": stage.map(|stage| stage.reports(Some(index))),
@@ -469,6 +508,24 @@ impl Session {
             "memory_bytes": memory_stats::memory_stats().map(|memory| memory.physical_mem),
             "time": app.document.pose.map(|pose| pose.time),
         })
+    }
+}
+
+fn key_of(name: &str) -> Result<egui::Key, String> {
+    egui::Key::from_name(name).ok_or_else(|| format!("no key is called `{name}`"))
+}
+
+/// Collects the texts of a shape, as far as they are visible.
+fn texts_of(shape: &egui::Shape, clip: Rect, to: &mut Vec<(String, Rect)>) {
+    match shape {
+        egui::Shape::Vec(shapes) => shapes.iter().for_each(|shape| texts_of(shape, clip, to)),
+        egui::Shape::Text(text) => {
+            let rect = text.galley.rect.translate(text.pos.to_vec2()).intersect(clip);
+            if rect.is_positive() {
+                to.push((text.galley.text().to_owned(), rect));
+            }
+        }
+        _ => {}
     }
 }
 

@@ -1,21 +1,22 @@
-//! One of the pictures that are compared: a world with the scene and the lights of a document, and its renderer.
+//! A world with the scene and the lights of a document, and a renderer that draws one of the pictures to compare.
 
 use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::render::{Gpu, PassTime, RenderError, VISIBILITY_FORMAT, create_target};
 use antumbra::reports::Reports;
+use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, spawn_scene};
-use antumbra::scene::{
-    LightDistance, LightShape, LightWeights, ShadowOrigin, ShadowSoftness, ShadowTint, apply_animation,
-};
 use antumbra::schedule::SetTimes;
+use antumbra::techniques::penumbra_wedge::EmitterTexture;
 use antumbra::techniques::{Techniques, add_row};
 use antumbra_stage::picture::light_texture;
-use antumbra_stage::stage::{Stage, one_line};
+use antumbra_stage::shot::{LightParts, ShotGround, ShotModel};
+use antumbra_stage::stage::{Stage, blur_grounds, one_line};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
+use serde_json::{Map, Value};
 
 use crate::document::{Document, LightDoc, Pose, Side};
 use crate::given::{GivenPicture, GivenVisibility};
@@ -37,7 +38,10 @@ pub struct SideStage {
     shading: Shading,
     loaded: Arc<LoadedGltf>,
     spawned: SpawnedScene,
-    applied: Vec<LightDoc>,
+    /// The lights of the document that was applied last.
+    lights: Vec<LightDoc>,
+    applied: Vec<Applied>,
+    grounds: Vec<ShotGround>,
     /// Why each light is not as the document says.
     pub errors: Vec<Option<String>>,
     posed: Option<Pose>,
@@ -52,17 +56,14 @@ impl std::fmt::Debug for SideStage {
     }
 }
 
-/// The components of the light model that a shot's light may have.
-type ModelParts = (
-    LightShape,
-    LightDistance,
-    LightWeights,
-    ShadowTint,
-    ShadowOrigin,
-    ShadowSoftness,
-    Cookie,
-    LightProfile,
-);
+/// What of a light's document its entity has.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Applied {
+    /// Keys whose components it has; `None` if they could not be used.
+    keys: Option<Map<String, Value>>,
+    /// Value of `shadow` whose technique it has; `None` without a technique.
+    shadow: Option<Map<String, Value>>,
+}
 
 impl SideStage {
     /// Spawns a scene without lights.
@@ -98,14 +99,19 @@ impl SideStage {
             shading,
             loaded: loaded.clone(),
             spawned,
+            lights: Vec::new(),
             applied: Vec::new(),
+            grounds: Vec::new(),
             errors: Vec::new(),
             posed: None,
         })
     }
 
     /// Makes the world that of a document.
-    pub fn apply(&mut self, document: &Document, size: UVec2) {
+    ///
+    /// # Errors
+    /// One line that names the ground that the scene does not have.
+    pub fn apply(&mut self, document: &Document, size: UVec2) -> Result<(), String> {
         let world = &mut self.stage.world;
         world.insert_resource(ViewportSize(size));
         if let Some(view) = &document.view {
@@ -125,88 +131,118 @@ impl SideStage {
             }
             self.posed = document.pose;
         }
+        if self.grounds != document.blurred_grounds {
+            blur_grounds(world, (&self.loaded, &self.spawned), &document.blurred_grounds)?;
+            self.grounds.clone_from(&document.blurred_grounds);
+        }
         let mut renderer = world.resource_mut::<Renderer>();
         renderer.settings.ambient = document.ambient.into();
         renderer.settings.exposure = document.exposure;
         self.apply_lights(document.lights());
+        Ok(())
     }
 
     fn apply_lights(&mut self, lights: &[LightDoc]) {
-        if self.applied == lights {
+        if self.lights == lights {
             return;
         }
-        for light in self
-            .stage
-            .lights
-            .drain(lights.len().min(self.stage.lights.len())..)
-        {
+        let kept = lights.len().min(self.stage.lights.len());
+        for light in self.stage.lights.drain(kept..) {
             self.stage.world.despawn(light);
         }
-        self.applied.truncate(lights.len());
+        self.applied.resize(lights.len(), Applied::default());
+        self.applied[kept..].fill(Applied::default());
         self.errors.resize(lights.len(), None);
         for (index, light) in lights.iter().enumerate() {
-            let before = self.applied.get(index).cloned();
-            if before.as_ref() == Some(light) {
+            if self.lights.get(index) == Some(light) && index < kept {
                 continue;
             }
             if index == self.stage.lights.len() {
                 self.stage.lights.push(self.stage.world.spawn_empty().id());
             }
-            self.errors[index] = self.apply_light(index, before.as_ref(), light).err();
+            self.errors[index] = match self.apply_light(index, light) {
+                Ok(note) => note,
+                Err(error) => Some(error),
+            };
         }
-        self.applied = lights.to_vec();
+        self.lights = lights.to_vec();
     }
 
     /// Changes what differs of one light. A light that cannot be used stays as it was, but its technique is taken
-    /// from it if only that is wrong.
-    fn apply_light(
-        &mut self,
-        index: usize,
-        before: Option<&LightDoc>,
-        light: &LightDoc,
-    ) -> Result<(), String> {
+    /// from it if only that is wrong. Returns what is left out of the light.
+    fn apply_light(&mut self, index: usize, light: &LightDoc) -> Result<Option<String>, String> {
         let entity = self.stage.lights[index];
         let side = match self.shading {
             Shading::Techniques(side) => side,
             Shading::Given => Side::A,
         };
         let techniques = self.stage.world.resource::<Techniques>().clone();
-        let whole = light.parts(side, &techniques);
-        let (parts, refused) = match whole {
-            Ok(parts) => (parts, None),
+        let (parts, note) = match light.parts(side, &techniques) {
+            Ok(whole) => whole,
             Err(error) => (light.bare_parts(&techniques)?, Some(error)),
         };
+        let shadow = parts.shadow.as_ref().map(|_| light.shadows[side.index()].clone());
         let world = &mut self.stage.world;
-        world.entity_mut(entity).insert((parts.light, parts.transform));
-        if before.is_none_or(|before| before.keys != light.keys) {
-            world.entity_mut(entity).remove::<ModelParts>();
-            world.entity_mut(entity).insert(LightSelection::default());
-            let scene = (&*self.loaded, &self.spawned);
-            parts.model.insert(world, entity, scene)?;
-            if let Some(path) = &parts.texture {
-                let texture = light_texture(path).map_err(|error| format!("texture: {error}"))?;
-                world.entity_mut(entity).insert(texture);
-            }
+        world
+            .entity_mut(entity)
+            .insert((parts.light.clone(), parts.transform));
+        // Which components the keys give depends on the technique as well.
+        if self.applied[index].keys.as_ref() != Some(&light.keys) || self.applied[index].shadow != shadow {
+            self.applied[index].keys = None;
+            self.apply_model(entity, &parts)?;
+            self.applied[index].keys = Some(light.keys.clone());
         }
-        let mut entity = world.entity_mut(entity);
+        let mut entity = self.stage.world.entity_mut(entity);
         match self.shading {
             Shading::Given if !entity.contains::<GivenVisibility>() => {
                 entity.insert(GivenVisibility::default());
             }
             Shading::Given => {}
-            Shading::Techniques(side) => {
-                if before.is_none_or(|before| before.shadows[side.index()] != light.shadows[side.index()]) {
-                    let row = parts.shadow.as_ref().map(|shadow| shadow.row());
-                    for other in techniques.rows().iter().filter(|other| Some(**other) != row) {
-                        other.remove(&mut entity);
-                    }
-                    if let Some(shadow) = parts.shadow {
-                        shadow.insert(&mut entity);
-                    }
+            Shading::Techniques(_) if self.applied[index].shadow == shadow => {}
+            Shading::Techniques(_) => {
+                let row = parts.shadow.as_ref().map(|shadow| shadow.row());
+                for other in techniques.rows().iter().filter(|other| Some(**other) != row) {
+                    other.remove(&mut entity);
+                }
+                if let Some(shadow) = &parts.shadow {
+                    shadow.insert(&mut entity);
                 }
             }
         }
-        refused.map_or(Ok(()), Err)
+        self.applied[index].shadow = shadow;
+        Ok(note)
+    }
+
+    /// Gives a light the components of its model, its path and its texture, and takes all others from it.
+    fn apply_model(&mut self, light: Entity, parts: &LightParts) -> Result<(), String> {
+        let world = &mut self.stage.world;
+        let mut entity = world.entity_mut(light);
+        ShotModel::remove(&mut entity);
+        entity.remove::<(EmitterTexture, LightPath)>();
+        if let Some(path) = &parts.path {
+            entity.insert(path.clone());
+        }
+        let scene = (&*self.loaded, &self.spawned);
+        parts.model.insert(world, light, scene)?;
+        if let Some(path) = &parts.texture {
+            let texture = light_texture(path).map_err(|error| format!("texture: {error}"))?;
+            world.entity_mut(light).insert(texture);
+        }
+        Ok(())
+    }
+
+    /// Places the lights that follow a path on another stage as they are placed there, so that all pictures show the
+    /// same moment. A light that follows a path here as well goes its own way.
+    pub fn place_as(&mut self, other: &Self) {
+        for (&light, &there) in self.stage.lights.iter().zip(&other.stage.lights) {
+            if other.stage.world.get::<LightPath>(there).is_none() {
+                continue;
+            }
+            let place = other.stage.world.get::<Transform>(there).copied();
+            if let (Some(place), Some(mut here)) = (place, self.stage.world.get_mut::<Transform>(light)) {
+                here.set_if_neq(place);
+            }
+        }
     }
 
     /// Gives the lights the visibility of the truth.
@@ -221,48 +257,43 @@ impl SideStage {
         }
     }
 
-    /// Draws a frame into the target. With `visibility`, that of the lights is read back, in the order of the
-    /// document.
+    /// Draws a frame into the target. With `judged`, returns the visibility of that light of the document, unless it
+    /// cannot shine.
     ///
     /// # Errors
     /// Something that the device refuses.
-    pub fn draw(&mut self, target: &Target, visibility: bool) -> Result<Vec<Option<Vec<f32>>>, RenderError> {
+    pub fn draw(&mut self, target: &Target, judged: Option<usize>) -> Result<Option<Vec<f32>>, RenderError> {
         self.stage.schedule.run(&mut self.stage.world);
-        let indices = self.stage.light_indices();
         let mut renderer = self.stage.world.resource_mut::<Renderer>();
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);
         }
         renderer.prepare_output(Target::FORMAT);
         let context = renderer.context().clone();
-        let count = self.stage.world.resource::<FrameLights>().lights.len();
-        let masks: Vec<wgpu::Texture> = (0..if visibility { count } else { 0 })
-            .map(|_| create_target(&context, "visibility", target.size, VISIBILITY_FORMAT))
-            .collect::<Result<_, _>>()?;
-        let views: Vec<_> = masks
-            .iter()
-            .map(|mask| mask.create_view(&Default::default()))
-            .collect();
+        let lights = &self.stage.world.resource::<FrameLights>().lights;
+        let entity = judged.and_then(|light| self.stage.lights.get(light));
+        let index = entity.and_then(|entity| lights.iter().position(|light| light.entity == *entity));
+        let mask = |label: &'static str| create_target(&context, label, target.size, VISIBILITY_FORMAT);
+        let (mut wanted, mut views) = (None, Vec::new());
+        if let Some(index) = index {
+            // A frame draws the visibility of all lights or of none. All others share a texture that nobody reads.
+            let others = mask("other visibility")?.create_view(&Default::default());
+            views = vec![others; lights.len()];
+            let texture = mask("visibility")?;
+            views[index] = texture.create_view(&Default::default());
+            wanted = Some(texture);
+        }
         let mut encoder = context.device.create_command_encoder(&Default::default());
         let renderer = self.stage.world.resource::<Renderer>();
         renderer.record(
             &mut encoder,
-            &antumbra::render::FrameOutputs {
+            &FrameOutputs {
                 picture: Some(&target.view),
                 visibility: &views,
             },
         );
         context.queue.submit([encoder.finish()]);
-        if !visibility {
-            return Ok(Vec::new());
-        }
-        indices
-            .iter()
-            .map(|index| match index.and_then(|index| masks.get(index)) {
-                Some(mask) => read_halves(&context, mask).map(Some),
-                None => Ok(None),
-            })
-            .collect()
+        wanted.map(|mask| read_halves(&context, &mask)).transpose()
     }
 
     /// Waits for the frame and returns the GPU times of its passes.

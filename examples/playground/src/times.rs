@@ -40,7 +40,12 @@ impl Times {
     /// Remembers the frame that was drawn last.
     pub fn record(&mut self, compare: &Compare) {
         for side in Side::ALL {
-            let Some(stage) = &compare.sides[side.index()] else {
+            let frames = &mut self.frames[side.index()];
+            let Some(stage) = compare.sides[side.index()]
+                .as_ref()
+                .filter(|_| compare.drawn[side.index()])
+            else {
+                frames.clear(); // the side is no longer shown
                 continue;
             };
             let mut frame = FrameTimes::default();
@@ -55,7 +60,6 @@ impl Times {
             frame.sets = sets
                 .map(|(set, time)| (set.name(), time.as_secs_f64() * 1e3))
                 .collect();
-            let frames = &mut self.frames[side.index()];
             if frames.len() == FRAMES {
                 frames.remove(0);
             }

@@ -1,8 +1,8 @@
 //! Ray-traced visibility that refines on threads of its own.
 
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, OnceLock};
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use antumbra::prelude::*;
 use antumbra::reference::{
@@ -19,7 +19,7 @@ const PASS: [u32; 2] = [4, 16];
 /// Samples on an area light after which it is not refined further.
 const DEFAULT_SAMPLES: u32 = 256;
 
-/// What is seen, by which truth is known to be that of the picture.
+/// Everything on which the truth depends. An answer belongs to the picture as long as its question is the same.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
     /// Size of the picture, pixels.
@@ -52,6 +52,9 @@ struct Job {
     samples: u32,
 }
 
+/// The newest answer to a job, by the job's number. A newer answer replaces one that was not taken.
+type Slot = Arc<Mutex<Option<(u64, Result<Answer, String>)>>>;
+
 /// The truth of what is seen now.
 pub struct Truth {
     /// Samples on an area light after which it is not refined further.
@@ -59,8 +62,9 @@ pub struct Truth {
     asked: Option<Question>,
     answer: Option<Answer>,
     failure: Option<String>,
+    /// Where jobs are sent to; `None` while no thread runs.
     jobs: Option<Sender<Job>>,
-    answers: Receiver<(u64, Result<Answer, String>)>,
+    slot: Slot,
     current: Arc<AtomicU64>,
 }
 
@@ -73,45 +77,16 @@ impl std::fmt::Debug for Truth {
     }
 }
 
-/// The threads that trace: all but one, which draws.
-fn pool() -> Option<&'static rayon::ThreadPool> {
-    static POOL: OnceLock<Option<rayon::ThreadPool>> = OnceLock::new();
-    let pool = POOL.get_or_init(|| {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let threads = cores.saturating_sub(1).max(1);
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()
-    });
-    pool.as_ref()
-}
-
 impl Default for Truth {
     fn default() -> Self {
-        let (jobs, to_do) = channel::<Job>();
-        let (done, answers) = channel();
-        let current = Arc::new(AtomicU64::new(0));
-        let newest = current.clone();
-        let thread = std::thread::Builder::new().name("truth".to_owned());
-        let started = thread.spawn(move || {
-            for job in to_do {
-                if job.number != newest.load(Ordering::Acquire) {
-                    continue;
-                }
-                let work = || trace(&job, &newest, &done);
-                match pool() {
-                    Some(pool) => pool.install(work),
-                    None => work(),
-                }
-            }
-        });
-        let failure = started.as_ref().err().map(|error| format!("truth: {error}"));
         Self {
             limit: DEFAULT_SAMPLES,
             asked: None,
             answer: None,
-            failure,
-            jobs: started.is_ok().then_some(jobs),
-            answers,
-            current,
+            failure: None,
+            jobs: None,
+            slot: Slot::default(),
+            current: Arc::default(),
         }
     }
 }
@@ -122,13 +97,41 @@ impl Drop for Truth {
     }
 }
 
+/// Starts the threads that trace: all but one, which draws. They end when nobody can send jobs any more.
+fn start(newest: Arc<AtomicU64>, slot: Slot) -> Result<Sender<Job>, String> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = cores.saturating_sub(1).max(1);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|index| format!("truth {index}"))
+        .build()
+        .map_err(|error| format!("truth: {error}"))?;
+    let (jobs, to_do) = channel::<Job>();
+    let thread = std::thread::Builder::new().name("truth".to_owned());
+    let work = move || {
+        for job in to_do {
+            if job.number == newest.load(Ordering::Acquire) {
+                pool.install(|| trace(&job, &newest, &slot));
+            }
+        }
+    };
+    thread.spawn(work).map_err(|error| format!("truth: {error}"))?;
+    Ok(jobs)
+}
+
 impl Truth {
     /// Asks for the truth of what is seen. The same question goes on refining its answer.
     pub fn ask(&mut self, question: Question, scene: &Arc<RayScene>) {
         if self.asked.as_ref() == Some(&question) {
             return;
         }
-        self.stop();
+        self.forget();
+        if self.jobs.is_none() {
+            match start(self.current.clone(), self.slot.clone()) {
+                Ok(jobs) => self.jobs = Some(jobs),
+                Err(failure) => self.failure = Some(failure),
+            }
+        }
         if let Some(jobs) = &self.jobs {
             // A thread that has ended has reported why.
             let _ = jobs.send(Job {
@@ -141,29 +144,37 @@ impl Truth {
         self.asked = Some(question);
     }
 
-    /// Stops refining and forgets the answer.
-    pub fn stop(&mut self) {
+    /// Forgets the answer, so that the next question begins anew.
+    pub fn forget(&mut self) {
         self.current.fetch_add(1, Ordering::AcqRel);
         self.asked = None;
         self.answer = None;
         self.failure = None;
+        *self.slot.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// Forgets the answer and ends the threads, until a question is asked again.
+    pub fn stop(&mut self) {
+        if self.jobs.take().is_some() || self.asked.is_some() {
+            self.forget();
+        }
+    }
+
+    /// Whether threads are there to trace.
+    pub fn is_running(&self) -> bool {
+        self.jobs.is_some()
     }
 
     /// Takes the newest answer over. Returns whether there was a new one.
     pub fn poll(&mut self) -> bool {
-        let mut is_new = false;
+        let new = self.slot.lock().unwrap_or_else(PoisonError::into_inner).take();
         let current = self.current.load(Ordering::Acquire);
-        for (number, answer) in self.answers.try_iter() {
-            if number != current {
-                continue;
-            }
-            is_new = true;
-            match answer {
-                Ok(answer) => self.answer = Some(answer),
-                Err(failure) => self.failure = Some(failure),
-            }
+        match new.filter(|(number, _)| *number == current) {
+            Some((_, Ok(answer))) => self.answer = Some(answer),
+            Some((_, Err(failure))) => self.failure = Some(failure),
+            None => return false,
         }
-        is_new
+        true
     }
 
     /// The newest answer.
@@ -184,14 +195,17 @@ impl Truth {
 }
 
 /// Refines until all samples are taken or another question is asked.
-fn trace(job: &Job, newest: &AtomicU64, done: &Sender<(u64, Result<Answer, String>)>) {
+fn trace(job: &Job, newest: &AtomicU64, slot: &Slot) {
+    let tell = |answer: Result<Answer, String>| {
+        *slot.lock().unwrap_or_else(PoisonError::into_inner) = Some((job.number, answer));
+    };
     let is_old = || newest.load(Ordering::Acquire) != job.number;
     let question = &job.question;
     let (camera, place) = (&question.camera, &question.world_from_camera);
     let hits = match primary_hits(&job.scene, camera, place, question.size) {
         Ok(hits) => hits,
         Err(error) => {
-            let _ = done.send((job.number, Err(format!("truth: {error}"))));
+            tell(Err(format!("truth: {error}")));
             return;
         }
     };
@@ -217,7 +231,8 @@ fn trace(job: &Job, newest: &AtomicU64, done: &Sender<(u64, Result<Answer, Strin
             lights,
             pictures,
         };
-        if done.send((job.number, Ok(answer))).is_err() || samples >= job.samples {
+        tell(Ok(answer));
+        if samples >= job.samples {
             return;
         }
     }
@@ -278,4 +293,56 @@ fn picture(image: &VisibilityImage) -> Arc<GivenPicture> {
         size: image.size(),
         texels: texels.collect(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_ecs::prelude::World;
+
+    use super::*;
+
+    fn question(size: UVec2) -> Question {
+        Question {
+            size,
+            camera: Camera::default(),
+            world_from_camera: GlobalTransform::IDENTITY,
+            lights: Vec::new(),
+            scene: 0,
+        }
+    }
+
+    /// Threads of this process that trace.
+    #[cfg(target_os = "linux")]
+    fn threads() -> usize {
+        let tasks = std::fs::read_dir("/proc/self/task").unwrap().flatten();
+        let names = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("comm")).ok());
+        names
+            .filter(|name| name.trim_end() == "truth" || name.starts_with("truth "))
+            .count()
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn threads_run_only_while_a_question_is_asked() {
+        let wait = |is_done: &mut dyn FnMut() -> bool| {
+            let start = std::time::Instant::now();
+            while !is_done() {
+                assert!(start.elapsed().as_secs() < 20);
+                std::thread::sleep(std::time::Duration::from_millis(5));
+            }
+        };
+        let scene = Arc::new(RayScene::from_world(&mut World::new()));
+        let mut truth = Truth::default();
+        assert_eq!((truth.is_running(), threads()), (false, 0));
+        truth.ask(question(UVec2::new(4, 2)), &scene);
+        assert!(truth.is_running() && truth.is_refining());
+        wait(&mut || truth.poll());
+        assert!(threads() > 0);
+        assert!(!truth.is_refining(), "{:?}", truth.failure());
+        truth.stop();
+        assert!(truth.answer().is_none());
+        wait(&mut || threads() == 0);
+        truth.ask(question(UVec2::new(2, 2)), &scene);
+        wait(&mut || truth.poll());
+    }
 }

@@ -115,7 +115,7 @@ fn is_nested(schemas: &Schemas, schema: &Value, value: &Value) -> bool {
 fn has_settings(schemas: &Schemas, branches: &[Branch], value: &Value) -> bool {
     let branch = schemas.branch_of(branches, value);
     let branch = branch.and_then(|index| branches.get(index));
-    branch.is_some_and(|branch| !matches!(branch.kind, BranchKind::Name(_)))
+    branch.is_some_and(|branch| !matches!(branch.kind, BranchKind::Exactly(_)))
 }
 
 /// The part of a widget beside its name.
@@ -133,6 +133,10 @@ fn head(ui: &mut Ui, schemas: &Schemas, schema: &Value, value: &mut Value) {
         Form::Row(count, item) => row(ui, schemas, count, item, value),
         Form::Object(_) => {}
         Form::Choice(branches) => menu(ui, schemas, &branches, value),
+        // What is missing has a default that can be shown.
+        Form::Optional(inner) if schema.get("default").is_some_and(|default| !default.is_null()) => {
+            some(ui, schemas, inner, value);
+        }
         Form::Optional(inner) => {
             let mut is_there = !value.is_null();
             if ui.checkbox(&mut is_there, "").changed() {
@@ -143,19 +147,24 @@ fn head(ui: &mut Ui, schemas: &Schemas, schema: &Value, value: &mut Value) {
                 };
             }
             if is_there {
-                match schemas.form_of_some(inner) {
-                    Form::Number(bounds) => number(ui, bounds, value),
-                    Form::Choice(branches) => menu(ui, schemas, &branches, value),
-                    Form::Row(count, item) => row(ui, schemas, count, item, value),
-                    Form::Text => text(ui, value),
-                    Form::Texts => texts(ui, value),
-                    _ => {}
-                }
+                some(ui, schemas, inner, value);
             } else {
                 ui.weak("default");
             }
         }
         Form::Other => json_text(ui, value),
+    }
+}
+
+/// The part of a widget beside its name, for a value that is there.
+fn some(ui: &mut Ui, schemas: &Schemas, schema: &Value, value: &mut Value) {
+    match schemas.form_of_some(schema) {
+        Form::Number(bounds) => number(ui, bounds, value),
+        Form::Choice(branches) => menu(ui, schemas, &branches, value),
+        Form::Row(count, item) => row(ui, schemas, count, item, value),
+        Form::Text => text(ui, value),
+        Form::Texts => texts(ui, value),
+        Form::Flag | Form::Object(_) | Form::Optional(_) | Form::Other => {}
     }
 }
 
@@ -197,17 +206,21 @@ fn menu(ui: &mut Ui, schemas: &Schemas, branches: &[Branch], value: &mut Value) 
     let now = schemas.branch_of(branches, value);
     let name = now
         .and_then(|index| branches.get(index))
-        .map(|branch| label(&branch.name));
+        .map(|branch| branch.name.clone());
     ComboBox::from_id_salt("choice")
-        .selected_text(name.unwrap_or_else(|| "?".to_owned()))
+        .selected_text(name.as_deref().map_or_else(|| "?".to_owned(), label))
         .width(ui.available_width().clamp(60.0, 150.0))
         .show_ui(ui, |ui| {
             for (index, branch) in branches.iter().enumerate() {
-                let mut shown = ui.selectable_label(now == Some(index), label(&branch.name));
+                if branches[..index].iter().any(|other| other.name == branch.name) {
+                    continue; // the first way to write it is enough
+                }
+                let is_now = name.as_ref() == Some(&branch.name);
+                let mut shown = ui.selectable_label(is_now, label(&branch.name));
                 if !branch.help.is_empty() {
                     shown = shown.on_hover_text(plain(branch.help));
                 }
-                if shown.clicked() && now != Some(index) {
+                if shown.clicked() && !is_now {
                     *value = schemas.first_of(branch);
                 }
             }

@@ -5,9 +5,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use antumbra::prelude::*;
+use antumbra::render::RenderError;
 use antumbra::techniques::Techniques;
 use antumbra_playground::app::App;
 use antumbra_playground::ui::theme;
+use antumbra_stage::stage::one_line;
 use egui::ViewportId;
 use glam::UVec2;
 use winit::application::ApplicationHandler;
@@ -50,12 +52,15 @@ struct Shell {
 struct Running {
     window: Arc<Window>,
     instance: wgpu::Instance,
-    surface: wgpu::Surface<'static>,
+    /// `None` only while a new one replaces it.
+    surface: Option<wgpu::Surface<'static>>,
     config: wgpu::SurfaceConfiguration,
     app: App,
     context: egui::Context,
     input: egui_winit::State,
     last: Instant,
+    /// Whether the window is minimised or wholly covered. Nothing is drawn then.
+    hidden: bool,
 }
 
 impl ApplicationHandler for Shell {
@@ -78,23 +83,34 @@ impl ApplicationHandler for Shell {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(running) = &mut self.running else { return };
         let response = running.input.on_window_event(&running.window, &event);
-        if response.repaint {
+        // egui asks for a frame after each frame too, which would never end.
+        if response.repaint && event != WindowEvent::RedrawRequested {
             running.window.request_redraw();
         }
         match event {
-            WindowEvent::CloseRequested => events.exit(),
-            WindowEvent::Resized(size) => running.resize(size),
-            WindowEvent::RedrawRequested => {
-                if let Err(failure) = running.paint(events) {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => events.exit(),
+            WindowEvent::Resized(size) => {
+                if let Err(failure) = running.resize(size) {
                     self.fail(events, failure);
                 }
             }
+            WindowEvent::Occluded(hidden) => {
+                running.hidden = hidden;
+                running.window.request_redraw();
+            }
+            WindowEvent::RedrawRequested if running.hidden => {}
+            WindowEvent::RedrawRequested => match running.paint() {
+                Ok(wait) => running.repaint_after(events, wait),
+                Err(failure) => self.fail(events, failure),
+            },
             _ => {}
         }
     }
 
-    fn new_events(&mut self, _: &ActiveEventLoop, cause: StartCause) {
+    fn new_events(&mut self, events: &ActiveEventLoop, cause: StartCause) {
         if let (StartCause::ResumeTimeReached { .. }, Some(running)) = (cause, &self.running) {
+            // A time that has passed would wake the loop again at once, whether or not anything is drawn.
+            events.set_control_flow(ControlFlow::Wait);
             running.window.request_redraw();
         }
     }
@@ -107,42 +123,28 @@ impl Shell {
     }
 }
 
+/// Makes the surface of a window.
+fn new_surface(instance: &wgpu::Instance, window: &Arc<Window>) -> Result<wgpu::Surface<'static>, String> {
+    instance
+        .create_surface(window.clone())
+        .map_err(|error| format!("nothing can be drawn on this window: {error}"))
+}
+
 /// Makes a device that can draw on a surface.
 fn device(
     instance: &wgpu::Instance,
     surface: &wgpu::Surface,
 ) -> Result<(wgpu::Adapter, RenderContext), String> {
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions {
-        power_preference: wgpu::PowerPreference::HighPerformance,
-        compatible_surface: Some(surface),
-        ..Default::default()
-    }))
-    .map_err(|error| {
-        format!("no driver draws on this window: {error} (on Debian install mesa-vulkan-drivers)")
-    })?;
-    let wanted = wgpu::Features::DEPTH32FLOAT_STENCIL8
-        | wgpu::Features::FLOAT32_BLENDABLE
-        | wgpu::Features::TIMESTAMP_QUERY;
-    let offered = adapter.limits();
-    let limits = wgpu::Limits {
-        max_color_attachment_bytes_per_sample: offered.max_color_attachment_bytes_per_sample.clamp(32, 64),
-        max_texture_dimension_2d: offered.max_texture_dimension_2d.max(8192),
+    let requested = RequestedFeatures {
+        timestamps: true,
         ..Default::default()
     };
-    let info = adapter.get_info();
-    let made = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-        label: Some("playground"),
-        required_features: wanted & adapter.features(),
-        required_limits: limits,
-        ..Default::default()
-    }));
-    let (device, queue) = made.map_err(|error| format!("{} gives no device: {error}", info.name))?;
-    let name = format!("{} ({:?}, {})", info.name, info.backend, info.driver_info);
-    let mut context = RenderContext::from_device(device, queue, name);
-    if info.device_type == wgpu::DeviceType::Cpu {
-        context.anisotropy = 1;
-    }
-    Ok((adapter, context))
+    let made = pollster::block_on(async {
+        let adapter = RenderContext::adapter_for(instance, Some(surface)).await?;
+        let context = RenderContext::on_adapter(&adapter, requested).await?;
+        Ok((adapter, context))
+    });
+    made.map_err(|error: RenderError| one_line(&error))
 }
 
 impl Running {
@@ -155,9 +157,7 @@ impl Running {
             .map_err(|error| format!("no window can be opened: {error}"))?;
         let window = Arc::new(window);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let surface = instance
-            .create_surface(window.clone())
-            .map_err(|error| format!("nothing can be drawn on this window: {error}"))?;
+        let surface = new_surface(&instance, &window)?;
         let (adapter, render) = device(&instance, &surface)?;
         let inner = window.inner_size();
         let mut config = surface
@@ -175,39 +175,99 @@ impl Running {
         Ok(Self {
             window,
             instance,
-            surface,
+            surface: Some(surface),
             config,
             app,
             context,
             input,
             last: Instant::now(),
+            hidden: false,
         })
     }
 
-    fn resize(&mut self, size: PhysicalSize<u32>) {
-        let device = &self.app.gpu.context.device;
-        let largest = device.limits().max_texture_dimension_2d;
-        self.config.width = size.width.clamp(1, largest);
-        self.config.height = size.height.clamp(1, largest);
-        self.surface.configure(device, &self.config);
+    fn resize(&mut self, size: PhysicalSize<u32>) -> Result<(), String> {
+        self.hidden = size.width == 0 || size.height == 0; // minimised
+        if self.hidden {
+            return Ok(());
+        }
+        let largest = self.app.gpu.context.device.limits().max_texture_dimension_2d;
+        self.config.width = size.width.min(largest);
+        self.config.height = size.height.min(largest);
+        let configured = self.configure();
         self.window.request_redraw();
+        configured
+    }
+
+    /// Makes a new surface of the window. The old one is dropped first: a window has one at a time.
+    fn renew_surface(&mut self) -> Result<(), String> {
+        self.surface = None;
+        self.surface = Some(new_surface(&self.instance, &self.window)?);
+        Ok(())
+    }
+
+    /// Fits the surface to the window.
+    ///
+    /// # Errors
+    /// One line that says what the window refuses, such as that it is there no more.
+    fn configure(&self) -> Result<(), String> {
+        let Some(surface) = &self.surface else {
+            return Ok(());
+        };
+        let device = &self.app.gpu.context.device;
+        // Without a scope, an error of the surface would end the program with a backtrace.
+        let errors = device.push_error_scope(wgpu::ErrorFilter::Validation);
+        surface.configure(device, &self.config);
+        let error = pollster::block_on(errors.pop());
+        error.map_or(Ok(()), |error| {
+            Err(format!(
+                "nothing can be drawn on this window any more: {}",
+                one_line(&error)
+            ))
+        })
     }
 
     /// Makes everything anew on another device. The document stays.
     fn revive(&mut self) -> Result<(), String> {
-        self.surface = self
-            .instance
-            .create_surface(self.window.clone())
-            .map_err(|error| format!("nothing can be drawn on this window: {error}"))?;
-        let (_, render) = device(&self.instance, &self.surface)?;
-        self.surface.configure(&render.device, &self.config);
+        self.renew_surface()?;
+        let Some(surface) = &self.surface else {
+            return Ok(());
+        };
+        let (_, render) = device(&self.instance, surface)?;
         let largest = render.device.limits().max_texture_dimension_2d as usize;
         self.app.revive(render, self.config.format)?;
+        self.configure()?;
         (self.context, self.input) = interface(&self.window, largest);
         Ok(())
     }
 
-    fn paint(&mut self, events: &ActiveEventLoop) -> Result<(), String> {
+    /// Returns the texture that is shown next, and whether the surface should be configured anew after it is shown.
+    /// Without a texture, the time is that until the next try; `None` waits for an event.
+    fn next_texture(&mut self) -> Result<NextTexture, String> {
+        let Some(surface) = &self.surface else {
+            return Ok(NextTexture::None(None));
+        };
+        Ok(match surface.get_current_texture() {
+            wgpu::CurrentSurfaceTexture::Success(texture) => NextTexture::Some(texture, false),
+            // A surface must not be configured while a texture of it is held.
+            wgpu::CurrentSurfaceTexture::Suboptimal(texture) => NextTexture::Some(texture, true),
+            wgpu::CurrentSurfaceTexture::Outdated => {
+                self.configure()?;
+                NextTexture::None(Some(Duration::ZERO))
+            }
+            wgpu::CurrentSurfaceTexture::Lost => {
+                self.renew_surface()?;
+                self.configure()?;
+                NextTexture::None(Some(Duration::ZERO))
+            }
+            wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Validation => {
+                NextTexture::None(Some(RETRY))
+            }
+            wgpu::CurrentSurfaceTexture::Occluded => NextTexture::None(Some(HIDDEN)),
+        })
+    }
+
+    /// Draws the window. Returns the time until it must be drawn again; `None` waits for an event.
+    fn paint(&mut self) -> Result<Option<Duration>, String> {
         if self.app.gpu.context.notice_loss() {
             self.revive()?;
         }
@@ -215,16 +275,9 @@ impl Running {
         let seconds = now.duration_since(self.last).as_secs_f32().min(0.1);
         self.last = now;
         self.app.advance(seconds);
-        let frame = match self.surface.get_current_texture() {
-            wgpu::CurrentSurfaceTexture::Success(frame) => frame,
-            wgpu::CurrentSurfaceTexture::Suboptimal(_)
-            | wgpu::CurrentSurfaceTexture::Outdated
-            | wgpu::CurrentSurfaceTexture::Lost => {
-                self.surface.configure(&self.app.gpu.context.device, &self.config);
-                self.window.request_redraw();
-                return Ok(());
-            }
-            _ => return Ok(()), // hidden, or busy: the next event draws again
+        let (texture, is_suboptimal) = match self.next_texture()? {
+            NextTexture::Some(texture, is_suboptimal) => (texture, is_suboptimal),
+            NextTexture::None(wait) => return Ok(wait),
         };
         let input = self.input.take_egui_input(&self.window);
         let app = &mut self.app;
@@ -232,7 +285,7 @@ impl Running {
         self.input
             .handle_platform_output(&self.window, output.platform_output);
         let primitives = self.context.tessellate(output.shapes, output.pixels_per_point);
-        let view = frame.texture.create_view(&Default::default());
+        let view = texture.texture.create_view(&Default::default());
         self.app.painter.paint(
             &view,
             UVec2::new(self.config.width, self.config.height),
@@ -241,20 +294,39 @@ impl Running {
             &output.textures_delta,
         );
         self.window.pre_present_notify();
-        frame.present();
-        let wait = output
-            .viewport_output
-            .get(&ViewportId::ROOT)
-            .map_or(Duration::MAX, |viewport| viewport.repaint_delay);
-        if wait.is_zero() {
-            self.window.request_redraw();
+        texture.present();
+        if is_suboptimal {
+            self.configure()?;
         }
-        events.set_control_flow(match now.checked_add(wait) {
-            Some(then) if !wait.is_zero() => ControlFlow::WaitUntil(then),
-            _ => ControlFlow::Wait,
-        });
-        Ok(())
+        let viewport = output.viewport_output.get(&ViewportId::ROOT);
+        Ok(viewport.map(|viewport| viewport.repaint_delay))
     }
+
+    fn repaint_after(&self, events: &ActiveEventLoop, wait: Option<Duration>) {
+        let then = wait.and_then(|wait| Instant::now().checked_add(wait));
+        match then {
+            Some(_) if wait == Some(Duration::ZERO) => {
+                events.set_control_flow(ControlFlow::Wait);
+                self.window.request_redraw();
+            }
+            Some(then) => events.set_control_flow(ControlFlow::WaitUntil(then)),
+            None => events.set_control_flow(ControlFlow::Wait),
+        }
+    }
+}
+
+/// Time until a surface that is busy is tried again.
+const RETRY: Duration = Duration::from_millis(50);
+
+/// Time until a covered window is tried again: not every system says when it is uncovered.
+const HIDDEN: Duration = Duration::from_millis(500);
+
+/// What a surface gives to draw on.
+enum NextTexture {
+    /// A texture, and whether the surface no longer fits the window.
+    Some(wgpu::SurfaceTexture, bool),
+    /// None, and the time until the next try.
+    None(Option<Duration>),
 }
 
 fn interface(window: &Window, largest: usize) -> (egui::Context, egui_winit::State) {

@@ -6,7 +6,7 @@ use antumbra::scene::BlurredGround;
 use antumbra::techniques::Techniques;
 use glam::UVec2;
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::super::picture::light_texture;
 use super::{ShotCamera, ShotEmission, ShotLight};
@@ -41,7 +41,7 @@ pub struct Shot {
 }
 
 /// The receivers below a node on which shadows are blurred.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShotGround {
     /// Name of nodes of the scene, which stand for themselves and all nodes below them.

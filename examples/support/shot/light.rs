@@ -82,6 +82,12 @@ impl JsonSchema for ShotLight {
     }
 }
 
+/// Luminous intensity of a light at a position that says nothing of it, candela.
+const CANDELA: f32 = 60.0;
+
+/// Illuminance by a directional light that says nothing of it, lux.
+const LUX: f32 = 3.0;
+
 /// Kind, place and brightness of a light, and its technique.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
@@ -95,9 +101,10 @@ pub enum ShotEmission {
         #[schemars(range(min = 0))]
         range: Option<f32>,
         /// Colour, linear RGB, at least 0. Default: white.
+        #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
         color: Option<[f32; 3]>,
         /// Luminous intensity, candela, at least 0. Default: 60.
-        #[schemars(range(min = 0))]
+        #[schemars(range(min = 0), extend("default" = CANDELA))]
         intensity: Option<f32>,
         /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
@@ -119,9 +126,10 @@ pub enum ShotEmission {
         #[schemars(range(min = 0))]
         range: Option<f32>,
         /// Colour, linear RGB, at least 0. Default: white.
+        #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
         color: Option<[f32; 3]>,
         /// Luminous intensity, candela, at least 0. Default: 60.
-        #[schemars(range(min = 0))]
+        #[schemars(range(min = 0), extend("default" = CANDELA))]
         intensity: Option<f32>,
         /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
@@ -134,9 +142,10 @@ pub enum ShotEmission {
         #[schemars(range(min = 0, max = 180))]
         angle_deg: Option<f32>,
         /// Colour, linear RGB, at least 0. Default: white.
+        #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
         color: Option<[f32; 3]>,
         /// Illuminance, lux, at least 0. Default: 3.
-        #[schemars(range(min = 0))]
+        #[schemars(range(min = 0), extend("default" = LUX))]
         intensity: Option<f32>,
         /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
@@ -162,9 +171,10 @@ pub enum ShotEmission {
         #[schemars(range(min = 0))]
         range: Option<f32>,
         /// Colour, linear RGB, at least 0. Default: white.
+        #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
         color: Option<[f32; 3]>,
         /// Luminous intensity, candela, at least 0. Default: 60.
-        #[schemars(range(min = 0))]
+        #[schemars(range(min = 0), extend("default" = CANDELA))]
         intensity: Option<f32>,
         /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
@@ -181,9 +191,10 @@ pub enum ShotEmission {
         #[schemars(range(min = 0))]
         range: Option<f32>,
         /// Colour, linear RGB, at least 0. Default: white.
+        #[schemars(extend("default" = [1.0, 1.0, 1.0]))]
         color: Option<[f32; 3]>,
         /// Luminous intensity, candela, at least 0. Default: 60.
-        #[schemars(range(min = 0))]
+        #[schemars(range(min = 0), extend("default" = CANDELA))]
         intensity: Option<f32>,
         /// Shadow technique and its settings. Default: no shadow.
         shadow: Option<ShotShadow>,
@@ -247,8 +258,6 @@ impl ShotEmission {
     /// # Errors
     /// A number of the light, or a setting of its technique, is wrong.
     fn parts(&self, techniques: &Techniques) -> Result<LightParts, String> {
-        const CANDELA: f32 = 60.0;
-        const LUX: f32 = 3.0;
         let at = |p: [f32; 3]| Transform::from_translation(p.into());
         let mut picture = None;
         let (kind, transform, range, color, intensity, shadow) = match self.clone() {

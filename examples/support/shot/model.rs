@@ -151,6 +151,15 @@ impl ShotModel {
             .map(|towards| ShadowOrigin::Direction(towards.into())))
     }
 
+    /// Removes all components that [`ShotModel::insert`] may insert.
+    pub fn remove(light: &mut EntityWorldMut) {
+        light.remove::<(
+            (LightSelection, Cookie, LightProfile),
+            (LightShape, BarnMap, LightDistance, LightWeights),
+            (ShadowTint, ShadowOrigin, ShadowSoftness),
+        )>();
+    }
+
     /// Inserts the components into a light of a scene.
     ///
     /// # Errors

@@ -23,22 +23,26 @@ pub enum ShotPath {
 /// An arc.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "arc")]
 pub struct ShotArc {
     /// Axis about which the direction of the light turns; of any length.
+    #[schemars(example = [0, 0, 1])]
     axis: [f32; 3],
     /// Angle of the whole path, degrees.
+    #[schemars(example = 150)]
     degrees: f32,
 }
 
 /// A day of the sun.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "sun")]
 pub struct ShotSun {
     /// Latitude, degrees; north is positive.
-    #[schemars(range(min = -90, max = 90))]
+    #[schemars(range(min = -90, max = 90), example = 50)]
     latitude_deg: f32,
     /// Day of the year, 1 to 366.
-    #[schemars(range(min = 1, max = 366))]
+    #[schemars(range(min = 1, max = 366), example = 172)]
     day: f32,
     /// First and last hour of the path, 0 to 24. Default: the whole day, from midnight.
     #[serde(default = "whole_day")]
@@ -50,6 +54,7 @@ pub struct ShotSun {
 #[serde(deny_unknown_fields)]
 pub struct ShotPositions {
     /// Points of the polyline, metres.
+    #[schemars(example = [[0, 2, 0], [4, 2, 0]])]
     positions: Vec<[f32; 3]>,
 }
 

@@ -243,16 +243,16 @@ pub enum MapResolution {
     /// A fixed number of texels, greater than 0. [`MapSettings::largest`] limits it, and so does a shortage
     /// of memory, down to 64.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Fixed(_)")))]
-    Fixed(u32),
+    Fixed(#[cfg_attr(feature = "schema", schemars(range(min = 1), example = 1024))] u32),
     /// A power of two with which a texel is no larger than a pixel at three of four points of the visible receivers; cascades
     /// take `most`.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Auto")))]
     Auto {
         /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.
-        #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
+        #[cfg_attr(feature = "schema", schemars(range(min = 1), example = 128))]
         least: u32,
         /// Largest number of texels, at least `least`.
-        #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
+        #[cfg_attr(feature = "schema", schemars(range(min = 1), example = 1024))]
         most: u32,
     },
 }
@@ -286,7 +286,7 @@ pub struct Cascades {
     pub count: u32,
     /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
     /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 50.0))]
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes
     /// equal ratios, which gives near surfaces finer texels and far ones coarser. Where the farthest shadow is more than 256 times

@@ -29,7 +29,11 @@ use crate::techniques::registry::Refusal;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(
+    feature = "schema",
+    derive(schemars::JsonSchema),
+    schemars(extend("required" = ["maps"]))
+)]
 pub struct OcclusionInterval {
     /// Folder of the maps, relative to [`IntervalFolder`](super::IntervalFolder): the current folder, or in Bevy that of the
     /// assets. It must be given. The maps are read in the first frame that needs them

@@ -49,7 +49,10 @@ pub struct OcclusionTexture {
     pub weight: f32,
     /// Texels along a side of the pictures; a power of two, 16 to 4096. Higher values keep finer casters; each doubling
     /// takes somewhat more than four times the memory and filter time. Default: 256.
-    #[cfg_attr(feature = "schema", schemars(range(min = 16, max = 4096)))]
+    #[cfg_attr(
+        feature = "schema",
+        schemars(extend("enum" = [16, 32, 64, 128, 256, 512, 1024, 2048, 4096]))
+    )]
     pub resolution: u32,
     /// How means over rectangles of the pictures are prepared.
     pub filter: SliceFilter,
@@ -126,8 +129,13 @@ pub enum SliceCombination {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 enum LayersInFile {
     /// All layers, or none.
+    #[cfg_attr(
+        feature = "schema",
+        schemars(title = "all", extend("x-rust-true" = "u32::MAX", "x-rust-false" = "0"))
+    )]
     All(bool),
     /// A mask of layers.
+    #[cfg_attr(feature = "schema", schemars(title = "mask", extend("x-rust" = "_")))]
     Mask(u32),
 }
 

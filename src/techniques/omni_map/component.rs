@@ -45,7 +45,7 @@ pub struct OmniMap {
     /// Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
     /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
     /// point, so a small value costs no precision.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]
     pub near: Option<f32>,
     /// Keeps the map from frame to frame and draws only the faces that changed. This takes 24 bytes times the
     /// square of the resolution, twice that while some casters move. Without it, lights share one map, which

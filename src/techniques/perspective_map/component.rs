@@ -52,7 +52,7 @@ pub struct PerspectiveMap {
     /// Distance from a light at a position, metres, within which nothing casts; greater than 0 and less than
     /// the range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): it
     /// follows the light's clearance and the nearest caster, as in plain maps. Directional lights ignore it.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]
     pub near: Option<f32>,
     /// Keeps the map while view, light and casters stand still. This takes 4 bytes a texel and face, twice that
     /// while some casters move, and draws more casters when the view moves. Without it, lights share a map that

@@ -42,7 +42,7 @@ pub struct ShadowMap {
     /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
     /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
     /// point, so a small value costs no precision.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]
     pub near: Option<f32>,
     /// Keeps the map from frame to frame and draws only the faces that changed. This takes 4 bytes a texel
     /// and face, twice that while some casters move. Without it, lights share a map that is drawn every

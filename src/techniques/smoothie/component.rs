@@ -48,7 +48,7 @@ pub struct Smoothie {
     /// Distance from the light, metres, within which nothing casts; greater than 0 and less than the range. Raise it to
     /// ignore casters close to the light, such as a lamp's shade. Directional lights ignore it. Default (`None`): a
     /// hundred-thousandth of the range.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]
     pub near: Option<f32>,
     /// Keeps map and smoothies from frame to frame and draws only the faces that changed. This takes 8 bytes a texel and
     /// face, twice that while some casters move. Without it, lights share a map that is drawn every frame. Default:
@@ -95,7 +95,7 @@ pub enum SmoothieWidth {
 enum WidthInFile {
     /// The width in metres, at least 0.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Metres(_)")))]
-    Number(#[cfg_attr(feature = "schema", schemars(range(min = 0)))] f32),
+    Number(#[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.1))] f32),
     /// A width by its name.
     Named(NamedWidth),
 }
@@ -110,10 +110,10 @@ enum NamedWidth {
     Light,
     /// The width in metres, at least 0.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Metres(_)")))]
-    Metres(#[cfg_attr(feature = "schema", schemars(range(min = 0)))] f32),
+    Metres(#[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.1))] f32),
     /// The width as a share of the distance between light and caster, at least 0.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "SmoothieWidth::Share(_)")))]
-    Share(#[cfg_attr(feature = "schema", schemars(range(min = 0)))] f32),
+    Share(#[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.02))] f32),
 }
 
 #[cfg(feature = "serde")]

@@ -2,12 +2,13 @@
 
 use antumbra::prelude::*;
 use antumbra::reference::RayScene;
+use antumbra::techniques::Settings;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
 use crate::harness::maps::Judge;
 use crate::harness::support::stage::Stage;
-use crate::harness::support::texels::{Judged, Map, Row, Texels, maps, model_view, plain};
+use crate::harness::support::texels::{Judged, Row, Texels, maps, model_view, plain};
 use crate::harness::{model, strict_context, truth};
 
 /// Prints a scene's table, and returns its rows.
@@ -86,7 +87,7 @@ fn table_of_texels_per_pixel_and_errors_by_hand() {
 
 /// Share of pixels whose error changes by more than ½ from frame to frame, while the view turns by a third of a degree a
 /// frame.
-fn swim(stage: &mut Stage, direction: Vec3, map: Map) -> f64 {
+fn swim(stage: &mut Stage, direction: Vec3, map: &Settings) -> f64 {
     let rays = RayScene::from_world(&mut stage.world);
     let up = if direction.y.abs() > 0.95 {
         Vec3::X
@@ -97,12 +98,7 @@ fn swim(stage: &mut Stage, direction: Vec3, map: Map) -> f64 {
         stage.world.despawn(light);
     }
     let place = Transform::default().looking_to(direction, up);
-    let entity = stage.spawn_light(Light::directional(Vec3::ONE, 3.0), place, None::<StencilVolume>);
-    let mut entity = stage.world.entity_mut(entity);
-    match map {
-        Map::Perspective(map) => entity.insert(map),
-        Map::Shadow(map) => entity.insert(map),
-    };
+    stage.spawn_shadowed(Light::directional(Vec3::ONE, 3.0), place, Some(map));
     let camera = stage.camera;
     let first = *stage
         .world
@@ -141,7 +137,7 @@ fn edges_swim_in_few_pixels_of_a_turning_view() {
         .expect("shaders compose");
     let maps = maps();
     let direction = Vec3::new(0.6, -0.7, -0.4).normalize();
-    let [perspective, cascades] = [0, 3].map(|map: usize| swim(&mut stage, direction, maps[map].1));
+    let [perspective, cascades] = [0, 3].map(|map: usize| swim(&mut stage, direction, &maps[map].1));
     println!("swim: perspective {perspective:.5}, cascades {cascades:.5}");
     assert!(perspective < 0.02, "{perspective}");
 }
@@ -180,12 +176,12 @@ fn lamps_on_large_scenes_are_exact_and_fine_near_the_eye() {
     let rays = RayScene::from_world(&mut stage.world);
     for (light, place) in lights {
         let mut near = [0.0; 2];
-        for (index, (_, map)) in [maps()[0], maps()[2]].into_iter().enumerate() {
-            let Map::Perspective(map) = map else { continue };
+        let [perspective, _, uniform, ..] = maps();
+        for (index, (_, map)) in [perspective, uniform].into_iter().enumerate() {
             stage.lights.drain(..).for_each(|light| {
                 stage.world.despawn(light);
             });
-            stage.spawn_light(light.clone(), place, Some(map));
+            stage.spawn_shadowed(light.clone(), place, Some(&map));
             let rendered = stage.render().expect("the frame renders").visibility.remove(0);
             let judge = Judge::new(&stage, &rays, 0).expect("something casts");
             // The nearest tenth of what the light reaches.

@@ -82,7 +82,7 @@ fn help(ui: &mut Ui) {
     table(ui, "lines", &Overlay::ALL.map(Overlay::text));
     ui.add_space(6.0);
     ui.label(
-        "Each light has two techniques, A and B. The pointer over a name tells what a setting does. Errors are those of \
+        "Each light has two techniques, A and B. Hover over a name to see what the setting does. Errors are those of \
          the selected light.",
     );
 }

@@ -5,7 +5,7 @@ use egui::{ComboBox, Frame, Margin, RichText, Ui};
 use super::theme;
 use crate::app::App;
 use crate::compare::Judgement;
-use crate::document::{NONE, Side};
+use crate::document::{LightDoc, NONE, Side};
 use crate::widgets;
 
 impl App {
@@ -46,6 +46,7 @@ impl App {
             ui.label(RichText::new(side.name()).strong().size(16.0).color(color));
             ComboBox::from_id_salt("technique")
                 .width(ui.available_width() - 30.0)
+                .height(420.0)
                 .selected_text(crate::schema::label(&now))
                 .show_ui(ui, |ui| {
                     for name in [NONE].into_iter().chain(self.schemas.technique_names()) {
@@ -109,7 +110,7 @@ impl App {
             if compare.truth.is_refining() {
                 ui.horizontal(|ui| {
                     ui.spinner();
-                    ui.weak("The truth is traced.");
+                    ui.weak("Tracing the truth…");
                 });
             }
             return;
@@ -121,19 +122,40 @@ impl App {
             let text = format!("{} of {limit} samples", answer.samples);
             ui.add(egui::ProgressBar::new(share).desired_width(150.0).text(text));
         });
-        if let Some(note) = self.selected_light().and_then(truth_note) {
+        if compare.left_out > 0 {
+            ui.weak(format!(
+                "The truth leaves out {} lights, whose pictures would take too much memory. They shine through \
+                 everything there.",
+                compare.left_out
+            ));
+        }
+        for note in self.selected_light().into_iter().flat_map(truth_notes) {
             ui.weak(note);
         }
     }
 }
 
 /// Returns what the truth does not know of a light.
-fn truth_note(light: &crate::document::LightDoc) -> Option<&'static str> {
-    let moved = ["shadow_origin", "shadow_direction", "shadow_softness"];
-    moved
-        .iter()
-        .any(|key| light.keys.contains_key(*key))
-        .then_some("The truth casts shadows from where the light is, with its own size.")
+fn truth_notes(light: &LightDoc) -> Vec<&'static str> {
+    let has = |keys: &[&str]| keys.iter().any(|key| light.keys.contains_key(*key));
+    let notes = [
+        (
+            has(&["shadow_origin", "shadow_direction", "shadow_softness"]),
+            "The truth casts shadows from where the light is, with its own size.",
+        ),
+        (
+            light.kind() == "directional",
+            "The truth of a directional light has hard edges, because the light has no size.",
+        ),
+        (
+            has(&["path"]),
+            "The truth is that of one point of the light's path, without the width of the light.",
+        ),
+    ];
+    notes
+        .into_iter()
+        .filter_map(|(is_so, note)| is_so.then_some(note))
+        .collect()
 }
 
 /// Returns the errors as names, values and explanations.
@@ -160,4 +182,32 @@ pub fn figures(judgement: &Judgement) -> Vec<(&'static str, String, &'static str
         ));
     }
     all
+}
+
+#[cfg(test)]
+mod tests {
+    use antumbra::techniques::Techniques;
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    #[test]
+    fn what_the_truth_does_not_know_is_said() {
+        let count = |light: Value| {
+            let Value::Object(keys) = light else { panic!() };
+            truth_notes(&LightDoc::new(String::new(), keys, &Techniques::default())).len()
+        };
+        assert_eq!(
+            count(json!({"kind": "sphere", "position": [0, 1, 0], "radius": 0.2})),
+            0
+        );
+        assert_eq!(
+            count(json!({"kind": "point", "position": [0, 1, 0], "shadow_softness": 0.2})),
+            1
+        );
+        assert_eq!(
+            count(json!({"kind": "directional", "path": {"latitude_deg": 50, "day": 172}})),
+            2
+        );
+    }
 }

@@ -53,9 +53,13 @@ impl App {
             .compare
             .as_ref()
             .is_some_and(|compare| compare.truth.is_refining());
-        if refining || self.shown.playing || self.shown.times {
+        if self.shown.playing || self.shown.times {
             ui.ctx()
                 .request_repaint_after(std::time::Duration::from_millis(16));
+        } else if refining {
+            // The cores are needed by the threads that trace.
+            ui.ctx()
+                .request_repaint_after(std::time::Duration::from_millis(100));
         }
     }
 
@@ -82,7 +86,7 @@ impl App {
                     let text = if self.shown.playing {
                         "The truth waits until the animation stops."
                     } else if show == Show::Truth || self.shown.selected.is_some() {
-                        "The truth is traced."
+                        "Tracing the truth…"
                     } else {
                         "Select a light."
                     };
