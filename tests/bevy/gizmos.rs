@@ -3,7 +3,6 @@
 use antumbra::bevy_adapter::AntumbraGizmoLines;
 use antumbra::bevy_adapter::prelude::*;
 use antumbra::debug_lines::DebugLine;
-use bevy::gizmos::GizmoPlugin;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
 
@@ -14,11 +13,7 @@ const EYE: Vec3 = Vec3::new(0.0, 3.0, 6.0);
 /// A floor, a cube between it and a light, and a camera, after a few frames.
 fn game() -> (Game, Entity) {
     let mut app = harness::antumbra();
-    app.add_plugins((
-        GizmoPlugin,
-        bevy::gizmos_render::GizmoRenderPlugin,
-        AntumbraGizmosPlugin,
-    ));
+    app.add_plugins(AntumbraGizmosPlugin);
     let world = app.world_mut();
     let camera = harness::marked_camera(world, EYE);
     let floor = Plane3d::default().mesh().size(8.0, 8.0);

@@ -161,7 +161,8 @@ fn more_objects_than_the_device_can_bind_are_reported_and_lost_no_longer_than_ne
         })
         .collect();
     let text = ["the list of all objects", "262144"];
-    expect(&mut stage, "renderer", None, &text);
+    let camera = Some(stage.camera);
+    expect(&mut stage, "renderer", camera, &text);
     for object in objects {
         stage.world.despawn(object);
     }

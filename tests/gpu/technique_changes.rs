@@ -147,7 +147,7 @@ fn a_pose_that_comes_late_moves_its_object_alone() {
     let together = stage.render().expect("the frame renders").picture;
     stage.world.entity_mut(moved).insert(MorphWeights(vec![1.0]));
     let late = stage.render().expect("the frame renders").picture;
-    assert_ne!(late, together, "the pose shows");
+    assert!(late != together, "the pose shows");
     // As if the pose had been there from the beginning.
     for object in [moved, still] {
         stage.world.despawn(object);
@@ -164,5 +164,9 @@ fn a_pose_that_comes_late_moves_its_object_alone() {
         }
     }
     let early = stage.render().expect("the frame renders").picture;
-    assert_eq!(late, early);
+    let differ = late.iter().zip(&early).filter(|(a, b)| a != b).count();
+    // A pixel on the edge of a volume may show its other side; a mesh in another pose changes hundreds of pixels.
+    assert!(differ <= 12, "{differ} bytes");
+    let moves = late.iter().zip(&together).filter(|(a, b)| a != b).count();
+    assert!(moves > 300, "{moves} bytes");
 }

@@ -506,7 +506,7 @@ impl App {
     /// Returns the text of the shot with the techniques of a side.
     pub fn shot_text(&self, side: Side, folder: &Path) -> String {
         let size = self.images[Show::A as usize].map_or([640, 360], |(size, _)| size.to_array());
-        self.document.to_shot(side, size, folder)
+        self.document.to_shot(side, size, folder, &self.techniques)
     }
 
     /// Returns a file name in the folder of results that is not taken yet.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use antumbra::prelude::*;
-use antumbra::techniques::Techniques;
+use antumbra::techniques::{Row, Techniques};
 use antumbra_stage::shadow::nest_softness;
 use antumbra_stage::shot::{LightParts, Shot, ShotGround, ShotLight};
 use bevy_transform::prelude::Transform;
@@ -300,8 +300,8 @@ pub fn light_value(light: &Light, transform: &Transform) -> Map<String, Value> {
     }
 }
 
-/// Changes all paths of a light and of its shadows, but no empty ones.
-fn change_paths(light: &mut Map<String, Value>, change: &dyn Fn(&Path) -> PathBuf) {
+/// Changes all paths of a light and of its technique, but no empty ones.
+fn change_paths(light: &mut Map<String, Value>, techniques: &Techniques, change: &dyn Fn(&Path) -> PathBuf) {
     let apply = |value: &mut Value| {
         if let Some(path) = value.as_str().filter(|path| !path.is_empty()) {
             *value = json!(change(Path::new(path)));
@@ -310,7 +310,9 @@ fn change_paths(light: &mut Map<String, Value>, change: &dyn Fn(&Path) -> PathBu
     for key in ["profile", "texture"] {
         light.get_mut(key).into_iter().for_each(apply);
     }
-    for pointer in [("cookie", "path"), ("shadow", "maps")] {
+    let of_techniques = techniques.rows().iter().flat_map(Row::paths);
+    let of_techniques = of_techniques.map(|path| ("shadow", *path));
+    for pointer in [("cookie", "path")].into_iter().chain(of_techniques) {
         let inner = light
             .get_mut(pointer.0)
             .and_then(|inner| inner.get_mut(pointer.1));
@@ -345,7 +347,7 @@ impl Document {
         let lights = lights.map(|lights| {
             let all = lights.iter_mut().enumerate().filter_map(|(index, light)| {
                 let mut keys = std::mem::take(light.as_object_mut()?);
-                change_paths(&mut keys, &|path| folder.join(path));
+                change_paths(&mut keys, techniques, &|path| folder.join(path));
                 Some(LightDoc::new(light_name(index, &keys), keys, techniques))
             });
             all.collect()
@@ -366,7 +368,7 @@ impl Document {
 
     /// Returns the text of a shot file with the techniques of a side. Paths are relative to `folder` where they can
     /// be.
-    pub fn to_shot(&self, side: Side, size: [u32; 2], folder: &Path) -> String {
+    pub fn to_shot(&self, side: Side, size: [u32; 2], folder: &Path, techniques: &Techniques) -> String {
         let mut shot = json!({
             "scene": relative(&self.scene, folder),
             "size": size,
@@ -390,7 +392,7 @@ impl Document {
         }
         let lights = self.lights.iter().flatten().map(|light| {
             let mut keys = light.to_keys(side);
-            change_paths(&mut keys, &|path| relative(path, folder));
+            change_paths(&mut keys, techniques, &|path| relative(path, folder));
             Value::Object(keys)
         });
         shot["lights"] = lights.collect();
