@@ -11,7 +11,7 @@ use bevy::prelude::*;
     clippy::needless_update,
     reason = "what is copied is not written by hand"
 )]
-mod copied {
+mod pasted {
     include!("copied_lights.in");
 
     /// Spawns the lights.
@@ -23,7 +23,7 @@ mod copied {
 #[test]
 fn copied_lights_compile_and_have_every_technique() {
     let mut world = World::new();
-    world.run_system_once(copied::spawn).unwrap();
+    world.run_system_once(pasted::spawn).unwrap();
     let lights: Vec<EntityRef> = world.iter_entities().collect();
     assert!(lights.len() > 30, "{}", lights.len());
     let is_light = |light: &EntityRef| {
