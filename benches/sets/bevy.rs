@@ -130,6 +130,9 @@ fn app(objects: usize, lights: usize, range: f32) -> App {
         CameraPlugin,
         LightPlugin,
     ));
+    // With this feature, Bevy's lights have gizmos.
+    #[cfg(feature = "bevy-gizmos")]
+    app.add_plugins(bevy::gizmos::GizmoPlugin);
     bevy::asset::AssetApp::init_asset::<bevy::image::Image>(&mut app);
     // Bevy's renderer would insert these.
     app.insert_resource(GlobalClusterSettings {
