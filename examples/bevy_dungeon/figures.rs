@@ -46,7 +46,8 @@ fn hide(keys: Res<ButtonInput<KeyCode>>, mut lines: Query<&mut Visibility, With<
 }
 
 /// What the keys do.
-const HELP: &str = "W A S D Q E, Shift, right mouse button: fly    click, Tab, Backspace: choose lights    [ ]: size of flames\n\
+const HELP: &str = "W A S D Q E, Shift, right mouse button: fly\n\
+                    click, Tab, Backspace: choose lights    [ ]: size of flames\n\
                     G: gizmos    P: stop and go    F12: screenshot    H: hide this text";
 
 fn tell(
