@@ -17,7 +17,7 @@ pub struct Controls;
 #[derive(Resource, Default)]
 pub struct Chosen(pub Option<Entity>);
 
-/// What the gizmos show: the names of the subjects, and which one is on.
+/// Index in [`SUBJECTS`] of the subject that the gizmos show.
 #[derive(Resource, Default)]
 pub struct Shown(pub usize);
 

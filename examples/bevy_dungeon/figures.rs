@@ -45,7 +45,7 @@ fn hide(keys: Res<ButtonInput<KeyCode>>, mut lines: Query<&mut Visibility, With<
     }
 }
 
-/// What the keys do.
+/// Help for the keys and the mouse.
 const HELP: &str = "W A S D Q E, Shift, right mouse button: fly\n\
                     click, Tab, Backspace: choose lights    [ ]: size of flames\n\
                     G: gizmos    P: stop and go    F12: screenshot    H: hide this text";

@@ -25,7 +25,7 @@ pub struct Summary {
     soft: Vec<f64>,
     /// Costs of a light at rest, as ratios to the light without shadows: of hard shadows, and of soft ones.
     rest: [Vec<f64>; 2],
-    /// The same of a moving light.
+    /// Costs of a moving light, as ratios to the light without shadows: of hard shadows, and of soft ones.
     moving: [Vec<f64>; 2],
     /// Number of shots whose light it refuses.
     refused: usize,

@@ -40,7 +40,7 @@ impl PartialFile {
     /// is emptied.
     ///
     /// # Errors
-    /// What the system says.
+    /// Message of the operating system.
     pub fn open(path: &Path, key: u64) -> std::io::Result<(Self, Vec<Batch>)> {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
@@ -75,7 +75,7 @@ impl PartialFile {
     /// Appends a batch.
     ///
     /// # Errors
-    /// What the system says.
+    /// Message of the operating system.
     pub fn append(&mut self, batch: &Batch) -> std::io::Result<()> {
         let body = body(batch);
         let mut record = Vec::with_capacity(body.len() + 12);
@@ -89,7 +89,7 @@ impl PartialFile {
     /// Removes the file, once its bake is saved.
     ///
     /// # Errors
-    /// What the system says.
+    /// Message of the operating system.
     pub fn remove(self) -> std::io::Result<()> {
         drop(self.file);
         std::fs::remove_file(self.path)
@@ -98,7 +98,7 @@ impl PartialFile {
     /// Removes a file that was left beside finished maps, if it is the file of a bake.
     ///
     /// # Errors
-    /// What the system says.
+    /// Message of the operating system.
     pub fn remove_left(path: &Path) -> std::io::Result<()> {
         let mut magic = [0; MAGIC.len()];
         match File::open(path).and_then(|mut file| file.read_exact(&mut magic)) {

@@ -105,7 +105,7 @@ pub enum BakeError {
     Partial {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// Message of the operating system.
         error: std::io::Error,
     },
     /// The maps cannot be written.

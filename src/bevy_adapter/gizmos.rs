@@ -1,4 +1,4 @@
-//! What the frame computed, as Bevy's gizmos (feature `bevy-gizmos`).
+//! Draws sets, silhouettes and other results of a frame as Bevy gizmos (feature `bevy-gizmos`).
 
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::color::Color;

@@ -56,7 +56,7 @@ impl std::fmt::Debug for SideStage {
     }
 }
 
-/// What of a light's document its entity has.
+/// The part of a light's document that its entity already has.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Applied {
     /// Keys whose components it has; `None` if they could not be used.

@@ -133,7 +133,7 @@ fn head(ui: &mut Ui, schemas: &Schemas, schema: &Value, value: &mut Value) {
         Form::Row(count, item) => row(ui, schemas, count, item, value),
         Form::Object(_) => {}
         Form::Choice(branches) => menu(ui, schemas, &branches, value),
-        // What is missing has a default that can be shown.
+        // A missing value is shown as its default.
         Form::Optional(inner) if schema.get("default").is_some_and(|default| !default.is_null()) => {
             some(ui, schemas, inner, value);
         }

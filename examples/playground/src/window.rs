@@ -321,7 +321,7 @@ const RETRY: Duration = Duration::from_millis(50);
 /// Time until a covered window is tried again: not every system says when it is uncovered.
 const HIDDEN: Duration = Duration::from_millis(500);
 
-/// What a surface gives to draw on.
+/// Result of asking a surface for its next texture.
 enum NextTexture {
     /// A texture, and whether the surface no longer fits the window.
     Some(wgpu::SurfaceTexture, bool),

@@ -60,7 +60,7 @@ impl JsonSchema for ShotLight {
                 continue;
             };
             own.extend(shared.clone());
-            // What the path of a light gives instead.
+            // A path gives direction or position instead.
             let given = match own
                 .get("kind")
                 .and_then(|kind| kind.get("const"))

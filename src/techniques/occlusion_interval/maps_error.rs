@@ -11,7 +11,7 @@ pub enum MapsError {
     File {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// Message of the operating system.
         error: std::io::Error,
     },
     /// The manifest is no JSON, or lacks something.

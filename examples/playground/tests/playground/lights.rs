@@ -1,4 +1,4 @@
-//! What changes of a light changes in its entity, and nothing is lost or left behind.
+//! Changes of a light reach its entity; nothing is lost, and no component is left behind.
 
 use antumbra::prelude::*;
 use antumbra::scene::{BarnMap, LightShape};

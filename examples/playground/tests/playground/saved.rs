@@ -1,4 +1,4 @@
-//! What is saved opens again, and is what was opened.
+//! Saved shots open again and equal the document that was saved.
 
 use antumbra::scene::BlurredGround;
 use antumbra_playground::compare::Show;
