@@ -63,12 +63,6 @@ fn setup(
         let eyes = Transform::from_xyz(4.0 * side, 2.0, 6.0).looking_at(Vec3::Y * 0.5, Vec3::Y);
         let camera = Camera {
             order: player,
-            // The first camera clears the whole window.
-            clear_color: if player == 0 {
-                default()
-            } else {
-                ClearColorConfig::None
-            },
             ..default()
         };
         commands.spawn((
