@@ -80,10 +80,18 @@ pub fn smallest_cone(directions: &mut [DVec3]) -> Option<Cone> {
                 }
             }
         }
+        // Directions that fill more than a half-space have no cone, and the search would take cubic time.
+        let seen = &directions[..=i];
+        if seen.iter().any(|d| cone.axis.dot(*d) < cone.cos - NO_CONE) {
+            return None;
+        }
     }
     let holds_all = directions.iter().all(|d| cone.axis.dot(*d) >= cone.cos - 1e-9);
     (cone.cos > 0.0 && holds_all).then_some(cone)
 }
+
+/// Violation of a cone around a part of the directions that rounding does not explain.
+const NO_CONE: f64 = 1e-6;
 
 #[cfg(test)]
 mod tests {
@@ -140,6 +148,25 @@ mod tests {
             }
         }
         assert!(wide > 20 && none > 20, "{wide} {none}");
+    }
+
+    /// Without an early end this takes hours.
+    #[test]
+    fn a_million_directions_all_around_have_none() {
+        let direction = |i: i32| {
+            let (height, turn) = (
+                (f64::from(i) * 0.618_034).fract() * 2.0 - 1.0,
+                f64::from(i) * 0.754_877,
+            );
+            let (sin, cos) = (turn.fract() * std::f64::consts::TAU).sin_cos();
+            let radius = (1.0 - height * height).sqrt();
+            DVec3::new(radius * cos, radius * sin, height)
+        };
+        let mut all: Vec<DVec3> = (0..1_000_000).map(direction).collect();
+        assert_eq!(smallest_cone(&mut all), None);
+        let mut half: Vec<DVec3> = all.into_iter().filter(|direction| direction.y > 0.1).collect();
+        let cone = smallest_cone(&mut half).expect("they are in front of a plane");
+        assert!(cone.axis.y > 0.999 && cone.cos > 0.09, "{cone:?}");
     }
 
     #[test]
