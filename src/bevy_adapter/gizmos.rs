@@ -42,7 +42,7 @@ use crate::techniques::Techniques;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AntumbraGizmosPlugin;
 
-/// What [`AntumbraGizmosPlugin`] draws. All subjects are off by default. The group's `GizmoConfig` has the width of the
+/// Chooses the lines that [`AntumbraGizmosPlugin`] draws. All subjects are off by default. The group's `GizmoConfig` has the width of the
 /// lines, and draws them in front of everything with a `depth_bias` of −1.
 #[derive(Clone, Debug, Default, Reflect, GizmoConfigGroup)]
 #[reflect(Default)]
@@ -92,7 +92,10 @@ impl AntumbraGizmos {
             .into_iter()
             .filter(|&subject| self.shows(subject))
         {
-            if subject == DebugSubject::Cells {
+            // Cells belong to no light, and without a light the sets of the view are left.
+            if subject == DebugSubject::Cells
+                || subject == DebugSubject::Sets && shown.clone().next().is_none()
+            {
                 draw_debug_lines(subject, world, None, out);
                 continue;
             }

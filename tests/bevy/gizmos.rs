@@ -1,4 +1,4 @@
-//! What the frame computed can be seen as Bevy's gizmos.
+//! Gizmos show sets, silhouettes and other results of a frame.
 
 use antumbra::bevy_adapter::AntumbraGizmoLines;
 use antumbra::bevy_adapter::prelude::*;
@@ -43,6 +43,12 @@ fn each_subject_has_its_lines() {
 
     let boxes = shown(&mut game, |gizmos| gizmos.sets = true);
     assert_eq!(boxes.len(), 2 * 12, "the floor and the cube");
+    let of_the_view = shown(&mut game, |gizmos| {
+        gizmos.sets = true;
+        gizmos.light = Some(camera); // which is no light
+    });
+    assert_eq!(of_the_view.len(), 2 * 12, "they are seen without a light");
+    assert_ne!(of_the_view[0].color, boxes[0].color);
     let silhouettes = shown(&mut game, |gizmos| gizmos.silhouettes = true);
     // Seen from above and from the side, a cube has a contour of four to six edges, and the floor has four.
     assert!((4..=10).contains(&silhouettes.len()), "{}", silhouettes.len());

@@ -177,7 +177,7 @@ fn panels_at_one_place_are_told_apart() {
     });
     let mut game = Game::start(app);
     let both = game.run(3).settled(camera);
-    // The same, without techniques: Bevy draws them.
+    // Without techniques, Bevy draws the panels.
     for light in lights {
         game.world().entity_mut(light).remove::<PenumbraWedge>();
     }

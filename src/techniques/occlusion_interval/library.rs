@@ -108,7 +108,7 @@ impl IntervalLibrary {
     /// Reads the maps of a name, whether they are known or not.
     ///
     /// # Errors
-    /// What is wrong with the files. Lights then report it, too.
+    /// Fault of the files, which lights that use them report too.
     pub(super) fn read_again(&mut self, name: &str, folder: &IntervalFolder) -> Result<(), String> {
         self.known.remove(name);
         self.read(name, folder);

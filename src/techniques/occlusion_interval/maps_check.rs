@@ -11,7 +11,7 @@ use super::maps::{IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE, bytes_of};
 pub struct MapsFault {
     /// The part of the maps.
     pub element: String,
-    /// What is wrong with it.
+    /// Description of the fault.
     pub problem: String,
 }
 

@@ -37,7 +37,7 @@ pub enum MapsError {
         file: PathBuf,
         /// The part of the file.
         element: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         problem: String,
     },
 }

@@ -119,7 +119,7 @@ impl IntervalScene {
                 !place.is_some_and(|place| is_same_place(&baked.world_from_local, &place))
             }
         };
-        // What is missing may have come back.
+        // Missing objects may have come back.
         self.missing > 0 || self.matched.iter().zip(&self.objects).any(has_left)
     }
 

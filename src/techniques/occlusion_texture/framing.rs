@@ -1,4 +1,4 @@
-//! What a picture shows: its scene from a centre of projection, cut to where receivers find casters.
+//! Chooses what a picture shows: its scene from a centre of projection, cut to where receivers find casters.
 
 use glam::{DVec2, DVec3};
 

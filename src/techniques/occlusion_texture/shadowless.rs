@@ -15,7 +15,7 @@ const ROUNDING: f64 = 4.0 * Aabb::PAD as f64;
 /// Sides of a caster whose direction along an axis is less than this count as beside the axis: those within 45° of it do not.
 const BESIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// What a light shines on.
+/// Everything that a light shines on.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lit<'a> {
     /// The objects that the light reaches.

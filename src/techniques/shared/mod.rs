@@ -1,4 +1,4 @@
-//! What several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines, and the
+//! Parts that several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines, and the
 //! memory for textures.
 
 pub(crate) mod extrude;

@@ -87,7 +87,7 @@ fn receivers_outside_the_picture_are_lit() {
     }
 }
 
-/// Of six pictures around a sphere, each draws the casters in its own pyramid.
+/// Each of the six pictures around a sphere draws only the casters in its own pyramid.
 #[test]
 fn each_of_six_pictures_draws_the_casters_that_it_shows() {
     let context = strict_context();
