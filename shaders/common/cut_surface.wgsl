@@ -3,8 +3,9 @@
 // Spaces  homogeneous places on the light: xy / z on the square from −1 to 1 or the unit disc; z: share of the way to it
 #define_import_path antumbra::cut_surface
 
-#import antumbra::coverage::{Seen, LEAST_WAY, place_on_rect, place_on_disc, project_to_rect, project_to_disc}
-#import antumbra::wedge_light::{light, Maths, Places, Sampling, behind, places_x, places_y, three_beyond, unit_line}
+#import antumbra::conventions::PI
+#import antumbra::coverage::{Seen, LEAST_WAY, border_place, clip_range, place_on_rect, place_on_disc, project_to_rect}
+#import antumbra::wedge_light::{light, Maths, Places, Sampling, Sides, behind, places_between, unit_line}
 
 // A convex polygon of homogeneous places on the light.
 struct Polygon {
@@ -52,44 +53,122 @@ fn cut_polygon(p: vec3f, corners: array<vec3f, 3>, is_sphere: bool) -> Polygon {
     return clip_polygon(clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY)), vec4f(0.0, 0.0, -1.0, 1.0));
 }
 
-// Share of the light that lies behind a polygon and above the receiver's horizon: 1 if the centre lies behind it, less
-// what lies behind its far edges, plus what lies behind its near edges.
+// Signed share of a disc that a ray from its centre sweeps along an edge, up to the edge: a triangle where the edge is on
+// the disc, and sectors where it is outside. No angle is taken at a point on the disc, because a corner that is at the
+// centre has none.
+fn swept_disc(first: vec3f, last: vec3f) -> f32 {
+    let line = cross(first, last);
+    let scale = inverseSqrt(max(dot(line.xy, line.xy), 1e-30));
+    let normal = line.xy * scale;
+    let offset = line.z * scale;
+    if abs(offset) >= 1.0 {
+        return turned(first.xy, last.xy) / (2.0 * PI);
+    }
+    let along = vec2f(-normal.y, normal.x);
+    let half_chord = sqrt(max(1.0 - offset * offset, 0.0));
+    let from_place = dot(first.xy, along) / max(first.z, LEAST_WAY);
+    let to_place = dot(last.xy, along) / max(last.z, LEAST_WAY);
+    let enters = clamp(from_place, -half_chord, half_chord);
+    let leaves = clamp(to_place, -half_chord, half_chord);
+    let start = along * enters - normal * offset;
+    let end = along * leaves - normal * offset;
+    let before = select(0.0, turned(first.xy, start), enters != from_place);
+    let after = select(0.0, turned(end, last.xy), leaves != to_place);
+    return (before + turn_of(start, end) + after) / (2.0 * PI);
+}
+
+// The same for a rectangle, whose border takes the place of angles.
+fn swept_rect(first: vec3f, last: vec3f) -> f32 {
+    let w = vec2f(first.z, last.z);
+    var range = vec2f(0.0, 1.0);
+    range = clip_range(range, w - vec2f(first.x, last.x));
+    range = clip_range(range, w + vec2f(first.x, last.x));
+    range = clip_range(range, w - vec2f(first.y, last.y));
+    range = clip_range(range, w + vec2f(first.y, last.y));
+    if range.x >= range.y {
+        return passed(first.xy, last.xy);
+    }
+    let at = max(mix(vec2f(w.x), vec2f(w.y), range), vec2f(LEAST_WAY));
+    let start = mix(first.xy, last.xy, range.x) / at.x;
+    let end = mix(first.xy, last.xy, range.y) / at.y;
+    let before = select(0.0, passed(first.xy, start), range.x > 0.0);
+    let after = select(0.0, passed(end, last.xy), range.y < 1.0);
+    return before + 0.125 * turn_of(start, end) + after;
+}
+
+fn turn_of(a: vec2f, b: vec2f) -> f32 {
+    return a.x * b.y - a.y * b.x;
+}
+
+// The angle from one direction to another, −π to π.
+fn turned(a: vec2f, b: vec2f) -> f32 {
+    return atan2(turn_of(a, b), dot(a, b));
+}
+
+// The way along the border of the square from one direction to another, as a share of the border, −½ to ½. Areas of
+// sectors are in proportion to it.
+fn passed(a: vec2f, b: vec2f) -> f32 {
+    let share = (border_place(b) - border_place(a)) * 0.125;
+    return share - round(share);
+}
+
+// Share of the light that lies behind a polygon and above the receiver's horizon.
 fn polygon_share(polygon: Polygon, horizon: vec3f, maths: Maths) -> vec4f {
     var over = clip_polygon(polygon, vec4f(horizon, 0.0));
-    var share = vec4f(0.0);
+    var swept = 0.0;
+    for (var i = 0u; i < over.count; i++) {
+        let first = over.corners[i];
+        let last = over.corners[(i + 1u) % over.count];
+        if maths.is_sphere {
+            swept += swept_disc(first, last);
+        } else {
+            swept += swept_rect(first, last);
+        }
+    }
+    let share = vec4f(clamp(swept * over.turn, 0.0, 1.0));
+    if maths.is_textured {
+        return vec4f(polygon_colors(over, maths), share.a);
+    }
+    return share;
+}
+
+// Share of a textured light, by colour: 1 if the centre lies behind the polygon, less what lies behind its far edges, plus
+// what lies behind its near edges.
+fn polygon_colors(polygon: Polygon, maths: Maths) -> vec3f {
+    var over = polygon;
+    var share = vec3f(0.0);
     var holds_center = over.count >= 3u;
     for (var i = 0u; i < over.count; i++) {
         let seen = Seen(over.corners[i], over.corners[(i + 1u) % over.count], true);
         let is_far = cross(seen.first, seen.last).z * over.turn >= 0.0;
         holds_center = holds_center && is_far;
-        if maths.is_sphere {
-            share += behind(project_to_disc(seen), maths) * select(1.0, -1.0, is_far);
-        } else {
-            share += behind(project_to_rect(seen), maths) * select(1.0, -1.0, is_far);
-        }
+        share += behind(project_to_rect(seen), maths).rgb * select(1.0, -1.0, is_far);
     }
-    return clamp(share + select(0.0, 1.0, holds_center), vec4f(0.0), vec4f(1.0));
+    return clamp(share + select(0.0, 1.0, holds_center), vec3f(0.0), vec3f(1.0));
 }
 
-// For all places, the part behind a polygon, in steps.
+// For all places, the part behind a polygon, in steps. It is what lies below the upper edges, less what lies below the
+// lower edges. Triangles agree on the steps of the edge that they share, so a surface of thin triangles hides no place
+// twice. Sectors around the centre would not do: they have no direction where a corner of the polygon is at the
+// centre, which is so wherever a light sits on an edge of the mesh.
 fn polygon_places(polygon: Polygon, sampling: Sampling) -> Places {
     var all = polygon;
-    var x = places_x(sampling);
-    var y = places_y(sampling);
     var inside: Places;
-    let most = vec3f(select(0.0, sampling.steps, all.count >= 3u));
-    inside.first = mat3x3f(most, most, most);
-    inside.more = mat4x3f(most, most, most, most);
     for (var i = 0u; i < all.count; i++) {
-        let line = unit_line(cross(all.corners[i], all.corners[(i + 1u) % all.count]) * all.turn);
-        for (var column = 0u; column < 3u; column++) {
-            inside.first[column] = min(inside.first[column], three_beyond(line, x.first[column], y.first[column], sampling));
-        }
-        if sampling.is_dense {
-            for (var column = 0u; column < 4u; column++) {
-                inside.more[column] = min(inside.more[column], three_beyond(line, x.more[column], y.more[column], sampling));
-            }
-        }
+        let first = all.corners[i];
+        let last = all.corners[(i + 1u) % all.count];
+        let line = unit_line(cross(first, last));
+        let below = Sides(upright_at(first), upright_at(last), line * select(1.0, -1.0, line.y > 0.0));
+        let is_lower = first.x * last.z < last.x * first.z;
+        let sign = all.turn * select(1.0, -1.0, is_lower);
+        let places = places_between(below, sampling);
+        inside.first += places.first * sign;
+        inside.more += places.more * sign;      // 0 unless dense
     }
     return inside;
+}
+
+// The line that runs upwards through a homogeneous place. Its positive side is the right one.
+fn upright_at(place: vec3f) -> vec3f {
+    return unit_line(vec3f(place.z, 0.0, -place.x));
 }

@@ -387,17 +387,17 @@ fn three_beyond(line: vec3f, x: vec3f, y: vec3f, sampling: Sampling) -> vec3f {
     return round(clamp(distance * scale + 0.5 * steps, vec3f(0.0), vec3f(steps)));
 }
 
-// An edge as seen from the centre: the lines through its ends, and its own line, whose positive side is away
-// from the centre.
+// The lines that bound what lies on one side of an edge: one through each of its ends, and its own, whose positive side
+// is meant.
 struct Sides {
     first: vec3f,
     last: vec3f,
     beyond: vec3f,
 }
 
-// For three places, the part behind an edge. The steps of its ends come in separately: edges that meet at a
-// vertex agree on them, so they cancel around a loop.
-fn three_behind(sides: Sides, x: vec3f, y: vec3f, sampling: Sampling) -> vec3f {
+// For three places, the part between the lines through the ends of an edge and beyond its own line. The steps of the ends
+// come in separately: edges that meet at a vertex agree on them, so they cancel around a loop.
+fn three_between(sides: Sides, x: vec3f, y: vec3f, sampling: Sampling) -> vec3f {
     let between = abs(three_beyond(sides.first, x, y, sampling) - three_beyond(sides.last, x, y, sampling));
     return round(between * three_beyond(sides.beyond, x, y, sampling) / sampling.steps);
 }
@@ -436,23 +436,28 @@ fn places_behind(seen: Seen, sampling: Sampling) -> Places {
         unit_line(vec3f(-seen.last.y, seen.last.x, 0.0)),
         unit_line(line * select(1.0, -1.0, line.z > 0.0)),
     );
+    return places_between(sides, sampling);
+}
+
+// For all places, the part between the lines through the ends of an edge and beyond its own line, in steps.
+fn places_between(sides: Sides, sampling: Sampling) -> Places {
     let x = places_x(sampling);
     let y = places_y(sampling);
-    var behind: Places;
-    behind.first = mat3x3f(
-        three_behind(sides, x.first[0], y.first[0], sampling),
-        three_behind(sides, x.first[1], y.first[1], sampling),
-        three_behind(sides, x.first[2], y.first[2], sampling),
+    var beyond: Places;
+    beyond.first = mat3x3f(
+        three_between(sides, x.first[0], y.first[0], sampling),
+        three_between(sides, x.first[1], y.first[1], sampling),
+        three_between(sides, x.first[2], y.first[2], sampling),
     );
     if sampling.is_dense {
-        behind.more = mat4x3f(
-            three_behind(sides, x.more[0], y.more[0], sampling),
-            three_behind(sides, x.more[1], y.more[1], sampling),
-            three_behind(sides, x.more[2], y.more[2], sampling),
-            three_behind(sides, x.more[3], y.more[3], sampling),
+        beyond.more = mat4x3f(
+            three_between(sides, x.more[0], y.more[0], sampling),
+            three_between(sides, x.more[1], y.more[1], sampling),
+            three_between(sides, x.more[2], y.more[2], sampling),
+            three_between(sides, x.more[3], y.more[3], sampling),
         );
     }
-    return behind;
+    return beyond;
 }
 
 // For all places, the part above the horizon, 0 to 1. The sampling has `PLACE_STEPS`.

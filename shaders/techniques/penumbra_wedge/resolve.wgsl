@@ -63,8 +63,8 @@ fn times_hidden(hard: f32, packed: f32) -> vec3f {
     if IS_DEEP {
         return times_hidden_deep(hard, packed);
     }
-    let told = hard - vec3f(packed - 256.0 * second, second - 256.0 * third, third) / PLACE_STEPS;
-    return told - 32.0 * floor((told + 1.0) / 32.0);
+    let times = hard - vec3f(packed - 256.0 * second, second - 256.0 * third, third) / PLACE_STEPS;
+    return times - 32.0 * floor((times + 1.0) / 32.0);
 }
 
 // As times_hidden, for digits without steps. A digit outside of its range, −128 to 127, has carried into the next
@@ -151,8 +151,8 @@ struct Account {
 // sum and samples agree and the sum is the answer. Where everything is hidden twice, the sum says nothing.
 //
 // A caster that hides more of the light than the gap between two places hides some of the places as well. So the
-// sum may add no more than the share of that gap. Without this limit it would add more where many casters hide the same rim of the light but no
-// place.
+// sum may add no more than the share of that gap. Without this limit it would add more where many casters hide the same
+// rim of the light but no place.
 //
 // Source: regression with a control variate, as e.g. Owen 2013, "Monte Carlo theory, methods and examples",
 // 8.9.
@@ -178,6 +178,10 @@ fn account(layer: Counts, is_hidden: Places) -> Account {
 // none jumps.
 const FIT_WIDTH: f32 = 0.4;
 
+// Coverage of about one place of 21. Below it, a layer's share of what is hidden is not measured against more, because
+// the places may hold none of it.
+const LEAST_COVERED: f32 = 0.05;
+
 fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     let is_above = places_above(horizon, Sampling(IS_SPHERE, IS_DENSE, PLACE_STEPS));
     let facing = counts(textureLoad(facing_sums, pixel, 0), textureLoad(facing_second, pixel, 0), over, is_above);
@@ -185,7 +189,12 @@ fn sampled(pixel: vec2u, horizon: vec3f, over: f32) -> f32 {
     let is_hidden = hidden_in_any(facing.hidden, averted.hidden, is_above);
     let by_facing = account(facing, is_hidden);
     let by_averted = account(averted, is_hidden);
-    let to_averted = clamp(0.5 + (by_averted.fit - by_facing.fit) / FIT_WIDTH, 0.0, 1.0);
+    // A layer's fit counts by the share of what is hidden that this layer hides. Otherwise a layer that hides nothing
+    // would fit best and take half of the other layer's correction away.
+    let mean = sum_of(is_hidden) / select(9.0, 21.0, IS_DENSE);
+    let most = max(mean, clamp(max(facing.covered, averted.covered), 1e-4, LEAST_COVERED));
+    let known = clamp(vec2f(facing.covered, averted.covered) / most, vec2f(0.0), vec2f(1.0));
+    let to_averted = clamp(0.5 + (known.y * by_averted.fit - known.x * by_facing.fit) / FIT_WIDTH, 0.0, 1.0);
     return clamp(mix(by_facing.hidden, by_averted.hidden, to_averted), 0.0, over);
 }
 
