@@ -209,6 +209,55 @@ fn sampled_overlaps_err_least() {
     }
 }
 
+/// Thin posts on a ground, as one mesh.
+fn posts(x: &[f32], z: &[f32]) -> Vec<(Vec3, Vec3)> {
+    let all = x.iter().flat_map(|&x| z.iter().map(move |&z| (x, z)));
+    all.map(|(x, z)| (Vec3::new(x, 1.02, z), Vec3::new(0.025, 1.0, 0.025)))
+        .collect()
+}
+
+#[test]
+fn posts_that_overlap_hide_as_rays_do() {
+    let context = strict_context();
+    let mut failed = Vec::new();
+    let pair = posts(&[-0.06, 0.06], &[0.0]);
+    let six = posts(&[-0.09, 0.0, 0.09], &[-0.045, 0.045]);
+    for (name, boxes_once, bound) in [("two", pair, 0.01), ("six", six, 0.03)] {
+        let doubled = boxes_once.repeat(2);
+        let mut truths = None;
+        // Alone, in one mesh with a copy of itself, and with a second object in the same place.
+        for (way, list, objects, bound) in [
+            ("once", &boxes_once, 1, bound),
+            ("doubled", &doubled, 1, 0.03),
+            ("spawned twice", &boxes_once, 2, 0.03),
+        ] {
+            let mut stage = ground(&context, Vec3::new(3.1, 2.4, 4.3), Vec3::Y * 0.7);
+            let camera = stage.camera;
+            let mut camera = stage.world.get_mut::<Camera>(camera).expect("a camera");
+            camera.vertical_fov = 34f32.to_radians();
+            for _ in 0..objects {
+                spawn(&mut stage, boxes(list), Transform::IDENTITY);
+            }
+            light(
+                &mut stage,
+                &Lit {
+                    from: Vec3::new(1.7, 3.9, 1.3),
+                    to: Vec3::Y * 0.9,
+                    ..lit(rect(0.5, 0.5), PenumbraWedge::default())
+                },
+            );
+            // Copies change nothing that a ray meets.
+            let truth = truths.get_or_insert_with(|| truth(&mut stage, 0, SAMPLES));
+            let error = judge(&mut stage, truth, &format!("{name}_posts_{way}"));
+            assert!(error.penumbra > 200, "{name} {way}: {error:?}");
+            if error.rmse_penumbra > bound {
+                failed.push((name, way, error.rmse_penumbra));
+            }
+        }
+    }
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
 #[test]
 fn places_change_little_where_nothing_overlaps() {
     let context = strict_context();
