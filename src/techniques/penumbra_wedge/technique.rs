@@ -3,11 +3,12 @@
 use bevy_ecs::prelude::*;
 
 use super::build_wedges::build_penumbra_wedges;
-use super::component::{MAX_SPLIT, MOST_STACKED, Overlap, PenumbraWedge};
+use super::component::{MAX_SPLIT, MOST_STACKED, Overlap, PenumbraWedge, VisibilityBuffer};
 use super::debug_lines;
 use super::geometry::cut::MOST_CUTS;
 #[cfg(feature = "render")]
 use super::gpu::recorder::PenumbraWedgeNode;
+use super::light_parts::LEAST_EXTENT;
 use super::overflow::{SPLIT_CAPACITY, WedgeOverflow};
 use super::wedges::PenumbraWedges;
 use crate::debug_lines::DebugLines;
@@ -19,9 +20,6 @@ use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::{FrameLights, NeededSilhouettes, Needs, View};
 use crate::techniques::registry::{Refusal, Technique, TechniqueSystems};
-
-/// Radius in metres below which a light counts as a point.
-const LEAST_EXTENT: f64 = 1e-6;
 
 impl Technique for PenumbraWedge {
     const NAME: &'static str = "penumbra_wedge";
@@ -67,7 +65,9 @@ impl Technique for PenumbraWedge {
             }
         }
         for light in &world.resource::<PenumbraWedges>().lights {
-            let counts = light.settings.overlap == Overlap::Sampled && light.texture.is_none();
+            let counts = light.settings.overlap == Overlap::Sampled
+                && light.settings.buffer == VisibilityBuffer::Float
+                && light.texture.is_none();
             if counts && light.stacked > MOST_STACKED {
                 round.raise(Some(light.entity), 3, || {
                     format!(
@@ -80,8 +80,9 @@ impl Technique for PenumbraWedge {
             if light.cuts_left_out > 0 {
                 round.raise(Some(light.entity), 4, || {
                     format!(
-                        "{} triangles that reach into this light block nothing: at most {MOST_CUTS} of a caster are drawn, \
-                         the nearest. Make the light smaller than the lamp around it, or take ShadowCaster off the bulb.",
+                        "{} triangles that reach into this light, or lie in a plane through its centre, block nothing: at \
+                         most {MOST_CUTS} of a caster are drawn, the nearest. Make the light smaller than the lamp around \
+                         it, move it off the level of flat surfaces, or take ShadowCaster off the bulb.",
                         light.cuts_left_out
                     )
                 });
@@ -93,8 +94,8 @@ impl Technique for PenumbraWedge {
             round.raise(view.map(|view| view.camera), 2, || {
                 format!(
                     "Soft shadows are too light in {pixels} pixels: more than {SPLIT_CAPACITY} hard faces meet there, \
-                     which `VisibilityBuffer::Split8` cannot add up. Use `VisibilityBuffer::Float`, or split the light \
-                     less."
+                     which `VisibilityBuffer::Split8` cannot add up. Use `VisibilityBuffer::Float` or, on a device that \
+                     cannot blend 32-bit floats, `VisibilityBuffer::Half`. Or split the light less."
                 )
             });
         }

@@ -115,6 +115,9 @@ fn overflow_of_bytes_is_reported() {
         spawn(&mut stage, MeshData::cuboid(Vec3::new(0.5, 0.005, 0.5)), place);
     }
     assert!(frames(&mut stage) > 0, "sixty boxes cover one another");
+    let entity = stage.lights[0];
+    stage.world.entity_mut(entity).insert(PenumbraWedge::default());
+    assert_eq!(frames(&mut stage), 0, "floats do not overflow");
 }
 
 #[test]

@@ -7,7 +7,7 @@
 //! What remains is the part of the light that lies outside of the surface.
 //!
 //! A triangle whose plane contains the light's centre has no side from which the centre sees it, so it is treated the
-//! same way.
+//! same way at any distance. Otherwise rounding would decide what it hides from surfaces in its own plane.
 //!
 //! Triangles nearer to a point of light than [`LightClearance`](crate::silhouettes::LightClearance) block nothing: those
 //! that lie in the plane of a rectangle. What lies behind a rectangle blocks nothing either.
@@ -18,6 +18,7 @@ use smallvec::SmallVec;
 use super::records::{CUT, SOFT, SOFT_LAYERS_SHIFT, Wedge};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::convex_polygon::clip;
+use crate::geometry::distance_to_triangle;
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::techniques::penumbra_wedge::light_parts::PartShape;
 
@@ -44,7 +45,7 @@ pub fn can_be_cut(shape: PartShape, clearance: f64) -> bool {
     shape.radius() > clearance
 }
 
-/// What a triangle near a light does.
+/// The effect of a triangle near a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// It hides light like any other.
@@ -55,7 +56,7 @@ pub enum Effect {
     Cuts,
 }
 
-/// Returns what a triangle does that lies within the [`cutting_distance`] of a part that can be cut, or whose plane
+/// Returns the effect of a triangle that lies within the [`cutting_distance`] of a part that can be cut, or whose plane
 /// contains the part's centre. Corners are in light space.
 pub fn effect_of(corners: [DVec3; 3], shape: PartShape, clearance: f64) -> Effect {
     let PartShape::Rect { half } = shape else {
@@ -98,8 +99,8 @@ pub fn effect_of(corners: [DVec3; 3], shape: PartShape, clearance: f64) -> Effec
 }
 
 /// Sorts out the triangles of `words` that act as [usual](Effect::Usual), and lists those that cut: the slot and the
-/// squared distance of the nearest corner from the centre. Of more than [`MOST_CUTS`], the nearest are kept. Returns the
-/// number of those that were left out.
+/// distance from the centre. Of more than [`MOST_CUTS`], the nearest are kept. Returns the number of those that were left
+/// out.
 pub fn find_cuts(
     mesh: &EdgeMesh,
     positions: &[Vec3],
@@ -111,16 +112,14 @@ pub fn find_cuts(
     cuts.clear();
     for (index, (cluster, word)) in mesh.clusters().iter().zip(words.iter_mut()).enumerate() {
         let corners = &mesh.corners()[cluster.triangles()];
-        for lane in (0..corners.len())
-            .filter(|lane| *word >> lane & 1 != 0)
-            .collect::<SmallVec<[usize; 64]>>()
-        {
+        let marked = *word;
+        for lane in (0..corners.len()).filter(|lane| marked >> lane & 1 != 0) {
             let corners = in_light(corners[lane], positions, light_from_local);
             match effect_of(corners, shape, clearance) {
                 Effect::Usual => *word &= !(1 << lane),
                 Effect::Nothing => {}
                 Effect::Cuts => {
-                    let distance = crate::geometry::distance_to_triangle(DVec3::ZERO, corners);
+                    let distance = distance_to_triangle(DVec3::ZERO, corners);
                     cuts.push(((index * CLUSTER_TRIANGLES + lane) as u32, distance));
                 }
             }

@@ -94,6 +94,8 @@ pub struct PenumbraWedgeNode {
     pub(in crate::techniques::penumbra_wedge) cap_draws: Vec<CapDraw>,
     pub(in crate::techniques::penumbra_wedge) mirrored: bool,
     pub(in crate::techniques::penumbra_wedge) blends_floats: bool,
+    /// Whether a light of the last frame had sums in bytes, which may overflow.
+    splits: bool,
     /// The device's limit on the bytes of a pixel in all targets of a pass.
     bytes_per_pixel: u32,
 }
@@ -131,6 +133,7 @@ impl PenumbraWedgeNode {
             groups: Vec::new(),
             cap_draws: Vec::new(),
             mirrored: false,
+            splits: false,
             blends_floats: context
                 .device
                 .features()
@@ -154,6 +157,18 @@ impl PenumbraWedgeNode {
                 near * (1 + usize::from(draw.has_far))
             })
             .sum()
+    }
+
+    /// Reports the overflow that has arrived. Nothing can overflow once no light has sums in bytes, so counts that are
+    /// still on their way are dropped then.
+    fn report_overflow(&mut self, world: &World, lights: &[LightWedges]) {
+        let splits = lights.iter().any(|light| self.form(light) == Form::Split8);
+        let arrived = self.textures.overflow().take();
+        let count = if splits { arrived } else { self.splits.then_some(0) };
+        self.splits = splits;
+        if let (Some(count), Some(report)) = (count, world.get_resource::<WedgeOverflow>()) {
+            report.set(count);
+        }
     }
 
     /// Returns the form of a light's sums. A textured light needs sums by colour, which have no form in
@@ -201,12 +216,7 @@ impl Recorder for PenumbraWedgeNode {
         ) else {
             return Ok(());
         };
-        if let (Some(count), Some(report)) = (
-            self.textures.overflow().take(),
-            world.get_resource::<WedgeOverflow>(),
-        ) {
-            report.set(count);
-        }
+        self.report_overflow(world, &wedges.lights);
         if wedges.lights.is_empty() {
             return Ok(());
         }
