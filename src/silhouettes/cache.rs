@@ -107,7 +107,7 @@ struct Pair {
     may_have_moved: bool,
 }
 
-/// What became of a silhouette in this frame.
+/// The outcome of updating a silhouette.
 enum Updated {
     /// The silhouette is the one of the last frame.
     Current,

@@ -41,6 +41,15 @@ pub struct Silhouette {
     pub(super) last_used: u64,
 }
 
+impl Silhouette {
+    /// Marks the slot as free, and gives back the memory of what it held.
+    fn clear(&mut self) {
+        self.revision = 0;
+        self.source = None;
+        self.contour = Contour::default();
+    }
+}
+
 /// The silhouettes in one light.
 #[derive(Debug)]
 pub struct LightSilhouettes {
@@ -127,7 +136,7 @@ impl LightSilhouettes {
             match objects.index_of(silhouette.entity) {
                 Some(object) => self.slot_of[object] = slot as u32,
                 None => {
-                    silhouette.revision = 0;
+                    silhouette.clear();
                     self.free.push(slot as u32);
                 }
             }
@@ -161,7 +170,7 @@ impl LightSilhouettes {
     pub(super) fn forget(&mut self, object: usize) {
         let slot = std::mem::replace(&mut self.slot_of[object], NONE);
         if slot != NONE {
-            self.slots[slot as usize].revision = 0;
+            self.slots[slot as usize].clear();
             self.free.push(slot);
         }
     }
@@ -169,9 +178,7 @@ impl LightSilhouettes {
     pub(super) fn forget_unused(&mut self, frame: u64, objects: &Objects) {
         for (slot, silhouette) in self.slots.iter_mut().enumerate() {
             if silhouette.revision != 0 && silhouette.last_used + KEPT_FRAMES < frame {
-                silhouette.revision = 0;
-                silhouette.source = None;
-                silhouette.contour = Contour::default();
+                silhouette.clear();
                 self.free.push(slot as u32);
                 if let Some(object) = objects.index_of(silhouette.entity) {
                     self.slot_of[object] = NONE;

@@ -30,18 +30,19 @@ pub fn stacked_boxes(light: DVec4, boxes: &[(Aabb, u32)]) -> u32 {
             } else {
                 (from, center - from, 0.0)
             };
+            let inverse = along.recip();
             let passed = boxes
                 .iter()
-                .filter(|(other, _)| passes(other, origin, along, first));
+                .filter(|(other, _)| passes(other, origin, inverse, first));
             passed.map(|(_, weight)| weight).sum()
         })
         .max()
         .unwrap_or(0)
 }
 
-/// Whether the line from `origin` passes the box at a parameter of at least `first`.
-fn passes(aabb: &Aabb, origin: DVec3, along: DVec3, first: f64) -> bool {
-    let inverse = along.recip();
+/// Whether the line from `origin` passes the box at a parameter of at least `first`. `inverse` is the reciprocal of the
+/// line's direction.
+fn passes(aabb: &Aabb, origin: DVec3, inverse: DVec3, first: f64) -> bool {
     let (a, b) = (
         (aabb.min.as_dvec3() - origin) * inverse,
         (aabb.max.as_dvec3() - origin) * inverse,

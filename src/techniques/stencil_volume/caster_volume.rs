@@ -4,7 +4,8 @@ use glam::Vec4;
 
 use crate::techniques::shared::extrude::TO_INFINITY;
 
-/// The shadow volume of one caster in one light: the parts that are drawn, and how they are counted.
+/// The shadow volume of one caster in one light: the parts that are drawn, and how they are counted. Its sides are always
+/// drawn; a volume whose sides are out of view is left out as a whole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CasterVolume {
     /// Dense index of the caster in [`Objects`](crate::sets::Objects).
@@ -20,8 +21,6 @@ pub struct CasterVolume {
     /// True if the stencil counts the volume's faces between the viewer and the surface (depth-pass), false
     /// if it counts those behind the surface (depth-fail).
     pub depth_pass: bool,
-    /// Whether the sides of the volume are drawn.
-    pub sides: bool,
     /// Whether the near cap of the volume is drawn.
     pub near_cap: bool,
     /// Whether the far cap of the volume is drawn.

@@ -3,11 +3,13 @@
 //! | file | holds |
 //! | --- | --- |
 //! | `component` | [`StencilVolume`], which a user sets on a light |
+//! | `caster_volume` | the parameters of one caster's volume |
 //! | `volumes` | the frame's volumes, and how they are counted |
 //! | `volume_parts` | which parts of a volume are drawn |
 //! | `technique` | how the component joins the frame |
 //! | `gpu/recorder` | the recorder (feature `render`) |
 //! | `gpu/pipelines` | pipelines of volumes (feature `render`) |
+//! | `gpu/rounds` | ends of rounds of counting, of which each fits the stencil (feature `render`) |
 //! | `gpu/quads` | indices of side quads (feature `render`) |
 //!
 //! Extrusion, the test whether the viewport may be in a caster's shadow, and contours on the GPU are in

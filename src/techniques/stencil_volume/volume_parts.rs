@@ -2,7 +2,7 @@
 //!
 //! | part | left out |
 //! | --- | --- |
-//! | sides | their bounds miss the view frustum |
+//! | sides | their bounds miss the view frustum; then the caps do, too, and there is no volume |
 //! | near cap | depth-pass (it lies on the caster's own, drawn surface), or the caster's bounds miss the frustum |
 //! | far cap | directional light to infinity (all far corners are one point), depth-pass to infinity (nothing is behind infinity), or its bounds miss the frustum; with depth-pass also where it is behind all that is lit, or hidden by occluders |
 //!
@@ -41,7 +41,7 @@ impl<'a> PartCulling<'a> {
         }
     }
 
-    /// Drops parts that cannot matter; `None` if none is left. `corners` are those of the volume and `bounds`
+    /// Drops parts that cannot matter; `None` if the whole volume cannot. `corners` are those of the volume and `bounds`
     /// those of the caster, in world space.
     pub fn cull(
         &self,
@@ -53,16 +53,15 @@ impl<'a> PartCulling<'a> {
         let to_infinity = volume.extrusion == TO_INFINITY;
         let (near_corners, far_corners) = corners.split_at(8);
         let is_seen = |points: &[Vec4]| !excludes_points(self.view.frustum.open_planes(), points);
-        volume.sides = is_seen(corners);
+        if !is_seen(corners) {
+            return None;
+        }
         volume.near_cap &= is_seen(near_corners);
         // The far cap of a directional light at infinity is one point. Depth-pass counts nothing behind
         // infinity.
         let has_far_cap = !to_infinity || (light.point_world.w != 0.0 && !volume.depth_pass);
         volume.far_cap =
             has_far_cap && is_seen(far_corners) && !(volume.depth_pass && self.hides(far_corners));
-        if !(volume.sides || volume.near_cap || volume.far_cap) {
-            return None;
-        }
         // A volume that ends in front of the nearest surface that the light reaches, or begins behind the
         // farthest, counts to 0 at all of them.
         let reached = light.region.depth_bounds?;

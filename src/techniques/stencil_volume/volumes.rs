@@ -177,7 +177,6 @@ impl Building<'_, '_, '_> {
             light_local: silhouette.light_local,
             extrusion,
             depth_pass,
-            sides: true,
             near_cap: !depth_pass,
             far_cap: true,
         };

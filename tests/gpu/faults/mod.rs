@@ -1,7 +1,9 @@
 //! Faults that other test suites and bug reports found. Each test covers all cases of its fault.
 
+mod leftovers;
 mod light_cut;
 mod light_on_surface;
+mod regions;
 mod savings;
 mod scenes;
 mod stacks;

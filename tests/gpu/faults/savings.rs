@@ -1,16 +1,18 @@
-//! What volumes and wedges leave out. Without these savings the pictures are the same, so each is counted here.
+//! Counts the work that volumes and wedges leave out, because the pictures are the same without these savings.
 
+use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use antumbra::prelude::*;
+use antumbra::sets::OcclusionSettings;
 use antumbra::techniques::penumbra_wedge::WedgeBounds;
 use antumbra::techniques::stencil_volume::{CasterVolume, Counting, Extent, StencilVolumes};
 use antumbra::techniques::{PenumbraWedge, PenumbraWedges, StencilVolume};
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
-use super::scenes::{draw, ground, lamp, object};
+use super::scenes::{draw, ground, lamp, object, stage};
 use crate::harness::support::stage::Stage;
 
 fn volumes(stage: &mut Stage) -> Vec<CasterVolume> {
@@ -63,12 +65,20 @@ fn parts_of_volumes_out_of_view_are_left_out() {
     stage.world.entity_mut(light).insert(settings);
     let caster = box_at(&mut stage, Vec3::new(0.0, 1.0, 0.0));
     let seen = only(&mut stage, caster).expect("it shadows the view");
-    assert!(seen.sides && seen.near_cap && seen.far_cap, "{seen:?}");
+    assert!(seen.near_cap && seen.far_cap, "{seen:?}");
+    // To infinity, the far cap is below the view.
+    stage.world.entity_mut(light).insert(StencilVolume {
+        extent: Extent::Infinite,
+        ..settings
+    });
+    let below = only(&mut stage, caster).expect("it shadows the view");
+    assert!(below.near_cap && !below.far_cap, "{below:?}");
+    stage.world.entity_mut(light).insert(settings);
     // Above the view, and its shadow falls into it.
     let above = Transform::from_xyz(0.0, 4.5, 0.0);
     stage.world.entity_mut(caster).insert(above);
     let out_of_view = only(&mut stage, caster).expect("it shadows the view");
-    assert!(out_of_view.sides && !out_of_view.near_cap, "{out_of_view:?}");
+    assert!(!out_of_view.near_cap && out_of_view.far_cap, "{out_of_view:?}");
     // Counted towards the viewer, a volume has no near cap, and to infinity no far cap.
     stage
         .world
@@ -80,9 +90,70 @@ fn parts_of_volumes_out_of_view_are_left_out() {
     });
     let towards = only(&mut stage, caster).expect("it shadows the view");
     assert!(
-        towards.depth_pass && towards.sides && !towards.near_cap && !towards.far_cap,
+        towards.depth_pass && !towards.near_cap && !towards.far_cap,
         "{towards:?}"
     );
+}
+
+/// A wall that is seen from the front, with a lamp and a box before it.
+fn before_a_wall() -> (Stage, Entity, Entity) {
+    let mut stage = stage(Vec3::new(0.0, 1.0, 8.0), Vec3::Y, Camera::default());
+    let upright = Transform::from_xyz(0.0, 0.0, -3.0).with_rotation(Quat::from_rotation_x(FRAC_PI_2));
+    stage.world.spawn(object(MeshData::plane(6.0), upright));
+    let light = lamp(&mut stage, LightKind::Point, Vec3::new(0.0, 1.5, 6.0), 30.0);
+    stage.world.entity_mut(light).insert(StencilVolume::default());
+    let caster = box_at(&mut stage, Vec3::new(0.3, 1.0, 0.0));
+    (stage, light, caster)
+}
+
+#[test]
+fn far_caps_that_nothing_can_see_are_left_out() {
+    let (mut stage, _, caster) = before_a_wall();
+    let without_camera = OcclusionSettings {
+        from_camera: false,
+        ..OcclusionSettings::default()
+    };
+    stage.world.insert_resource(without_camera);
+    let volume = only(&mut stage, caster).expect("it shadows the wall");
+    assert!(
+        volume.depth_pass && !volume.far_cap,
+        "behind the wall: {volume:?}"
+    );
+    // Something is seen beside the wall that is farther than the far cap.
+    let beyond = object(
+        MeshData::cuboid(Vec3::splat(0.3)),
+        Transform::from_xyz(10.0, 1.0, -8.0),
+    );
+    stage.world.spawn(beyond);
+    let volume = only(&mut stage, caster).expect("it shadows the wall");
+    assert!(volume.depth_pass && volume.far_cap, "{volume:?}");
+    // The wall hides the far cap from the camera.
+    stage.world.insert_resource(OcclusionSettings::default());
+    let volume = only(&mut stage, caster).expect("it shadows the wall");
+    assert!(volume.depth_pass && !volume.far_cap, "hidden: {volume:?}");
+}
+
+#[test]
+fn volumes_behind_all_that_is_lit_are_left_out() {
+    let (mut stage, light, caster) = before_a_wall();
+    stage.world.insert_resource(OcclusionSettings {
+        of_shadows: false,
+        from_lights: false,
+        ..OcclusionSettings::default()
+    });
+    stage.world.entity_mut(light).insert(StencilVolume {
+        extent: Extent::Infinite,
+        ..StencilVolume::default()
+    });
+    for (z, is_kept) in [(-5.0, false), (-1.0, true)] {
+        let place = Transform::from_xyz(0.3, 1.0, z);
+        stage.world.entity_mut(caster).insert(place);
+        // The box itself must not count as lit.
+        stage.world.entity_mut(caster).remove::<ShadowReceiver>();
+        assert_eq!(only(&mut stage, caster).is_some(), is_kept, "at {z}");
+        let culled = stage.world.resource::<StencilVolumes>().lights[0].culled;
+        assert!(is_kept || culled >= 1, "{culled}");
+    }
 }
 
 #[test]
@@ -124,9 +195,9 @@ fn volumes_end_beyond_what_they_shadow() {
         only(&mut stage, caster).map(|volume| volume.extrusion)
     };
     assert_eq!(extrusion(Extent::Infinite), Some(0.0));
-    // The caster is 1.8 to 2.2 m below the light, and its far end within a range of 30 m of it.
+    // The caster's top is 1.8 m below the light, and the ground 5 m: 5 / 1.8 is 2.78.
     let finite = extrusion(Extent::Finite).expect("it shadows the view");
-    assert!(finite > 2.5 && finite < 30.0, "{finite}");
+    assert!(finite > 2.7 && finite < 2.9, "{finite}");
 }
 
 #[test]

@@ -101,7 +101,7 @@ pub fn describe(gpu: &Gpu, casters: &wgpu::BindGroupLayout, key: Key, purpose: P
 /// Where two faces meet in an edge on a surface, rounding may put one in front of the surface and the other
 /// behind it. The volume then counts −1 there, which cancels another volume's shadow. A face at the depth of
 /// a surface counts as behind it; with this bias, so does a face that differs from it only by rounding. The
-/// cost is that shadows move by 1/512 pixel. Of the 39 models of the tests, 7 had a wrong pixel off the edges
+/// cost is that shadows move by 1/512 pixel. Of 39 models, 7 had a wrong pixel off the edges
 /// without it and 3 have with it. 1/128 was worse at edges; 1/2048 was not enough.
 const ALL_FARTHER: wgpu::DepthBiasState = wgpu::DepthBiasState {
     constant: -1,

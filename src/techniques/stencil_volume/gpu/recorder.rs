@@ -292,14 +292,12 @@ impl StencilVolumeNode {
                 });
             }
         };
-        if volume.sides {
-            push(
-                Part::Side,
-                mirrored,
-                0,
-                pooled.single_count + 2 * pooled.double_count,
-            );
-        }
+        push(
+            Part::Side,
+            mirrored,
+            0,
+            pooled.single_count + 2 * pooled.double_count,
+        );
         let away = pooled.first_cap + pooled.caps_away_start;
         let away_count = pooled.cap_count - pooled.caps_away_start;
         if volume.near_cap {
