@@ -152,7 +152,9 @@ pub mod insides {
         pub use crate::techniques::penumbra_wedge::geometry::topology::{
             END, FAR_END, FAR_START, FIRST_APEX, FIRST_RIM,
         };
-        pub use crate::techniques::penumbra_wedge::tables::lookup::{ANGLE_STEPS, SECTOR_STEPS};
+        pub use crate::techniques::penumbra_wedge::tables::lookup::{
+            ANGLE_STEPS, SECTOR_STEPS, entries as lookup_entries,
+        };
         pub use crate::techniques::penumbra_wedge::tables::texture::{BORDER_STEPS, NODES};
         pub use crate::techniques::perspective_map::grounds::{BLUR_REACH, MOST_GROUNDS};
     }

@@ -54,6 +54,11 @@ fn write(folder: &Path, name: &str, text: &str) {
 
 /// A box on a plane, with a clip that lifts the box, a camera and a light: `models/house.glb`.
 fn write_scene(folder: &Path) {
+    write_house(folder, "house", 0.7);
+}
+
+/// The same scene under a name, with the box at a height where no clip plays.
+fn write_house(folder: &Path, name: &str, height: f32) {
     let mut glb = Builder::new();
     let add_mesh = |glb: &mut Builder, positions: &[[f32; 3]], indices: &[u16]| {
         let position = glb.floats(positions);
@@ -84,7 +89,10 @@ fn write_scene(folder: &Path) {
         json!({"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1.0], "metallicFactor": 0.0}}),
     );
     glb.push("nodes", json!({"mesh": plane}));
-    glb.push("nodes", json!({"mesh": cuboid, "translation": [0.0, 0.7, 0.0]}));
+    glb.push(
+        "nodes",
+        json!({"mesh": cuboid, "translation": [0.0, height, 0.0]}),
+    );
     glb.push(
         "cameras",
         json!({"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}),
@@ -109,7 +117,7 @@ fn write_scene(folder: &Path) {
         }),
     );
     glb.json["scenes"][0]["nodes"] = json!([0, 1, 2, 3]);
-    let path = folder.join("models/house.glb");
+    let path = folder.join(format!("models/{name}.glb"));
     std::fs::create_dir_all(path.parent().expect("models")).expect("a folder");
     std::fs::write(path, glb.glb()).expect("the scene is written");
 }

@@ -222,6 +222,18 @@ fn animation_poses_the_scene() {
     still.as_object_mut().expect("an object").remove("animation");
     rendered(&folder, &still);
     assert_eq!(channels(&folder.join("out/light0.visibility.exr")).0, start);
+    // Halfway through the clip, the box is where a scene without a clip has it at that height.
+    let halfway = shot_at(1.0);
+    write_house(&folder, "raised", 1.2);
+    still["scene"] = json!("models/raised.glb");
+    rendered(&folder, &still);
+    let raised = channels(&folder.join("out/light0.visibility.exr")).0;
+    let differing = |other: &[(String, Vec<f32>)]| {
+        let pairs = raised[0].1.iter().zip(&other[0].1);
+        pairs.filter(|(a, b)| a != b).count()
+    };
+    assert!(differing(&halfway) <= 2, "{}", differing(&halfway));
+    assert!(differing(&start) > 20, "{}", differing(&start));
 }
 
 #[test]

@@ -8,7 +8,7 @@
 #import antumbra::view::clip_position
 #import antumbra::view::objects
 
-struct Caster {                     // mirror: render::pools::gpu_types::Caster
+struct Caster {                     // mirror: techniques::stencil_volume::gpu::gpu_types::Caster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
     object: u32,
     extrusion: f32,                 // factor on the distance, or metres if directional; 0: to infinity

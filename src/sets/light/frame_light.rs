@@ -66,7 +66,7 @@ pub struct FrameLight {
     pub hulls: LightHulls,
     /// The part of the picture and of the scene that the light can change.
     pub region: LightRegion,
-    /// What was computed for the light, and what must be computed again.
+    /// Results that are known for the light, and those that must be computed again.
     pub(in crate::sets) progress: LightProgress,
     /// Memory that is kept for its allocation.
     pub(in crate::sets) scratch: LightScratch,
@@ -124,7 +124,7 @@ impl Default for LightRegion {
     }
 }
 
-/// What was computed for one light, and what must be computed again.
+/// Results that are known for one light, and those that must be computed again.
 #[derive(Clone, Debug)]
 pub(in crate::sets) struct LightProgress {
     /// Whether I and everything derived from it must be computed in this frame.

@@ -112,7 +112,7 @@ pub fn build_penumbra_wedges(
     out.end(&lights, &objects, &places);
 }
 
-/// What all lights of the frame have in common.
+/// Inputs that all lights of the frame share.
 struct Context<'a, 'w> {
     view: &'a ViewData,
     /// The corners of the near plane, in their order around it.

@@ -108,7 +108,7 @@ pub struct CasterDraw {
 pub(super) struct Scratch {
     pub(super) chunk: ChunkScratch,
     pub(super) parts: Vec<LightPart>,
-    /// What the flat arrays contain; `last_layout` has it for the last frame.
+    /// Layout of the flat arrays; `last_layout` is that of the last frame.
     pub(super) layout: Vec<Placed>,
     pub(super) last_layout: Vec<Placed>,
     /// Groups of each part, for which the flat arrays were made.

@@ -253,6 +253,12 @@ fn ranges_from_a_micrometre_to_a_million_kilometres_work() {
 fn judge_at_range(context: &RenderContext, range: f32) {
     let mut stage = box_on_plane(context);
     let usual = render(&mut stage);
+    assert!(usual.visibility[0].contains(&0.0), "there is a shadow");
+    // Brighter than by ambient light alone.
+    let lit = |rendered: &Rendered| -> Vec<bool> {
+        let texels = rendered.radiance.chunks(4);
+        texels.map(|texel| texel[0] > 0.017).collect()
+    };
     let light = stage.lights[0];
     stage.world.get_mut::<Light>(light).expect("it is a light").range = range;
     let rendered = render(&mut stage);
@@ -269,6 +275,8 @@ fn judge_at_range(context: &RenderContext, range: f32) {
             rendered.visibility == usual.visibility,
             "range {range} changes the shadow"
         );
+        assert!(lit(&usual).contains(&true));
+        assert!(lit(&rendered) == lit(&usual), "range {range} changes what is lit");
     }
 }
 

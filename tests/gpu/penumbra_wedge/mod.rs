@@ -7,6 +7,7 @@ mod models;
 mod overlap;
 mod properties;
 mod scenes;
+mod tables;
 mod texture;
 
 use crate::harness::strict_context;

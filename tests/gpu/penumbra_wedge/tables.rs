@@ -70,7 +70,8 @@ fn shares(chords: &[[f32; 4]], entries: &[[f32; 4]]) -> Vec<[f32; 2]> {
     let output = buffer(&vec![0; size], storage | wgpu::BufferUsages::COPY_SRC);
     let light = buffer(&[0; 1024], wgpu::BufferUsages::UNIFORM);
     let tables = buffer(bytemuck::cast_slice(entries), storage);
-    let groups: [&[(u32, &wgpu::Buffer)]; 3] = [&[(0, &input)], &[(0, &output)], &[(2, &light), (3, &tables)]];
+    let groups: [&[(u32, &wgpu::Buffer)]; 3] =
+        [&[(0, &input)], &[(0, &output)], &[(2, &light), (3, &tables)]];
     let groups = [0, 1, 2].map(|group: u32| {
         let entries: Vec<_> = groups[group as usize]
             .iter()

@@ -13,7 +13,7 @@ pub const FACING: u32 = 1;
 /// The layer of triangles that do not face the light.
 pub const AVERTED: u32 = 2;
 
-/// What is on one side of an edge.
+/// The neighbour on one side of an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// A triangle that faces all points of the light.
