@@ -114,7 +114,7 @@ fn spawn(world: &mut World, part: &Part, meshes: &[Arc<MeshData>; 2]) {
 }
 
 /// All that a light's volumes are, by name of the caster.
-type Volumes = BTreeMap<String, ([u32; 4], u32, [bool; 4], Vec<[u32; 2]>)>;
+type Volumes = BTreeMap<String, ([u32; 4], u32, [bool; 3], Vec<[u32; 2]>)>;
 
 /// Names instead of indices, so that frames of different spawn orders compare.
 #[derive(Debug, PartialEq)]
@@ -170,7 +170,7 @@ fn snapshot(world: &World) -> Snapshot {
                 (
                     caster.light_local.to_array().map(f32::to_bits),
                     caster.extrusion.to_bits(),
-                    [caster.depth_pass, caster.sides, caster.near_cap, caster.far_cap],
+                    [caster.depth_pass, caster.near_cap, caster.far_cap],
                     edges,
                 ),
             );
