@@ -260,7 +260,6 @@ fn each_format_is_its_own_twin() {
     each_is_itself(&mut ramp(20.0, 32), &of(&[depth, float]));
     // Steps of two bytes are 0.3 metres here; four bytes have the same steps where the range is larger.
     let (two, four) = (MapFormat::Rgba8TwoBytes, MapFormat::Rgba8FourBytes);
-    each_is_itself(&mut tilted_sheet(400.0, 64), &of(&[two, float]));
     each_is_itself(&mut tilted_sheet(400.0, 64), &of(&[two, four]));
     each_is_itself(&mut tilted_sheet(5000.0, 64), &of(&[four, float]));
 }
