@@ -41,7 +41,6 @@ fn casters_counted_towards_the_viewer_leave_the_others_alone() {
             };
             stage.world.entity_mut(lamp).insert(wedge);
             let rendered = stage.render().expect("the frame renders");
-            let wedges = stage.world.resource::<PenumbraWedges>();
             let casters = &stage.world.resource::<PenumbraWedges>().casters;
             counted += casters.iter().filter(|caster| caster.towards).count();
             rendered.visibility[0].clone()
