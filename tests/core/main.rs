@@ -2,6 +2,7 @@
 
 mod import_circles;
 mod inverted_hulls;
+mod invisible;
 mod layers;
 mod light_hull;
 #[cfg(feature = "reference")]
