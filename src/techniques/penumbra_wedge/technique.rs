@@ -72,7 +72,8 @@ impl Technique for PenumbraWedge {
                 round.raise(Some(light.entity), 3, || {
                     format!(
                         "Up to {} surfaces lie one behind the other in this light. PenumbraWedge counts {MOST_STACKED}, \
-                         so shadows may be too light. Use `Overlap::Additive`, or take ShadowCaster off what is hidden.",
+                         so shadows may be too light. Take ShadowCaster off what is hidden. `Overlap::Additive` counts \
+                         more, but errs more wherever penumbrae overlap.",
                         light.stacked
                     )
                 });
