@@ -12,7 +12,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::sync::Arc;
 
-use antumbra::prelude::{OmniMap, ShadowMap, StencilVolume};
+use antumbra::prelude::{
+    Camera, Material, MeshData, OmniMap, PerspectiveMap, SceneMaterials, SceneMesh, ShadowCaster, ShadowMap,
+    ShadowReceiver, Smoothie, StencilVolume,
+};
 use antumbra::reports::Reports;
 use antumbra::scene::{
     BarnMap, Cookie, CookieImage, Light, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin,
@@ -20,6 +23,7 @@ use antumbra::scene::{
 };
 use antumbra::schedule::{add_systems, collect_reports, init_resources};
 use antumbra::sets::{SetWork, ViewportSize, collect_sets};
+use antumbra::techniques::PerspectiveMaps;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
 use bevy_transform::prelude::GlobalTransform;
@@ -176,6 +180,56 @@ fn lights_with_models_allocate_nothing_after_warm_up() {
     let lights = &world.resource::<antumbra::sets::FrameLights>().lights;
     assert!(lights.iter().any(|light| light.model.shape.is_some()));
     assert!(lights.iter().all(|light| light.textures.cookie.is_some()));
+}
+
+#[test]
+fn perspective_maps_and_smoothies_allocate_nothing_after_warm_up() {
+    let mut world = World::new();
+    init_resources(&mut world);
+    let mut frame = Schedule::default();
+    frame.set_executor(SingleThreadedExecutor::new());
+    add_systems(&mut frame);
+    world.resource_mut::<ViewportSize>().0 = VIEWPORT;
+    let place = |x: f32, y: f32, z: f32| GlobalTransform::from_translation(Vec3::new(x, y, z));
+    let camera = world.spawn((Camera::default(), place(0.0, 2.0, 8.0))).id();
+    let mut add = |mesh: MeshData, at: GlobalTransform| {
+        world.spawn((
+            SceneMesh(Arc::new(mesh)),
+            SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+            (ShadowCaster, ShadowReceiver),
+            at,
+        ));
+    };
+    add(MeshData::plane(30.0), place(0.0, 0.0, 0.0));
+    for i in 0..12 {
+        let at = place(i as f32 - 6.0, 0.6, -(i as f32) * 2.0);
+        add(MeshData::cuboid(Vec3::splat(0.4)), at);
+    }
+    let sun = GlobalTransform::from_rotation(glam::Quat::from_rotation_x(-0.8));
+    for (light, at) in [
+        (Light::directional(Vec3::ONE, 1.0), sun),
+        (Light::point(Vec3::ONE, 50.0, 40.0), place(1.0, 4.0, -3.0)),
+    ] {
+        world.spawn((light.clone(), at, PerspectiveMap::default()));
+        world.spawn((light, at, Smoothie::default()));
+    }
+    let mut run = |world: &mut World, by: f32| {
+        let mut view = world
+            .get_mut::<GlobalTransform>(camera)
+            .expect("it stands somewhere");
+        *view = place(0.01 * by, 2.0, 8.0);
+        frame.run(world);
+        world.clear_trackers();
+    };
+    for step in [0, 1, 2, 3, 4, 0] {
+        run(&mut world, step as f32);
+    }
+    assert_eq!(world.resource::<PerspectiveMaps>().fits.len(), 2);
+    assert_eq!(world.resource::<PerspectiveMaps>().fitted_anew, 2);
+    for step in 1..5 {
+        assert_eq!(allocations(|| run(&mut world, step as f32)), 0, "the view moves");
+    }
+    assert_eq!(world.resource::<PerspectiveMaps>().fitted_anew, 2);
 }
 
 #[test]

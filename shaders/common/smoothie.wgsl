@@ -23,10 +23,10 @@ const LEAST: f32 = 1e-4;            // mirror: techniques::smoothie::shade::LEAS
 const FARTHEST: f32 = 60000.0;      // mirror: techniques::smoothie::shade::FARTHEST
 
 // Returns the texel that a smoothie draws; CLEAR if it does not darken the caster behind. `behind` is the reciprocal
-// of the caster's distance, 0 if there is none, and `reach` scales reciprocals of distances.
-fn resolve_from_point(alpha: f32, along: f32, behind: f32, reach: f32) -> vec2f {
+// of the caster's distance, 0 if there is none, and `scale` scales reciprocals of distances.
+fn resolve_from_point(alpha: f32, along: f32, behind: f32, scale: f32) -> vec2f {
     let share = 1.0 - along * behind;
-    let begins = ((1.0 - alpha) / along - behind) * reach;
+    let begins = ((1.0 - alpha) / along - behind) * scale;
     let stored = vec2f(max(alpha / max(share, 1e-6), LEAST), -min(begins, FARTHEST));
     return select(CLEAR, stored, share > 0.0 && begins > 0.0);
 }
@@ -40,8 +40,8 @@ fn resolve_parallel(alpha: f32, along: f32, behind: f32, drop: f32) -> vec2f {
 }
 
 // Visibility of a receiver from what a texel holds. `receiver` is the reciprocal of its distance.
-fn visibility_from_point(stored: vec2f, receiver: f32, behind: f32, reach: f32) -> f32 {
-    let share = min(1.0 - (receiver - behind) * reach / max(-stored.y, 1e-7), 1.0);
+fn visibility_from_point(stored: vec2f, receiver: f32, behind: f32, scale: f32) -> f32 {
+    let share = min(1.0 - (receiver - behind) * scale / max(-stored.y, 1e-7), 1.0);
     let inverse = 1.0 + (1.0 / max(stored.x, LEAST) - 1.0) * share;
     return select(1.0, 1.0 / max(inverse, 1.0), stored.y < 0.0);
 }

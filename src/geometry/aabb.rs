@@ -1,6 +1,6 @@
 //! Axis-aligned bounding box.
 
-use glam::{Affine3A, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, Vec3, Vec3A};
 
 /// An axis-aligned box, given by its two extreme corners. It is empty when any `min` component exceeds its
 /// `max`.
@@ -126,6 +126,22 @@ impl Aabb {
     /// Whether the two boxes share a point.
     pub fn intersects(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// Returns where a line enters and leaves the box, as factors on `direction`; negative before `begin`. `None` if it
+    /// misses the box.
+    pub fn crossed_by(&self, begin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
+        let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let one = (f64::from(self.min[axis]) - begin[axis]) / direction[axis];
+            let other = (f64::from(self.max[axis]) - begin[axis]) / direction[axis];
+            if one.is_nan() || other.is_nan() {
+                continue; // the line lies in the plane of a side, which bounds nothing
+            }
+            enter = enter.max(one.min(other));
+            leave = leave.min(one.max(other));
+        }
+        (enter <= leave).then_some((enter, leave))
     }
 
     /// The box grown by as much as a plane, sphere or cone test in `f32` can lose to rounding: by eight

@@ -2,9 +2,9 @@
 //! receiver what the source's formula gives.
 
 use antumbra::insides::smoothies::{
-    Beside, CLEAR, DISC, DISC_ALONE, LEAST, SECTOR, SmoothieEdge, SmoothieFace, SmoothieVertex, Stand,
-    VERTICES, push_smoothies, resolve_from_point, resolve_parallel, smoothie_vertex, visibility_from_point,
-    visibility_parallel,
+    Beside, CLEAR, DISC, DISC_ALONE, FARTHEST, LEAST, SECTOR, SmoothieEdge, SmoothieFace, SmoothieVertex,
+    Stand, VERTICES, push_smoothies, resolve_from_point, resolve_parallel, smoothie_vertex,
+    visibility_from_point, visibility_parallel,
 };
 use antumbra::silhouettes::Contour;
 use antumbra::techniques::maps::{FaceProjection, MapFace};
@@ -40,7 +40,7 @@ fn face() -> SmoothieFace {
             near: 0.01,
         },
     };
-    SmoothieFace::new(&face, DVec3::ZERO, 1024, 100.0, &beside())
+    SmoothieFace::new(&face, DVec3::ZERO, 1024, &beside())
 }
 
 fn beside() -> Beside {
@@ -299,6 +299,64 @@ fn edges_that_branch_or_point_at_the_light_end_in_discs() {
     assert_eq!(mirrored[0].end, [-0.1, 0.1, 2.0]);
     // Positions that are missing or not finite are left out.
     assert!(of(vec![[0, 7], [7, 0]], &cross, DMat4::IDENTITY).is_empty());
+}
+
+/// Widths are interpolated along an edge; its ends may be far from the light where its middle is not.
+#[test]
+fn edges_that_pass_by_the_light_are_no_wider_in_between() {
+    let positions = [
+        Vec3::new(-3.3, 0.07, 3.2),
+        Vec3::new(2.7, 0.07, -2.8),
+        Vec3::new(2.0, -1.0, 3.0),
+    ];
+    let contour = Contour {
+        edges: vec![[0, 1], [1, 2], [2, 0]],
+        ..Contour::default()
+    };
+    let width = beside();
+    let stand = |along| Stand {
+        positions: &positions,
+        world_from_local: &DMat4::IDENTITY,
+        anchor: DVec3::ZERO,
+        along,
+        beside: &width,
+    };
+    let mut edges = Vec::new();
+    push_smoothies(&contour, &stand(None), &mut Vec::new(), &mut edges);
+    assert!(edges.len() > 3, "an edge is divided");
+    let mut last = Vec3::from(edges[edges.len() - 1].end);
+    for edge in &edges {
+        let (start, end) = (Vec3::from(edge.start), Vec3::from(edge.end));
+        assert_eq!(start, last, "the loop is closed");
+        last = end;
+        for step in 0..=100 {
+            let t = step as f32 * 0.01;
+            let width = edge.width_start * (1.0 - t) + edge.width_end * t;
+            let share = width / start.lerp(end, t).length();
+            assert!(
+                (0.99..1.45).contains(&(share / SHARE)),
+                "{edge:?} at {t}: {share}"
+            );
+        }
+    }
+    // The width of a directional light does not depend on distances.
+    edges.clear();
+    push_smoothies(&contour, &stand(Some(Vec3::NEG_Z)), &mut Vec::new(), &mut edges);
+    assert_eq!(edges.len(), 3);
+}
+
+/// However long the light's range is: what is stored stays in the range of half floats.
+#[test]
+fn blockers_close_to_the_light_darken_close_receivers() {
+    let [scale, ..] = face().limits;
+    for along in [0.0101, 0.02, 0.3, 8.0] {
+        let (caster, receiver, alpha) = (3000.0_f32, along * 1.5, 0.1);
+        let stored = resolve_from_point(alpha, along, caster.recip(), scale);
+        assert!(stored.y > -FARTHEST, "{along}: {stored}");
+        let got = visibility_from_point(stored, receiver.recip(), caster.recip(), scale);
+        let expected = alpha / (1.0 - along / receiver);
+        assert!((got - expected).abs() < 2e-3, "{along}: {got}, {expected}");
+    }
 }
 
 #[test]

@@ -366,6 +366,10 @@ fn mirrored_constants() -> Vec<Constant> {
         ],
     );
     of(
+        "techniques/smoothie/resolve.wgsl",
+        &[("SCALE_OF_NEAR", f64::from(smoothies::SCALE_OF_NEAR))],
+    );
+    of(
         "techniques/perspective_map/blur.wgsl",
         &[("REACH", mirrored::BLUR_REACH)],
     );

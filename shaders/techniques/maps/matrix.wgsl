@@ -51,3 +51,9 @@ fn texel_side(face: u32, axis: u32, position: vec3f, w: f32, ray: vec3f) -> vec3
 fn plane_in_face(face: u32, normal: vec3f, offset: f32) -> vec4f {
     return vec4f(normal, -offset) * map_light.faces[face].relative_from_clip;
 }
+
+// Fall of depth from a point, given in clip space, along a short step away from the light.
+fn depth_step(face: u32, clip: vec4f, step: vec3f) -> f32 {
+    let change = map_light.faces[face].clip_from_relative * vec4f(step, 0.0);
+    return (clip.z / clip.w * change.w - change.z) / clip.w;
+}

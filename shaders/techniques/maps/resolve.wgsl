@@ -3,11 +3,11 @@
 // Groups  0 view, 1 receiver, 2 map and jitter, 3 textures
 // Spaces  as in common/map.wgsl; the sites of receivers are those of common/map_site.wgsl
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::map::{map_light, unpack_two_bytes, unpack_four_bytes, NOTHING}
-#import antumbra::map::{FORMAT_DEPTH, FORMAT_FLOAT, FORMAT_TWO_BYTES}
+#import antumbra::map::{map_light, FORMAT_DEPTH}
+#import antumbra::map_crease::{Creases, Search, clamped, find_creases, ndc_of, place_of, plain_search, plane_row, unpacked}
 #import antumbra::map_site::{Site, in_face, cube_face, plane_along, plane_depth, raised, STEEPEST, UNKNOWN}
 #import antumbra::map_site::{site_from_point, site_in_cascade, choose_cascades, CUBE, CASCADES, MATRICES}
-#import antumbra::map_matrix::{NO_FACE, clip_in_face, plane_in_face, ray_at, showing, texel_side}
+#import antumbra::map_matrix::{NO_FACE, clip_in_face, depth_step, plane_in_face, ray_at, showing, texel_side}
 
 @group(2) @binding(1) var compare: sampler_comparison;
 @group(2) @binding(2) var jitter: texture_3d<f32>;
@@ -34,20 +34,10 @@ const TILE: u32 = 16u;              // mirror: techniques::maps::jitter::TILE
 const RIM_TEXELS: i32 = 4;          // mirror: techniques::maps::jitter::RIM / 2
 const JITTER_TEXELS: i32 = 32;      // mirror: techniques::maps::jitter::DEPTH
 
-// Texels of depth, per texel sideways, by which two surfaces may differ beyond the crease where they meet. By eye.
-const STEEPEST_CREASE: f32 = 16.0;
-
-// Share of its slope by which a surface may bend from one texel to the next, to be extrapolated. By eye.
-const BENT: f32 = 0.25;
-
-// Largest number of surfaces that meet the receiver's plane in creases: two, in the corner of a room.
-const MOST_CREASES: u32 = 2u;
-
 var<private> taps: f32 = 0.0;
 
-// The receiver's site with the planes of those surfaces instead of its own. The nearest to the light of all planes counts.
-var<private> creases: array<Site, 2>;
-var<private> crease_count: u32 = 0u;
+// The creases of the receiver that is looked up.
+var<private> creases: Creases;
 
 // More of a receiver as seen in a face with a matrix.
 struct MatrixSite {
@@ -56,6 +46,8 @@ struct MatrixSite {
     side_x: vec3f,                  // sides of the square around the filter's disc
     side_y: vec3f,
     slack: f32,                     // factor on depth
+    texel_depth: f32,               // change of depth along the ray over the side of a texel
+    raise: f32,                     // metres by which planes are raised
 }
 
 // Rounding of w as a share of the greatest w. Corners of large casters have that w, and where w is small,
@@ -64,157 +56,15 @@ const W_ROUNDING: f32 = 2e-7;
 
 var<private> matrix_site: MatrixSite;
 
-fn unpacked(texel: vec4f) -> f32 {
-    if FORMAT == FORMAT_FLOAT {
-        return texel.r;
-    }
-    // The largest value means that no caster is there.
-    let share = select(unpack_four_bytes(texel), unpack_two_bytes(texel), FORMAT == FORMAT_TWO_BYTES);
-    return select(share, NOTHING, texel.r >= 1.0);
-}
-
-// A place in a face, texels.
-fn place_of(ndc: vec2f) -> vec2f {
-    return (ndc * vec2f(0.5, -0.5) + 0.5) * map_light.size.x;
-}
-
-// A plane as depth of a face, which is linear in place: at one place, and its change from one texel to the next (right,
-// down).
-struct PlaneSlope {
-    depth: f32,
-    slope: vec2f,
-}
-
-fn plane_slope(site: Site, face: u32, ndc: vec2f) -> PlaneSlope {
-    let normal_face = in_face(face, site.normal);
-    let projection = map_light.faces[face].projection;
-    if SHAPE == CASCADES {
-        let steep = min(normal_face.z, -1e-6);
-        let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
-        let slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
-        return PlaneSlope(1.0 - along / projection.y, slope);
-    }
-    let scale = projection.y / site.offset;
-    let slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
-    return PlaneSlope(dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale, slope);
-}
-
-fn ndc_of(texel: vec2i) -> vec2f {
-    return vec2f(2.0, -2.0) * ((vec2f(texel) + 0.5) * map_light.size.y) + vec2f(-1.0, 1.0);
-}
-
-fn clamped(texel: vec2i) -> vec2i {
-    return clamp(texel, vec2i(0), vec2i(i32(map_light.size.x) - 1));
-}
-
-// Depth of the casters in a texel, whatever the format.
-fn depth_at(face: u32, texel: vec2i) -> f32 {
-    let inside = clamped(texel);
-    if FORMAT == FORMAT_DEPTH {
-        return textureLoad(depth_map, inside, face, 0);
-    }
-    let projection = map_light.faces[face].projection;
-    let direction = vec3f(ndc_of(inside) * projection.x, 1.0);
-    let share = unpacked(textureLoad(distance_map, inside, face, 0));
-    return projection.y * sqrt(dot(direction, direction) * map_light.limits.z / max(share, 1e-30));
-}
-
-// Change of depth from a texel to the next one, of the surface in that texel: on the side away from the receiver or, where
-// the surface ends there, on the other one. y is 1 if it ends on both sides.
-fn surface_slope(face: u32, texel: vec2i, axis: vec2i, depth: f32, away: f32) -> vec2f {
-    let rounding = 2e-6 * select(depth, 1.0, SHAPE == CASCADES);
-    for (var side = 0; side < 2; side++) {
-        let step = axis * select(-1, 1, (away >= 0.0) == (side == 0));
-        let slope = depth_at(face, texel + step) - depth;
-        let after = texel + 2 * step;
-        let bend = abs(depth_at(face, after) - depth - 2.0 * slope);
-        if bend <= BENT * abs(slope) + rounding || any(after != clamped(after)) {
-            return vec2f(slope * f32(step.x + step.y), 0.0);
-        }
-    }
-    return vec2f(0.0, 1.0);
-}
-
-// Looks whether the surface in a texel, which is nearer to the light than the receiver's plane there, meets that plane in a
-// concave crease between the receiver and the texel: it then does not shadow the receiver. Depth is linear over a plane,
-// so the surface is extrapolated to the receiver's own ray, and it must be there all the way to the crease. Adds the
-// surface's plane to the creases if so.
-fn try_crease(site: Site, own: PlaneSlope, texel: vec2i, depth: f32, apart: vec2f) {
-    let above = depth - own.depth - dot(own.slope, apart);
-    let projection = map_light.faces[site.face].projection;
-    let texel_depth = select(own.depth * projection.z, projection.z / projection.y, SHAPE == CASCADES);
-    if above > STEEPEST_CREASE * texel_depth * (1.0 + length(apart)) {
-        return;
-    }
-    let x = surface_slope(site.face, texel, vec2i(1, 0), depth, apart.x);
-    let y = surface_slope(site.face, texel, vec2i(0, 1), depth, apart.y);
-    let slope = vec2f(x.x, y.x);
-    let at_receiver = depth - dot(slope, apart) - own.depth;
-    if at_receiver > 0.0 || x.y + y.y > 0.0 {
-        return;
-    }
-    // Two texels beyond the crease the surface must be there already. Otherwise it hangs above the receiver.
-    let beyond = at_receiver / min(at_receiver - above, -1e-30) + 2.0 / max(length(apart), 1e-6);
-    let probe = vec2i(floor(place_of(site.ndc) + apart * min(beyond, 1.0)));
-    let probe_apart = vec2f(probe) + 0.5 - place_of(site.ndc);
-    let surface = depth + dot(slope, probe_apart - apart);
-    let lower = own.depth + dot(own.slope, probe_apart);
-    if beyond < 1.0 && abs(depth_at(site.face, probe) - surface) > 0.5 * abs(surface - lower) {
-        return;
-    }
-    // The plane of the surface, from its depth as a function of NDC.
-    let per_ndc = slope * vec2f(0.5, -0.5) * map_light.size.x;
-    let at_center = depth - dot(per_ndc, ndc_of(texel));
-    var normal_face = vec3f(-per_ndc / projection.x, -at_center);
-    var offset = -projection.y;
-    if SHAPE == CASCADES {
-        normal_face = vec3f(-per_ndc * (projection.y / projection.x), -1.0);
-        offset = -projection.y * (1.0 - at_center);
-    }
-    let map_face = map_light.faces[site.face];
-    let normal = map_face.row_x.xyz * normal_face.x + map_face.row_y.xyz * normal_face.y
-        + map_face.row_z.xyz * normal_face.z;
-    let size = max(length(normal), 1e-30);
-    // As a receiver's plane is raised, but never past the light.
-    let raise = map_light.bias.x * projection.z;
-    let lift = select(min(raise * site.along, -0.5 * offset / size), raise, SHAPE == CASCADES);
-    creases[crease_count] = site;
-    creases[crease_count].normal = normal / size;
-    creases[crease_count].offset = offset / size + lift;
-    crease_count += 1u;
-}
-
-// Finds the planes that meet the receiver's in concave creases: in the four texels around it and, if the filter reaches
-// further, in eight directions.
-fn find_creases(site: Site, reach: f32, count: i32) {
-    let receiver = place_of(site.ndc);
-    let own = plane_slope(site, site.face, site.ndc);
-    for (var i = 0; i < count && crease_count < MOST_CREASES; i++) {
-        let angle = (f32(i) * 2.0 + 1.0) * 0.39269908;
-        let beside = vec2f(cos(angle), sin(angle)) * (reach * select(1.0, 0.5, i < 12));
-        let around = vec2f(vec2i(i & 1, (i >> 1) & 1)) - 0.5;
-        let texel = clamped(vec2i(floor(receiver + select(beside, around, i < 4))));
-        let depth = depth_at(site.face, texel);
-        let apart = vec2f(texel) + 0.5 - receiver;
-        var known = own.depth + dot(own.slope, apart);
-        for (var crease = 0u; crease < crease_count; crease++) {
-            known = max(known, plane_slope(creases[crease], site.face, ndc_of(texel)).depth);
-        }
-        if depth > known * (1.0 + map_light.bias.y) + map_light.bias.z {
-            try_crease(site, own, texel, depth, apart);
-        }
-    }
-}
-
 // 1 where a plane is nearer to the light than the squared distance in a texel, else 0.
 fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     let inside = clamped(texel);
-    let stored = unpacked(textureLoad(distance_map, inside, face, 0));
+    let stored = unpacked(textureLoad(distance_map, inside, face, 0), FORMAT);
     let projection = map_light.faces[face].projection;
     let direction = vec3f(ndc_of(inside) * projection.x, 1.0);
     var along = plane_along(site, face, direction);
-    for (var i = 0u; i < crease_count; i++) {
-        along = min(along, plane_along(creases[i], face, direction));
+    for (var i = 0u; i < creases.count; i++) {
+        along = min(along, plane_along(creases.sites[i], face, direction));
     }
     let share = along * along * dot(direction, direction) * map_light.limits.z;
     return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
@@ -231,8 +81,8 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
         var depth = plane_depth(site, face, ndc, between, SHAPE == CASCADES);
-        for (var i = 0u; i < crease_count; i++) {
-            depth = max(depth, plane_depth(creases[i], face, ndc, between, SHAPE == CASCADES));
+        for (var i = 0u; i < creases.count; i++) {
+            depth = max(depth, plane_depth(creases.sites[i], face, ndc, between, SHAPE == CASCADES));
         }
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }
@@ -245,11 +95,15 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     return mix(top, bottom, between.y);
 }
 
-// 1 where a plane is nearer to the light than what a texel of a face with a matrix holds, else 0. `row` times (NDC, 1) is
-// the plane's depth.
-fn is_lit_in_matrix(face: u32, texel: vec2i, row: vec3f, deepest: f32) -> f32 {
+// The planes of the receiver and of its creases in the face of a tap: each row times (NDC, 1) is a depth.
+var<private> rows: array<vec3f, 3>;
+
+// 1 where one of the planes is nearer to the light than what a texel of a face with a matrix holds, else 0.
+fn is_lit_in_matrix(face: u32, texel: vec2i, deepest: f32) -> f32 {
     let inside = clamped(texel);
-    let depth = max(dot(row, vec3f(ndc_of(inside), 1.0)), deepest) * matrix_site.slack;
+    let place = vec3f(ndc_of(inside), 1.0);
+    let nearest = max(max(dot(rows[0], place), dot(rows[1], place)), dot(rows[2], place));
+    let depth = max(nearest, deepest) * matrix_site.slack;
     return select(0.0, 1.0, depth >= textureLoad(depth_map, inside, face, 0));
 }
 
@@ -259,23 +113,27 @@ fn is_lit_in_matrix(face: u32, texel: vec2i, row: vec3f, deepest: f32) -> f32 {
 fn tap_matrix(site: Site, face: u32, ndc: vec2f) -> f32 {
     taps += 1.0;
     let place = place_of(ndc);
-    let plane = plane_in_face(face, site.normal, site.offset);
-    let row = plane.xyw * (-1.0 / max(plane.z, 1e-37));
+    rows[0] = plane_row(site, face);
+    rows[1] = rows[0];
+    rows[2] = rows[0];
+    for (var i = 0u; i < creases.count; i++) {
+        rows[i + 1u] = plane_row(creases.sites[i], face);
+    }
     let farthest = clip_in_face(face, matrix_site.farthest);
     let deepest = max(farthest.z, 0.0) / max(farthest.w, 1e-37);
     if FILTER == JITTERED || FILTER == ADAPTIVE {
-        return is_lit_in_matrix(face, vec2i(floor(place)), row, deepest);
+        return is_lit_in_matrix(face, vec2i(floor(place)), deepest);
     }
     let texel = vec2i(floor(place - 0.5));
     let between = fract(place - 0.5);
     let top = mix(
-        is_lit_in_matrix(face, texel, row, deepest),
-        is_lit_in_matrix(face, texel + vec2i(1, 0), row, deepest),
+        is_lit_in_matrix(face, texel, deepest),
+        is_lit_in_matrix(face, texel + vec2i(1, 0), deepest),
         between.x,
     );
     let bottom = mix(
-        is_lit_in_matrix(face, texel + vec2i(0, 1), row, deepest),
-        is_lit_in_matrix(face, texel + vec2i(1, 1), row, deepest),
+        is_lit_in_matrix(face, texel + vec2i(0, 1), deepest),
+        is_lit_in_matrix(face, texel + vec2i(1, 1), deepest),
         between.x,
     );
     return mix(top, bottom, between.y);
@@ -378,21 +236,58 @@ fn filtered_once(site: Site, pixel: vec2u, radius: f32) -> f32 {
     return tap(site, vec2f(0.0));
 }
 
+// How far from the receiver's place the filter's disc reaches along one of its axes, in a face with a matrix; texels.
+fn reach_of(site: Site, side: vec3f) -> vec2f {
+    let clip = clip_in_face(site.face, matrix_site.position + side);
+    let reach = place_of(clip.xy / max(clip.w, 1e-37)) - place_of(site.ndc);
+    let texels = min(length(reach), map_light.size.x);
+    return reach * ((texels + 1.0) / max(texels, 1e-6));
+}
+
+// How creases are searched for; everywhere that the filter reaches if `is_wide`.
+fn search_of(site: Site, radius: f32, is_wide: bool) -> Search {
+    let is_square = FILTER == BRUTE || FILTER == DITHERED;
+    let count = select(4, 20, is_wide);
+    if SHAPE != MATRICES {
+        return plain_search(SHAPE, FORMAT, site, select(radius + 1.0, 3.0, is_square), count);
+    }
+    let farthest = clip_in_face(site.face, matrix_site.farthest);
+    var beside_x = vec2f(3.0, 0.0);
+    var beside_y = vec2f(0.0, 3.0);
+    if is_wide && !is_square {
+        beside_x = reach_of(site, matrix_site.side_x);
+        beside_y = reach_of(site, matrix_site.side_y);
+    }
+    return Search(
+        SHAPE,
+        FORMAT,
+        matrix_site.texel_depth,
+        matrix_site.raise,
+        matrix_site.slack,
+        0.0,
+        max(farthest.z, 0.0) / max(farthest.w, 1e-37),
+        max(2e-6, matrix_site.slack - 1.0),
+        beside_x,
+        beside_y,
+        count,
+    );
+}
+
 // The filter is applied again where a surface darkens the receiver that only meets it in a crease. Some tap of such a pixel
 // is lit: the taps surround it, and it is on its own side of the crease. So what is wholly dark is searched but little.
 fn filtered(site: Site, pixel: vec2u) -> f32 {
     let texel = map_light.faces[site.face].projection.z;
     let radius = select(map_light.size.z / texel, 1.0, SHAPE == MATRICES);
-    crease_count = 0u;
+    creases.count = 0u;
     var visibility = 1.0;
     for (var turn = 0; turn < 2; turn++) {
         visibility = filtered_once(site, pixel, radius);
-        if SHAPE == MATRICES || turn == 1 || visibility == 1.0 {
+        if turn == 1 || visibility == 1.0 {
             break;
         }
         let is_wide = FILTER != BILINEAR && visibility > 0.0;
-        find_creases(site, select(radius + 1.0, 3.0, FILTER == BRUTE || FILTER == DITHERED), select(4, 20, is_wide));
-        if crease_count == 0u {
+        creases = find_creases(depth_map, distance_map, search_of(site, radius, is_wide), site);
+        if creases.count == 0u {
             break;
         }
     }
@@ -456,6 +351,8 @@ fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
         disc_x * radius,
         cross(ray, disc_x) * radius,
         1.0 + map_light.bias.y + W_ROUNDING / clip.w,
+        depth_step(face, clip, ray * texel),
+        raise,
     );
     return filtered(Site(face, clip.xy / clip.w, along, normal, offset, UNKNOWN), pixel);
 }

@@ -20,7 +20,7 @@ struct SmoothieFace {               // mirror: techniques::smoothie::records::Sm
     row_y: vec4f,
     row_z: vec4f,
     projection: vec4f,              // half side at distance 1, near, texel at distance 1, 0; parallel: half side, length, texel, 1
-    limits: vec4f,                  // reach of the map, drop of a directional light, zw unused
+    limits: vec4f,                  // scale of reciprocals of distances, drop of a directional light, zw unused
 }
 
 @group(0) @binding(0) var<storage, read> edges: array<SmoothieEdge>;

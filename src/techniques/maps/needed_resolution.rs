@@ -69,12 +69,9 @@ fn side_of_face(shape: MapShape, light: &FrameLight, point: DVec3) -> Option<f64
 
 /// Returns where a line first enters one of the boxes, or first leaves one that it begins in.
 fn nearest_surface(boxes: &[Aabb], begin: DVec3, direction: DVec3) -> Option<f64> {
-    let inverse = direction.recip();
     let hits = boxes.iter().filter_map(|aabb| {
-        let a = (aabb.min.as_dvec3() - begin) * inverse;
-        let b = (aabb.max.as_dvec3() - begin) * inverse;
-        let (enter, leave) = (a.min(b).max_element(), a.max(b).min_element());
-        (enter <= leave && leave > 0.0).then_some(if enter > 0.0 { enter } else { leave })
+        let (enter, leave) = aabb.crossed_by(begin, direction)?;
+        (leave > 0.0).then_some(if enter > 0.0 { enter } else { leave })
     });
     hits.reduce(f64::min)
 }
@@ -93,5 +90,20 @@ mod tests {
         assert_eq!(hit(&boxes[..1], 0.0), Some(8.0));
         assert_eq!(hit(&boxes[1..], 7.0), None);
         assert_eq!(hit(&boxes, -10.0), Some(2.0));
+    }
+
+    #[test]
+    fn lines_in_the_plane_of_a_side_meet_the_box() {
+        let aabb = Aabb::around(Vec3::new(5.0, 1.0, 0.0), Vec3::ONE);
+        for y in [0.0, 2.0] {
+            assert_eq!(
+                nearest_surface(&[aabb], DVec3::new(0.0, y, 0.2), DVec3::X),
+                Some(4.0)
+            );
+        }
+        assert_eq!(
+            nearest_surface(&[aabb], DVec3::new(0.0, 2.1, 0.2), DVec3::X),
+            None
+        );
     }
 }

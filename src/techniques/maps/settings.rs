@@ -245,7 +245,7 @@ pub enum MapResolution {
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Fixed(_)")))]
     Fixed(#[cfg_attr(feature = "schema", schemars(range(min = 1), example = 1024))] u32),
     /// A power of two with which a texel is no larger than a pixel at three of four points of the visible receivers; cascades
-    /// take `most`.
+    /// take `most`, and perspective maps the longer side of the light's part of the screen.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Auto")))]
     Auto {
         /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.
@@ -255,6 +255,20 @@ pub enum MapResolution {
         #[cfg_attr(feature = "schema", schemars(range(min = 1), example = 1024))]
         most: u32,
     },
+}
+
+impl MapResolution {
+    /// Returns the resolution with half as many texels along a side, at least 1.
+    pub(crate) fn halved(self) -> Self {
+        let half = |texels: u32| texels / 2 + u32::from(texels == 1);
+        match self {
+            Self::Fixed(texels) => Self::Fixed(half(texels)),
+            Self::Auto { least, most } => Self::Auto {
+                least: half(least),
+                most: half(most),
+            },
+        }
+    }
 }
 
 impl Default for MapResolution {

@@ -99,7 +99,8 @@ pub enum PerspectiveProjection {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum PerspectiveFaces {
     /// One picture, with the axis of the smallest cone around what it must show. A light with a position that
-    /// has receivers all around gets the cube's faces while it needs them.
+    /// has receivers all around gets the cube's faces while it needs them. A directional light that shines along the view
+    /// or against it gets the cube's faces as well, with half the side.
     #[default]
     One,
     /// A cube map with a displaced centre: three to five faces for a light outside what the view shows, up to
@@ -108,7 +109,7 @@ pub enum PerspectiveFaces {
     Cube,
 }
 
-/// What a perspective map must show.
+/// The part of the view that a perspective map must show.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(
     feature = "bevy",
@@ -130,7 +131,7 @@ pub enum MapFocus {
 }
 
 impl PerspectiveMap {
-    /// What the component asks for, with one layer.
+    /// Returns the map request of the component, with one layer.
     ///
     /// # Errors
     /// The first setting that cannot be drawn with.

@@ -64,7 +64,7 @@ fn picture(light: &ProjectedLight, middle: DVec3, half: DVec3, axis: usize, posi
     Some([across((axis + 1) % 3), across((axis + 2) % 3), depth])
 }
 
-/// Leaves out what no point is seen through: the whole picture, or its borders.
+/// Crops a picture to the points that it shows. Returns `None` if it shows none.
 fn tightened(rows: Rows, points: &[DVec3]) -> Option<Rows> {
     let [x, y, w] = rows;
     let clip = |point: &DVec3| [x, y, w].map(|row| row.dot(point.extend(1.0)));

@@ -27,8 +27,25 @@ const MOST_RATIO: f64 = 256.0;
 /// Steepest slope of the plane under the receivers from which depth counts.
 const STEEPEST_BASE: f64 = 100.0;
 
-/// Growth of w over the depth that is seen below which a perspective does not differ from none.
+/// Growth of w over the visible depth below which a perspective looks like none.
 const FLAT: f64 = 0.1;
+
+/// Share of a uniform map's texel side from which on one picture gains so little that the cube's faces are tried. By eye.
+const POOR: f64 = 0.6;
+
+/// Share of a uniform map's texel side below which one picture takes over again from the cube's faces. The distance from
+/// [`POOR`] keeps a turning view from replacing textures in every other frame.
+const GOOD: f64 = 0.5;
+
+/// Pictures of one projection, and how they compare.
+struct Choice {
+    growth: f64,
+    pictures: SmallVec<[Rows; 6]>,
+    /// Mean of the longer sides of texels on the screen.
+    side: f64,
+    /// The same mean for a uniform map; infinite if none was tried.
+    uniform: f64,
+}
 
 /// How a light's map was fitted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -41,9 +58,11 @@ pub struct Fit {
     pub slide: f64,
     /// Number of faces.
     pub faces: usize,
-    /// Mean of the longer sides of texels on the screen, pixels, for a face with as many texels as the screen has
-    /// pixels.
+    /// Mean of the longer sides of texels on the screen, pixels, for faces with as many texels along a side as the screen
+    /// has pixels.
     pub texel_side: f64,
+    /// Whether the faces of a cube stand in for one picture of a directional light. Each has half the side.
+    pub replaces_one: bool,
 }
 
 /// Memory that is used again in every frame.
@@ -56,7 +75,7 @@ pub struct Scratch {
     samples: Vec<Sample>,
 }
 
-/// What a light's faces depend on.
+/// The input from which a light's faces are fitted.
 #[derive(Clone, Copy, Debug)]
 pub struct FitInput<'a> {
     /// The view.
@@ -73,6 +92,8 @@ pub struct FitInput<'a> {
     pub blur_metres: f64,
     /// Clearance of lights at a position from the surfaces that they may be on, as a share of distance.
     pub near_share: f64,
+    /// Whether a cube's faces replaced one picture in the frame before.
+    pub replaced_one: bool,
 }
 
 impl FitInput<'_> {
@@ -128,15 +149,16 @@ impl FitInput<'_> {
 
     /// Collects the points that the map must show, in view coordinates. Returns their least and greatest
     /// depth.
-    fn collect_points(&self, space: &ViewSpace, points: &mut Vec<DVec3>) -> Option<(f64, f64)> {
-        let half_spaces = self.half_spaces(space);
+    fn collect_points(
+        &self,
+        space: &ViewSpace,
+        half_spaces: &[DVec4],
+        points: &mut Vec<DVec3>,
+    ) -> Option<(f64, f64)> {
         points.clear();
         for aabb in self.boxes {
-            push_cut(
-                &corners(aabb).map(|corner| space.point(corner)),
-                &half_spaces,
-                points,
-            );
+            let corners = corners(aabb).map(|corner| space.point(corner));
+            push_cut(&corners, half_spaces, points);
         }
         let range = |points: &[DVec3]| {
             points
@@ -215,30 +237,50 @@ impl FitInput<'_> {
 /// Returns the faces of a light's map, none if there is nothing to show, and how they were fitted.
 pub fn fit_faces(input: &FitInput, scratch: &mut Scratch) -> Option<(MapFaces, Fit)> {
     let space = ViewSpace::new(input.view)?;
-    let (near, far) = input.collect_points(&space, &mut scratch.points)?;
+    let half_spaces = input.half_spaces(&space);
+    let (near, far) = input.collect_points(&space, &half_spaces, &mut scratch.points)?;
     let light = input.light.point_world;
-    collect_samples(&space, input.boxes, &scratch.points, light, &mut scratch.samples);
+    let Scratch { points, samples, .. } = &mut *scratch;
+    collect_samples(&space, input.boxes, &half_spaces, points, light, samples);
     let most = input.most_growth(&space, near);
-    let several = input.settings.faces == PerspectiveFaces::Cube;
-    let (growth, pictures) = choose(input, &space, (near, far), most, several, scratch)
-        .or_else(|| choose(input, &space, (near, far), most, true, scratch))?;
-    let faces: MapFaces = pictures
+    let is_cube = input.settings.faces == PerspectiveFaces::Cube;
+    let one = (!is_cube)
+        .then(|| choose(input, &space, (near, far), most, false, scratch))
+        .flatten();
+    let may_be_replaced = space.is_perspective && light.w == 0.0;
+    let limit = if input.replaced_one { GOOD } else { POOR };
+    let needs_several = one
+        .as_ref()
+        .is_none_or(|one| may_be_replaced && one.side > limit * one.uniform);
+    let several = needs_several
+        .then(|| choose(input, &space, (near, far), most, true, scratch))
+        .flatten();
+    let had_one = one.is_some();
+    // Faces of half the side: four of them have the texels of one picture. What is shown already is kept if it is about as good.
+    let texel = if input.replaced_one { 1.7 } else { 2.0 };
+    let chosen = match (one, several) {
+        (Some(one), Some(several)) if one.side <= texel * several.side => one,
+        (one, several) => several.or(one)?,
+    };
+    let faces: MapFaces = chosen
+        .pictures
         .iter()
         .filter_map(|rows| place_face(input, &space, rows, &scratch.points))
         .collect();
-    let projection = Projection::new(near, far, growth, space.is_perspective);
+    let projection = Projection::new(near, far, chosen.growth, space.is_perspective);
     let fit = Fit {
         near,
         far,
         slide: projection.slide(),
         faces: faces.len(),
-        texel_side: mean_texel_side(&pictures, &scratch.samples),
+        texel_side: chosen.side,
+        replaces_one: had_one && faces.len() > 1,
     };
     Some((faces, fit))
 }
 
-/// Tries slides, and returns the growth of w and the pictures with the smallest texels on the screen. `None` if
-/// one picture cannot show all points.
+/// Tries slides, and returns the pictures with the smallest texels on the screen. `None` if one picture cannot show all
+/// points.
 fn choose(
     input: &FitInput,
     space: &ViewSpace,
@@ -246,7 +288,7 @@ fn choose(
     most: f64,
     several: bool,
     scratch: &mut Scratch,
-) -> Option<(f64, SmallVec<[Rows; 6]>)> {
+) -> Option<Choice> {
     let mut growths: SmallVec<[f64; 32]> = SmallVec::new();
     if let Some(slide) = input.settings.slide {
         growths.push((near + f64::from(slide)).recip().min(most));
@@ -258,18 +300,27 @@ fn choose(
         }
         growths.push(0.0); // for comparison, a uniform map
     }
-    let mut best: Option<(f64, f64, SmallVec<[Rows; 6]>)> = None;
+    let mut best: Option<Choice> = None;
+    let mut uniform = f64::INFINITY;
     for growth in growths {
         let projection = Projection::new(near, far, growth, space.is_perspective);
         let Some(pictures) = pictures(input, space, &projection, several, scratch) else {
             continue;
         };
         let side = mean_texel_side(&pictures, &scratch.samples);
-        if best.as_ref().is_none_or(|(least, _, _)| side < *least) {
-            best = Some((side, growth, pictures));
+        if growth == 0.0 {
+            uniform = side;
+        }
+        if best.as_ref().is_none_or(|best| side < best.side) {
+            best = Some(Choice {
+                growth,
+                pictures,
+                side,
+                uniform,
+            });
         }
     }
-    best.map(|(_, growth, pictures)| (growth, pictures))
+    best.map(|best| Choice { uniform, ..best })
 }
 
 /// Returns the pictures for one projection, with rows for view coordinates.

@@ -22,14 +22,53 @@ const FEW_TRIANGLES: usize = 16;
 /// Largest number of receivers whose parts are taken for one light.
 const MOST_DIVIDED: usize = 16;
 
-/// Number of receivers from which on none is divided.
+/// Number of receivers from which on none is divided, and neighbours are joined.
 const MANY_RECEIVERS: usize = 256;
+
+/// Number of boxes up to which neighbours stay apart.
+const MOST_JOINED: usize = 128;
 
 /// The parts of the meshes that were divided so far.
 #[derive(Clone, Debug, Default)]
 pub struct MeshParts {
     /// Sorted by the address of the mesh, which a weak reference keeps from being used again.
     known: Vec<(Weak<MeshData>, Vec<Aabb>)>,
+    /// Memory for boxes with their cells.
+    celled: Vec<(Cell, Aabb)>,
+}
+
+/// A cell of a grid around the eye: the level, and the place in the grid of that level.
+type Cell = [i32; 4];
+
+/// Returns the cell of a box. Cells double with the distance from the eye and with the size of the box; each is
+/// `2^-finer` times the greater of the two.
+fn cell(eye: Vec3, aabb: &Aabb, finer: i32) -> Cell {
+    let half = aabb.half_size();
+    let offset = aabb.center() - eye;
+    let distance = (offset.abs() - half).max(Vec3::ZERO).length();
+    let level = distance.max(half.length()).max(1e-3).log2().floor() as i32 - finer;
+    let [x, y, z] = (offset / (level as f32).exp2()).floor().as_ivec3().to_array();
+    [level, x, y, z]
+}
+
+/// Joins the boxes of each cell. The joined boxes are small as seen from the eye, and about as far away as what they hold:
+/// the near plane follows from them. `celled` is working memory.
+fn join(eye: Vec3, boxes: &mut Vec<Aabb>, celled: &mut Vec<(Cell, Aabb)>) {
+    for finer in [1, 0, -1] {
+        celled.clear();
+        celled.extend(boxes.iter().map(|aabb| (cell(eye, aabb, finer), *aabb)));
+        celled.sort_unstable_by_key(|(cell, _)| *cell);
+        boxes.clear();
+        for of_cell in celled.chunk_by(|(a, _), (b, _)| a == b) {
+            let joined = of_cell
+                .iter()
+                .fold(Aabb::EMPTY, |joined, (_, aabb)| joined.union(*aabb));
+            boxes.push(joined);
+        }
+        if boxes.len() <= MOST_JOINED {
+            return;
+        }
+    }
 }
 
 impl MeshParts {
@@ -88,10 +127,11 @@ fn divide_boxes(boxes: &mut [Aabb], most: usize, parts: &mut Vec<Aabb>) {
     divide_boxes(high, most / 2, parts);
 }
 
-/// What the boxes of receivers are found from.
+/// The components from which a receiver's boxes are computed.
 pub type Receiver = (&'static SceneMesh, Placement, Has<PosedMesh>);
 
-/// Collects boxes, in world space, that hold every visible point of a light's receivers.
+/// Collects boxes, in world space, that hold every visible point of a light's receivers. Many receivers are joined with
+/// their neighbours.
 pub fn collect_boxes(
     light: &FrameLight,
     objects: &Objects,
@@ -104,11 +144,13 @@ pub fn collect_boxes(
     boxes.clear();
     let shows = |&object: &usize| objects.layers[object] & light.selection.shows_on != 0;
     let receivers = || light.sets.i.intersection(&objects.receivers).filter(shows);
+    let reach = light.lit.aabb();
     if receivers().take(MANY_RECEIVERS).count() == MANY_RECEIVERS {
-        boxes.extend_from_slice(&light.region.lit_receivers);
+        let lit = receivers().map(|object| visible.get(objects, object).intersection(reach));
+        boxes.extend(lit.filter(|lit| !lit.is_empty()));
+        join(eye, boxes, &mut known.celled);
         return;
     }
-    let reach = light.lit.aabb();
     let mut divided = 0;
     for object in receivers() {
         let lit = visible.get(objects, object).intersection(reach);
@@ -160,6 +202,43 @@ mod tests {
         let area = |aabb: &Aabb| (aabb.max.x - aabb.min.x) * (aabb.max.z - aabb.min.z);
         let sum: f32 = parts.iter().map(area).sum();
         assert!(sum < 2.0 * 900.0, "{sum}");
+    }
+
+    #[test]
+    fn joined_boxes_are_few_and_as_far_from_the_eye_as_what_they_hold() {
+        let eye = Vec3::new(100.0, 1.7, -50.0);
+        let distance = |aabb: &Aabb| aabb.distance_sq(eye).sqrt();
+        for spacing in [0.7, 4.0, 31.0] {
+            let mut all = Vec::new();
+            for x in -30..30 {
+                for z in -30..30 {
+                    let at = eye + Vec3::new(x as f32, 0.0, z as f32) * spacing;
+                    let height = ((x * 7 + z * 3) % 5) as f32 * 0.3;
+                    all.push(Aabb::around(
+                        at - Vec3::Y * (1.9 + height),
+                        Vec3::splat(0.1 * spacing),
+                    ));
+                }
+            }
+            let mut boxes = all.clone();
+            join(eye, &mut boxes, &mut Vec::new());
+            assert!(boxes.len() < all.len() / 8, "{spacing}: {}", boxes.len());
+            let holds = |joined: &Aabb, aabb: &Aabb| joined.union(*aabb) == *joined;
+            for aabb in &all {
+                assert!(
+                    boxes.iter().any(|joined| holds(joined, aabb)),
+                    "{spacing}: {aabb:?}"
+                );
+            }
+            for joined in &boxes {
+                let held = all.iter().filter(|aabb| holds(joined, aabb));
+                let nearest = held.map(distance).fold(f32::INFINITY, f32::min);
+                assert!(
+                    distance(joined) >= 0.3 * nearest,
+                    "{spacing}: {joined:?}, {nearest}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -28,12 +28,12 @@ pub fn corners(aabb: &Aabb) -> [DVec3; 8] {
     })
 }
 
-/// Adds the corners of the part of a parallelepiped that lies in all half-spaces.
+/// Adds the corners of the part of a parallelepiped that lies in all half-spaces, each once.
 ///
 /// `corners` are numbered as [`corners`] returns them.
 pub fn push_cut(corners: &[DVec3; 8], half_spaces: &[DVec4], points: &mut Vec<DVec3>) {
     let side = |half: &DVec4, point: &DVec3| half.truncate().dot(*point) + half.w;
-    let mut cutting: SmallVec<[&DVec4; 12]> = SmallVec::new();
+    let mut cutting: SmallVec<[&DVec4; 20]> = SmallVec::new();
     for half in half_spaces {
         let inside = corners.iter().filter(|point| side(half, point) >= 0.0).count();
         match inside {
@@ -53,8 +53,12 @@ pub fn push_cut(corners: &[DVec3; 8], half_spaces: &[DVec4], points: &mut Vec<DV
     for half in cutting {
         cut(&mut solid, half);
     }
-    for polygon in &solid {
-        points.extend_from_slice(polygon);
+    // Each corner is on three faces.
+    let first = points.len();
+    for &point in solid.iter().flatten() {
+        if !points[first..].iter().any(|known| is_same(*known, point)) {
+            points.push(point);
+        }
     }
 }
 
@@ -86,8 +90,13 @@ fn cut(solid: &mut SmallVec<[Polygon; 20]>, half: &DVec4) {
     let angle = |point: &DVec3| (*point - middle).dot(y).atan2((*point - middle).dot(x));
     cap.sort_unstable_by(|a, b| angle(a).total_cmp(&angle(b)));
     // Each edge that is cut belongs to two faces.
-    cap.dedup_by(|a, b| a.distance_squared(*b) <= 1e-20 * (1.0 + a.length_squared()));
+    cap.dedup_by(|a, b| is_same(*a, *b));
     solid.push(cap);
+}
+
+/// Whether two corners differ by rounding alone.
+fn is_same(a: DVec3, b: DVec3) -> bool {
+    a.distance_squared(b) <= 1e-20 * (1.0 + a.length_squared())
 }
 
 #[cfg(test)]
@@ -134,7 +143,11 @@ mod tests {
                     .iter()
                     .all(|point| inside(point) && point.abs().max_element() < 1.0 + 1e-9)
             );
-            cut_count += usize::from(points.len() > 8);
+            let is_new = |point: &DVec3| point.abs().min_element() < 1.0 - 1e-9;
+            cut_count += usize::from(points.iter().any(is_new));
+            for (i, point) in points.iter().enumerate() {
+                assert!(points[..i].iter().all(|other| !is_same(*other, *point)));
+            }
             let step = 1.0 / 12.0;
             let grid = (-12..=12).flat_map(|x| {
                 (-12..=12).flat_map(move |y| {

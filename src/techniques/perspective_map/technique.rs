@@ -1,6 +1,7 @@
 //! The perspective map as a technique.
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
 use super::component::{PerspectiveFaces, PerspectiveMap};
 use super::fit::{Fit, FitInput, Scratch, fit_faces};
@@ -15,9 +16,9 @@ use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
-use crate::scene::{Light, LightKind};
-use crate::sets::{FrameLights, Needs, Objects, View, VisibleParts};
-use crate::silhouettes::LightClearance;
+use crate::scene::{Light, LightKind, SceneMesh};
+use crate::sets::{FrameLight, FrameLights, Needs, Objects, View, VisibleParts};
+use crate::silhouettes::{KEPT_FRAMES, LightClearance};
 use crate::techniques::maps::request::{LightRequest, MapFaces, MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
 use crate::techniques::registry::{Refusal, Statistics, Technique};
@@ -28,9 +29,57 @@ pub struct PerspectiveMaps {
     /// Indices of lights in [`FrameLights`], ascending, and how the light's map was fitted. Lights whose map
     /// has nothing to show are left out.
     pub fits: Vec<(usize, Fit)>,
+    /// Number of lights whose faces were fitted in this frame. Other lights keep theirs, because nothing changed.
+    pub fitted_anew: usize,
+    /// Sorted by entity.
+    known: Vec<Known>,
     scratch: Scratch,
     parts: MeshParts,
     boxes: Vec<Aabb>,
+}
+
+/// The faces of one light, which are kept while nothing changes.
+#[derive(Clone, Debug)]
+struct Known {
+    light: Entity,
+    /// The input of the fit beside the light, the view and the objects.
+    input: Option<Input>,
+    fitted: Option<(MapFaces, Fit)>,
+    /// Number of frames since the light needed several faces.
+    idle: u64,
+    in_use: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Input {
+    settings: PerspectiveMap,
+    blur_metres: f64,
+    near_share: f64,
+}
+
+impl Known {
+    fn new(light: Entity) -> Self {
+        Self {
+            light,
+            input: None,
+            fitted: None,
+            idle: KEPT_FRAMES,
+            in_use: true,
+        }
+    }
+
+    /// Returns whether the texture has layers for several faces. It gets them at once and loses them late, so that a light
+    /// which needs them now and then does not replace its texture each time.
+    fn has_several(&mut self) -> bool {
+        self.idle = match &self.fitted {
+            // The distance between the two limits of the fit keeps these from coming and going.
+            Some((_, fit)) if fit.replaces_one => KEPT_FRAMES,
+            Some((_, fit)) if fit.faces > 1 => 0,
+            _ => self.idle.saturating_add(1),
+        };
+        let needs_several = self.fitted.as_ref().is_some_and(|(_, fit)| fit.faces > 1);
+        needs_several || self.idle < KEPT_FRAMES
+    }
 }
 
 impl PerspectiveMaps {
@@ -39,32 +88,64 @@ impl PerspectiveMaps {
         let at = self.fits.binary_search_by_key(&light, |(light, _)| *light).ok()?;
         Some(&self.fits[at].1)
     }
+
+    /// Returns where the faces of a light are kept.
+    fn known_index(&mut self, light: Entity) -> usize {
+        match self.known.binary_search_by_key(&light, |known| known.light) {
+            Ok(at) => at,
+            Err(at) => {
+                self.known.insert(at, Known::new(light));
+                at
+            }
+        }
+    }
+}
+
+/// The scene and the view for which maps are fitted.
+#[derive(SystemParam)]
+pub struct FitScene<'w, 's> {
+    lights: Res<'w, FrameLights>,
+    objects: Res<'w, Objects>,
+    view: Res<'w, View>,
+    clearance: Res<'w, LightClearance>,
+    grounds: Res<'w, BlurredGrounds>,
+    visible: Res<'w, VisibleParts>,
+    meshes: Query<'w, 's, Receiver>,
+    exchanged: Query<'w, 's, (), Changed<SceneMesh>>,
+}
+
+impl FitScene<'_, '_> {
+    /// Distance to which the blur of the grounds that a light lights reaches, metres; 0 if it lights none.
+    fn blur_metres(&self, light: &FrameLight) -> f64 {
+        let lit = self.grounds.receivers.iter();
+        let lit = lit.filter(|(object, _)| light.sets.i.contains(*object));
+        let radius = |channel: u32| self.grounds.grounds[channel as usize].radius;
+        BLUR_REACH * lit.map(|(_, channel)| radius(*channel)).fold(0.0, f64::max)
+    }
 }
 
 /// Fits the faces of the lights that a [`PerspectiveMap`] shadows to what the view shows, and lists their
 /// requests.
 ///
 /// Set: `BuildTechniques`, before `ask_for_maps`. Reads [`FrameLights`], [`Objects`] and [`View`]; writes
-/// [`MapRequests`] and [`PerspectiveMaps`]. Cost: O(receivers + casters) for each light, some ten times.
+/// [`MapRequests`] and [`PerspectiveMaps`]. Cost for each light whose sets were computed again: some ten times the number
+/// of casters and of the receivers' boxes; the samples, 144, meet each box once. Other lights keep their faces.
 pub fn request_perspective_maps(
     mut requests: ResMut<MapRequests>,
-    mut fitted: ResMut<PerspectiveMaps>,
-    lights: Res<FrameLights>,
-    objects: Res<Objects>,
-    view: Res<View>,
-    clearance: Res<LightClearance>,
-    grounds: Res<BlurredGrounds>,
-    visible: Res<VisibleParts>,
-    meshes: Query<Receiver>,
-    maps: Query<&PerspectiveMap>,
+    mut maps: ResMut<PerspectiveMaps>,
+    scene: FitScene,
+    components: Query<&PerspectiveMap>,
 ) {
-    let fitted = &mut *fitted;
-    fitted.fits.clear();
-    for (index, light) in lights.lights.iter().enumerate() {
+    let maps = &mut *maps;
+    maps.fits.clear();
+    maps.fitted_anew = 0;
+    maps.known.iter_mut().for_each(|known| known.in_use = false);
+    let is_exchanged = !scene.exchanged.is_empty();
+    for (index, light) in scene.lights.lights.iter().enumerate() {
         if !light.is_shadowed_by::<PerspectiveMap>() {
             continue;
         }
-        let Ok(&settings) = maps.get(light.entity) else {
+        let Ok(&settings) = components.get(light.entity) else {
             continue;
         };
         let settings = match light.model.softness {
@@ -77,47 +158,36 @@ pub fn request_perspective_maps(
         let Ok(mut request) = settings.request(&light.light) else {
             continue; // a refused light has no technique in this frame
         };
-        let blurs = grounds
-            .receivers
-            .iter()
-            .any(|(object, _)| light.sets.i.contains(*object));
-        let widest = grounds
-            .grounds
-            .iter()
-            .map(|ground| ground.radius)
-            .fold(0.0, f64::max);
-        request.pictures = blurs;
-        request.cached &= !blurs;
-        let view = view.data.as_ref().filter(|_| light.region.scissor.is_some());
-        let fit = view.and_then(|view| {
-            let (parts, boxes) = (&mut fitted.parts, &mut fitted.boxes);
-            collect_boxes(
-                light,
-                &objects,
-                &visible,
-                view.eye.as_vec3(),
-                &meshes,
-                parts,
-                boxes,
-            );
-            let input = FitInput {
-                boxes: &fitted.boxes,
-                view,
-                light,
-                objects: &objects,
-                settings: &settings,
-                blur_metres: if blurs { BLUR_REACH * widest } else { 0.0 },
-                near_share: clearance.share().max(1e-7), // a perspective needs some near plane
-            };
-            fit_faces(&input, &mut fitted.scratch)
-        });
+        let input = Input {
+            settings,
+            blur_metres: scene.blur_metres(light),
+            near_share: scene.clearance.share().max(1e-7), // a perspective needs some near plane
+        };
+        request.pictures = input.blur_metres > 0.0;
+        request.cached &= !request.pictures;
+        let at = maps.known_index(light.entity);
+        maps.known[at].in_use = true;
+        if light.is_recomputed() || is_exchanged || maps.known[at].input != Some(input) {
+            let replaced_one = maps.known[at]
+                .fitted
+                .as_ref()
+                .is_some_and(|(_, fit)| fit.replaces_one);
+            maps.known[at].fitted = fit_light(maps, &scene, light, &input, replaced_one);
+            maps.known[at].input = Some(input);
+            maps.fitted_anew += 1;
+        }
+        let known = &mut maps.known[at];
+        let has_several = known.has_several();
         let mut faces = MapFaces::new();
-        if let Some((fitted_faces, fit)) = fit {
-            faces = fitted_faces;
-            fitted.fits.push((index, fit));
+        if let Some((fitted_faces, fit)) = &known.fitted {
+            faces.clone_from(fitted_faces);
+            maps.fits.push((index, *fit));
+            if fit.replaces_one {
+                request.resolution = request.resolution.halved();
+            }
         }
         // The number of layers changes rarely, so that textures are not replaced.
-        request.layers = if settings.faces == PerspectiveFaces::One && faces.len() <= 1 {
+        request.layers = if settings.faces == PerspectiveFaces::One && !has_several {
             1
         } else if light.light.kind == LightKind::Directional {
             5
@@ -130,6 +200,39 @@ pub fn request_perspective_maps(
             faces,
         });
     }
+    maps.known.retain(|known| known.in_use);
+}
+
+/// Fits the faces of one light. `None` if there is nothing to show.
+fn fit_light(
+    maps: &mut PerspectiveMaps,
+    scene: &FitScene,
+    light: &FrameLight,
+    input: &Input,
+    replaced_one: bool,
+) -> Option<(MapFaces, Fit)> {
+    let view = scene.view.data.as_ref();
+    let view = view.filter(|_| light.region.scissor.is_some())?;
+    collect_boxes(
+        light,
+        &scene.objects,
+        &scene.visible,
+        view.eye.as_vec3(),
+        &scene.meshes,
+        &mut maps.parts,
+        &mut maps.boxes,
+    );
+    let input = FitInput {
+        boxes: &maps.boxes,
+        view,
+        light,
+        objects: &scene.objects,
+        settings: &input.settings,
+        blur_metres: input.blur_metres,
+        near_share: input.near_share,
+        replaced_one,
+    };
+    fit_faces(&input, &mut maps.scratch)
 }
 
 impl Technique for PerspectiveMap {
@@ -163,6 +266,7 @@ impl Technique for PerspectiveMap {
             of_fit.set("far", fit.far);
             of_fit.set("slide", fit.slide.is_finite().then_some(fit.slide));
             of_fit.set("faces", fit.faces);
+            of_fit.set("texel_side", fit.texel_side);
             of_fit
         });
         out.set("perspective", fit);

@@ -16,7 +16,7 @@ pub struct Sample {
     pub point: DVec3,
     /// Two vectors along the surface, view coordinates.
     pub tangents: [DVec3; 2],
-    /// What the two tangents are on the screen, NDC.
+    /// The two tangents on the screen, NDC.
     pub screen: DMat2,
 }
 
@@ -32,7 +32,7 @@ pub fn places() -> impl Iterator<Item = DVec2> {
     })
 }
 
-/// Side of a texel that stands for none, screens.
+/// Side of a texel where no picture shows the sample, screens.
 const FARTHEST: f64 = 1e9;
 
 /// Number of samples below which the points that a map must show are samples too.
@@ -41,21 +41,27 @@ const FEW: usize = 8;
 /// Collects the points where lines of sight meet the boxes first. A line that starts in a box meets its far
 /// side. If the boxes are too small for the grid, `points` in view coordinates stand in for them.
 ///
-/// `light` is a homogeneous point of world space.
+/// Points outside of the half-spaces, in view coordinates, are no samples: a map need not show them. `light` is a
+/// homogeneous point of world space.
 pub fn collect_samples(
     space: &ViewSpace,
     boxes: &[Aabb],
+    half_spaces: &[DVec4],
     points: &[DVec3],
     light: DVec4,
     samples: &mut Vec<Sample>,
 ) {
     samples.clear();
+    let must_show = |sample: &Sample| {
+        let mut sides = half_spaces.iter().map(|half| half.dot(sample.point.extend(1.0)));
+        sides.all(|side| side >= 0.0)
+    };
     for place in places() {
         let (from, along) = space.line_of_sight(place.x, place.y);
         let hits = boxes.iter().filter_map(|aabb| hit(space, aabb, from, along));
         if let Some(nearest) = hits.reduce(f64::min) {
             let point = space.eye_world + from + along * nearest;
-            samples.extend(Sample::new(space, point, along, light));
+            samples.extend(Sample::new(space, point, along, light).filter(must_show));
         }
     }
     if samples.len() < FEW {
@@ -74,20 +80,9 @@ pub fn collect_samples(
 
 /// Where a line of sight meets a box in front of the near plane, as a factor on `along`.
 fn hit(space: &ViewSpace, aabb: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
-    let start = space.eye_world + from;
-    let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-    for axis in 0..3 {
-        let one = (f64::from(aabb.min[axis]) - start[axis]) / along[axis];
-        let other = (f64::from(aabb.max[axis]) - start[axis]) / along[axis];
-        // A line in the plane of a side gives NaN, which bounds nothing.
-        enter = enter.max(one.min(other));
-        leave = leave.min(one.max(other));
-    }
     let nearest = if space.is_perspective { space.near } else { 0.0 };
-    if !(enter <= leave && leave >= nearest) {
-        return None;
-    }
-    Some(if enter >= nearest { enter } else { leave })
+    let (enter, leave) = aabb.crossed_by(space.eye_world + from, along)?;
+    (leave >= nearest).then_some(if enter >= nearest { enter } else { leave })
 }
 
 /// Returns what two small vectors at a point are in the picture with these rows, NDC.
@@ -111,8 +106,8 @@ fn longer_axis(matrix: DMat2) -> f64 {
 
 impl Sample {
     /// Makes the sample of a point of world space, seen along a line. The surface there is unknown; it is
-    /// assumed to face the middle between the viewer and the light. Ratios of two maps' texels do not depend
-    /// on it.
+    /// assumed to face the middle between the viewer and the light. Ratios of two maps' texel areas do not depend
+    /// on it; those of the longer sides do, a little.
     fn new(space: &ViewSpace, world: DVec3, along: DVec3, light: DVec4) -> Option<Self> {
         let to_light = (light.truncate() - world * light.w).normalize_or_zero();
         let normal = (to_light - along.normalize_or_zero()).try_normalize()?;

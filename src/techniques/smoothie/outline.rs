@@ -10,6 +10,10 @@ use crate::techniques::maps::request::Beside;
 /// hundred roundings of an `f32` position.
 const POINTS_AT_LIGHT: f32 = 1e-5;
 
+/// Ratio of an edge's interpolated width to the width at its point nearest to the light, from which on the edge is divided
+/// there. In between the ratio is then at most √2.
+const TOO_WIDE: f32 = 1.25;
+
 /// Where the edges of a caster stand, as seen from a light.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand<'a> {
@@ -32,9 +36,33 @@ impl Stand<'_> {
         Some((world - self.anchor).as_vec3()).filter(|place| place.is_finite())
     }
 
+    fn record(&self, [start, end, next]: [Vec3; 3], kind: f32) -> SmoothieEdge {
+        SmoothieEdge {
+            start: start.to_array(),
+            width_start: self.width(start),
+            end: end.to_array(),
+            width_end: self.width(end),
+            next: next.to_array(),
+            kind,
+        }
+    }
+
     fn width(&self, place: Vec3) -> f32 {
         let distance = if self.along.is_some() { 0.0 } else { place.length() };
         self.beside.metres + self.beside.share * distance
+    }
+
+    /// Returns the point of an edge nearest to the light if the width of the smoothie, which is interpolated along the edge,
+    /// would be too great there.
+    fn nearest(&self, start: Vec3, end: Vec3) -> Option<Vec3> {
+        let edge = end - start;
+        let at = -start.dot(edge) / edge.length_squared();
+        if self.along.is_some() || !(at > 0.0 && at < 1.0) {
+            return None;
+        }
+        let nearest = start + edge * at;
+        let interpolated = self.width(start) * (1.0 - at) + self.width(end) * at;
+        (interpolated > TOO_WIDE * self.width(nearest)).then_some(nearest)
     }
 
     fn points_at_light(&self, start: Vec3, end: Vec3) -> bool {
@@ -49,7 +77,8 @@ impl Stand<'_> {
 /// Appends the smoothie edges of one caster. `edges` is working memory.
 ///
 /// An edge counts once, whatever its multiplicity. Where exactly one edge follows an edge, the corner between them is
-/// a sector; elsewhere it is a whole disc, which leaves no gap however the edges are paired. O(n log n) for n edges.
+/// a sector; elsewhere it is a whole disc, which leaves no gap however the edges are paired. An edge that passes close by
+/// the light is divided where it is nearest, because its width is a share of the distance. O(n log n) for n edges.
 pub fn push_smoothies(
     contour: &Contour,
     stand: &Stand,
@@ -80,13 +109,10 @@ pub fn push_smoothies(
         } else {
             DISC
         };
-        out.push(SmoothieEdge {
-            start: start.to_array(),
-            width_start: stand.width(start),
-            end: end.to_array(),
-            width_end: stand.width(end),
-            next: next.unwrap_or(end).to_array(),
-            kind,
-        });
+        let middle = stand.nearest(start, end).filter(|_| kind != DISC_ALONE);
+        if let Some(middle) = middle {
+            out.push(stand.record([start, middle, end], SECTOR));
+        }
+        out.push(stand.record([middle.unwrap_or(start), end, next.unwrap_or(end)], kind));
     }
 }

@@ -15,6 +15,10 @@ pub const DISC: f32 = 1.0;
 /// [`SmoothieEdge::kind`] of an edge that points at the light. Only the disc at its end is drawn.
 pub const DISC_ALONE: f32 = 2.0;
 
+/// Scale of reciprocals of distances from a light at a position, as a share of the distance of the near plane. Nothing is
+/// nearer, so scaled reciprocals stay below the greatest half float.
+pub const SCALE_OF_NEAR: f32 = 32_768.0;
+
 /// One silhouette edge and the corner at its end. Positions have world axes and their origin at the light or, for
 /// a directional light, at the origin of the map's first face.
 #[repr(C)]
@@ -49,13 +53,14 @@ pub struct SmoothieFace {
     /// Projection of a perspective face: half side at distance 1, near plane, texel at distance 1, 0. For a parallel
     /// face: half side, length, texel, 1.
     pub projection: [f32; 4],
-    /// Reach of the map in metres, drop of a directional light in metres, unused, unused.
+    /// Scale of reciprocals of distances in metres ([`SCALE_OF_NEAR`]), drop of a directional light in metres, unused,
+    /// unused.
     pub limits: [f32; 4],
 }
 
 impl SmoothieFace {
     /// Makes the record of a face for edges whose origin is `anchor`.
-    pub fn new(face: &MapFace, anchor: DVec3, resolution: u32, reach: f64, beside: &Beside) -> Self {
+    pub fn new(face: &MapFace, anchor: DVec3, resolution: u32, beside: &Beside) -> Self {
         let [row_x, row_y, row_z] = face.rows_from_relative(anchor).map(|row| row.to_array());
         let texel = face.texel_metres(resolution) as f32;
         let projection = match face.projection {
@@ -69,7 +74,7 @@ impl SmoothieFace {
             row_y,
             row_z,
             projection,
-            limits: [reach as f32, beside.drop, 0.0, 0.0],
+            limits: [projection[1] * SCALE_OF_NEAR, beside.drop, 0.0, 0.0],
         }
     }
 

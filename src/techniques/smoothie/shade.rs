@@ -15,10 +15,10 @@ pub const LEAST: f32 = 1e-4;
 pub const FARTHEST: f32 = 60_000.0;
 
 /// Returns what a smoothie leaves at a texel of a light at a position. `behind` is the reciprocal of the distance of
-/// the still caster behind the smoothie, 0 if there is none, and `reach` scales reciprocals of distances.
-pub fn resolve_from_point(alpha: f32, along: f32, behind: f32, reach: f32) -> Vec2 {
+/// the still caster behind the smoothie, 0 if there is none, and `scale` scales reciprocals of distances.
+pub fn resolve_from_point(alpha: f32, along: f32, behind: f32, scale: f32) -> Vec2 {
     let share = 1.0 - along * behind;
-    let begins = ((1.0 - alpha) / along - behind) * reach;
+    let begins = ((1.0 - alpha) / along - behind) * scale;
     if share > 0.0 && begins > 0.0 {
         Vec2::new((alpha / share.max(1e-6)).max(LEAST), -begins.min(FARTHEST))
     } else {
@@ -39,11 +39,11 @@ pub fn resolve_parallel(alpha: f32, along: f32, behind: f32, drop: f32) -> Vec2 
 }
 
 /// Returns the visibility of a receiver of a light at a position. `receiver` is the reciprocal of its distance.
-pub fn visibility_from_point(stored: Vec2, receiver: f32, behind: f32, reach: f32) -> f32 {
+pub fn visibility_from_point(stored: Vec2, receiver: f32, behind: f32, scale: f32) -> f32 {
     if stored.y >= 0.0 {
         return 1.0;
     }
-    let share = (1.0 - (receiver - behind) * reach / (-stored.y).max(1e-7)).min(1.0);
+    let share = (1.0 - (receiver - behind) * scale / (-stored.y).max(1e-7)).min(1.0);
     let inverse = 1.0 + (stored.x.max(LEAST).recip() - 1.0) * share;
     inverse.max(1.0).recip()
 }

@@ -70,7 +70,8 @@ impl Technique for Smoothie {
             };
             map.casters().ones().filter_map(of_caster).sum::<usize>()
         });
-        out.set("smoothie_edges", edges);
+        // Casters with holes have silhouettes too, and no smoothies.
+        out.set("silhouette_edges", edges);
     }
 
     fn frame_statistics(world: &World, out: &mut Statistics) {

@@ -3,6 +3,7 @@
 
 mod cache;
 mod cascades;
+mod close_lamps;
 mod contacts;
 mod creases;
 mod dungeon;

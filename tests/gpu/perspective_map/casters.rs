@@ -154,6 +154,7 @@ fn nothing_shines_through_a_plate_close_above_the_ground() {
 #[test]
 fn lights_ahead_behind_in_the_plane_of_the_eye_and_at_the_eye_are_exact() {
     let mut stage = street(&AROUND, 0.1);
+    let (mut dark, mut counted) = (0, 0);
     let forward = Vec3::new(0.0, -0.7, -5.0).normalize();
     let eye = Vec3::new(0.0, 1.7, 0.0);
     let lights = [
@@ -170,8 +171,65 @@ fn lights_ahead_behind_in_the_plane_of_the_eye_and_at_the_eye_are_exact() {
         for map in [variants(1024)[0], variants(1024)[2 + index % 3]] {
             let error = judge(&mut stage, light.clone(), place, map);
             assert!(error.wrong == 0, "light {index}, {map:?}: {error:?}");
+            dark += error.dark;
+            counted += error.counted;
         }
     }
+    assert!(dark > 3000 && counted > 20_000, "{dark} of {counted}");
+}
+
+/// Four bars around a lamp: their shadows go in all directions, and the lamp's camera can see no two of them in one picture.
+#[test]
+fn casters_around_a_lamp_cast_exactly() {
+    let bars = [
+        ([0.6, 3.0, -3.0], [0.04, 0.8, 0.04]),
+        ([-0.6, 3.0, -3.0], [0.04, 0.8, 0.04]),
+        ([0.0, 3.0, -2.4], [0.04, 0.8, 0.04]),
+        ([0.0, 3.0, -3.6], [0.04, 0.8, 0.04]),
+        ([-4.0, 2.0, -5.0], [0.1, 2.0, 4.0]),
+        ([4.0, 2.0, -5.0], [0.1, 2.0, 4.0]),
+    ];
+    let picture = |bars: &[([f32; 3], [f32; 3])], map| {
+        let mut stage = street(bars, 0.1);
+        let (light, place) = lamp(LightKind::Point, Vec3::new(0.0, 3.0, -3.0), Vec3::ZERO);
+        let error = judge(&mut stage, light, place, map);
+        assert!(error.wrong == 0, "{map:?}: {error:?}");
+        error.dark
+    };
+    for map in &variants(1024)[..4] {
+        let (all, walls) = (picture(&bars, *map), picture(&bars[4..], *map));
+        assert!(all > walls + 60, "{map:?}: {all} {walls}");
+    }
+}
+
+/// What a light with a cone of no or of every angle darkens, and a light in a view without receivers.
+#[test]
+fn degenerate_cones_and_views_without_receivers_draw_without_a_fault() {
+    let mut stage = street(&AROUND, 0.1);
+    for outer_angle in [0.0, 1e-6, 0.01, 1.57, std::f32::consts::FRAC_PI_2, 3.0] {
+        let kind = LightKind::Spot {
+            inner_angle: 0.0,
+            outer_angle,
+        };
+        let (light, place) = lamp(kind, Vec3::new(0.3, 5.0, 1.5), Vec3::new(0.0, 0.0, -2.5));
+        for old in stage.lights.drain(..) {
+            stage.world.despawn(old);
+        }
+        stage.spawn_light(light, place, Some(variants(256)[0]));
+        let rendered = stage.render().expect("the frame renders");
+        assert!(
+            rendered.visibility[0].iter().all(|v| (0.0..=1.0).contains(v)),
+            "{outer_angle}"
+        );
+    }
+    let mut receivers = stage
+        .world
+        .query_filtered::<bevy_ecs::prelude::Entity, bevy_ecs::prelude::With<ShadowReceiver>>();
+    for receiver in receivers.iter(&stage.world).collect::<Vec<_>>() {
+        stage.world.entity_mut(receiver).remove::<ShadowReceiver>();
+    }
+    let rendered = stage.render().expect("the frame renders");
+    assert!(rendered.visibility[0].iter().all(|v| *v == 1.0));
 }
 
 #[test]

@@ -25,6 +25,9 @@ fn judge(scene: &TestScene, kind: LightKind, map: PerspectiveMap) -> Option<MapE
     Some(judge.compare(&rendered.visibility[0]))
 }
 
+/// The scene in which a pixel of 120,000, at the rim of a bowl, is known to be lit.
+const KNOWN: &str = "bowl";
+
 /// Judges pictures of scenes, and names those that are wrong.
 fn judge_all(cases: impl Iterator<Item = (usize, LightKind, PerspectiveMap)>) {
     let scenes = scenes::all();
@@ -36,8 +39,8 @@ fn judge_all(cases: impl Iterator<Item = (usize, LightKind, PerspectiveMap)>) {
         };
         all.add(error);
         count += 1;
-        // A pixel of a bowl's rim in 120,000 is known to be lit.
-        if error.acne > 0 || error.wrong > 1 {
+        let known = usize::from(scene.name == KNOWN);
+        if error.acne > 0 || error.wrong > known {
             bad.push(format!(
                 "{} / {kind:?} / {map:?}: {:.5} {error:?}",
                 scene.name,

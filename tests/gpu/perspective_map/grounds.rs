@@ -191,7 +191,7 @@ fn four_grounds_are_blurred_at_once_and_a_fifth_is_reported() {
     let quarter = std::f32::consts::FRAC_PI_2;
     let mut walls = Vec::new();
     for (at, turn, radius) in [
-        (Vec3::new(0.0, 0.0, -1.6), Quat::from_rotation_x(quarter), 0.06f32),
+        (Vec3::new(0.0, 0.0, -1.6), Quat::from_rotation_x(quarter), 0.15f32),
         (Vec3::new(-1.8, 0.0, 0.0), Quat::from_rotation_z(-quarter), 0.1),
         (Vec3::new(1.9, 0.5, 0.0), Quat::from_rotation_z(0.9), 0.05),
         (Vec3::new(0.0, -4.0, 0.0), Quat::IDENTITY, 0.2),
@@ -226,7 +226,12 @@ fn four_grounds_are_blurred_at_once_and_a_fifth_is_reported() {
     };
     let soft = [soft_at(DVec3::Y), soft_at(DVec3::Z), soft_at(DVec3::X)];
     println!("soft pixels on ground and walls: {soft:?}");
-    assert!(soft[0] > soft[1] && soft.iter().all(|soft| *soft > 1), "{soft:?}");
+    // Seams are blurred on each ground by itself. The wall that is left out has none, as the map has none.
+    assert!(soft[0] > 100, "{soft:?}");
+    for (wall, soft) in walls.iter().zip(&soft[1..]) {
+        assert_eq!(*soft > 20, told[0] != *wall, "{soft}");
+        assert!(*soft > 20 || *soft == 0, "{soft}");
+    }
 }
 
 #[test]

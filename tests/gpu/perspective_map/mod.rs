@@ -4,6 +4,7 @@
 mod bad_input;
 mod casters;
 mod contacts;
+mod fits;
 mod grounds;
 mod models;
 mod quality;

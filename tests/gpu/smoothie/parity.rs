@@ -84,7 +84,7 @@ fn faces() -> [SmoothieFace; 2] {
             share: 0.0,
             drop: 3.0,
         };
-        SmoothieFace::new(&face, DVec3::ZERO, 512, 16.0, &beside)
+        SmoothieFace::new(&face, DVec3::ZERO, 512, &beside)
     })
 }
 

@@ -73,11 +73,6 @@ impl SmoothieNode {
     }
 
     fn draw_layer(&self, layer: &Layer, encoder: &mut wgpu::CommandEncoder, input: &PictureInput) {
-        let depths = bind_depths(
-            input.context,
-            &self.maps.long_lived.layouts.surfaces,
-            &layer.depths,
-        );
         let clear = wgpu::Color {
             r: f64::from(CLEAR.x),
             g: f64::from(CLEAR.y),
@@ -105,6 +100,11 @@ impl SmoothieNode {
         let Some(pipeline) = self.pipelines.get(Key::Edges).filter(|_| !layer.draws.is_empty()) else {
             return;
         };
+        let depths = bind_depths(
+            input.context,
+            &self.maps.long_lived.layouts.surfaces,
+            &layer.depths,
+        );
         pass.set_pipeline(pipeline);
         pass.set_bind_group(0, &self.edge_group, &[]);
         pass.set_bind_group(

@@ -122,7 +122,7 @@ impl SmoothieNode {
                 moving: push(&state.moving, face_plan.moving.is_some()),
             };
             self.plans.push(plan);
-            let face = SmoothieFace::new(&state.face, light.anchor, map.resolution, map.reach, &beside);
+            let face = SmoothieFace::new(&state.face, light.anchor, map.resolution, &beside);
             self.faces.constants.push(&face);
         }
     }
