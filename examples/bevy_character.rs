@@ -71,7 +71,7 @@ fn main() {
         .init_resource::<bevy_headless::Loading>()
         .add_systems(Startup, (build, enter))
         .add_systems(Update, (choose, shade, tell).chain())
-        .add_systems(Update, (stop, walk));
+        .add_systems(Update, (stop, walk, give_up));
     bevy_headless::run(app);
 }
 
@@ -100,10 +100,10 @@ fn build(
         perceptual_roughness: 0.9,
         ..default()
     });
-    let floor = meshes.add(Plane3d::default().mesh().size(12.0, 12.0));
+    let floor = meshes.add(Plane3d::default().mesh().size(16.0, 16.0));
     commands.spawn((Mesh3d(floor), MeshMaterial3d(stone.clone())));
-    let wall = meshes.add(Cuboid::new(9.0, 3.4, 0.2));
-    let back = Transform::from_xyz(0.0, 1.7, -2.6);
+    let wall = meshes.add(Cuboid::new(14.0, 4.2, 0.2));
+    let back = Transform::from_xyz(0.0, 2.1, -2.6);
     commands.spawn((Mesh3d(wall), MeshMaterial3d(plaster), back));
     let pillar = meshes.add(Cylinder::new(0.16, 2.6));
     for x in [-2.6, 2.6] {
@@ -173,6 +173,17 @@ fn animate(
         }
     }
     commands.remove_resource::<bevy_headless::Loading>();
+}
+
+/// Ends the example if the file cannot be loaded. Bevy has logged why.
+fn give_up(
+    files: Res<AssetServer>,
+    walkers: Query<&WorldAssetRoot, With<Walker>>,
+    mut exit: MessageWriter<AppExit>,
+) {
+    if walkers.iter().any(|scene| files.load_state(&scene.0).is_failed()) {
+        exit.write(AppExit::error());
+    }
 }
 
 /// Moves the character along its circle.
