@@ -574,5 +574,5 @@ pub fn write_texture(
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
     }
-    antumbra_stage::picture::write_png(path, size, &rows.bytes)
+    antumbra_stage::picture::write_small_png(path, size, &rows.bytes)
 }
