@@ -62,16 +62,33 @@ impl Stage {
     /// # Errors
     /// One line that names the file and the element.
     pub fn of_shot(shot: &Shot) -> Result<Self, String> {
-        let file = shot.scene.display();
         let start = Instant::now();
         let loaded = load_gltf(&shot.scene).map_err(|error| one_line(&error))?;
+        let load_time = start.elapsed();
+        let in_shot = |error: String| {
+            let file = shot.path.display().to_string();
+            if file.is_empty() {
+                error
+            } else {
+                format!("{file}: {error}")
+            }
+        };
+        let mut stage = Self::of_scene(shot, &loaded).map_err(in_shot)?;
+        stage.load_time = load_time;
+        if stage.object_count() == 0 {
+            eprintln!("{}: nothing to draw", shot.scene.display());
+        }
+        Ok(stage)
+    }
+
+    /// Builds the stage of a shot whose scene is loaded.
+    fn of_scene(shot: &Shot, loaded: &LoadedGltf) -> Result<Self, String> {
         let size = shot.size();
         let mut stage = Self::empty(size, Camera::default(), Transform::IDENTITY);
-        stage.load_time = start.elapsed();
-        let spawned = spawn_scene(&mut stage.world, &loaded, None).map_err(|error| one_line(&error))?;
-        blur_grounds(&mut stage.world, (&loaded, &spawned), &shot.blurred_grounds)?;
+        let spawned = spawn_scene(&mut stage.world, loaded, None).map_err(|error| one_line(&error))?;
+        blur_grounds(&mut stage.world, (loaded, &spawned), &shot.blurred_grounds)?;
         if let Some(animation) = shot.animation {
-            stage.pose(&loaded, &spawned, animation.clip, animation.time)?;
+            stage.pose(loaded, &spawned, animation.clip, animation.time)?;
         }
         // Only the stage's own camera draws.
         for &camera in &spawned.cameras {
@@ -81,7 +98,7 @@ impl Stage {
         stage.schedule.run(&mut stage.world);
         let (camera, transform) = match &shot.camera {
             Some(camera) => (camera.camera(size), camera.transform()?),
-            None => stage.choose_camera(&loaded, &spawned, size),
+            None => stage.choose_camera(loaded, &spawned, size),
         };
         stage.world.entity_mut(stage.camera).insert((camera, transform));
         match &shot.lights {
@@ -97,7 +114,7 @@ impl Stage {
                     }
                     parts
                         .model
-                        .insert(&mut stage.world, entity, (&loaded, &spawned))
+                        .insert(&mut stage.world, entity, (loaded, &spawned))
                         .map_err(|error| format!("lights[{index}].{error}"))?;
                     if let Some(path) = parts.texture {
                         let texture = picture::light_texture(&path)
@@ -112,9 +129,6 @@ impl Stage {
                     stage.lights.push(light);
                 }
             }
-        }
-        if stage.object_count() == 0 {
-            eprintln!("{file}: nothing to draw");
         }
         Ok(stage)
     }

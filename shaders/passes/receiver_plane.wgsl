@@ -2,6 +2,7 @@
 // depth test is "equal", so triangles that were discarded or culled are not drawn.
 // Host    src/render/nodes/receiver_plane.rs
 // Groups  0 view, 2 material (not read)
+#import antumbra::view::to_eye
 #import antumbra::surface::{VertexIn, Fragment, surface_vertex}
 #import antumbra::receiver::{octahedral_from_unit, unit_from_octahedral, NO_PLANE}
 
@@ -25,7 +26,7 @@ fn fragment(in: Fragment) -> @location(0) vec2u {
     if !(size > 1e-9) {
         return vec2u(NO_PLANE, 0u);
     }
-    let seen = across * (select(1.0, -1.0, dot(across, p) > 0.0) / size);
+    let seen = across * (select(-1.0, 1.0, dot(across, to_eye(p)) > 0.0) / size);
     let packed = pack2x16snorm(octahedral_from_unit(seen));
     // The offset is computed from the normal as it will be read, so that the plane goes through the point.
     let normal = unit_from_octahedral(unpack2x16snorm(packed));

@@ -93,6 +93,12 @@ pub fn gather(world: &mut World, moving: &[Entity]) -> StillScene {
         let Some(place) = object.place.exact_affine() else {
             continue;
         };
+        let is_invisible = |materials: &SceneMaterials| {
+            materials.are_invisible(&object.mesh.0, |texture| texture.greatest_alpha())
+        };
+        if object.materials.is_some_and(is_invisible) {
+            continue;
+        }
         push_surfaces(object, &place, sees_backs, &mut surfaces, &mut owners);
     }
     let rays = RayScene::from_world_if(world, |entity| !left_out.contains(&entity));

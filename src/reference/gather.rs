@@ -28,7 +28,7 @@ impl RayScene {
     /// that is not empty.
     ///
     /// The camera sees triangles of entities with [`SceneMaterials`], and blended ones as solidly as others.
-    /// Triangles of [`ShadowCaster`]s block light, and those of [`ShadowReceiver`]s show shadows. Objects
+    /// Objects that are invisible by their alpha are left out. Triangles of [`ShadowCaster`]s block light, and those of [`ShadowReceiver`]s show shadows. Objects
     /// whose transform is not finite or leaves no area are left out, as in the renderer. Triangles that are not
     /// finite or name a missing vertex are dropped and counted. `GlobalTransform`s are read as they are, so
     /// propagate transforms first.
@@ -59,6 +59,11 @@ fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> us
         return 0;
     };
     let mesh = &*object.mesh.0;
+    let is_invisible =
+        |materials: &SceneMaterials| materials.are_invisible(mesh, |texture| texture.greatest_alpha());
+    if object.materials.is_some_and(is_invisible) {
+        return 0;
+    }
     let positions = object
         .posed
         .map(|posed| &posed.positions)

@@ -78,6 +78,17 @@ impl Material {
     }
 }
 
+impl AlphaMode {
+    /// Whether a point of this alpha is absent.
+    fn hides(self, alpha: f32) -> bool {
+        match self {
+            Self::Opaque => false,
+            Self::Mask(cutoff) => alpha < cutoff,
+            Self::Blend => alpha <= 0.0,
+        }
+    }
+}
+
 /// The meaning of a material's alpha.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum AlphaMode {
@@ -87,7 +98,7 @@ pub enum AlphaMode {
     /// The surface is absent where alpha is below the cutoff, which is the value given here. In shadow
     /// volumes it still blocks light as a whole.
     Mask(f32),
-    /// The surface is blended over what lies behind it. Of the blended surfaces at a pixel only the nearest
+    /// The surface is blended over what lies behind it; where alpha is 0 everywhere, the object is not drawn and casts nothing. Of the blended surfaces at a pixel only the nearest
     /// receives shadows; farther ones are lit without.
     Blend,
 }
@@ -122,6 +133,22 @@ pub struct Texture {
     pub linear_minify: bool,
 }
 
+impl Texture {
+    /// Returns the greatest alpha of its texels, 0..=1.
+    ///
+    /// Cost: linear in the texels up to the first that is opaque.
+    pub fn greatest_alpha(&self) -> f32 {
+        let mut greatest = 0;
+        for &alpha in self.rgba8.iter().skip(3).step_by(4) {
+            greatest = greatest.max(alpha);
+            if greatest == u8::MAX {
+                break;
+            }
+        }
+        f32::from(greatest) / 255.0
+    }
+}
+
 /// How a texture continues beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TextureWrap {
@@ -140,6 +167,29 @@ pub enum TextureWrap {
 pub struct SceneMaterials(pub SmallVec<[Arc<Material>; 1]>);
 
 impl SceneMaterials {
+    /// Whether these materials hide every triangle that they would draw of the mesh, by their alpha. `greatest_alpha` returns
+    /// that of a texture. A mesh of which nothing would be drawn is not invisible: it may stand for something else.
+    pub fn are_invisible(
+        &self,
+        mesh: &MeshData,
+        mut greatest_alpha: impl FnMut(&Arc<Texture>) -> f32,
+    ) -> bool {
+        let drawn = mesh.submeshes.iter().zip(&self.0);
+        let mut drawn = drawn.filter(|(part, _)| part.index_count > 0).peekable();
+        drawn.peek().is_some()
+            && drawn.all(|(_, material)| {
+                if material.alpha_mode == AlphaMode::Opaque {
+                    return false;
+                }
+                let alphas = mesh.colors.iter().map(|color| color.w);
+                let of_vertices = alphas.reduce(f32::max).unwrap_or(1.0);
+                let texture = material.base_color_texture.as_ref();
+                let of_texture = texture.map_or(1.0, |slot| greatest_alpha(&slot.texture));
+                let alpha = material.base_color.w * of_vertices * of_texture;
+                material.alpha_mode.hides(alpha)
+            })
+    }
+
     /// Whether these materials draw every triangle of the mesh, all of them opaque.
     pub fn are_opaque(&self, mesh: &MeshData) -> bool {
         let drawn: usize = mesh

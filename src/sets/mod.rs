@@ -66,6 +66,7 @@ pub use occlusion::{
 pub use view::frame_view::{View, ViewData, ViewportSize, collect_view};
 pub use view::frustum::{FrustumSet, collect_frustum_set};
 pub use view::inverted_hulls::{InvertedHulls, find_inverted_hulls};
+pub use view::invisible::{InvisibleObjects, find_invisible_objects};
 pub use view::screen::{Projector, ScreenBounds};
 pub use view::seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use view::stored_depth::ViewDepth;
@@ -81,6 +82,7 @@ pub fn init_set_resources(world: &mut World) {
     world.init_resource::<SetWork>();
     world.init_resource::<ObjectChurn>();
     world.init_resource::<InvertedHulls>();
+    world.init_resource::<InvisibleObjects>();
     world.init_resource::<FaceCulling>();
     world.init_resource::<CulledCasters>();
     world.init_resource::<Objects>();
@@ -103,7 +105,8 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
     (
         begin_depth_reach,
         collect_view,
-        find_inverted_hulls, // what is culled as a whole does not cast
+        find_invisible_objects, // what has no alpha is neither drawn nor casts
+        find_inverted_hulls,    // what is culled as a whole does not cast
         collect_objects,
         collect_frustum_set,
         (collect_cells, collect_occluders),

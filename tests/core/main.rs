@@ -3,6 +3,7 @@
 mod commands;
 mod import_circles;
 mod inverted_hulls;
+mod invisible;
 mod layers;
 mod light_hull;
 #[cfg(feature = "reference")]

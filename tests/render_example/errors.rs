@@ -18,7 +18,22 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 39] = [
+const SPOILT: [Spoilt; 42] = [
+    (
+        "a barn map without barn doors",
+        |s| s["lights"][1]["barn_map"] = json!({}),
+        &["lights[1]", "barn_map", "shape"],
+    ),
+    (
+        "a light for a layer that the scene has not",
+        |s| s["lights"][1]["affects"] = json!(["nobody"]),
+        &["lights[1].affects", "nobody"],
+    ),
+    (
+        "a blurred ground that the scene has not",
+        |s| s["blurred_grounds"] = json!([{"node": "nobody", "radius": 0.2}]),
+        &["blurred_grounds[0]", "nobody"],
+    ),
     (
         "no scene",
         |s| drop(s.as_object_mut().map(|s| s.remove("scene"))),

@@ -38,6 +38,9 @@ pub struct Shot {
     /// The techniques that the lights may name.
     #[serde(skip)]
     pub techniques: Techniques,
+    /// The file that the shot was loaded from; empty for a text.
+    #[serde(skip)]
+    pub path: PathBuf,
 }
 
 /// The receivers below a node on which shadows are blurred.
@@ -82,6 +85,7 @@ impl Shot {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let mut shot =
             Self::parse(&text, techniques).map_err(|error| format!("{}: {error}", path.display()))?;
+        shot.path = path.to_owned();
         let folder = path.parent().unwrap_or(Path::new(""));
         shot.scene = folder.join(&shot.scene);
         for (index, light) in shot.lights.iter_mut().flatten().enumerate() {

@@ -106,6 +106,9 @@ impl ShotModel {
         LightModel::of(parts, light.kind, |fault| {
             first.get_or_insert(fault);
         });
+        if self.barn_map.is_some() && self.shape.is_none() {
+            return Err("barn_map: it needs `shape`, which it tabulates".to_owned());
+        }
         if let Some(cookie) = &self.cookie {
             cookie.check(light.kind)?;
         }

@@ -46,9 +46,23 @@ fn slice_plane(top: f32, bottom: f32, weight: f32) -> f32 {
     return bottom - 0.5 * weight * (bottom - top);
 }
 
+// Texels around a kernel that its lookup touches, with the half texel by which what was drawn may be off.
+const TOUCHED: f32 = 1.5;           // mirror: techniques::occlusion_texture::kernel::TOUCHED
+
+// Metres by which a receiver is raised along its normal, in light space, so that a surface nearly along the light's rays does
+// not shadow itself: past the texels that a lookup touches, and past the way that casters of the slice move in the picture
+// when they are taken to be at one depth, at most `reach` from theirs.
+fn slice_lift(face: OcclusionFace, light: vec4f, side: f32, receiver: vec3f, normal: vec3f, reach: f32) -> f32 {
+    let divisor = face.depth.x * receiver.z + face.depth.y;
+    let texel = 2.0 * divisor / (side * min(face.projection.x, face.projection.y));
+    // Rays from the light and from the centre of projection behind it part with the distance from the axis.
+    let apart = abs(dot(normal.xy, receiver.xy)) * face.depth.y / (receiver.z * divisor);
+    return TOUCHED * texel * length(normal.xy) + select(0.0, apart * reach, light.z > 0.5);
+}
+
 // The rectangle at a depth through which a receiver behind it, in light space, sees the light, in the slice's picture.
 fn slice_kernel(projection: vec4f, depth: vec4f, light: vec4f, receiver: vec3f, plane: f32) -> Kernel {
-    let behind = receiver.z - plane;
+    let behind = max(receiver.z - plane, 0.0);
     let at_position = light.z > 0.5;
     let middle = receiver.xy * select(1.0, plane / receiver.z, at_position);
     // A sphere that is seen at an angle casts a longer cone on the slice.

@@ -4,7 +4,7 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, combine}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_lift, slice_kernel, combine}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
@@ -135,7 +135,7 @@ fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
 }
 
 // Share of the light that the slices of one picture hide.
-fn hidden_share(face: u32, receiver: vec3f) -> f32 {
+fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
     let projection = light.faces[face].projection;
     let depth = light.faces[face].depth;
     var hidden = 0.0;
@@ -150,8 +150,9 @@ fn hidden_share(face: u32, receiver: vec3f) -> f32 {
         let thickness = select(depth.w, next_bottom - bottom, slice + 1u < SLICES);
         let weight = slice_weight(bottom, thickness, receiver.z);
         let plane = slice_plane(top, bottom, weight);
+        let lift = slice_lift(light.faces[face], light.kernel, light.limits.z, receiver, normal, plane - top);
         top = bottom;
-        let kernel = slice_kernel(projection, depth, light.kernel, receiver, plane);
+        let kernel = slice_kernel(projection, depth, light.kernel, receiver + lift * normal, plane);
         let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
         hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }
@@ -185,6 +186,11 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         along = max(along, along_other);
     }
     let in_light = vec3f(dot(light.faces[face].row_x, p), dot(light.faces[face].row_y, p), along);
-    let seen = clamp(1.0 - hidden_share(face, in_light), 0.0, 1.0);
+    let rows = transpose(mat3x3f(
+        light.faces[face].row_x.xyz,
+        light.faces[face].row_y.xyz,
+        light.faces[face].row_z.xyz,
+    ));
+    let seen = clamp(1.0 - hidden_share(face, in_light, rows * receiver.normal), 0.0, 1.0);
     return vec4f(vec3f(seen), seen * share_above(receiver));
 }

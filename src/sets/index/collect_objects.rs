@@ -11,6 +11,7 @@ use crate::scene::{
     WorldBounds,
 };
 use crate::sets::view::inverted_hulls::InvertedHulls;
+use crate::sets::view::invisible::InvisibleObjects;
 use crate::sets::work::SetWork;
 
 /// The components that [`collect_objects`] reads of one object when it rebuilds.
@@ -37,6 +38,7 @@ pub struct ObjectCounts<'w, 's> {
     drawn: ObjectsWith<'w, 's, SceneMaterials>,
     layered: Query<'w, 's, Ref<'static, SelectionLayers>, With<WorldBounds>>,
     culled: Res<'w, InvertedHulls>,
+    invisible: Res<'w, InvisibleObjects>,
 }
 
 /// The queries by which [`collect_objects`] notices that an object moved.
@@ -79,16 +81,19 @@ pub fn collect_objects(
     }
     objects.rows.clear();
     objects.rows.extend(all.iter().map(
-        |(entity, bounds, transform, pose, layers, caster, receiver, drawn)| Row {
-            entity,
-            layers: layers.copied().unwrap_or_default().0,
-            aabb: bounds.0,
-            caster: caster && !members.culled.leaves_out(entity),
-            receiver,
-            drawn,
-            moved: bounds.is_changed()
-                || transform.is_some_and(|transform| transform.is_changed())
-                || pose.is_some_and(|pose| pose.is_changed()),
+        |(entity, bounds, transform, pose, layers, caster, receiver, drawn)| {
+            let is_seen = !members.invisible.contains(entity);
+            Row {
+                entity,
+                layers: layers.copied().unwrap_or_default().0,
+                aabb: bounds.0,
+                caster: caster && is_seen && !members.culled.leaves_out(entity),
+                receiver,
+                drawn: drawn && is_seen,
+                moved: bounds.is_changed()
+                    || transform.is_some_and(|transform| transform.is_changed())
+                    || pose.is_some_and(|pose| pose.is_changed()),
+            }
         },
     ));
     objects.rebuild(!objects.decay.is_due());

@@ -47,10 +47,33 @@ pub fn slice_plane(face: &OcclusionFace, slice: usize, weight: f32) -> f32 {
     bottom - 0.5 * weight * (bottom - top)
 }
 
+/// Texels around a kernel that its lookup touches, with the half texel by which what was drawn may be off.
+pub const TOUCHED: f32 = 1.5;
+
+/// Returns the metres by which a receiver is raised along its normal, both in light space, so that a surface nearly along the
+/// light's rays does not shadow itself: past the texels that a lookup touches, and past the way that casters of the slice move
+/// in the picture when they are taken to be at one depth, at most `reach` from theirs. `side` is that of the picture, texels.
+pub fn slice_lift(
+    face: &OcclusionFace,
+    light: Vec4,
+    side: f32,
+    receiver: Vec3,
+    normal: Vec3,
+    reach: f32,
+) -> f32 {
+    let divisor = face.depth[0] * receiver.z + face.depth[1];
+    let texel = 2.0 * divisor / (side * face.projection[0].min(face.projection[1]));
+    let across = normal.truncate();
+    // Rays from the light and from the centre of projection behind it part with the distance from the axis.
+    let apart = across.dot(receiver.truncate()).abs() * face.depth[1] / (receiver.z * divisor);
+    let parallax = if light.z > 0.5 { apart * reach } else { 0.0 };
+    TOUCHED * texel * across.length() + parallax
+}
+
 /// Returns the rectangle at a depth through which a receiver sees the light, in a slice's picture. The receiver, in light
-/// space, lies behind `plane`. `light` is [`OcclusionLight::kernel`](super::records::OcclusionLight::kernel).
+/// space, lies behind `plane` or on it. `light` is [`OcclusionLight::kernel`](super::records::OcclusionLight::kernel).
 pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, plane: f32) -> Kernel {
-    let behind = receiver.z - plane;
+    let behind = (receiver.z - plane).max(0.0);
     let (mut middle, mut half) = (receiver.truncate(), light.truncate().truncate() * behind);
     if light.z > 0.5 {
         middle *= plane / receiver.z;

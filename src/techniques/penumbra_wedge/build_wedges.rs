@@ -109,7 +109,8 @@ pub fn build_penumbra_wedges(
     out.kept.retain(|light| light.last_used + KEPT_FRAMES >= frame);
     let same_layout = out.scratch.layout == out.scratch.last_layout;
     out.assemble(rebuilt || !same_layout);
-    out.end(&lights, &objects, &places);
+    let viewport = Aabb::from_points(near.map(|corner| corner.as_vec3()));
+    out.end(&viewport, &lights, &objects, &places);
 }
 
 /// What all lights of the frame have in common.

@@ -94,6 +94,50 @@ fn slices_fade_where_a_plane_passes_through_them() {
     assert!(soft > 80 && worst < 1.0 / 64.0, "{worst}, {soft}");
 }
 
+/// A plate nearly along the light's rays passes through slices whose texels are wider than the way of a ray from the plate.
+#[test]
+fn a_plate_along_the_rays_shadows_itself_nowhere() {
+    let context = strict_context();
+    let mut stage = empty(&context, Vec3::ZERO);
+    let view = Transform::from_xyz(-1.5, 1.7, -1.05).looking_at(Vec3::new(0.24, 0.69, -0.02), Vec3::Y);
+    stage.world.entity_mut(stage.camera).insert(view);
+    spawn(&mut stage, MeshData::plane(4.25), Transform::IDENTITY);
+    let ball = Transform::from_xyz(-0.2, 0.75, -1.0);
+    spawn(&mut stage, MeshData::icosphere(0.7, 1), ball);
+    let corners = [
+        [-0.2, 2.05, 0.13],
+        [0.65, 1.97, -0.91],
+        [-0.48, 1.22, -1.77],
+        [-1.32, 1.3, -0.73],
+    ];
+    let plate = MeshData::from_triangles("plate", corners.map(Vec3::from).to_vec(), vec![0, 1, 2, 0, 2, 3]);
+    spawn(&mut stage, plate, Transform::IDENTITY);
+    let light = Light {
+        kind: square(0.1),
+        ..Light::point(Vec3::ONE, 30.0, f32::INFINITY)
+    };
+    let toward = Vec3::new(2.35, -0.97, 1.96);
+    let place = Transform::from_xyz(-1.95, 0.82, -2.56).looking_to(toward, Vec3::new(0.1, 0.3, 0.9));
+    stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+    for slices in [8, 10, 12, 16] {
+        let entity = stage.lights[0];
+        stage.world.entity_mut(entity).insert(OcclusionTexture {
+            slices,
+            ..Default::default()
+        });
+        let got = rendered(&mut stage);
+        let truth = truth(&mut stage, 16);
+        let lit = truth
+            .values()
+            .iter()
+            .zip(&got)
+            .filter(|(truth, _)| **truth == 1.0);
+        let dark = lit.clone().filter(|(_, got)| **got < 0.9).count();
+        println!("{slices} slices: {dark} of {} lit pixels are dark", lit.count());
+        assert!(dark < 20, "{slices} slices: {dark}");
+    }
+}
+
 /// The whole scene is turned about the light; the shadow stays near the truth.
 #[test]
 fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {

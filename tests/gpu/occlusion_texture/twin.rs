@@ -2,7 +2,7 @@
 
 use antumbra::insides::occlusion_textures::{
     LightSlices, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean, n_buffers,
-    slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas, summed_mean,
+    slice_bottom, slice_kernel, slice_lift, slice_plane, slice_weight, summed_areas, summed_mean,
 };
 use antumbra::prelude::*;
 use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
@@ -77,22 +77,19 @@ enum Filtered {
 }
 
 /// Visibility of a receiver by the twins.
-fn visibility(
-    slices: &LightSlices,
-    record: &OcclusionLight,
-    filtered: &[Filtered],
-    receiver_world: DVec3,
-) -> f32 {
-    let depth_of = |face: &SliceFace| face.light_from_world(receiver_world).z;
+fn visibility(slices: &LightSlices, record: &OcclusionLight, filtered: &[Filtered], hit: &SurfaceHit) -> f32 {
+    let depth_of = |face: &SliceFace| face.light_from_world(hit.position).z;
     let (index, face) = slices
         .faces
         .iter()
         .enumerate()
         .max_by(|(_, a), (_, b)| depth_of(a).total_cmp(&depth_of(b)))
         .expect("a face");
-    let receiver = face.light_from_world(receiver_world).as_vec3();
+    let receiver = face.light_from_world(hit.position).as_vec3();
+    let normal = DVec3::from(face.axes.map(|axis| axis.dot(hit.normal))).as_vec3();
     let (count, record_face) = (slices.settings.slices as usize, &record.faces[index]);
-    let mut hidden = 0.0;
+    let light = Vec4::from(record.kernel);
+    let (mut hidden, mut top) = (0.0, record_face.depth[2]);
     for slice in 0..count {
         let bottom = slice_bottom(record_face, slice);
         if receiver.z <= bottom {
@@ -100,7 +97,10 @@ fn visibility(
         }
         let weight = slice_weight(record_face, slice, count, receiver.z);
         let plane = slice_plane(record_face, slice, weight);
-        let kernel = slice_kernel(record_face, Vec4::from(record.kernel), receiver, plane);
+        let (side, reach) = (slices.resolution as f32, plane - top);
+        let lift = slice_lift(record_face, light, side, receiver, normal, reach);
+        let kernel = slice_kernel(record_face, light, receiver + lift * normal, plane);
+        top = bottom;
         let mean = match &filtered[index] {
             Filtered::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
                 n_buffer_mean(&levels[slice], &kernel, slices.taps())
@@ -152,7 +152,7 @@ fn difference(
         let Some(hit) = hit.as_ref().filter(faces_up) else {
             continue;
         };
-        let expected = visibility(slices, &record, &filtered, hit.position);
+        let expected = visibility(slices, &record, &filtered, hit);
         largest = largest.max((expected - got).abs());
         sum += (expected - got).abs();
         count += 1;

@@ -1,5 +1,6 @@
 //! Orthographic views: all techniques, against the ray caster.
 
+mod eye;
 mod maps;
 mod models;
 mod precision;

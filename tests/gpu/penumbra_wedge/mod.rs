@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod buffers;
+mod counting;
 mod flicker;
 mod models;
 mod overlap;

@@ -4,6 +4,9 @@
 //! The part of a wedge beyond the receivers changes no sum, but it is drawn; below a ground it is most of the
 //! wedge. The candidates are the planes of the sides of the box around the receivers. Each caster has its own
 //! plane, so that sides, shells and far caps still meet.
+//!
+//! A caster that is counted towards the viewer has no far cap, so nothing on the way from the viewport to a receiver may cross
+//! its plane: it lies beyond the viewport too.
 
 use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3, DVec4, Vec3};
@@ -11,7 +14,7 @@ use glam::{DMat4, DVec3, DVec4, Vec3};
 use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::{FrameLight, FrameLights, Objects};
-use crate::techniques::penumbra_wedge::wedges::PenumbraWedges;
+use crate::techniques::penumbra_wedge::wedges::{CasterDraw, PenumbraWedges};
 
 /// The plane that stands for none, with which rays reach infinity.
 pub const ENDLESS: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
@@ -76,9 +79,11 @@ fn receivers(light: &FrameLight) -> Aabb {
 impl PenumbraWedges {
     /// Sets the plane where the wedges of each caster end in this frame. Wedges of directional lights have no
     /// such plane, because their far caps are a point at infinity. In orthographic views
-    /// [`finite_reach`](crate::techniques::shared::finite_reach) determines where wedges end.
+    /// [`finite_reach`](crate::techniques::shared::finite_reach) determines where wedges end. `viewport` is the box around the
+    /// view's near rectangle.
     pub(in crate::techniques::penumbra_wedge) fn end(
         &mut self,
+        viewport: &Aabb,
         lights: &FrameLights,
         objects: &Objects,
         places: &Query<Placement>,
@@ -87,6 +92,7 @@ impl PenumbraWedges {
         for of_light in &self.lights {
             let light = &lights.lights[of_light.light];
             let receivers = receivers(light);
+            let seen = receivers.union(*viewport);
             for part in &self.parts[of_light.parts.clone()] {
                 let center = part.part.point_world;
                 let radius = part.part.shape.radius();
@@ -98,9 +104,11 @@ impl PenumbraWedges {
                     .iter()
                     .flat_map(|group| group.casters.clone());
                 for caster in casters {
-                    let object = self.casters[caster].object as usize;
+                    let CasterDraw { object, towards, .. } = self.casters[caster];
+                    let object = object as usize;
+                    let before = if towards { &seen } else { &receivers };
                     let plane = (center.w != 0.0 && part.reach == 0.0)
-                        .then(|| end_plane(&receivers, &objects.boxes.get(object), &emitter))
+                        .then(|| end_plane(before, &objects.boxes.get(object), &emitter))
                         .flatten();
                     let place = places.get(objects.entities[object]).ok();
                     let ends = match (plane, place.and_then(|place| place.world_from_local())) {

@@ -1,0 +1,68 @@
+//! Finds objects that nobody can see because of their alpha. They are not drawn and cast no shadow.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Weak};
+
+use bevy_ecs::prelude::*;
+
+use crate::scene::{ObjectChurn, SceneMaterials, SceneMesh, Texture, WorldBounds};
+
+/// Objects whose materials hide every triangle. Written by [`find_invisible_objects`].
+#[derive(Resource, Debug, Default)]
+pub struct InvisibleObjects {
+    /// Ascending.
+    entities: Vec<Entity>,
+    /// The greatest alpha of textures, by their address.
+    alphas: HashMap<usize, (Weak<Texture>, f32)>,
+    seen: Option<u64>,
+}
+
+impl InvisibleObjects {
+    /// Whether an object is invisible in this frame.
+    pub fn contains(&self, entity: Entity) -> bool {
+        self.entities.binary_search(&entity).is_ok()
+    }
+
+    fn greatest_alpha(&mut self, texture: &Arc<Texture>) -> f32 {
+        let address = Arc::as_ptr(texture) as usize;
+        if let Some((known, alpha)) = self.alphas.get(&address)
+            && known.upgrade().is_some_and(|known| Arc::ptr_eq(&known, texture))
+        {
+            return *alpha;
+        }
+        let alpha = texture.greatest_alpha();
+        self.alphas.insert(address, (Arc::downgrade(texture), alpha));
+        alpha
+    }
+}
+
+/// Finds the objects that are invisible: blended with an alpha of 0, or masked with an alpha below the cutoff everywhere.
+///
+/// Set: `CollectSets`, before the objects. Cost: all objects where one came, went or exchanged its mesh or material; a texture
+/// is examined once, and only if a material masks or blends by it.
+pub fn find_invisible_objects(
+    mut found: ResMut<InvisibleObjects>,
+    mut churn: ResMut<ObjectChurn>,
+    objects: Query<(Entity, &SceneMesh, &SceneMaterials), With<WorldBounds>>,
+    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+) {
+    let found = &mut *found;
+    if found.seen == Some(churn.0) && exchanged.is_empty() {
+        return;
+    }
+    found.alphas.retain(|_, (texture, _)| texture.strong_count() > 0);
+    let before = std::mem::take(&mut found.entities);
+    let mut entities: Vec<Entity> = objects
+        .iter()
+        .filter(|(_, mesh, materials)| {
+            materials.are_invisible(&mesh.0, |texture| found.greatest_alpha(texture))
+        })
+        .map(|(entity, ..)| entity)
+        .collect();
+    entities.sort_unstable();
+    if entities != before {
+        churn.0 += 1; // the objects are collected anew
+    }
+    found.entities = entities;
+    found.seen = Some(churn.0);
+}
