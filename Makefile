@@ -107,6 +107,8 @@ bench: tools vulkan ## every bench at length, optimized
 
 pictures: tools vulkan ## draw the pictures of the README again
 	cargo run --example gallery --features reference -- --readme
+	cargo run --package antumbra_playground --no-default-features -- examples/playground/readme/shot.json \
+		--script examples/playground/readme/script.jsonl --out assets/readme --size 980x450
 
 # Needs the nightly toolchain and cargo-fuzz (`cargo install cargo-fuzz`).
 RUNS ?= 100000

@@ -1,7 +1,7 @@
 //! Bakes the occlusion interval maps of a shot's lights.
 //!
 //! ```sh
-//! cargo run --release --example bake -- SHOT.json
+//! cargo run --release --features reference --example bake -- SHOT.json
 //! cargo run --release --example render -- SHOT.json --out DIR
 //! ```
 //!

@@ -30,6 +30,11 @@ struct Picture {
     frames: usize,
 }
 
+/// What is shown is still loaded: the picture waits until this resource is removed.
+#[derive(Resource, Default)]
+#[allow(dead_code, reason = "most examples load nothing")]
+pub struct Loading;
+
 const SIZE: UVec2 = UVec2::new(320, 180);
 
 /// Returns an app with Bevy's plugins, with or without a window as the command line says.
@@ -64,6 +69,7 @@ pub fn headless(file: PathBuf) -> App {
         file,
         frames: 0,
     });
+    let take_picture = take_picture.run_if(not(resource_exists::<Loading>));
     app.add_systems(PreUpdate, (aim_cameras, take_picture));
     app
 }

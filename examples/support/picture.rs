@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use antumbra::techniques::penumbra_wedge::{EmitterTexture, LightTexture};
 use glam::{UVec2, Vec3};
-use image::{ImageBuffer, Rgba};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Rgba};
 
 /// Writes sRGB RGBA as PNG.
 ///
@@ -17,6 +18,26 @@ pub fn write_png(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), String> {
     image
         .save(path)
         .map_err(|error| format!("{}: {error}", path.display()))
+}
+
+/// Writes sRGB RGBA as a PNG without alpha, as small as it gets.
+///
+/// # Errors
+/// One line that names the file.
+pub fn write_small_png(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), String> {
+    let named = |error: String| format!("{}: {error}", path.display());
+    if rgba8.len() as u64 != 4 * u64::from(size.x) * u64::from(size.y) {
+        return Err(named(format!("not {size} pixels")));
+    }
+    let rgb: Vec<u8> = rgba8
+        .chunks_exact(4)
+        .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
+        .collect();
+    let file = std::fs::File::create(path).map_err(|error| named(error.to_string()))?;
+    let writer = std::io::BufWriter::new(file);
+    PngEncoder::new_with_quality(writer, CompressionType::Best, FilterType::Adaptive)
+        .write_image(&rgb, size.x, size.y, ExtendedColorType::Rgb8)
+        .map_err(|error| named(error.to_string()))
 }
 
 /// How far two pictures differ.

@@ -29,9 +29,11 @@ pub use context::{RenderContext, RenderError, RequestedFeatures};
 pub use frame::draw_list::{Batch, Variant};
 pub use frame::frame_data::{ActiveLight, FrameData, LightShadow, LightSlot, TechniqueIndex, Viewport};
 pub use frame::hosted::{HostFrame, HostView, stencil_lit, stencil_shadowed};
+pub use frame::pixel_measures::SurfacePlane;
 pub use frame::record::FrameOutputs;
 pub use frame::targets::{
-    FrameTargets, MASK_FORMAT, MaskTargets, RADIANCE_FORMAT, RadianceTarget, create_target,
+    FrameTargets, MASK_FORMAT, MaskTargets, RADIANCE_FORMAT, RECEIVER_PLANE_FORMAT, RadianceTarget,
+    create_target,
 };
 pub use gpu::pipeline_cache::{PipelineCache, PipelineDesc, Stage, Variants};
 pub use gpu::readback;

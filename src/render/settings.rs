@@ -23,6 +23,10 @@ pub struct RenderSettings {
     /// Draws the shadow geometry of every light over the picture, false by default. It costs one more draw of
     /// that geometry.
     pub debug_volumes: bool,
+    /// Prepares the frame for [`Renderer::record_light_count`](super::Renderer::record_light_count) and
+    /// [`Renderer::record_planes`](super::Renderer::record_planes), false by default. It costs a pipeline for each kind of
+    /// surface, once.
+    pub pixel_measures: bool,
 }
 
 impl Default for RenderSettings {
@@ -34,6 +38,7 @@ impl Default for RenderSettings {
             depth_bounds: true,
             scissor: true,
             debug_volumes: false,
+            pixel_measures: false,
         }
     }
 }

@@ -36,8 +36,8 @@ pub use perspective_map::{
     MapFocus, PerspectiveFaces, PerspectiveMap, PerspectiveMaps, PerspectiveProjection,
 };
 pub use registry::{
-    AddTechnique, FileError, Refusal, Row, Settings, Statistic, Statistics, Technique, TechniqueSystems,
-    Techniques, add_builtin, add_row, choose_techniques,
+    AddTechnique, FileError, Refusal, Row, Settings, Statistic, Statistics, SurfacePatch, Technique,
+    TechniqueSystems, Techniques, TexelLookup, add_builtin, add_row, choose_techniques,
 };
 #[cfg(feature = "schema")]
 pub use schemars;

@@ -1,5 +1,6 @@
 //! Geometry, sets, silhouettes, schedule and the ray caster: everything that needs neither a GPU nor a file.
 
+mod commands;
 mod import_circles;
 mod inverted_hulls;
 mod invisible;

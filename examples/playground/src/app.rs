@@ -123,7 +123,7 @@ pub struct App {
     pub out: PathBuf,
     /// Centre and radius of the scene, metres.
     pub bounds: (Vec3, f32),
-    pub(crate) images: [Option<(UVec2, egui::TextureId)>; 5],
+    pub(crate) images: [Option<(UVec2, egui::TextureId)>; Show::COUNT],
 }
 
 impl App {
@@ -152,7 +152,7 @@ impl App {
             times: Times::default(),
             out,
             bounds: (Vec3::ZERO, 1.0),
-            images: [None; 5],
+            images: [None; Show::COUNT],
         })
     }
 
@@ -165,7 +165,7 @@ impl App {
         let gpu = Gpu::new(context).map_err(|error| one_line(&error))?;
         self.gpu = Arc::new(gpu);
         self.painter = painter;
-        self.images = [None; 5];
+        self.images = [None; Show::COUNT];
         if let Some(compare) = self.compare.take() {
             let loaded = compare.loaded.clone();
             drop(compare);
@@ -574,5 +574,5 @@ pub fn write_texture(
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(|error| error.to_string())?;
     }
-    antumbra_stage::picture::write_png(path, size, &rows.bytes)
+    antumbra_stage::picture::write_small_png(path, size, &rows.bytes)
 }

@@ -16,6 +16,7 @@ use glam::UVec2;
 use serde::Deserialize;
 
 use crate::document::{Document, Side};
+use crate::measures::{Measure, Measured};
 use crate::side::{Shading, SideStage};
 use crate::target::Target;
 use crate::truth::{Question, Truth};
@@ -34,11 +35,32 @@ pub enum Show {
     ErrorA,
     /// The error of side B against the truth, for the selected light.
     ErrorB,
+    /// Texels of the selected light's map for each pixel, on side A.
+    TexelsA,
+    /// Texels of the selected light's map for each pixel, on side B.
+    TexelsB,
+    /// Lights drawn at each pixel, on side A.
+    LightsA,
+    /// Lights drawn at each pixel, on side B.
+    LightsB,
 }
 
 impl Show {
     /// Everything that a half can show.
-    pub const ALL: [Self; 5] = [Self::A, Self::B, Self::Truth, Self::ErrorA, Self::ErrorB];
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::A,
+        Self::B,
+        Self::Truth,
+        Self::ErrorA,
+        Self::ErrorB,
+        Self::TexelsA,
+        Self::TexelsB,
+        Self::LightsA,
+        Self::LightsB,
+    ];
+
+    /// Number of things that a half can show.
+    pub const COUNT: usize = Self::LightsB as usize + 1;
 
     /// Name in the menu.
     pub fn name(self) -> &'static str {
@@ -48,6 +70,10 @@ impl Show {
             Self::Truth => "Truth",
             Self::ErrorA => "Error of A",
             Self::ErrorB => "Error of B",
+            Self::TexelsA => "Texels of A",
+            Self::TexelsB => "Texels of B",
+            Self::LightsA => "Lights of A",
+            Self::LightsB => "Lights of B",
         }
     }
 
@@ -60,24 +86,41 @@ impl Show {
                 "The same light pass with ray-traced visibility, which refines in the background. Cut-out and \
                  blended surfaces block whole there."
             }
-            Self::ErrorA => {
-                "Where the visibility of the selected light with technique A is wrong: green is right, \
-                             red is wrong by 1, grey does not count."
+            Self::ErrorA | Self::ErrorB => {
+                "Where the visibility of the selected light is wrong with that technique: green is right, red is \
+                 wrong by 1, grey does not count."
             }
-            Self::ErrorB => {
-                "Where the visibility of the selected light with technique B is wrong: green is right, \
-                             red is wrong by 1, grey does not count."
+            Self::TexelsA | Self::TexelsB => {
+                "How many texels of the selected light's map each pixel covers: red shows texels as steps, green has \
+                 about one, blue has more than are seen."
+            }
+            Self::LightsA | Self::LightsB => {
+                "How many lights are drawn at each pixel, shadowed or not: what their shading costs there."
             }
         }
     }
 
-    /// The side whose picture or error it is.
+    /// The side whose picture, error or number it is.
     pub fn side(self) -> Option<Side> {
         match self {
-            Self::A | Self::ErrorA => Some(Side::A),
-            Self::B | Self::ErrorB => Some(Side::B),
+            Self::A | Self::ErrorA | Self::TexelsA | Self::LightsA => Some(Side::A),
+            Self::B | Self::ErrorB | Self::TexelsB | Self::LightsB => Some(Side::B),
             Self::Truth => None,
         }
+    }
+
+    /// The number that it shows in false colours, if it does.
+    pub fn measure(self) -> Option<Measure> {
+        match self {
+            Self::TexelsA | Self::TexelsB => Some(Measure::Texels),
+            Self::LightsA | Self::LightsB => Some(Measure::Lights),
+            _ => None,
+        }
+    }
+
+    /// Whether it is about the selected light.
+    pub fn needs_light(self) -> bool {
+        !matches!(self, Self::A | Self::B | Self::Truth) && self.measure() != Some(Measure::Lights)
     }
 
     /// Whether it needs the truth.
@@ -117,6 +160,15 @@ impl Wanted {
     fn shows(&self, side: Side) -> bool {
         self.panes.iter().any(|pane| pane.side() == Some(side))
     }
+
+    /// The numbers of a side that the halves show in false colours, each once.
+    fn measures(&self, side: Side) -> impl Iterator<Item = Show> {
+        let [left, right] = self.panes;
+        let both = [Some(left), Some(right).filter(|right| *right != left)];
+        both.into_iter()
+            .flatten()
+            .filter(move |show| show.measure().is_some() && show.side() == Some(side))
+    }
 }
 
 /// All pictures of a document.
@@ -137,7 +189,9 @@ pub struct Compare {
     pose_number: u64,
     posed: Option<crate::document::Pose>,
     /// Pictures by [`Show`].
-    pub targets: [Option<Target>; 5],
+    pub targets: [Option<Target>; Show::COUNT],
+    /// Numbers in false colours, by [`Show`].
+    pub measured: [Option<Measured>; Show::COUNT],
     /// Errors of the sides.
     pub judgements: [Option<Judgement>; 2],
     /// Sides that the last frame drew.
@@ -172,7 +226,8 @@ impl Compare {
             traced: None,
             pose_number: 0,
             posed: None,
-            targets: [const { None }; 5],
+            targets: [const { None }; Show::COUNT],
+            measured: [const { None }; Show::COUNT],
             judgements: [None; 2],
             drawn: [false; 2],
             judged: None,
@@ -251,6 +306,9 @@ impl Compare {
             Show::Truth => self.truth.answer().is_some(),
             Show::ErrorA => self.judgements[Side::A.index()].is_some(),
             Show::ErrorB => self.judgements[Side::B.index()].is_some(),
+            Show::TexelsA | Show::TexelsB | Show::LightsA | Show::LightsB => {
+                self.measured[show as usize].is_some()
+            }
         }
     }
 
@@ -277,14 +335,35 @@ impl Compare {
         };
         let mut renderer = stage.stage.world.resource_mut::<Renderer>();
         renderer.settings.debug_volumes = wanted.debug_volumes;
+        renderer.settings.pixel_measures = wanted.measures(side).next().is_some();
         let applied = stage.apply(document, wanted.size);
         if let (Side::B, Some(a)) = (side, &self.sides[Side::A.index()]) {
             stage.place_as(a);
         }
         let target = self.target(show, wanted.size);
         let drawn = stage.draw(target, judged).map_err(|error| one_line(&error));
+        let measured = drawn
+            .as_ref()
+            .map_or(Ok(()), |_| self.measure(&mut stage, side, wanted));
         self.sides[side.index()] = Some(stage);
-        applied.and(drawn)
+        applied.and(measured).and(drawn)
+    }
+
+    /// Makes the numbers in false colours that the halves show of a side.
+    fn measure(&mut self, stage: &mut SideStage, side: Side, wanted: &Wanted) -> Result<(), String> {
+        for show in wanted.measures(side) {
+            let measured = match show.measure() {
+                Some(Measure::Texels) => stage.texels(wanted.selected)?,
+                Some(Measure::Lights) => stage.lights_per_pixel()?,
+                None => None,
+            };
+            if let Some(measured) = &measured {
+                let context = self.gpu.context.clone();
+                self.target(show, measured.size).write(&context, &measured.rgba8);
+            }
+            self.measured[show as usize] = measured;
+        }
+        Ok(())
     }
 
     /// Asks for the truth of what side A shows.

@@ -89,6 +89,8 @@ pub struct Document {
     pub lights: Option<Vec<LightDoc>>,
     /// Grounds on which perspective maps blur their shadows.
     pub blurred_grounds: Vec<ShotGround>,
+    /// The file or address of the JSON Schema from which editors complete the shot file.
+    pub schema: Option<PathBuf>,
 }
 
 impl Default for Document {
@@ -101,6 +103,7 @@ impl Default for Document {
             pose: None,
             lights: None,
             blurred_grounds: Vec::new(),
+            schema: None,
         }
     }
 }
@@ -363,6 +366,13 @@ impl Document {
             }),
             lights,
             blurred_grounds: shot.blurred_grounds,
+            schema: value.get("$schema").and_then(Value::as_str).map(|schema| {
+                if schema.contains("://") {
+                    PathBuf::from(schema)
+                } else {
+                    folder.join(schema)
+                }
+            }),
         })
     }
 
@@ -401,6 +411,14 @@ impl Document {
             let grounds =
                 grounds.map(|ground| json!({"node": ground.node, "radius": exactly(ground.radius)}));
             shot["blurred_grounds"] = grounds.collect();
+        }
+        if let Some(schema) = &self.schema {
+            let is_address = schema.to_string_lossy().contains("://");
+            shot["$schema"] = if is_address {
+                json!(schema)
+            } else {
+                json!(relative(schema, folder))
+            };
         }
         // A value of JSON values alone always has a text.
         serde_json::to_string_pretty(&shot).unwrap_or_default() + "\n"

@@ -11,6 +11,7 @@ pub mod document;
 pub mod given;
 pub mod handles;
 pub mod history;
+pub mod measures;
 pub mod orbit;
 pub mod overlay;
 pub mod paint;

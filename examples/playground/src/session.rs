@@ -495,6 +495,20 @@ impl Session {
                 .map(|(label, time)| (label, json!(time)))
                 .collect::<Map<_, _>>()
         };
+        let measured = app.shown.panes.map(|show| {
+            let measured = app.compare.as_ref()?.measured[show as usize].as_ref()?;
+            let summary = measured.summary;
+            show.measure().map(|measure| {
+                json!({
+                    "title": measure.title(),
+                    "pixels": summary.pixels,
+                    "mean": summary.mean,
+                    "p5": summary.p5,
+                    "median": summary.median,
+                    "most": summary.most,
+                })
+            })
+        });
         json!({
             "scene": app.document.scene,
             "lights": lights.collect::<Vec<_>>(),
@@ -502,6 +516,7 @@ impl Session {
             "divider": app.shown.divider,
             "message": app.message.as_ref().map(|message| &message.text),
             "is_error": app.message.as_ref().is_some_and(|message| message.is_error),
+            "measured": measured,
             "samples": samples,
             "errors": {"a": judgement(Side::A), "b": judgement(Side::B)},
             "gpu_ms": {"a": passes(Side::A), "b": passes(Side::B)},

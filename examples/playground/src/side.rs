@@ -3,11 +3,13 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
-use antumbra::render::{Gpu, PassTime, RenderError, VISIBILITY_FORMAT, create_target};
+use antumbra::render::readback::read_texture;
+use antumbra::render::{Gpu, PassTime, RECEIVER_PLANE_FORMAT, RenderError, VISIBILITY_FORMAT, create_target};
 use antumbra::reports::Reports;
 use antumbra::scene::apply_animation;
 use antumbra::scene::gltf_import::{LoadedGltf, SpawnedScene, spawn_scene};
 use antumbra::schedule::SetTimes;
+use antumbra::sets::View;
 use antumbra::techniques::penumbra_wedge::EmitterTexture;
 use antumbra::techniques::{Techniques, add_row};
 use antumbra_stage::picture::light_texture;
@@ -20,6 +22,7 @@ use serde_json::{Map, Value};
 
 use crate::document::{Document, LightDoc, Pose, Side};
 use crate::given::{GivenPicture, GivenVisibility};
+use crate::measures::{Measured, Pixels};
 use crate::target::Target;
 
 /// Where the visibility of a picture comes from.
@@ -296,6 +299,73 @@ impl SideStage {
         wanted.map(|mask| read_halves(&context, &mask)).transpose()
     }
 
+    /// Counts the lights that the last frame drew at each pixel. `None` without a view.
+    ///
+    /// # Errors
+    /// One line that says what the device refuses.
+    pub fn lights_per_pixel(&self) -> Result<Option<Measured>, String> {
+        self.measured(&|_| true, |pixels| pixels.lights())
+    }
+
+    /// Counts the texels of a light's map for each pixel of the last frame. `None` without a view, and if the light's
+    /// technique looks up no picture.
+    ///
+    /// # Errors
+    /// One line that says what the device refuses.
+    pub fn texels(&self, light: Option<usize>) -> Result<Option<Measured>, String> {
+        let world = &self.stage.world;
+        let entity = light.and_then(|light| self.stage.lights.get(light));
+        let lights = &world.resource::<FrameLights>().lights;
+        let index = entity.and_then(|entity| lights.iter().position(|light| light.entity == *entity));
+        let techniques = world.resource::<Techniques>();
+        let Some((index, lookup)) = index.and_then(|index| Some((index, techniques.texels(world, index)?)))
+        else {
+            return Ok(None);
+        };
+        self.measured(&|light| light == index, |pixels| pixels.texels(&lookup))
+    }
+
+    /// Reads back what the pixels of the last frame show, with the number of lights among those that count.
+    fn measured(
+        &self,
+        counts: &dyn Fn(usize) -> bool,
+        measure: impl FnOnce(&Pixels) -> Measured,
+    ) -> Result<Option<Measured>, String> {
+        let Some(view) = &self.stage.world.resource::<View>().data else {
+            return Ok(None);
+        };
+        let renderer = self.stage.world.resource::<Renderer>();
+        let context = renderer.context();
+        let bytes = 8 * u64::from(view.viewport.x) * u64::from(view.viewport.y);
+        if bytes > context.device.limits().max_buffer_size {
+            return Err("the view is too large to be measured on this device".to_owned());
+        }
+        let texture = |label, format| {
+            create_target(context, label, view.viewport, format).map_err(|error| one_line(&error))
+        };
+        let (planes, lights) = (
+            texture("planes", RECEIVER_PLANE_FORMAT)?,
+            texture("lights", VISIBILITY_FORMAT)?,
+        );
+        let mut encoder = context.device.create_command_encoder(&Default::default());
+        renderer.record_planes(&mut encoder, &planes.create_view(&Default::default()));
+        renderer.record_light_count(&mut encoder, &lights.create_view(&Default::default()), counts);
+        context.queue.submit([encoder.finish()]);
+        let all = wgpu::TextureAspect::All;
+        let rows = read_texture(context, &planes, all, "planes").map_err(|error| one_line(&error))?;
+        let half = |bytes: &[u8]| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let texels = rows.bytes.chunks_exact(8);
+        let planes: Vec<[u32; 2]> = texels
+            .map(|texel| [half(&texel[..4]), half(&texel[4..])])
+            .collect();
+        let lights = read_halves(context, &lights).map_err(|error| one_line(&error))?;
+        Ok(Some(measure(&Pixels {
+            view,
+            planes: &planes,
+            lights: &lights,
+        })))
+    }
+
     /// Waits for the frame and returns the GPU times of its passes.
     ///
     /// # Errors
@@ -330,7 +400,7 @@ impl SideStage {
 /// Reads back a texture of one half float a texel.
 fn read_halves(context: &RenderContext, texture: &wgpu::Texture) -> Result<Vec<f32>, RenderError> {
     let all = wgpu::TextureAspect::All;
-    let rows = antumbra::render::readback::read_texture(context, texture, all, "visibility")?;
+    let rows = read_texture(context, texture, all, "visibility")?;
     let halves = rows.bytes.chunks_exact(2);
     Ok(halves
         .map(|bytes| half::f16::from_le_bytes([bytes[0], bytes[1]]).to_f32())

@@ -10,6 +10,7 @@
 //! | `frame_data`, `draw_list` | draws and lights of the frame |
 //! | `targets`, `canvas` | the textures that passes write |
 //! | `front_surfaces`, `front_lights` | the front layer of blended surfaces |
+//! | `pixel_measures` | what a frame costs at each pixel, for debug views |
 //! | `hosted` | frames that light the surfaces of a host's renderer |
 
 pub(crate) mod canvas;
@@ -18,6 +19,7 @@ pub(crate) mod frame_data;
 pub(crate) mod front_lights;
 pub(crate) mod front_surfaces;
 pub(crate) mod hosted;
+pub(crate) mod pixel_measures;
 pub(crate) mod prepare;
 pub(crate) mod record;
 pub(crate) mod record_lights;

@@ -76,7 +76,7 @@ impl Renderer {
                 LightSurfaces::Opaque => &self.frame.ambient,
                 LightSurfaces::Front => &self.frame.blended_batches,
             };
-            nodes::receiver_plane::record(frame, masks, self.batches(drawn));
+            nodes::receiver_plane::record(frame, &masks.receiver_plane_view, self.batches(drawn));
         }
     }
 

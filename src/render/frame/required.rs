@@ -10,6 +10,7 @@ use crate::render::renderer::Renderer;
 impl Renderer {
     /// Takes the pipelines of all surface passes that the prepared frame will draw. Returns the first error.
     pub(in crate::render) fn require_pipelines(&mut self) -> Result<(), RenderError> {
+        let measures = self.settings.pixel_measures;
         let reads_planes = self.reads_planes();
         let Self {
             frame,
@@ -30,12 +31,15 @@ impl Renderer {
             None => SurfacePass::Ambient,
         };
         require(drawn, frame.ambient.clone());
-        if reads_planes {
+        if reads_planes || measures {
             require(SurfacePass::ReceiverPlane, frame.ambient.clone());
             require(SurfacePass::ReceiverPlane, frame.blended_batches.clone());
         }
         for light in &frame.lights {
             let visibility = light.kind();
+            if measures {
+                require(SurfacePass::LightCount, light.batches.clone());
+            }
             require(LightSurfaces::Opaque.pass(light), light.batches.clone());
             if light.is_scaled || light.is_tinted {
                 require(SurfacePass::WholeMask, light.batches.clone());

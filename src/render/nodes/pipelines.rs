@@ -247,6 +247,12 @@ impl SurfacePass {
                 unshadowed: "lit",
                 ..drawing(VISIBILITY, MASK_FORMAT)
             },
+            Self::LightCount => PassState {
+                fragment: "lit",
+                unshadowed: "lit",
+                blend: Some(ADD),
+                ..SEEN
+            },
             Self::ReceiverPlane => drawing(RECEIVER_PLANE, RECEIVER_PLANE_FORMAT),
         }
     }

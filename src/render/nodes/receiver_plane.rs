@@ -11,21 +11,35 @@
 
 use super::surface_pass::SurfacePass;
 use super::surfaces::draw_batches;
+use crate::render::frame::canvas::Canvas;
 use crate::render::frame::draw_list::Batch;
 use crate::render::frame::recording::Recording;
-use crate::render::frame::targets::MaskTargets;
 
 /// The value of pixels where no surface was drawn. No normal packs to it. `shaders/common/receiver.wgsl` has
 /// the same constant.
 pub const NO_PLANE: u32 = 0x8000_8000;
 
 /// Clears the planes and records the draws of the given surfaces.
-pub fn record(frame: &mut Recording, masks: &MaskTargets, batches: &[Batch]) {
+pub fn record(frame: &mut Recording, target: &wgpu::TextureView, batches: &[Batch]) {
+    let timer = frame.timings.pass("receiver plane");
+    let surfaces = frame.surfaces;
+    let mut pass = begin(frame.encoder, &frame.canvas, target, timer);
+    pass.set_bind_group(0, frame.view, &[]);
+    draw_batches(&mut pass, SurfacePass::ReceiverPlane, batches, &surfaces);
+}
+
+/// Begins the pass, which clears the planes.
+pub fn begin<'e>(
+    encoder: &'e mut wgpu::CommandEncoder,
+    canvas: &Canvas,
+    target: &wgpu::TextureView,
+    timer: Option<wgpu::RenderPassTimestampWrites>,
+) -> wgpu::RenderPass<'e> {
     let none = f64::from(NO_PLANE);
-    let mut pass = frame.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("receiver plane"),
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view: &masks.receiver_plane_view,
+            view: target,
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
@@ -38,11 +52,10 @@ pub fn record(frame: &mut Recording, masks: &MaskTargets, batches: &[Batch]) {
                 store: wgpu::StoreOp::Store,
             },
         })],
-        depth_stencil_attachment: Some(frame.canvas.targets.read_only()),
-        timestamp_writes: frame.timings.pass("receiver plane"),
+        depth_stencil_attachment: Some(canvas.targets.read_only()),
+        timestamp_writes: timer,
         ..Default::default()
     });
-    frame.canvas.viewport.set(&mut pass);
-    pass.set_bind_group(0, frame.view, &[]);
-    draw_batches(&mut pass, SurfacePass::ReceiverPlane, batches, &frame.surfaces);
+    canvas.viewport.set(&mut pass);
+    pass
 }

@@ -45,6 +45,8 @@ pub enum SurfacePass {
     FrontLightTinted,
     /// Writes 1 into the mask.
     WholeMask,
+    /// Adds 1 to the number of lights.
+    LightCount,
     /// Draws depth where a host shows the surface.
     HostSurface,
 }
@@ -75,6 +77,7 @@ impl SurfacePass {
             Self::LightTinted => "light tinted",
             Self::FrontLightTinted => "front light tinted",
             Self::WholeMask => "whole mask",
+            Self::LightCount => "light count",
             Self::HostSurface => "host surface",
         }
     }

@@ -23,8 +23,8 @@
 //! | `ask_for_maps` | the lights of the frame, and the textures that their maps need |
 //! | `build_maps` | the frame's [`Maps`]: which faces are drawn again |
 //! | `packing` | the packings of squared distance into bytes; twin of the shader |
-//! | `jitter` | the texture of jittered discs
-//! | `debug_lines` | the faces as lines |
+//! | `jitter` | the texture of jittered discs |
+//! | `debug_lines`, `texels` | the faces as lines, and their texels on a surface |
 //! | `gpu` | the recorder (feature `render`) |
 //!
 //! # Error and cost
@@ -65,6 +65,7 @@ pub(crate) mod packing;
 pub(crate) mod request;
 pub(crate) mod settings;
 pub(crate) mod systems;
+pub(crate) mod texels;
 
 pub use ask_for_maps::ask_for_maps;
 pub use build_maps::{Maps, build_maps};

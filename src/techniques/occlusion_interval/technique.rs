@@ -17,7 +17,7 @@ use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::Needs;
-use crate::techniques::registry::{FileError, Refusal, Statistics, Technique};
+use crate::techniques::registry::{FileError, Refusal, Statistics, Technique, TexelLookup};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureMemorySystems, TextureWant};
 
 /// Code of the report about receivers that are not in the maps.
@@ -148,6 +148,13 @@ impl Technique for OcclusionInterval {
                 group
             });
         out.set("interval_maps", group);
+    }
+
+    /// Texels lie on the surfaces, all equally large. Receivers that are not in the maps are counted as if they were.
+    fn texels(world: &World, light: usize) -> Option<TexelLookup<'_>> {
+        let scene = world.get_resource::<IntervalScenes>()?.scene_of(light)?;
+        let per_square_metre = f64::from(scene.maps.texels_per_metre).powi(2);
+        Some(Box::new(move |patch| Some(patch.area() * per_square_metre)))
     }
 
     fn report(world: &World, round: &mut Round) {

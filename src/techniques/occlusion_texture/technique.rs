@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 use super::build::{OcclusionTextures, ask_for_slices, build_slices};
 use super::component::OcclusionTexture;
 use super::debug_lines;
+use super::face::Slices;
 #[cfg(feature = "render")]
 use super::gpu::{self, recorder::SliceNode};
 use crate::debug_lines::DebugLines;
@@ -15,7 +16,8 @@ use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
 use crate::sets::{FrameLights, Needs};
-use crate::techniques::registry::{Refusal, Statistics, Technique};
+use crate::techniques::registry::{Refusal, Statistics, Technique, TexelLookup};
+use crate::techniques::shared::pictures::{Chosen, Picture, texel_lookup};
 use crate::techniques::shared::texture_memory::TextureMemorySystems;
 
 impl Technique for OcclusionTexture {
@@ -88,6 +90,16 @@ impl Technique for OcclusionTexture {
 
     fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
         debug_lines::debug_lines(world, light, out);
+    }
+
+    fn texels(world: &World, light: usize) -> Option<TexelLookup<'_>> {
+        let slices = world.get_resource::<OcclusionTextures>()?.of_light(light)?;
+        let drawn = slices.faces.iter().filter(|face| face.slices != Slices::NONE);
+        let pictures = drawn.map(|face| Picture {
+            clip_from_world: face.drawn().clip_from_world(),
+            resolution: slices.resolution,
+        });
+        Some(texel_lookup(pictures.collect(), Chosen::Innermost))
     }
 
     #[cfg(feature = "serde")]

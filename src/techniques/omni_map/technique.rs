@@ -15,7 +15,7 @@ use crate::sets::{FrameLights, Needs};
 use crate::techniques::maps::gpu::{self, recorder::MapNode};
 use crate::techniques::maps::request::{MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
-use crate::techniques::registry::{Refusal, Statistics, Technique};
+use crate::techniques::registry::{Refusal, Statistics, Technique, TexelLookup};
 
 /// Lists the map requests of the lights that an [`OmniMap`] shadows.
 ///
@@ -57,6 +57,10 @@ impl Technique for OmniMap {
 
     fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
         maps::debug_lines::debug_lines(world, light, out);
+    }
+
+    fn texels(world: &World, light: usize) -> Option<TexelLookup<'_>> {
+        maps::texels::texels(world, light)
     }
 
     #[cfg(feature = "serde")]

@@ -21,7 +21,7 @@ use crate::sets::{FrameLight, FrameLights, Needs, Objects, View, VisibleParts};
 use crate::silhouettes::{KEPT_FRAMES, LightClearance};
 use crate::techniques::maps::request::{LightRequest, MapFaces, MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
-use crate::techniques::registry::{Refusal, Statistics, Technique};
+use crate::techniques::registry::{Refusal, Statistics, Technique, TexelLookup};
 
 /// How the perspective maps of this frame were fitted. Written by `request_perspective_maps`.
 #[derive(Resource, Clone, Debug, Default)]
@@ -306,6 +306,10 @@ impl Technique for PerspectiveMap {
 
     fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
         maps::debug_lines::debug_lines(world, light, out);
+    }
+
+    fn texels(world: &World, light: usize) -> Option<TexelLookup<'_>> {
+        maps::texels::texels(world, light)
     }
 
     #[cfg(feature = "serde")]

@@ -16,6 +16,7 @@
 //! | `choose` | the choice of a light's technique in each frame |
 //! | `refusal` | the reasons why a technique does not shadow a light |
 //! | `statistics` | named values that a technique reports of its lights and of the frame |
+//! | `texels` | texels that a surface covers in a technique's pictures |
 //! | `report` | reports of all techniques |
 //! | `systems` | the set in which the systems of techniques run |
 //! | `gpu_row`, `recorders` | recorders and shaders of the rows (feature `render`) |
@@ -34,6 +35,7 @@ mod statistics;
 mod systems;
 mod technique;
 mod techniques;
+mod texels;
 
 pub use add_technique::AddTechnique;
 pub use builtin::add_builtin;
@@ -44,3 +46,4 @@ pub use statistics::{Statistic, Statistics};
 pub use systems::TechniqueSystems;
 pub use technique::Technique;
 pub use techniques::{Techniques, add_row};
+pub use texels::{SurfacePatch, TexelLookup};

@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use super::refusal::{FileError, Refusal};
 use super::statistics::Statistics;
 use super::technique::Technique;
+use super::texels::TexelLookup;
 use crate::debug_lines::DebugLines;
 use crate::reports::Round;
 use crate::scene::Light;
@@ -46,6 +47,7 @@ struct Constants {
     name: &'static str,
     paths: &'static [&'static str],
     load_files: fn(&mut World, Entity) -> Result<(), FileError>,
+    texels: fn(&World, usize) -> Option<TexelLookup<'_>>,
 }
 
 impl PartialEq for Row {
@@ -77,6 +79,7 @@ impl Row {
                     name: T::NAME,
                     paths: T::PATHS,
                     load_files: T::load_files,
+                    texels: T::texels,
                 }
             },
             needs: T::NEEDS,
@@ -211,6 +214,11 @@ impl Row {
     /// Adds lines that show how the technique shadows a light ([`Technique::debug_lines`]).
     pub(super) fn debug_lines(&self, world: &World, light: usize, out: &mut DebugLines) {
         (self.debug_lines)(world, light, out);
+    }
+
+    /// Returns what counts the texels of the technique's pictures of a light ([`Technique::texels`]).
+    pub(super) fn texels<'w>(&self, world: &'w World, light: usize) -> Option<TexelLookup<'w>> {
+        (self.constants.texels)(world, light)
     }
 
     /// Returns the technique's WGSL files. Each file comes after the files that it imports.

@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 
 use super::refusal::{FileError, Refusal};
 use super::statistics::Statistics;
+use super::texels::TexelLookup;
 use crate::debug_lines::DebugLines;
 #[cfg(feature = "render")]
 use crate::render::RenderError;
@@ -69,6 +70,14 @@ pub trait Technique: Component<Mutability = Mutable> + Clone + PartialEq + Defau
     /// Adds lines that show how the technique shadows a light, such as the faces of its map. `light` is an index into
     /// [`FrameLights`](crate::sets::FrameLights) of a light that this technique shadows. The default adds none.
     fn debug_lines(_world: &World, _light: usize, _out: &mut DebugLines) {}
+
+    /// Returns a function that counts the texels that a part of a surface covers in the technique's pictures, as they were
+    /// drawn last; the playground shows it as texels per pixel. `light` is an index into
+    /// [`FrameLights`](crate::sets::FrameLights) of a light that this technique shadows. `None`, the default: the technique
+    /// looks up no picture of the light.
+    fn texels(_world: &World, _light: usize) -> Option<TexelLookup<'_>> {
+        None
+    }
 
     /// Raises reports about lights that [`Technique::check`] accepts but that the technique cannot shadow as
     /// asked in this frame. The topic is [`Technique::NAME`].

@@ -7,8 +7,9 @@ use super::builtin::add_builtin;
 use super::refusal::RefusedLight;
 use super::row::{Row, Settings};
 use super::technique::Technique;
+use super::texels::TexelLookup;
 use crate::debug_lines::DebugLines;
-use crate::sets::{FrameLights, LightTechnique};
+use crate::sets::FrameLights;
 
 /// The techniques that a world knows. The crate's own techniques come first.
 #[derive(Resource, Clone, Debug)]
@@ -82,17 +83,23 @@ impl Techniques {
     /// Adds lines that show how the technique of a light shadows it, such as the faces of its map. `light` is an index
     /// into [`FrameLights`] of the last frame of `world`; a light without a technique has no lines.
     pub fn debug_lines(&self, world: &World, light: usize, out: &mut DebugLines) {
-        let technique = world
-            .get_resource::<FrameLights>()
-            .and_then(|lights| lights.lights.get(light)?.technique);
-        let row = |technique: LightTechnique| {
-            self.rows
-                .iter()
-                .find(|row| row.component() == technique.component)
-        };
-        if let Some(row) = technique.and_then(row) {
+        if let Some(row) = self.of_light(world, light) {
             row.debug_lines(world, light, out);
         }
+    }
+
+    /// Returns a function that counts the texels that a part of a surface covers in the pictures of a light's technique
+    /// ([`Technique::texels`]); `None` for a light without a technique, and for one whose technique looks up no picture.
+    /// `light` is an index into [`FrameLights`] of the last frame of `world`.
+    pub fn texels<'w>(&self, world: &'w World, light: usize) -> Option<TexelLookup<'w>> {
+        self.of_light(world, light)?.texels(world, light)
+    }
+
+    /// Returns the technique that shadows a light of the last frame.
+    fn of_light(&self, world: &World, light: usize) -> Option<&Row> {
+        let lights = world.get_resource::<FrameLights>()?;
+        let component = lights.lights.get(light)?.technique?.component;
+        self.rows.iter().find(|row| row.component() == component)
     }
 
     /// Removes the components of all techniques from a light. Returns their settings in the order of the

@@ -1,5 +1,5 @@
-//! Parts that several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines, and the
-//! memory for textures.
+//! Parts that several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines,
+//! texels for debug views, and the memory for textures.
 
 pub(crate) mod extrude;
 pub(crate) mod finite_reach;
@@ -7,5 +7,6 @@ pub(crate) mod finite_reach;
 pub(crate) mod gpu;
 pub(crate) mod inside_test;
 pub(crate) mod near_caps;
+pub(crate) mod pictures;
 pub(crate) mod shadow_lines;
 pub(crate) mod texture_memory;

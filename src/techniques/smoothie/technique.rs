@@ -16,7 +16,7 @@ use crate::sets::{FrameLights, NeededSilhouettes, Needs};
 use crate::silhouettes::Silhouettes;
 use crate::techniques::maps::request::{MapRequests, MapSystems};
 use crate::techniques::maps::{self, Maps, systems};
-use crate::techniques::registry::{Refusal, Statistics, Technique};
+use crate::techniques::registry::{Refusal, Statistics, Technique, TexelLookup};
 
 /// Lists the map requests of the lights that a [`Smoothie`] shadows.
 ///
@@ -84,6 +84,10 @@ impl Technique for Smoothie {
 
     fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
         maps::debug_lines::debug_lines(world, light, out);
+    }
+
+    fn texels(world: &World, light: usize) -> Option<TexelLookup<'_>> {
+        maps::texels::texels(world, light)
     }
 
     #[cfg(feature = "serde")]

@@ -1,6 +1,7 @@
 //! The window's contents.
 
 mod help;
+mod legend;
 mod lights;
 mod techniques;
 pub mod theme;

@@ -5,9 +5,9 @@ use glam::{UVec2, Vec2, Vec3};
 
 use super::theme;
 use crate::app::{App, Drag};
-use crate::compare::Show;
 use crate::document::Side;
 use crate::handles::{Handle, Place, place};
+use crate::measures::Measure;
 use crate::orbit::Lens;
 use crate::overlay::{self, Canvas};
 
@@ -48,6 +48,7 @@ impl App {
             self.lines(ui, rect, lens, scale);
             self.marks(ui, rect, &lens, scale);
         }
+        self.legends(ui, rect, scale);
         self.divider(ui, rect);
         let refining = self
             .compare
@@ -83,12 +84,14 @@ impl App {
                 }
                 None => {
                     painter.rect_filled(part, 0.0, theme::BEHIND);
-                    let text = if self.shown.playing {
-                        "The truth waits until the animation stops."
-                    } else if show == Show::Truth || self.shown.selected.is_some() {
-                        "Tracing the truth…"
-                    } else {
+                    let text = if show.needs_light() && self.shown.selected.is_none() {
                         "Select a light."
+                    } else if show.measure().is_some() {
+                        "The light's technique looks up no map here."
+                    } else if self.shown.playing {
+                        "The truth waits until the animation stops."
+                    } else {
+                        "Tracing the truth…"
                     };
                     let font = egui::FontId::proportional(13.0);
                     painter.text(part.center(), egui::Align2::CENTER_CENTER, text, font, theme::DIM);
@@ -140,6 +143,7 @@ impl App {
     fn caption(&self, painter: &egui::Painter, half: usize, align: egui::Align2, at: Pos2) {
         let show = self.shown.panes[half];
         let technique = show.side().zip(self.selected_light());
+        let technique = technique.filter(|_| show.measure() != Some(Measure::Lights));
         let technique = technique.map(|(side, light)| crate::schema::label(light.technique(side)));
         let mut text = match technique {
             Some(technique) => format!("{} · {technique}", show.name()),

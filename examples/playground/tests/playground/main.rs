@@ -4,6 +4,7 @@ mod animation;
 mod copied;
 mod harness;
 mod lights;
+mod measures;
 mod menus;
 mod saved;
 
@@ -233,6 +234,7 @@ fn bad_input_is_told_and_nothing_is_lost() {
     for (name, text) in [
         ("broken.glb", "no model"),
         ("broken.json", "{"),
+        ("notes.txt", "to do"),
         ("missing.json", r#"{"scene": "nowhere.glb"}"#),
         ("unknown.json", r#"{"scene": "a.glb", "moon": 1}"#),
     ] {

@@ -51,6 +51,7 @@ fn nothing_of_a_shot_file_is_lost() {
     cookie.put_pixel(1, 1, image::Rgb([255, 255, 255]));
     cookie.save(pictures.join("window.png")).unwrap();
     let shot = json!({
+        "$schema": "schemas/shot.json",
         "scene": models().join("suzanne.glb"),
         "camera": {"eye": [0.3, 0.2, 2.5], "target": [0, 0, 0], "vfov_deg": 40, "near": 0.00002},
         "ambient": [0.00001, 0.02, 0.3],
@@ -77,6 +78,7 @@ fn nothing_of_a_shot_file_is_lost() {
     let again = folder.join("deeper/again.json");
     let value: Value = serde_json::from_str(&std::fs::read_to_string(&again).unwrap()).unwrap();
     assert_eq!(value["blurred_grounds"], shot["blurred_grounds"]);
+    assert_eq!(value["$schema"], "../schemas/shot.json");
     assert_eq!(value["camera"]["near"], 0.00002);
     assert_eq!(value["ambient"], shot["ambient"]);
     assert_eq!(value["lights"][0]["cookie"]["path"], "../pictures/window.png");
@@ -106,11 +108,18 @@ fn nothing_of_a_shot_file_is_lost() {
     );
     session.frame().unwrap();
     assert_eq!(grounds(&mut session), [0.35]);
-    // A scene without blurred grounds has none.
+    // A scene without blurred grounds has none, and a schema on the web keeps its address.
     let mut plain = shot;
     plain["blurred_grounds"] = json!([]);
+    plain["$schema"] = json!("https://example.org/shot.json");
     std::fs::write(&path, plain.to_string()).unwrap();
     assert!(session.app.open(&path));
     session.frame().unwrap();
     assert!(grounds(&mut session).is_empty());
+    run(&mut session, r#"{"do":"save","side":"a","file":"plain.json"}"#);
+    let plain = std::fs::read_to_string(folder.join("plain.json")).unwrap();
+    assert!(
+        plain.contains(r#""$schema": "https://example.org/shot.json""#),
+        "{plain}"
+    );
 }
