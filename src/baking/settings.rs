@@ -135,8 +135,10 @@ pub enum BakeNote {
         /// Density of the chart.
         texels_per_metre: f32,
     },
-    /// No texel sees the light at any time: it never rises, or its path lies inside of geometry.
-    #[error("nothing sees the light at any time: it never rises, or its path lies inside of geometry")]
+    /// No texel sees the light at any time: it never rises, its path lies inside of geometry, or texels are larger than surfaces.
+    #[error(
+        "nothing sees the light at any time: it never rises, its path lies inside of geometry, or texels are larger than surfaces"
+    )]
     NeverSeen,
 }
 

@@ -170,70 +170,65 @@ fn tap(site: Site, texels: vec2f) -> f32 {
     return tap_face(site, site.face, ndc);
 }
 
-// Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.3.
-fn brute(site: Site) -> f32 {
-    var sum = 0.0;
-    for (var y = -1.5; y < 2.0; y += 1.0) {
-        for (var x = -1.5; x < 2.0; x += 1.0) {
-            sum += tap(site, vec2f(x, y));
-        }
-    }
-    return sum / 16.0;
-}
-
-// Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.4: the pattern of figure 11-4.
-fn dithered(site: Site, pixel: vec2u) -> f32 {
-    let odd_x = pixel.x & 1u;
-    let offset = vec2f(f32(odd_x), f32(odd_x ^ (pixel.y & 1u)));
-    return 0.25 * (tap(site, offset + vec2f(-1.5, 0.5)) + tap(site, offset + vec2f(0.5, 0.5))
-        + tap(site, offset + vec2f(-1.5, -1.5)) + tap(site, offset + vec2f(0.5, -1.5)));
-}
-
-// The taps are corners of a square, turned so that no two share a row.
-// Source: Gerasimov 2004, GPU Gems ch. 12, listing 12-3.
-fn soft(site: Site, radius: f32) -> f32 {
-    let a = vec2f(0.9239, 0.3827) * radius;
-    let b = vec2f(-a.y, a.x);
-    return 0.25 * (tap(site, a) + tap(site, -a) + tap(site, b) + tap(site, -b));
-}
-
-fn two_jittered(site: Site, pixel: vec2u, texel: i32, radius: f32) -> f32 {
-    let offsets = textureLoad(jitter, vec3i(vec2i(pixel % TILE), texel), 0) * radius;
-    return tap(site, offsets.xy) + tap(site, offsets.zw);
-}
-
-// The rim indicates whether the whole disc is lit or dark. The other taps are made only where the rim
-// disagrees.
-// Source: Uralsky & Ahmad 2004, "Soft Shadows" (NVIDIA SDK white paper).
-fn jittered(site: Site, pixel: vec2u, radius: f32) -> f32 {
-    var sum = 0.0;
-    for (var texel = 0; texel < RIM_TEXELS; texel++) {
-        sum += two_jittered(site, pixel, texel, radius);
-    }
-    let rim = f32(RIM_TEXELS) * 2.0;
-    if FILTER == ADAPTIVE && (sum == 0.0 || sum == rim) {
-        return sum / rim;
-    }
-    for (var texel = RIM_TEXELS; texel < JITTER_TEXELS; texel++) {
-        sum += two_jittered(site, pixel, texel, radius);
-    }
-    return sum / (f32(JITTER_TEXELS) * 2.0);
-}
-
-fn filtered_once(site: Site, pixel: vec2u, radius: f32) -> f32 {
+// Offsets of a step of the filter: of one tap or, if jittered, of two. In texels, or in units of the disc if the filter has one
+// and the face a matrix.
+fn step_offsets(step: i32, pixel: vec2u, radius: f32) -> vec4f {
+    var offset = vec2f(0.0);
     if FILTER == BRUTE {
-        return brute(site);
+        // Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.3.
+        offset = vec2f(f32(step & 3), f32(step >> 2u)) - 1.5;
     }
     if FILTER == DITHERED {
-        return dithered(site, pixel);
+        // Source: Bunnell & Pellacini 2004, GPU Gems ch. 11, §11.4: the pattern of figure 11-4.
+        let odd_x = pixel.x & 1u;
+        offset = vec2f(f32(odd_x), f32(odd_x ^ (pixel.y & 1u)));
+        offset += vec2f(select(-1.5, 0.5, (step & 1) == 1), select(0.5, -1.5, step >= 2));
     }
     if FILTER == SOFT {
-        return soft(site, radius);
+        // The taps are corners of a square, turned so that no two share a row.
+        // Source: Gerasimov 2004, GPU Gems ch. 12, listing 12-3.
+        let a = vec2f(0.9239, 0.3827) * radius;
+        offset = select(a, vec2f(-a.y, a.x), step >= 2) * select(1.0, -1.0, (step & 1) == 1);
     }
     if FILTER == JITTERED || FILTER == ADAPTIVE {
-        return jittered(site, pixel, radius);
+        return textureLoad(jitter, vec3i(vec2i(pixel % TILE), step), 0) * radius;
     }
-    return tap(site, vec2f(0.0));
+    return vec4f(offset, offset);
+}
+
+// Number of steps of the filter.
+fn step_count() -> i32 {
+    if FILTER == BRUTE {
+        return 16;
+    }
+    if FILTER == DITHERED || FILTER == SOFT {
+        return 4;
+    }
+    return select(1, JITTER_TEXELS, FILTER == JITTERED || FILTER == ADAPTIVE);
+}
+
+// The filter has one call of a tap, and the shader one call of the filter: drivers copy what is called to every call, before
+// they find out which filter and shape there are, and took most of a second for it.
+//
+// The rim of jittered taps indicates whether the whole disc is lit or dark. The other taps are made only where it disagrees.
+// Source: Uralsky & Ahmad 2004, "Soft Shadows" (NVIDIA SDK white paper).
+fn filtered_once(site: Site, pixel: vec2u, radius: f32) -> f32 {
+    let steps = step_count();
+    let taps_of_step = select(1, 2, FILTER == JITTERED || FILTER == ADAPTIVE);
+    let rim = f32(RIM_TEXELS) * 2.0;
+    var sum = 0.0;
+    for (var step = 0; step < steps; step++) {
+        if FILTER == ADAPTIVE && step == RIM_TEXELS && (sum == 0.0 || sum == rim) {
+            return sum / rim;
+        }
+        let offsets = step_offsets(step, pixel, radius);
+        var of_step = 0.0;
+        for (var i = 0; i < taps_of_step; i++) {
+            of_step += tap(site, select(offsets.xy, offsets.zw, i == 1));
+        }
+        sum += of_step;
+    }
+    return sum / f32(steps * taps_of_step);
 }
 
 // How far from the receiver's place the filter's disc reaches along one of its axes, in a face with a matrix; texels.
@@ -302,23 +297,39 @@ fn at_site(site: Site, pixel: vec2u) -> f32 {
     return filtered(site, pixel);
 }
 
-// Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
-fn from_afar(receiver: Receiver, pixel: vec2u) -> f32 {
-    let chosen = choose_cascades(receiver, CASCADE_COUNT);
-    if chosen.finest == CASCADE_COUNT {
-        return 1.0;                 // beyond the last cascade
-    }
-    var visibility = at_site(site_in_cascade(chosen.finest, receiver), pixel);
-    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
-        visibility = mix(at_site(site_in_cascade(chosen.next, receiver), pixel), visibility, chosen.weight);
-    }
-    return visibility;
+// The sites at which a receiver is looked up, and the weight of the first.
+struct Lookup {
+    count: u32,
+    sites: array<Site, 2>,
+    weight: f32,
 }
 
-fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
+fn known_site(visibility: f32) -> Site {
+    var site: Site;
+    site.known = visibility;
+    return site;
+}
+
+// The finest cascade that shows the receiver; near its border, it blends into the next cascade.
+fn in_cascades(receiver: Receiver) -> Lookup {
+    let chosen = choose_cascades(receiver, CASCADE_COUNT);
+    var out = Lookup(1u, array<Site, 2>(known_site(1.0), known_site(1.0)), chosen.weight);
+    if chosen.finest == CASCADE_COUNT {
+        return out;                 // beyond the last cascade
+    }
+    out.sites[0] = site_in_cascade(chosen.finest, receiver);
+    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
+        out.sites[1] = site_in_cascade(chosen.next, receiver);
+        out.count = 2u;
+    }
+    return out;
+}
+
+// The site of a receiver in the face that shows it; sets `matrix_site`.
+fn site_in_matrix(receiver: Receiver) -> Site {
     let face = showing(receiver.position);
     if face == NO_FACE {
-        return 1.0;                 // out of all faces
+        return known_site(1.0);     // out of all faces
     }
     let clip = clip_in_face(face, receiver.position);
     let ray = ray_at(face, receiver.position);
@@ -328,7 +339,7 @@ fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
     var offset = select(receiver.offset, dot(normal, receiver.position), unknown);
     let height = plane_in_face(face, normal, offset).z;
     if height <= 0.0 {
-        return 0.0;                 // it faces away
+        return known_site(0.0);     // it faces away
     }
     let side_x = texel_side(face, 0u, receiver.position, clip.w, ray);
     let side_y = texel_side(face, 1u, receiver.position, clip.w, ray);
@@ -354,7 +365,20 @@ fn from_matrices(receiver: Receiver, pixel: vec2u) -> f32 {
         depth_step(face, clip, ray * texel),
         raise,
     );
-    return filtered(Site(face, clip.xy / clip.w, along, normal, offset, UNKNOWN), pixel);
+    return Site(face, clip.xy / clip.w, along, normal, offset, UNKNOWN);
+}
+
+fn lookup_of(receiver: Receiver) -> Lookup {
+    if SHAPE == CASCADES {
+        return in_cascades(receiver);
+    }
+    var out = Lookup(1u, array<Site, 2>(known_site(1.0), known_site(1.0)), 1.0);
+    if SHAPE == MATRICES {
+        out.sites[0] = site_in_matrix(receiver);
+    } else {
+        out.sites[0] = site_from_point(receiver, SHAPE);
+    }
+    return out;
 }
 
 @fragment
@@ -365,14 +389,12 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
         return vec4f(vec3f(select(1.0, 0.0, SHOW_TAPS)), 1.0);
     }
     let pixel = vec2u(position.xy);
-    var visibility: f32;
-    if SHAPE == CASCADES {
-        visibility = from_afar(receiver, pixel);
-    } else if SHAPE == MATRICES {
-        visibility = from_matrices(receiver, pixel);
-    } else {
-        visibility = at_site(site_from_point(receiver, SHAPE), pixel);
+    let lookup = lookup_of(receiver);
+    var seen = array<f32, 2>(1.0, 1.0);
+    for (var i = 0u; i < lookup.count; i++) {
+        seen[i] = at_site(lookup.sites[i], pixel);
     }
+    let visibility = select(seen[0], mix(seen[1], seen[0], lookup.weight), lookup.count == 2u);
     if SHOW_TAPS {
         return vec4f(vec3f(taps / 64.0), visibility);
     }
