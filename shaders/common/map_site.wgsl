@@ -186,3 +186,41 @@ fn choose_cascades(receiver: Receiver, count: u32) -> Chosen {
     }
     return chosen;
 }
+
+// The sites at which a receiver is looked up, and the weight of the first. Shaders look them up in one loop, because drivers
+// copy what is called to every call.
+struct Lookup {
+    count: u32,
+    sites: array<Site, 2>,
+    weight: f32,
+}
+
+fn known_site(visibility: f32) -> Site {
+    var site: Site;
+    site.known = visibility;
+    return site;
+}
+
+fn lookup_of_site(site: Site) -> Lookup {
+    return Lookup(1u, array<Site, 2>(site, known_site(1.0)), 1.0);
+}
+
+// The finest cascade that shows the receiver; near its border, it blends into the next cascade.
+fn lookup_in_cascades(receiver: Receiver, count: u32) -> Lookup {
+    let chosen = choose_cascades(receiver, count);
+    if chosen.finest == count {
+        return lookup_of_site(known_site(1.0)); // beyond the last cascade
+    }
+    var out = lookup_of_site(site_in_cascade(chosen.finest, receiver));
+    out.weight = chosen.weight;
+    if chosen.weight < 1.0 && chosen.next < count {
+        out.sites[1] = site_in_cascade(chosen.next, receiver);
+        out.count = 2u;
+    }
+    return out;
+}
+
+// Visibility of a lookup from that of its sites.
+fn blended(lookup: Lookup, seen: array<f32, 2>) -> f32 {
+    return select(seen[0], mix(seen[1], seen[0], lookup.weight), lookup.count == 2u);
+}

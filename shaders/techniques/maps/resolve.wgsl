@@ -6,7 +6,7 @@
 #import antumbra::map::{map_light, FORMAT_DEPTH}
 #import antumbra::map_crease::{Creases, Search, clamped, find_creases, ndc_of, place_of, plain_search, plane_row, unpacked}
 #import antumbra::map_site::{Site, in_face, cube_face, plane_along, plane_depth, raised, STEEPEST, UNKNOWN}
-#import antumbra::map_site::{site_from_point, site_in_cascade, choose_cascades, CUBE, CASCADES, MATRICES}
+#import antumbra::map_site::{Lookup, blended, known_site, lookup_in_cascades, lookup_of_site, site_from_point, CUBE, CASCADES, MATRICES}
 #import antumbra::map_matrix::{NO_FACE, clip_in_face, depth_step, plane_in_face, ray_at, showing, texel_side}
 
 @group(2) @binding(1) var compare: sampler_comparison;
@@ -297,34 +297,6 @@ fn at_site(site: Site, pixel: vec2u) -> f32 {
     return filtered(site, pixel);
 }
 
-// The sites at which a receiver is looked up, and the weight of the first.
-struct Lookup {
-    count: u32,
-    sites: array<Site, 2>,
-    weight: f32,
-}
-
-fn known_site(visibility: f32) -> Site {
-    var site: Site;
-    site.known = visibility;
-    return site;
-}
-
-// The finest cascade that shows the receiver; near its border, it blends into the next cascade.
-fn in_cascades(receiver: Receiver) -> Lookup {
-    let chosen = choose_cascades(receiver, CASCADE_COUNT);
-    var out = Lookup(1u, array<Site, 2>(known_site(1.0), known_site(1.0)), chosen.weight);
-    if chosen.finest == CASCADE_COUNT {
-        return out;                 // beyond the last cascade
-    }
-    out.sites[0] = site_in_cascade(chosen.finest, receiver);
-    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
-        out.sites[1] = site_in_cascade(chosen.next, receiver);
-        out.count = 2u;
-    }
-    return out;
-}
-
 // The site of a receiver in the face that shows it; sets `matrix_site`.
 fn site_in_matrix(receiver: Receiver) -> Site {
     let face = showing(receiver.position);
@@ -370,15 +342,12 @@ fn site_in_matrix(receiver: Receiver) -> Site {
 
 fn lookup_of(receiver: Receiver) -> Lookup {
     if SHAPE == CASCADES {
-        return in_cascades(receiver);
+        return lookup_in_cascades(receiver, CASCADE_COUNT);
     }
-    var out = Lookup(1u, array<Site, 2>(known_site(1.0), known_site(1.0)), 1.0);
     if SHAPE == MATRICES {
-        out.sites[0] = site_in_matrix(receiver);
-    } else {
-        out.sites[0] = site_from_point(receiver, SHAPE);
+        return lookup_of_site(site_in_matrix(receiver));
     }
-    return out;
+    return lookup_of_site(site_from_point(receiver, SHAPE));
 }
 
 @fragment
@@ -394,7 +363,7 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     for (var i = 0u; i < lookup.count; i++) {
         seen[i] = at_site(lookup.sites[i], pixel);
     }
-    let visibility = select(seen[0], mix(seen[1], seen[0], lookup.weight), lookup.count == 2u);
+    let visibility = blended(lookup, seen);
     if SHOW_TAPS {
         return vec4f(vec3f(taps / 64.0), visibility);
     }

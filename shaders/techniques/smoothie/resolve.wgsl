@@ -9,7 +9,7 @@
 #import antumbra::map::{map_light, FORMAT_DEPTH}
 #import antumbra::map_crease::{Creases, clamped, find_creases, ndc_of, place_of, plain_search}
 #import antumbra::map_site::{Site, in_face, plane_along, plane_depth, STEEPEST, UNKNOWN, CASCADES}
-#import antumbra::map_site::{site_from_point, site_in_cascade, choose_cascades}
+#import antumbra::map_site::{Lookup, blended, lookup_in_cascades, lookup_of_site, site_from_point}
 #import antumbra::smoothie::{visibility_from_point, visibility_parallel}
 
 @group(2) @binding(1) var compare: sampler_comparison;
@@ -84,27 +84,21 @@ fn at_site(site: Site) -> f32 {
     if hard == 0.0 {
         return 0.0;
     }
-    let texel = vec2i(floor(corner));
-    let top = mix(at_texel(site, texel, depth), at_texel(site, texel + vec2i(1, 0), depth), between.x);
-    let bottom = mix(
-        at_texel(site, texel + vec2i(0, 1), depth),
-        at_texel(site, texel + vec2i(1, 1), depth),
-        between.x,
-    );
+    let first = vec2i(floor(corner));
+    var around = array<f32, 4>(0.0, 0.0, 0.0, 0.0);
+    for (var i = 0; i < 4; i++) {
+        around[i] = at_texel(site, first + vec2i(i & 1, i >> 1u), depth);
+    }
+    let top = mix(around[0], around[1], between.x);
+    let bottom = mix(around[2], around[3], between.x);
     return min(mix(top, bottom, between.y), hard);
 }
 
-// Visibility from the finest cascade that shows the pixel; near its border, it blends into the next cascade.
-fn from_afar(receiver: Receiver) -> f32 {
-    let chosen = choose_cascades(receiver, CASCADE_COUNT);
-    if chosen.finest == CASCADE_COUNT {
-        return 1.0;                 // beyond the last cascade
+fn lookup_of(receiver: Receiver) -> Lookup {
+    if SHAPE == CASCADES {
+        return lookup_in_cascades(receiver, CASCADE_COUNT);
     }
-    var visibility = at_site(site_in_cascade(chosen.finest, receiver));
-    if chosen.weight < 1.0 && chosen.next < CASCADE_COUNT {
-        visibility = mix(at_site(site_in_cascade(chosen.next, receiver)), visibility, chosen.weight);
-    }
-    return visibility;
+    return lookup_of_site(site_from_point(receiver, SHAPE));
 }
 
 @fragment
@@ -114,8 +108,10 @@ fn fragment(@builtin(position) position: vec4f) -> @location(0) vec4f {
     if receiver.depth == 0.0 || receiver.depth > map_light.limits.x || receiver.depth < map_light.limits.y {
         return vec4f(1.0);
     }
-    if SHAPE == CASCADES {
-        return vec4f(from_afar(receiver));
+    let lookup = lookup_of(receiver);
+    var seen = array<f32, 2>(1.0, 1.0);
+    for (var i = 0u; i < lookup.count; i++) {
+        seen[i] = at_site(lookup.sites[i]);
     }
-    return vec4f(at_site(site_from_point(receiver, SHAPE)));
+    return vec4f(blended(lookup, seen));
 }
