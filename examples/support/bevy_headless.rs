@@ -30,7 +30,7 @@ struct Picture {
     frames: usize,
 }
 
-/// What is shown is still loaded: the picture waits until this resource is removed.
+/// Marks that assets of the scene are still being loaded. The picture waits until this resource is removed.
 #[derive(Resource, Default)]
 #[allow(dead_code, reason = "most examples load nothing")]
 pub struct Loading;

@@ -77,7 +77,8 @@ fn swept_disc(first: vec3f, last: vec3f) -> f32 {
     return (before + turn_of(start, end) + after) / (2.0 * PI);
 }
 
-// The same for a rectangle, whose border takes the place of angles.
+// Signed share of a rectangle that a ray from its centre sweeps along an edge. Lengths along the border take the place of
+// angles.
 fn swept_rect(first: vec3f, last: vec3f) -> f32 {
     let w = vec2f(first.z, last.z);
     var range = vec2f(0.0, 1.0);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::readme::{PAGES, read, root};
 
-/// What `Cargo.toml` and the `Makefile` say.
+/// Targets and features of `Cargo.toml`, and the `Makefile`.
 struct Manifest {
     features: BTreeMap<String, Vec<String>>,
     /// Features that a target needs, by its kind and name.
@@ -136,7 +136,7 @@ fn missing_of_make(words: &[&str], makefile: &str) -> Option<String> {
     })
 }
 
-/// What a `cargo` command names.
+/// The targets, features and options that a `cargo` command names.
 #[derive(Default)]
 struct Named<'a> {
     targets: Vec<(&'a str, &'a str)>,
@@ -235,7 +235,7 @@ fn missing_words(command: &str, named: &Named, mut files: Vec<PathBuf>) -> Optio
         })
         .collect();
     let is_said = |word: &str| texts.iter().any(|text| text.contains(word));
-    // What a command writes is not there yet.
+    // Files below `out/` are written by the command.
     let is_file =
         |word: &str| word.contains(['/', '.']) && !word.starts_with("out/") && !is_placeholder(word);
     let is_missing = |word: &&str| match word.strip_prefix("--") {

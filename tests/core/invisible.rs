@@ -1,4 +1,4 @@
-//! What is invisible by its alpha is not drawn and casts nothing; what shows anywhere does.
+//! Objects that alpha hides everywhere are not drawn and cast nothing. Objects that show anywhere do both.
 
 use std::sync::Arc;
 

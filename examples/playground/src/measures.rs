@@ -26,7 +26,7 @@ pub struct Step {
     pub from: f32,
     /// Its colour, sRGB.
     pub color: [u8; 3],
-    /// What the legend says.
+    /// Text beside the colour in the legend.
     pub text: &'static str,
 }
 
@@ -109,7 +109,7 @@ impl Measure {
 /// The values of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// What was measured.
+    /// The quantity that the values are of.
     pub measure: Measure,
     /// Size of the picture, pixels.
     pub size: UVec2,
@@ -154,7 +154,7 @@ impl Summary {
     }
 }
 
-/// What the pixels of a frame show, read back from the renderer.
+/// Surfaces and lights at the pixels of a frame, read back from the renderer.
 #[derive(Debug)]
 pub struct Pixels<'a> {
     /// The view of the frame.
@@ -228,7 +228,7 @@ fn opaque(color: [u8; 3], brightness: f64) -> [u8; 4] {
 struct PixelRays {
     /// Origin of the ray of pixel (0, 0), and its change from one pixel to the next: right, down.
     origin: [DVec3; 3],
-    /// The same for a vector along the ray.
+    /// Vector along the ray of pixel (0, 0), and its change from one pixel to the next: right, down.
     along: [DVec3; 3],
 }
 

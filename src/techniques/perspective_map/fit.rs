@@ -43,7 +43,7 @@ struct Choice {
     pictures: SmallVec<[Rows; 6]>,
     /// Mean of the longer sides of texels on the screen.
     side: f64,
-    /// The same mean for a uniform map; infinite if none was tried.
+    /// Mean of the longer sides of a uniform map's texels on the screen; infinite if none was tried.
     uniform: f64,
 }
 

@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::scenes::{SIZE, draw, ground, lamp, object, set_technique};
 use crate::harness::support::stage::Stage;
 
-/// What is taken off the region of every light.
+/// The parts that are cut off the region of every light.
 #[derive(Resource, Clone, Copy)]
 struct Cut {
     /// Keeps the left half of the picture.
