@@ -20,8 +20,7 @@ use crate::techniques::maps::request::MapFaces;
 /// Ratio between the slides that are tried.
 const SLIDE_STEP: f64 = 4.0;
 
-/// Largest ratio of w between far and near receivers, unless a slide is set. Beyond, the rounding of large
-/// casters' corners shows near the eye.
+/// Largest ratio of w between far and near receivers. Beyond, the rounding of large casters' corners shows near the eye.
 const MOST_RATIO: f64 = 256.0;
 
 /// Steepest slope of the plane under the receivers from which depth counts.
@@ -290,10 +289,17 @@ fn choose(
     scratch: &mut Scratch,
 ) -> Option<Choice> {
     let mut growths: SmallVec<[f64; 32]> = SmallVec::new();
+    let most = most.min((MOST_RATIO - 1.0) / (far - near));
     if let Some(slide) = input.settings.slide {
-        growths.push((near + f64::from(slide)).recip().min(most));
+        // What an orthographic view shows may begin behind the virtual viewer.
+        let depth = near + f64::from(slide);
+        growths.push(if depth > 0.0 {
+            depth.recip().min(most)
+        } else {
+            most
+        });
     } else {
-        let mut growth = most.min((MOST_RATIO - 1.0) / (far - near));
+        let mut growth = most;
         while growth * (far - near) > FLAT && growths.len() < 31 {
             growths.push(growth);
             growth /= SLIDE_STEP;

@@ -3,8 +3,8 @@
 use antumbra::prelude::*;
 use antumbra::reference::RayScene;
 use antumbra::reports::Reports;
-use antumbra::techniques::PerspectiveMaps;
 use antumbra::techniques::maps::{MapFilter, MapResolution};
+use antumbra::techniques::{MapFocus, PerspectiveMaps};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
@@ -58,11 +58,18 @@ fn settings_that_cannot_be_drawn_are_refused() {
 fn an_orthographic_view_has_a_uniform_map_and_a_report() {
     let scene = &scenes::all()[0];
     let (mut stage, _) = scene.stage(&strict_context());
-    let camera = Camera::orthographic(4.0, 0.1, 50.0, scenes::SIZE.x as f32 / scenes::SIZE.y as f32);
-    let entity = stage.camera;
-    stage.world.entity_mut(entity).insert(camera);
+    let slid = PerspectiveMap {
+        slide: Some(1.0),
+        focus: MapFocus::All,
+        ..variants(512)[0]
+    };
     for kind in KINDS {
-        for map in [variants(512)[0], variants(512)[2]] {
+        // What the view shows begins before or behind the virtual viewer.
+        for (map, near) in [(variants(512)[0], 0.1), (variants(512)[2], 0.1), (slid, -20.0)] {
+            let aspect = scenes::SIZE.x as f32 / scenes::SIZE.y as f32;
+            let entity = stage.camera;
+            let camera = Camera::orthographic(4.0, near, 50.0, aspect);
+            stage.world.entity_mut(entity).insert(camera);
             for light in stage.lights.drain(..) {
                 stage.world.despawn(light);
             }
@@ -90,6 +97,34 @@ fn an_orthographic_view_has_a_uniform_map_and_a_report() {
                 .any(|report| report.message.contains("uniform"));
             assert!(told, "{kind:?}");
         }
+    }
+}
+
+/// The virtual viewer would stand at the near plane, where w grows by more than the rounding of casters allows.
+#[test]
+fn without_a_slide_before_a_tiny_near_plane_shadows_are_right() {
+    let scene = &scenes::all()[0];
+    let (mut stage, rays) = scene.stage(&strict_context());
+    let entity = stage.camera;
+    let camera = stage.world.entity(entity).get::<Camera>();
+    let camera = Camera {
+        near: 1e-4,
+        ..*camera.expect("a camera")
+    };
+    stage.world.entity_mut(entity).insert(camera);
+    for kind in KINDS {
+        for light in stage.lights.drain(..) {
+            stage.world.despawn(light);
+        }
+        let (light, place) = scene.light(kind);
+        stage.spawn_light(light, place, Some(variants(512)[4]));
+        let rendered = stage.render().expect("the frame renders");
+        let error = judge(&stage, &rays, 0, &rendered.visibility[0]);
+        let dark = rendered.visibility[0].iter().filter(|v| **v == 0.0).count();
+        println!("{kind:?}: {dark} dark, {error:?}");
+        assert!(dark > 100, "{kind:?}: {dark} pixels are dark");
+        let share = error.share().expect("pixels count");
+        assert!(share <= 0.005, "{kind:?}: {error:?}");
     }
 }
 
