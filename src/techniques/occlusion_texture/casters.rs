@@ -5,7 +5,7 @@ use fixedbitset::FixedBitSet;
 
 use super::scene_box::{OwnBox, SceneBox};
 use super::shadowless::Lit;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Emitter};
 use crate::sets::{FrameLight, Objects};
 
 /// Coordinates from which on a box says nothing about the scene, metres.
@@ -18,6 +18,8 @@ pub(super) struct FrameObjects<'a> {
     pub exchanged: &'a FixedBitSet,
     /// Whether only fronts of a caster are seen from outside.
     pub is_closed: &'a dyn Fn(Entity) -> bool,
+    /// Whether a caster is a shell around a light and a box that holds everything else lit; up to a rounding, metres.
+    pub is_shell: &'a dyn Fn(Entity, &Aabb, &Emitter, f64) -> bool,
     /// The box of an object along its own axes.
     pub own_box: &'a dyn Fn(Entity) -> Option<OwnBox>,
 }
@@ -69,7 +71,20 @@ impl Scratch {
             emitter: &light.emitter,
             sun,
         };
-        let shadowless = |index: &usize| is_known && scene[*index].casts && lit.is_shadowless(*index);
+        let is_shell = |index: usize| {
+            let rest = lit.all_but_shell(index);
+            rest.is_some_and(|rest| {
+                (frame.is_shell)(
+                    objects.entities[indices[index]],
+                    &rest,
+                    &light.emitter,
+                    lit.rounding(),
+                )
+            })
+        };
+        let shadowless = |index: &usize| {
+            is_known && scene[*index].casts && (lit.is_shadowless(*index) || is_shell(*index))
+        };
         for index in (0..scene.len()).filter(shadowless) {
             casters.set(indices[index], false);
         }

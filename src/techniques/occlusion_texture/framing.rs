@@ -28,6 +28,15 @@ impl LightBox {
             casts: scene.casts,
         }
     }
+
+    /// Returns the part of the box in a pyramid of 90° along z whose apex is `behind` metres behind the light. Its depths are
+    /// cut alone. `None` if no part is in it.
+    pub fn within_pyramid(mut self, behind: f64) -> Option<Self> {
+        let beside = self.min.truncate().max(-self.max.truncate()).max_element();
+        let nearest = beside - behind;
+        self.min.z = self.min.z.max(nearest);
+        (nearest < self.max.z).then_some(self)
+    }
 }
 
 /// A caster with the largest kernel that may touch it.

@@ -10,7 +10,7 @@ use super::gpu_types::IntervalVertex;
 use crate::render::RenderContext;
 use crate::scene::SceneMesh;
 use crate::techniques::occlusion_interval::intervals::PER_PAIR;
-use crate::techniques::occlusion_interval::maps::{Corner, IntervalMaps, Page};
+use crate::techniques::occlusion_interval::maps::{Corner, IntervalMaps, Pair};
 use crate::techniques::occlusion_interval::matching::IntervalScene;
 use crate::techniques::occlusion_interval::surface::local_triangles;
 
@@ -30,8 +30,8 @@ pub struct GpuSurface {
 pub struct GpuMaps {
     /// The maps that the textures hold.
     pub maps: Arc<IntervalMaps>,
-    /// Rises and falls, a layer for each pair of each page.
-    pub views: [wgpu::TextureView; 2],
+    /// Rises and falls of four intervals a texel, a layer for each pair of each page.
+    pub view: wgpu::TextureView,
     /// Three vertices a triangle.
     pub vertices: wgpu::Buffer,
     /// The surfaces that were found and show shadows.
@@ -56,14 +56,7 @@ impl GpuMaps {
         }
         Some(Self {
             maps: maps.clone(),
-            views: [
-                upload(context, maps, "interval rises", |page, pair| {
-                    &page.pairs[pair].rise
-                }),
-                upload(context, maps, "interval falls", |page, pair| {
-                    &page.pairs[pair].fall
-                }),
-            ],
+            view: upload(context, maps),
             vertices: vertex_buffer(context, bytes),
             surfaces,
             generation: scene.generation,
@@ -90,24 +83,21 @@ fn vertex_buffer(context: &RenderContext, bytes: &[u8]) -> wgpu::Buffer {
         })
 }
 
-fn upload(
-    context: &RenderContext,
-    maps: &IntervalMaps,
-    label: &'static str,
-    texels: impl Fn(&Page, usize) -> &Vec<u8>,
-) -> wgpu::TextureView {
+/// Uploads the pairs. A channel of a texel holds the first step of an interval in its lower byte and the last one in its upper
+/// byte, so a lookup loads a pair at once.
+fn upload(context: &RenderContext, maps: &IntervalMaps) -> wgpu::TextureView {
     let size = wgpu::Extent3d {
         width: maps.size.max(1),
         height: maps.size.max(1),
         depth_or_array_layers: maps.layer_count().max(1) as u32,
     };
     let texture = context.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
+        label: Some("interval maps"),
         size,
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
+        format: wgpu::TextureFormat::Rgba16Uint,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
@@ -115,7 +105,11 @@ fn upload(
         .pages
         .iter()
         .flat_map(|page| (0..page.pairs.len()).map(move |pair| (page, pair)));
+    let mut texels: Vec<u8> = Vec::new();
     for (layer, (page, pair)) in pairs.enumerate() {
+        let Pair { rise, fall } = &page.pairs[pair];
+        texels.clear();
+        texels.extend(rise.iter().zip(fall).flat_map(|(&rise, &fall)| [rise, fall]));
         context.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture: &texture,
@@ -126,10 +120,10 @@ fn upload(
                 },
                 aspect: wgpu::TextureAspect::All,
             },
-            texels(page, pair),
+            &texels,
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(maps.size * PER_PAIR as u32),
+                bytes_per_row: Some(maps.size * 2 * PER_PAIR as u32),
                 rows_per_image: Some(maps.size),
             },
             wgpu::Extent3d {

@@ -97,15 +97,13 @@ impl IntervalNode {
     }
 
     fn bind(&self, input: &PrepareInput, maps: &GpuMaps) -> wgpu::BindGroup {
-        let [rises, falls] = &maps.views;
         bind_in_order(
             &input.context.device,
             "interval maps",
             &self.layouts.maps,
             [
                 self.windows.binding(),
-                wgpu::BindingResource::TextureView(rises),
-                wgpu::BindingResource::TextureView(falls),
+                wgpu::BindingResource::TextureView(&maps.view),
             ],
         )
     }

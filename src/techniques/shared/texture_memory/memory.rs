@@ -42,8 +42,9 @@ use crate::sets::FrameLights;
 /// ```
 #[derive(Resource, Clone, Debug)]
 pub struct TextureMemory {
-    /// Limit on the memory of all textures that lights have of their own, bytes. Beyond it, the least visible lights lose
-    /// resolution first, then their textures. Higher values keep shadows sharp with many lights. Default: 256 MiB.
+    /// Limit on the memory of all textures that lights have of their own, bytes. Beyond it, the lights with most texels for
+    /// their size on the screen lose resolution first; then the least visible ones lose their textures. Higher values
+    /// keep shadows sharp with many lights. Default: 256 MiB.
     pub limit: u64,
     bytes: u64,
     shortages: Vec<TextureShortage>,

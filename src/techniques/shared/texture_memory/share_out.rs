@@ -1,8 +1,9 @@
 //! The rule by which the memory for textures is shared.
 //!
-//! All lights get what they want while it fits. Otherwise the least visible light loses resolution, halved
-//! down to its smallest, then the next. When all have their smallest, the least visible lights lose their
-//! own textures.
+//! All lights get what they want while it fits. Otherwise the light with most texels for its pixels loses
+//! resolution, halved each time, until they fit. Lights that are equally large on the screen get equally fine
+//! textures, whatever they asked for. When all have their smallest, the least visible lights lose their own
+//! textures.
 
 /// The textures that a light wants from one technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +45,7 @@ pub struct TextureGrant {
 pub struct RankedWant {
     /// The want.
     pub want: TextureWant,
-    /// How visible the light is. The least visible loses first and, among equals, the later one.
+    /// How visible the light is: twice as many pixels for each step. Among equals the later light loses first.
     pub visibility: u64,
 }
 
@@ -93,21 +94,28 @@ pub fn share_out(wants: &[RankedWant], limit: u64, grants: &mut Vec<Outcome>, or
     };
     order.clear();
     order.extend((0..wants.len()).filter(|&i| wants[i].want.storage != Storage::Shared));
-    order.sort_unstable_by_key(|&i| (wants[i].visibility, std::cmp::Reverse(i)));
-    for &i in &*order {
-        let want = &wants[i].want;
-        let mut resolution = want.resolution;
-        while resolution / 2 >= want.least.max(1) {
-            resolution /= 2;
-            let coarser = TextureGrant {
-                resolution,
-                is_own: true,
-            };
-            if exchange(i, grants, Some(coarser)) {
-                return;
-            }
+    // Texels along a side of a texture grow with the root of the pixels.
+    let fineness = |i: usize, resolution: u32| {
+        2 * i64::from(resolution.max(1).ilog2()) - i64::try_from(wants[i].visibility).unwrap_or(i64::MAX)
+    };
+    let halved = |i: usize, grants: &[Outcome]| {
+        let half = grants[i]?.resolution / 2;
+        (half >= wants[i].want.least.max(1)).then_some(half)
+    };
+    while let Some((i, resolution)) = order
+        .iter()
+        .filter_map(|&i| Some((i, halved(i, grants)?)))
+        .max_by_key(|&(i, half)| (fineness(i, half), i))
+    {
+        let coarser = TextureGrant {
+            resolution,
+            is_own: true,
+        };
+        if exchange(i, grants, Some(coarser)) {
+            return;
         }
     }
+    order.sort_unstable_by_key(|&i| (wants[i].visibility, std::cmp::Reverse(i)));
     for &i in &*order {
         let shared = grants[i].map(|grant| TextureGrant {
             is_own: false,
@@ -159,6 +167,26 @@ mod tests {
         assert_eq!(of(2 * LEAST), all([(128, true), (128, false), (128, true)]));
         assert_eq!(of(LEAST), all([(128, false), (128, false), (128, true)]));
         assert_eq!(of(0), all([(128, false); 3]));
+    }
+
+    /// A light is as coarse as another one of its size on the screen, whatever both asked for.
+    #[test]
+    fn lights_of_one_size_get_equally_fine_textures() {
+        let mut wants = [7, 7, 9].map(|visibility| want(visibility, Storage::OwnElseNothing));
+        for (want, resolution) in wants.iter_mut().zip([512, 256, 512]) {
+            want.want.resolution = resolution;
+            want.want.least = 32;
+        }
+        let (mut grants, mut order) = (Vec::new(), Vec::new());
+        let mut given = |limit: u64| {
+            share_out(&wants, limit, &mut grants, &mut order);
+            let resolution = |grant: &Outcome| grant.map_or(0, |grant| grant.resolution);
+            grants.iter().map(resolution).collect::<Vec<_>>()
+        };
+        let square = |side: u64| 24 * side * side;
+        assert_eq!(given(square(512) + 2 * square(256)), [256, 256, 512]);
+        assert_eq!(given(3 * square(256)), [256; 3], "it loses as the later one");
+        assert_eq!(given(square(256) + 2 * square(128)), [128, 128, 256]);
     }
 
     #[test]
