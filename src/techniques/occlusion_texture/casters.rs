@@ -30,6 +30,8 @@ pub(super) struct Scratch {
     pub scene: Vec<SceneBox>,
     /// Object of each box of the scene.
     indices: Vec<usize>,
+    /// Indices of the boxes of shells around everything lit.
+    shells: Vec<usize>,
 }
 
 impl Scratch {
@@ -43,7 +45,11 @@ impl Scratch {
             casters.insert(object);
         }
         let volume = light.volume.aabb();
-        let Self { scene, indices } = self;
+        let Self {
+            scene,
+            indices,
+            shells,
+        } = self;
         scene.clear();
         indices.clear();
         let (mut all, mut is_known) = (Aabb::EMPTY, true);
@@ -65,31 +71,56 @@ impl Scratch {
                 casts: casters.contains(object),
             });
         }
-        let lit = Lit {
-            scene: scene.as_slice(),
+        let lit = |scene| Lit {
+            scene,
             all,
             emitter: &light.emitter,
             sun,
         };
-        let is_shell = |index: usize| {
-            let rest = lit.all_but_shell(index);
-            rest.is_some_and(|rest| {
-                (frame.is_shell)(
-                    objects.entities[indices[index]],
-                    &rest,
-                    &light.emitter,
-                    lit.rounding(),
-                )
-            })
+        shells.clear();
+        let whole = lit(scene.as_slice());
+        let is_shell = |index: &usize| {
+            let entity = objects.entities[indices[*index]];
+            let rest = whole.all_but_shell(*index).filter(|_| scene[*index].casts);
+            rest.is_some_and(|rest| (frame.is_shell)(entity, &rest, &light.emitter, whole.rounding()))
         };
-        let shadowless = |index: &usize| {
-            is_known && scene[*index].casts && (lit.is_shadowless(*index) || is_shell(*index))
-        };
-        for index in (0..scene.len()).filter(shadowless) {
-            casters.set(indices[index], false);
+        if is_known {
+            shells.extend((0..scene.len()).filter(is_shell));
         }
-        for (scene, object) in scene.iter_mut().zip(indices) {
+        for index in (0..scene.len()).filter(|index| is_known && scene[*index].casts) {
+            if shells.contains(&index) || whole.is_shadowless(index) {
+                casters.set(indices[index], false);
+            }
+        }
+        for (scene, object) in scene.iter_mut().zip(&*indices) {
             scene.casts = casters.contains(*object);
+        }
+        if !shells.is_empty() {
+            self.leave_out_grounds(light, sun);
+        }
+    }
+
+    /// Fits no slices to casters that shadow nothing but the shells behind them, if there are others. A ground under a sky dome
+    /// hides the part of the dome that it shadows.
+    fn leave_out_grounds(&mut self, light: &FrameLight, sun: f64) {
+        let Self { scene, shells, .. } = self;
+        let inside = || (0..scene.len()).filter(|index| !shells.contains(index));
+        let within: Vec<SceneBox> = inside().map(|index| scene[index]).collect();
+        let all = within.iter().fold(Aabb::EMPTY, |all, one| all.union(one.bounds));
+        let lit = Lit {
+            scene: &within,
+            all,
+            emitter: &light.emitter,
+            sun,
+        };
+        let is_ground = |(at, _): &(usize, usize)| within[*at].casts && lit.is_shadowless(*at);
+        let grounds: Vec<usize> = inside()
+            .enumerate()
+            .filter(is_ground)
+            .map(|(_, index)| index)
+            .collect();
+        if grounds.len() < within.iter().filter(|one| one.casts).count() {
+            grounds.into_iter().for_each(|index| scene[index].casts = false);
         }
     }
 }

@@ -50,7 +50,8 @@
 //! **Closed casters.** Beyond the paper, casters whose mesh is closed are drawn with their fronts alone, as seen from the
 //! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
 //!
-//! **Limits.** Occluders in different slices count as independent: a surface that passes through several slices hides
+//! **Limits.** A caster that cuts the light, or touches it, lies within a slice that begins at the light, and its shadow is rough.
+//! Occluders in different slices count as independent: a surface that passes through several slices hides
 //! disjoint parts of the light, and the product lets some of it through; [`OcclusionTexture::close_leaks`] mends that where
 //! it matters. All casters that the light reaches share one picture, so lights without a range spend their texels and slices
 //! on all casters of the scene. A report says so if most casters are lost for that. A ground, and a convex shell around
@@ -71,8 +72,10 @@
 //! The sum is the best where one surface passes through the slices, the product where many objects overlap, and the maximum
 //! nowhere. Summed areas take 0.008 off the errors of a plate, and mipmaps add up to 0.006.
 //!
-//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once. With 16 slices, visibility
-//! then changes by at most 0.11 more in a frame than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14.
+//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once: kernels there are as much wider,
+//! which changes the rim of a penumbra by half that share. With 16 slices, visibility then changes by at most 0.11 more in a frame
+//! than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14. Sharing a caster out to two slices would not step,
+//! but the product lets light through it, and contacts would be lost within two slices.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
 //! a few textures, because its hardware could not index textures; here they are layers of an array.

@@ -176,7 +176,11 @@ fn spent(start: Instant) -> f64 {
     let of_process = || {
         let text = std::fs::read_to_string("/proc/self/stat").ok()?;
         let fields = text.rsplit_once(')')?.1.split_whitespace();
-        let ticks: Vec<f64> = fields.skip(11).take(2).filter_map(|field| field.parse().ok()).collect();
+        let ticks: Vec<f64> = fields
+            .skip(11)
+            .take(2)
+            .filter_map(|field| field.parse().ok())
+            .collect();
         (ticks.len() == 2).then(|| (ticks[0] + ticks[1]) * 10.0)
     };
     of_process().unwrap_or_else(|| start.elapsed().as_secs_f64() * 1e3)
@@ -189,7 +193,11 @@ fn cost_of_a_frame_by_hand() {
     let maps = bake(&mut stage, 4.0);
     insert(&mut stage, maps);
     let light = stage.lights[0];
-    let shadowed = stage.world.get::<OcclusionInterval>(light).expect("the technique").clone();
+    let shadowed = stage
+        .world
+        .get::<OcclusionInterval>(light)
+        .expect("the technique")
+        .clone();
     let begin = Instant::now();
     let time = |stage: &mut Stage, frames: u32| {
         let start = spent(begin);
@@ -214,7 +222,10 @@ fn cost_of_a_frame_by_hand() {
         // The first round compiles.
         if round > 0 {
             unshadowed += own / 3.0;
-            times.iter_mut().zip(own_times).for_each(|(sum, own)| *sum += own / 3.0);
+            times
+                .iter_mut()
+                .zip(own_times)
+                .for_each(|(sum, own)| *sum += own / 3.0);
         }
     }
     println!("unshadowed: {unshadowed:.2} ms");

@@ -7,6 +7,7 @@ use bevy_ecs::prelude::*;
 use wgpu::util::DeviceExt;
 
 use super::gpu_types::IntervalVertex;
+use super::welded::Welded;
 use crate::render::RenderContext;
 use crate::scene::SceneMesh;
 use crate::techniques::occlusion_interval::intervals::PER_PAIR;
@@ -19,8 +20,8 @@ use crate::techniques::occlusion_interval::surface::local_triangles;
 pub struct GpuSurface {
     /// Index in [`IntervalScene::matched`].
     pub matched: u32,
-    /// Vertices of its triangles.
-    pub vertices: Range<u32>,
+    /// Range of [`GpuMaps::indices`]: three for each triangle.
+    pub indices: Range<u32>,
     /// Whether the maps hold what its back sees, too.
     pub is_two_sided: bool,
 }
@@ -32,8 +33,10 @@ pub struct GpuMaps {
     pub maps: Arc<IntervalMaps>,
     /// Rises and falls of four intervals a texel, a layer for each pair of each page.
     pub view: wgpu::TextureView,
-    /// Three vertices a triangle.
+    /// Vertices of all surfaces.
     pub vertices: wgpu::Buffer,
+    /// Indices of all triangles, 32 bits each.
+    pub indices: wgpu::Buffer,
     /// The surfaces that were found and show shadows.
     pub surfaces: Vec<GpuSurface>,
     /// Generation of the scene whose vertices these are.
@@ -49,15 +52,17 @@ impl GpuMaps {
         if maps.size > limits.max_texture_dimension_2d || layers > limits.max_texture_array_layers {
             return None;
         }
-        let (surfaces, vertices) = build_vertices(world, scene);
-        let bytes: &[u8] = bytemuck::cast_slice(&vertices);
-        if bytes.len() as u64 > limits.max_buffer_size {
+        let (surfaces, welded) = build_vertices(world, scene);
+        let bytes = size_of_val(&welded.vertices[..]).max(size_of_val(&welded.indices[..]));
+        if bytes as u64 > limits.max_buffer_size {
             return None;
         }
+        let [vertices, indices] = buffers(context, &welded);
         Some(Self {
             maps: maps.clone(),
             view: upload(context, maps),
-            vertices: vertex_buffer(context, bytes),
+            vertices,
+            indices,
             surfaces,
             generation: scene.generation,
         })
@@ -65,22 +70,37 @@ impl GpuMaps {
 
     /// Builds the vertices again after the scene changed.
     pub fn refresh(&mut self, context: &RenderContext, world: &World, scene: &IntervalScene) {
-        let (surfaces, vertices) = build_vertices(world, scene);
+        let (surfaces, welded) = build_vertices(world, scene);
         self.surfaces = surfaces;
-        self.vertices = vertex_buffer(context, bytemuck::cast_slice(&vertices));
+        [self.vertices, self.indices] = buffers(context, &welded);
         self.generation = scene.generation;
     }
 }
 
-fn vertex_buffer(context: &RenderContext, bytes: &[u8]) -> wgpu::Buffer {
+/// Makes the buffers of vertices and indices.
+fn buffers(context: &RenderContext, welded: &Welded) -> [wgpu::Buffer; 2] {
     let nothing = [0; size_of::<IntervalVertex>()];
-    context
-        .device
-        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("interval vertices"),
-            contents: if bytes.is_empty() { &nothing } else { bytes }, // a buffer without room cannot be bound
-            usage: wgpu::BufferUsages::VERTEX,
-        })
+    let buffer = |label, bytes: &[u8], usage| {
+        context
+            .device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents: if bytes.is_empty() { &nothing } else { bytes }, // a buffer without room cannot be bound
+                usage,
+            })
+    };
+    [
+        buffer(
+            "interval vertices",
+            bytemuck::cast_slice(&welded.vertices),
+            wgpu::BufferUsages::VERTEX,
+        ),
+        buffer(
+            "interval indices",
+            bytemuck::cast_slice(&welded.indices),
+            wgpu::BufferUsages::INDEX,
+        ),
+    ]
 }
 
 /// Uploads the pairs. A channel of a texel holds the first step of an interval in its lower byte and the last one in its upper
@@ -151,10 +171,10 @@ fn page_layers(maps: &IntervalMaps) -> Vec<u32> {
         .collect()
 }
 
-fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec<IntervalVertex>) {
+fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Welded) {
     let maps = &scene.maps;
     let layers = page_layers(maps);
-    let (mut surfaces, mut vertices) = (Vec::new(), Vec::new());
+    let (mut surfaces, mut welded) = (Vec::new(), Welded::default());
     for (index, matched) in (0u32..).zip(&scene.matched) {
         let baked = &maps.surfaces[matched.surface as usize];
         let corners = &maps.corners[baked.corners.start as usize..baked.corners.end as usize];
@@ -164,27 +184,32 @@ fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec
         let Some(submesh) = mesh.0.submeshes.get(matched.submesh as usize) else {
             continue;
         };
-        let first = vertices.len() as u32;
-        for (triangle, corners) in local_triangles(&mesh.0, submesh).zip(corners.chunks_exact(3)) {
+        let first = welded.indices.len() as u32;
+        welded.begin(mesh.0.positions.len());
+        let named = mesh.0.indices[mesh.0.submesh_range(submesh)].chunks_exact(3);
+        let triangles = local_triangles(&mesh.0, submesh).zip(named);
+        for ((triangle, named), corners) in triangles.zip(corners.chunks_exact(3)) {
             let Some(positions) = triangle else { continue };
             if corners.iter().all(|corner| *corner == Corner::NOWHERE) {
                 continue;
             }
-            let vertex = |(position, corner): (glam::Vec3, &Corner)| IntervalVertex {
-                position_local: position.to_array(),
-                texel: corner.texel.to_array(),
-                layers: layers.get(corner.page as usize).copied().unwrap_or(0),
-            };
-            vertices.extend(positions.into_iter().zip(corners).map(vertex));
+            for ((position, vertex), corner) in positions.into_iter().zip(named).zip(corners) {
+                let corner = IntervalVertex {
+                    position_local: position.to_array(),
+                    texel: corner.texel.to_array(),
+                    layers: layers.get(corner.page as usize).copied().unwrap_or(0),
+                };
+                welded.add(*vertex, corner);
+            }
         }
-        let end = vertices.len() as u32;
+        let end = welded.indices.len() as u32;
         if first < end {
             surfaces.push(GpuSurface {
                 matched: index,
-                vertices: first..end,
+                indices: first..end,
                 is_two_sided: baked.is_two_sided,
             });
         }
     }
-    (surfaces, vertices)
+    (surfaces, welded)
 }
