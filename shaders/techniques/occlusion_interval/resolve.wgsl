@@ -53,6 +53,7 @@ fn within(rise: vec4f, fall: vec4f, span: vec2f) -> vec4f {
 // Share of the window in which a texel sees the light.
 fn seen_share(texel: vec2i, first: i32, pairs: i32) -> f32 {
     let is_wrapped = window.spans.w > window.spans.z;
+    let end = max(window.spans.y, window.spans.w);
     var share = 0.0;
     for (var pair = 0; pair < pairs; pair++) {
         let steps = textureLoad(intervals, texel, first + pair, 0);
@@ -63,8 +64,8 @@ fn seen_share(texel: vec2i, first: i32, pairs: i32) -> f32 {
             lit += within(rise, fall, window.spans.zw);
         }
         share += dot(vec4f(window.inverse_width), lit);
-        if fall.w <= rise.w {
-            break;                  // the last channel is empty, and so are all further pairs
+        if fall.w <= rise.w || rise.w >= end {
+            break;                  // the last channel is empty, and so are all further pairs; or all of them rise too late
         }
     }
     return min(share, 1.0);

@@ -75,11 +75,12 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
 }
 
 /// Returns the share of a kernel around the nearest place inside the picture that a kernel beyond the border still
-/// reaches.
+/// reaches. Of a kernel wider than the picture, it is the share inside the picture.
 pub fn share_inside(kernel: &Kernel, half_texel: f32) -> f32 {
     let beyond = (kernel.center - 0.5).abs() - 0.5;
     let left = 1.0 - (beyond / kernel.half.max(Vec2::splat(half_texel))).max(Vec2::ZERO);
-    left.x.max(0.0) * left.y.max(0.0)
+    let wider = (2.0 * kernel.half).max(Vec2::ONE);
+    left.x.max(0.0) * left.y.max(0.0) / (wider.x * wider.y)
 }
 
 /// Number of squares that the rectangular kernels of a light need, for sides in texels.
@@ -107,7 +108,7 @@ pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
     let square = square_side(size, taps).min(side);
     let level = (square.log2().floor() as usize).min(levels.len() - 1);
     let between = (square / (1u32 << level) as f32 - 1.0).clamp(0.0, 1.0);
-    let along = if size.x > size.y { Vec2::X } else { Vec2::Y } * (long - square).max(0.0);
+    let along = if size.x > size.y { Vec2::X } else { Vec2::Y } * (long.min(side) - square).max(0.0);
     let center = kernel.center.clamp(Vec2::ZERO, Vec2::ONE) * side;
     let mut sum = 0.0;
     for tap in 0..taps {

@@ -72,10 +72,10 @@
 //! The sum is the best where one surface passes through the slices, the product where many objects overlap, and the maximum
 //! nowhere. Summed areas take 0.008 off the errors of a plate, and mipmaps add up to 0.006.
 //!
-//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once: kernels there are as much wider,
-//! which changes the rim of a penumbra by half that share. With 16 slices, visibility then changes by at most 0.11 more in a frame
-//! than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14. Sharing a caster out to two slices would not step,
-//! but the product lets light through it, and contacts would be lost within two slices.
+//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once, and begins or ceases to count
+//! as independent of the casters that are in the same slice. With 16 slices, visibility then changes by at most 0.11 more in a
+//! frame than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14. Sharing a caster out to two slices would
+//! not step, but the product lets light through it, and contacts would be lost within two slices.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
 //! a few textures, because its hardware could not index textures; here they are layers of an array.
