@@ -36,13 +36,23 @@ fn texel() -> f32 {
     return 1.0 / light.limits.z;
 }
 
-// Share of a kernel around the nearest place inside the picture that a kernel beyond the border still reaches. Of a kernel wider
-// than the picture, it is the share inside the picture.
+// The part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture.
+fn narrowed(kernel: Kernel) -> Kernel {
+    let room = max(kernel.half - 0.5, vec2f(0.0));
+    return Kernel(kernel.center - clamp(kernel.center - 0.5, -room, room), min(kernel.half, vec2f(0.5)));
+}
+
+// Share of a kernel that `narrowed` leaves.
+fn narrowed_share(kernel: Kernel) -> f32 {
+    let wider = max(2.0 * kernel.half, vec2f(1.0));
+    return 1.0 / (wider.x * wider.y);
+}
+
+// Share of a kernel around the nearest place inside the picture that a kernel beyond the border still reaches.
 fn share_inside(kernel: Kernel) -> f32 {
     let beyond = abs(kernel.center - 0.5) - 0.5;
     let left = 1.0 - max(beyond / max(kernel.half, vec2f(0.5 * texel())), vec2f(0.0));
-    let wider = max(2.0 * kernel.half, vec2f(1.0));
-    return max(left.x, 0.0) * max(left.y, 0.0) / (wider.x * wider.y);
+    return max(left.x, 0.0) * max(left.y, 0.0);
 }
 
 fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> f32 {
@@ -62,7 +72,7 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     let square = min(max(max(min(size.x, size.y), 1.0), long / taps), side);
     let level = min(u32(log2(square)), last);
     let between = clamp(square / f32(1u << level) - 1.0, 0.0, 1.0);
-    let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), size.x > size.y) * max(min(long, side) - square, 0.0);
+    let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), size.x > size.y) * max(long - square, 0.0);
     let spread = taps / max(taps - 1.0, 1.0);
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0)) * side;
     var sum = 0.0;
@@ -127,13 +137,14 @@ fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
 }
 
 fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
-    if FILTER == MIPMAPS {
-        return mipmap_mean(picture, kernel);
-    }
     if FILTER == SUMMED_AREAS {
         return summed_mean(picture, kernel);
     }
-    return n_buffer_mean(picture, kernel);
+    let part = narrowed(kernel);
+    if FILTER == MIPMAPS {
+        return mipmap_mean(picture, part) * narrowed_share(kernel);
+    }
+    return n_buffer_mean(picture, part) * narrowed_share(kernel);
 }
 
 // Share of the light that the slices of one picture hide.

@@ -74,13 +74,24 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
     levels
 }
 
+/// Returns the part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture, and its
+/// share of the kernel.
+fn narrowed(kernel: &Kernel) -> (Kernel, f32) {
+    let room = (kernel.half - 0.5).max(Vec2::ZERO);
+    let part = Kernel {
+        center: kernel.center - (kernel.center - 0.5).clamp(-room, room),
+        half: kernel.half.min(Vec2::splat(0.5)),
+    };
+    let wider = (2.0 * kernel.half).max(Vec2::ONE);
+    (part, 1.0 / (wider.x * wider.y))
+}
+
 /// Returns the share of a kernel around the nearest place inside the picture that a kernel beyond the border still
-/// reaches. Of a kernel wider than the picture, it is the share inside the picture.
+/// reaches.
 pub fn share_inside(kernel: &Kernel, half_texel: f32) -> f32 {
     let beyond = (kernel.center - 0.5).abs() - 0.5;
     let left = 1.0 - (beyond / kernel.half.max(Vec2::splat(half_texel))).max(Vec2::ZERO);
-    let wider = (2.0 * kernel.half).max(Vec2::ONE);
-    left.x.max(0.0) * left.y.max(0.0) / (wider.x * wider.y)
+    left.x.max(0.0) * left.y.max(0.0)
 }
 
 /// Number of squares that the rectangular kernels of a light need, for sides in texels.
@@ -103,12 +114,13 @@ pub fn reached_levels(size: Vec2, taps: u32) -> u32 {
 /// Looks up the mean over a kernel in N-buffers.
 pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
     let side = levels[0].side as f32;
+    let (kernel, share) = narrowed(kernel);
     let size = 2.0 * kernel.half * side;
     let long = size.max_element().max(1.0);
     let square = square_side(size, taps).min(side);
     let level = (square.log2().floor() as usize).min(levels.len() - 1);
     let between = (square / (1u32 << level) as f32 - 1.0).clamp(0.0, 1.0);
-    let along = if size.x > size.y { Vec2::X } else { Vec2::Y } * (long.min(side) - square).max(0.0);
+    let along = if size.x > size.y { Vec2::X } else { Vec2::Y } * (long - square).max(0.0);
     let center = kernel.center.clamp(Vec2::ZERO, Vec2::ONE) * side;
     let mut sum = 0.0;
     for tap in 0..taps {
@@ -125,7 +137,7 @@ pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
         let start = (place / half - 1.0).clamp(Vec2::ZERO, Vec2::ONE);
         sum += fine + (coarse - fine) * between * start.x * start.y;
     }
-    sum / taps as f32 * share_inside(kernel, 0.5 / side)
+    sum / taps as f32 * share_inside(&kernel, 0.5 / side) * share
 }
 
 /// Moves the first and last of several squares to the ends of a rectangle.
@@ -153,6 +165,7 @@ pub const SMOOTHED: f32 = 0.577_35;
 /// Looks up the mean around a kernel in mipmaps, on a device without anisotropic filters.
 pub fn mipmap_mean(levels: &[Picture], kernel: &Kernel) -> f32 {
     let side = levels[0].side as f32;
+    let (kernel, share) = narrowed(kernel);
     let size = (2.0 * SMOOTHED * kernel.half * side).max_element().max(1.0);
     let level = size.log2().min((levels.len() - 1) as f32);
     let center = kernel.center.clamp(Vec2::ZERO, Vec2::ONE);
@@ -161,7 +174,7 @@ pub fn mipmap_mean(levels: &[Picture], kernel: &Kernel) -> f32 {
         levels[level].sample(center * levels[level].side as f32)
     };
     let (fine, coarse) = (of(level as usize), of(level as usize + 1));
-    (fine + (coarse - fine) * level.fract()) * share_inside(kernel, 0.5 / side)
+    (fine + (coarse - fine) * level.fract()) * share_inside(&kernel, 0.5 / side) * share
 }
 
 /// Returns the summed areas of a picture: each texel holds the sum over all texels up to it.
