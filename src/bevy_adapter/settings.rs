@@ -13,7 +13,7 @@ pub struct AntumbraSettings {
     /// `usize::MAX` waits for all meshes, which makes frames repeatable. Default: 2048.
     pub immediate_triangles: usize,
     /// Limit on the memory of the textures of all shadow techniques, bytes, for each camera with shadows. Beyond it, the
-    /// lights with most texels for their size on the screen get coarser shadows first; then the least visible ones lose
+    /// lights with the most bytes for each pixel that they reach get coarser shadows first; then the least visible lose
     /// their textures. The log names them. Higher values keep shadows sharp with many lights. Default: 256 MiB.
     pub texture_memory: u64,
 }
