@@ -59,7 +59,7 @@ fn path() -> LightPath {
 pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, String> {
     let failed = |error: antumbra::render::RenderError| format!("page {NAME}: {}", one_line(&error));
     let mut stage = stage(size);
-    let density = DENSITY * (size.y as f32 / FULL_HEIGHT).clamp(0.1, 1.0);
+    let density = DENSITY * (size.y as f32 / FULL_HEIGHT).clamp(0.3, 1.0);
     let settings = BakeSettings {
         texels_per_metre: density,
         ..Default::default()
