@@ -34,8 +34,11 @@ const HOURS: [f32; 2] = [7.4, 16.6];
 /// Length of the light, as a share of the path: 20 minutes.
 const WIDTH: f32 = 0.036;
 
-/// Texels per metre of the maps.
+/// Texels per metre of the maps, for pictures of [`FULL_HEIGHT`] pixels. Smaller pictures need fewer.
 const DENSITY: f32 = 40.0;
+
+/// Height of pictures from which on the maps have [`DENSITY`], pixels.
+const FULL_HEIGHT: f32 = 360.0;
 
 /// Number of rays to the light at each pixel of a picture of the truth.
 const SAMPLES: u32 = 16;
@@ -56,8 +59,9 @@ fn path() -> LightPath {
 pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, String> {
     let failed = |error: antumbra::render::RenderError| format!("page {NAME}: {}", one_line(&error));
     let mut stage = stage(size);
+    let density = DENSITY * (size.y as f32 / FULL_HEIGHT).clamp(0.3, 1.0);
     let settings = BakeSettings {
-        texels_per_metre: DENSITY,
+        texels_per_metre: density,
         ..Default::default()
     };
     let bake = bake_intervals(&mut stage.world, &path(), &settings, |_| ())
@@ -99,7 +103,7 @@ pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, S
     }
     let bytes = maps.bytes() as f64 / 1024.0;
     let caption = format!(
-        "Occlusion interval maps at {DENSITY} texels a metre, {bytes:.0} KiB. Time is a setting of the frame."
+        "Occlusion interval maps at {density} texels a metre, {bytes:.0} KiB. Time is a setting of the frame."
     );
     Ok(json!({
         "name": NAME,

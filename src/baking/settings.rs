@@ -7,12 +7,13 @@ use bevy_ecs::prelude::*;
 use super::unwrap::UnwrapNote;
 use crate::scene::PathError;
 use crate::techniques::occlusion_interval::MapsError;
+use crate::techniques::occlusion_interval::component::DENSITIES;
 use crate::techniques::occlusion_interval::maps::{IntervalMaps, MAX_BYTES, MAX_LAYERS, MAX_SIZE};
 
 /// How maps are baked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakeSettings {
-    /// Texels per metre of surfaces; greater than 0. Twice as many take four times the memory and time. Default: 8.
+    /// Texels per metre of surfaces, 0.001 to 10000. Twice as many take four times the memory and time. Default: 8.
     pub texels_per_metre: f32,
     /// Most texels along each side of a page, 16 to 4096. Surfaces that need more are coarser. Default: 2048.
     pub page_size: u32,
@@ -29,11 +30,11 @@ impl BakeSettings {
     /// The first setting that is not.
     pub(super) fn check(&self) -> Result<(), BakeError> {
         let density = self.texels_per_metre;
-        if !(density > 0.0 && density.is_finite()) {
+        if !DENSITIES.contains(&density) {
             return Err(BakeError::Setting {
                 setting: "texels_per_metre",
                 value: density,
-                allowed: "finite and greater than 0",
+                allowed: "from 0.001 to 10000",
             });
         }
         if !(16..=MAX_SIZE).contains(&self.page_size) {

@@ -4,6 +4,7 @@ pub(crate) mod aabb;
 pub(crate) mod box_shadow;
 pub(crate) mod cone;
 pub(crate) mod convex_polygon;
+pub(crate) mod convex_shell;
 pub(crate) mod convex_solid;
 pub mod edge_mesh;
 pub(crate) mod enclosure;

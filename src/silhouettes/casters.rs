@@ -5,10 +5,12 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
+use glam::Vec3;
 
 use super::stacks::piece_boxes;
 use super::{FacingPlanes, compute_planes, compute_posed_planes};
 use crate::geometry::Aabb;
+use crate::geometry::convex_shell::middle_of_shell;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput, is_outside_out};
 use crate::scene::{MeshData, PosedMesh, SceneMesh, ShadowCaster};
 
@@ -22,6 +24,9 @@ pub struct CasterMesh {
     /// Whether only fronts of the mesh are seen from outside in any pose: it is closed, never posed, and nowhere inside
     /// out.
     pub shows_fronts_alone: bool,
+    /// A point inside of the convex body on whose surface the mesh lies, local space, as for a room or a sky dome. `None` for
+    /// any other mesh, and for one that is posed.
+    pub middle_of_shell: Option<Vec3>,
     /// Boxes of the pieces, local space, each with weight 1. Empty for a mesh of one piece.
     pub pieces: Vec<(Aabb, u32)>,
 }
@@ -66,12 +71,17 @@ impl CasterMesh {
         // A pose may turn parts inside out, which the rest pose does not show.
         let shows_fronts_alone =
             keys.is_none() && edges.is_closed() && is_outside_out(&mesh.positions, edges.corners());
+        let middle_of_shell = match keys {
+            Some(_) => None,
+            None => middle_of_shell(&mesh.positions, edges.corners()),
+        };
         let pieces = piece_boxes(&edges, &mesh.positions);
         Ok(Self {
             pieces: pieces.into_iter().map(|aabb| (aabb, 1)).collect(),
             edges,
             planes,
             shows_fronts_alone,
+            middle_of_shell,
         })
     }
 }

@@ -153,6 +153,11 @@ impl FacingPlanes {
         bytes as f64 / mesh.triangle_count().max(1) as f64
     }
 
+    /// Returns all slots, also those without a triangle, whose planes are zero.
+    pub fn slots(&self) -> std::ops::Range<usize> {
+        0..self.blocks.len() * CLUSTER_TRIANGLES
+    }
+
     /// Returns the plane of a slot as (normal, offset).
     pub fn plane(&self, slot: usize) -> Vec4 {
         let (block, lane) = (&self.blocks[slot / CLUSTER_TRIANGLES], slot % CLUSTER_TRIANGLES);

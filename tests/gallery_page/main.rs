@@ -37,7 +37,7 @@ fn gallery() -> &'static Path {
                 "--scale",
                 "1",
                 "--only",
-                "figures,soft-cylinder,uberlight",
+                "figures,soft-cylinder,uberlight,day",
                 "--out",
             ])
             .arg(&out)
@@ -120,6 +120,7 @@ fn pictures_load_and_nothing_is_logged() {
     let rows: Vec<usize> = serde_json::from_value(rows).expect("counts");
     assert_eq!(rows[..3], [techniques + 1; 3], "with the truth");
     assert!(rows[3] >= 7, "the looks of the light model: {rows:?}");
+    assert_eq!(rows[4..], [12; 2], "a day in pictures, and a strip of truth");
     assert_eq!(
         browser.eval("document.querySelectorAll('#measured tbody tr').length"),
         json!(techniques)
@@ -132,6 +133,35 @@ fn pictures_load_and_nothing_is_logged() {
     );
     browser.screenshot(&folder().join("desk-light.png"));
     assert_eq!(browser.problems, Vec::<String>::new());
+}
+
+/// Brightness of the pixels of a picture of the gallery, 0 to 1.
+fn brightness(file: &str) -> Vec<f32> {
+    let path = gallery().with_file_name(file);
+    let picture = image::open(&path).expect("the picture is there").to_luma32f();
+    picture.into_raw()
+}
+
+/// The day's pictures look like the truth below them, and not like that of another hour.
+#[test]
+fn pictures_of_the_day_are_those_of_the_truth() {
+    let difference = |a: &[f32], b: &[f32]| {
+        let sum: f32 = a.iter().zip(b).map(|(a, b)| (a - b).abs()).sum();
+        sum / a.len() as f32
+    };
+    let strip = |what: &str| -> Vec<Vec<f32>> {
+        let of_hour = |hour: usize| brightness(&format!("day-{what}-{hour:02}.png"));
+        (0..12).map(of_hour).collect()
+    };
+    let (maps, truth) = (strip("maps"), strip("truth"));
+    for hour in 0..12 {
+        let (own, other) = (
+            difference(&maps[hour], &truth[hour]),
+            difference(&maps[hour], &truth[(hour + 6) % 12]),
+        );
+        println!("picture {hour}: {own:.4}, {other:.4} to the truth of another hour");
+        assert!(own < 0.03 && own < 0.6 * other, "picture {hour}: {own}, {other}");
+    }
 }
 
 #[test]

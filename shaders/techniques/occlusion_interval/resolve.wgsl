@@ -18,8 +18,8 @@ struct Window {                     // mirror: techniques::occlusion_interval::g
 }
 
 @group(1) @binding(0) var<uniform> window: Window;
-@group(1) @binding(1) var rises: texture_2d_array<f32>;
-@group(1) @binding(2) var falls: texture_2d_array<f32>;
+// Four intervals of a texel: the first step of each in the lower byte, the last one in the upper byte.
+@group(1) @binding(1) var intervals: texture_2d_array<u32>;
 
 struct VertexIn {
     @location(0) position_local: vec3f,
@@ -52,15 +52,20 @@ fn within(rise: vec4f, fall: vec4f, span: vec2f) -> vec4f {
 
 // Share of the window in which a texel sees the light.
 fn seen_share(texel: vec2i, first: i32, pairs: i32) -> f32 {
+    let is_wrapped = window.spans.w > window.spans.z;
+    let end = max(window.spans.y, window.spans.w);
     var share = 0.0;
     for (var pair = 0; pair < pairs; pair++) {
-        // Bytes are the first and the last step of an interval.
-        let rise = textureLoad(rises, texel, first + pair, 0) * (255.0 * STEP);
-        let fall = textureLoad(falls, texel, first + pair, 0) * (255.0 * STEP) + STEP;
-        let lit = within(rise, fall, window.spans.xy) + within(rise, fall, window.spans.zw);
+        let steps = textureLoad(intervals, texel, first + pair, 0);
+        let rise = vec4f(steps & vec4u(0xffu)) * STEP;
+        let fall = vec4f(steps >> vec4u(8u)) * STEP + STEP;
+        var lit = within(rise, fall, window.spans.xy);
+        if is_wrapped {
+            lit += within(rise, fall, window.spans.zw);
+        }
         share += dot(vec4f(window.inverse_width), lit);
-        if fall.w <= rise.w {
-            break;                  // the last channel is empty, and so are all further pairs
+        if fall.w <= rise.w || rise.w >= end {
+            break;                  // the last channel is empty, and so are all further pairs; or all of them rise too late
         }
     }
     return min(share, 1.0);

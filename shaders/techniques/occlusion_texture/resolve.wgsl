@@ -38,6 +38,18 @@ fn texel() -> f32 {
     return 1.0 / light.limits.z;
 }
 
+// The part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture.
+fn narrowed(kernel: Kernel) -> Kernel {
+    let room = max(kernel.half - 0.5, vec2f(0.0));
+    return Kernel(kernel.center - clamp(kernel.center - 0.5, -room, room), min(kernel.half, vec2f(0.5)));
+}
+
+// Share of a kernel that `narrowed` leaves.
+fn narrowed_share(kernel: Kernel) -> f32 {
+    let wider = max(2.0 * kernel.half, vec2f(1.0));
+    return 1.0 / (wider.x * wider.y);
+}
+
 // Share of a kernel around the nearest place inside the picture that a kernel beyond the border still reaches.
 fn share_inside(kernel: Kernel) -> f32 {
     let beyond = abs(kernel.center - 0.5) - 0.5;
@@ -127,13 +139,14 @@ fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
 }
 
 fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
-    if FILTER == MIPMAPS {
-        return mipmap_mean(picture, kernel);
-    }
     if FILTER == SUMMED_AREAS {
         return summed_mean(picture, kernel);
     }
-    return n_buffer_mean(picture, kernel);
+    let part = narrowed(kernel);
+    if FILTER == MIPMAPS {
+        return mipmap_mean(picture, part) * narrowed_share(kernel);
+    }
+    return n_buffer_mean(picture, part) * narrowed_share(kernel);
 }
 
 // Share of the light that the slices of one picture hide.

@@ -10,6 +10,9 @@ use bevy_transform::prelude::Transform;
 use crate::scene::{Light, LightKind, LightPath};
 use crate::techniques::registry::Refusal;
 
+/// Texels per metre that can be baked. With fewer, whole rooms are smaller than the rounding of a texel.
+pub(crate) const DENSITIES: std::ops::RangeInclusive<f32> = 1e-3..=1e4;
+
 /// Gives a light that moves along a [`LightPath`] soft shadows of a static scene, from maps that were baked for it.
 ///
 /// The light is a stretch of its path: its *width* softens shadows along the path and leaves them hard across it. Time and
@@ -39,16 +42,17 @@ pub struct OcclusionInterval {
     /// assets. It must be given. The maps are read in the first frame that needs them
     /// ([`IntervalLibrary`](super::IntervalLibrary)).
     pub maps: String,
-    /// Time, as a share of the path, 0 to 1. It stops at the ends of an open path, and wraps around a closed one. Default: 0.
+    /// Time, as a share of the path, 0 to 1. A clock may run on: time beyond stops at the ends of an open path, and wraps around
+    /// a closed one. A file with such a time is refused. Default: 0.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub time: f32,
     /// Length of the light, as a share of the path, 0 to 1. Higher values soften shadows along the path, and cost nothing.
     /// With 0 shadows are hard. Default: 0.02, half an hour of a day.
     #[cfg_attr(feature = "schema", schemars(range(min = 0, max = 1)))]
     pub width: f32,
-    /// Texels per metre of the maps that are baked for this light; greater than 0. Twice as many sharpen shadows, and take
+    /// Texels per metre of the maps that are baked for this light, 0.001 to 10000. Twice as many sharpen shadows, and take
     /// four times the memory and the time to bake. Frames ignore it. Default: 8.
-    #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.001, max = 10000)))]
     pub texels_per_metre: f32,
 }
 
@@ -91,8 +95,8 @@ impl OcclusionInterval {
             let allowed = "it is a share of the path, 0 to 1";
             return Err(Refusal::setting("width", self.width, allowed));
         }
-        if !(self.texels_per_metre > 0.0 && self.texels_per_metre.is_finite()) {
-            let allowed = "it must be finite and greater than 0";
+        if !DENSITIES.contains(&self.texels_per_metre) {
+            let allowed = "it must be from 0.001 to 10000";
             return Err(Refusal::setting(
                 "texels_per_metre",
                 self.texels_per_metre,

@@ -1,11 +1,11 @@
 //! The maps that lights of a world use, by the folder that they are in.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use bevy_ecs::prelude::*;
+use bevy_ecs::prelude::Resource;
 
 use super::maps::IntervalMaps;
 
@@ -86,11 +86,17 @@ impl IntervalLibrary {
                 return;
             }
         }
-        let folder = folder.0.join(name);
-        let stamp = stamp_of(&folder);
+        // `maps` and `./maps` are one folder, whose maps are read once.
+        let folder: PathBuf = folder.0.join(name).components().filter(is_step).collect();
+        let read = Some((folder.clone(), stamp_of(&folder)));
+        let known = self
+            .known
+            .values()
+            .find(|entry| entry.read == read && entry.maps.is_ok());
+        let maps = known.map_or_else(|| load(&folder).map(Arc::new), |entry| entry.maps.clone());
         let entry = Entry {
-            maps: load(&folder).map(Arc::new),
-            read: Some((folder, stamp)),
+            maps,
+            read,
             unused_frames: 0,
         };
         self.known.insert(name.to_owned(), entry);
@@ -117,6 +123,11 @@ impl IntervalLibrary {
             _ => Ok(()),
         }
     }
+}
+
+/// Whether a part of a path leads elsewhere.
+fn is_step(part: &Component) -> bool {
+    *part != Component::CurDir
 }
 
 #[cfg(any(feature = "render", feature = "reference"))]
@@ -180,6 +191,11 @@ mod tests {
         library.read("maps", &folder);
         let again = library.get("maps").expect("it is known").expect("it was read");
         assert!(Arc::ptr_eq(&first, again), "once");
+        for same in ["./maps", "maps/", "././maps/."] {
+            library.read(same, &folder);
+            let read = library.get(same).expect("it is known").expect("it was read");
+            assert!(Arc::ptr_eq(&first, read), "{same} is the same folder");
+        }
         library.read("maps", &IntervalFolder(base.join("elsewhere")));
         assert!(
             library.get("maps").is_some_and(|maps| maps.is_err()),

@@ -49,8 +49,8 @@
 //! **Two-sided surfaces** hold what both of their sides see. A window of time in which the light passes behind such a
 //! surface counts as seen, though the side in view does not see all of it.
 //!
-//! **Cost.** One draw a surface. A pixel reads four texels of two textures for each pair that its page has, and stops at the
-//! first pair that is not full. Memory: 8 bytes a texel and pair.
+//! **Cost.** One draw a surface, whose triangles share vertices within a chart. A pixel reads four texels for each pair that
+//! its page has, and stops at the first pair that is not full. Memory: 8 bytes a texel and pair.
 //!
 //! Source: Donnelly & Demers 2004, "Generating Soft Shadows Using Occlusion Interval Maps", GPU Gems, chapter 13.
 

@@ -175,7 +175,16 @@ impl Technique for OcclusionInterval {
 
     #[cfg(feature = "serde")]
     fn parse(from: &mut dyn erased_serde::Deserializer) -> Result<Self, erased_serde::Error> {
-        erased_serde::deserialize(from)
+        let settings: Self = erased_serde::deserialize(from)?;
+        // A clock that runs on may go beyond the path. A file that does is a mistake.
+        if !(0.0..=1.0).contains(&settings.time) {
+            let message = format!(
+                "time is {}, it must be a share of the path, 0 to 1",
+                settings.time
+            );
+            return Err(serde::de::Error::custom(message));
+        }
+        Ok(settings)
     }
 
     #[cfg(feature = "bevy")]

@@ -12,6 +12,7 @@ use super::casters::{FrameObjects, Scratch};
 use super::component::OcclusionTexture;
 use super::light_slices::LightSlices;
 use super::scene_box::OwnBox;
+use super::shell::is_shell_around;
 use crate::scene::placement::Placement;
 use crate::scene::{AlphaMode, LocalBounds, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects};
@@ -81,6 +82,16 @@ pub fn ask_for_slices(
         is_closed: &|entity| {
             let caster = casters.get(entity);
             caster.is_ok_and(|(edges, transform, materials)| is_closed(edges, transform, materials))
+        },
+        is_shell: &|entity, lit, emitter, rounding| {
+            let caster = casters.get(entity).ok();
+            let place = placed
+                .get(entity)
+                .ok()
+                .and_then(|(_, placement)| placement.affine());
+            caster
+                .zip(place)
+                .is_some_and(|((edges, ..), place)| is_shell_around(&edges.0, &place, lit, emitter, rounding))
         },
         own_box: &|entity| {
             let (local, placement) = placed.get(entity).ok()?;

@@ -5,7 +5,7 @@ use fixedbitset::FixedBitSet;
 
 use super::scene_box::{OwnBox, SceneBox};
 use super::shadowless::Lit;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, Emitter};
 use crate::sets::{FrameLight, Objects};
 
 /// Coordinates from which on a box says nothing about the scene, metres.
@@ -18,6 +18,8 @@ pub(super) struct FrameObjects<'a> {
     pub exchanged: &'a FixedBitSet,
     /// Whether only fronts of a caster are seen from outside.
     pub is_closed: &'a dyn Fn(Entity) -> bool,
+    /// Whether a caster is a shell around a light and a box that holds everything else lit; up to a rounding, metres.
+    pub is_shell: &'a dyn Fn(Entity, &Aabb, &Emitter, f64) -> bool,
     /// The box of an object along its own axes.
     pub own_box: &'a dyn Fn(Entity) -> Option<OwnBox>,
 }
@@ -28,6 +30,8 @@ pub(super) struct Scratch {
     pub scene: Vec<SceneBox>,
     /// Object of each box of the scene.
     indices: Vec<usize>,
+    /// Indices of the boxes of shells around everything lit.
+    shells: Vec<usize>,
 }
 
 impl Scratch {
@@ -41,7 +45,11 @@ impl Scratch {
             casters.insert(object);
         }
         let volume = light.volume.aabb();
-        let Self { scene, indices } = self;
+        let Self {
+            scene,
+            indices,
+            shells,
+        } = self;
         scene.clear();
         indices.clear();
         let (mut all, mut is_known) = (Aabb::EMPTY, true);
@@ -63,18 +71,56 @@ impl Scratch {
                 casts: casters.contains(object),
             });
         }
-        let lit = Lit {
-            scene: scene.as_slice(),
+        let lit = |scene| Lit {
+            scene,
             all,
             emitter: &light.emitter,
             sun,
         };
-        let shadowless = |index: &usize| is_known && scene[*index].casts && lit.is_shadowless(*index);
-        for index in (0..scene.len()).filter(shadowless) {
-            casters.set(indices[index], false);
+        shells.clear();
+        let whole = lit(scene.as_slice());
+        let is_shell = |index: &usize| {
+            let entity = objects.entities[indices[*index]];
+            let rest = whole.all_but_shell(*index).filter(|_| scene[*index].casts);
+            rest.is_some_and(|rest| (frame.is_shell)(entity, &rest, &light.emitter, whole.rounding()))
+        };
+        if is_known {
+            shells.extend((0..scene.len()).filter(is_shell));
         }
-        for (scene, object) in scene.iter_mut().zip(indices) {
+        for index in (0..scene.len()).filter(|index| is_known && scene[*index].casts) {
+            if shells.contains(&index) || whole.is_shadowless(index) {
+                casters.set(indices[index], false);
+            }
+        }
+        for (scene, object) in scene.iter_mut().zip(&*indices) {
             scene.casts = casters.contains(*object);
+        }
+        if !shells.is_empty() {
+            self.leave_out_grounds(light, sun);
+        }
+    }
+
+    /// Fits no slices to casters that shadow nothing but the shells behind them, if there are others. A ground under a sky dome
+    /// hides the part of the dome that it shadows.
+    fn leave_out_grounds(&mut self, light: &FrameLight, sun: f64) {
+        let Self { scene, shells, .. } = self;
+        let inside = || (0..scene.len()).filter(|index| !shells.contains(index));
+        let within: Vec<SceneBox> = inside().map(|index| scene[index]).collect();
+        let all = within.iter().fold(Aabb::EMPTY, |all, one| all.union(one.bounds));
+        let lit = Lit {
+            scene: &within,
+            all,
+            emitter: &light.emitter,
+            sun,
+        };
+        let is_ground = |(at, _): &(usize, usize)| within[*at].casts && lit.is_shadowless(*at);
+        let grounds: Vec<usize> = inside()
+            .enumerate()
+            .filter(is_ground)
+            .map(|(_, index)| index)
+            .collect();
+        if grounds.len() < within.iter().filter(|one| one.casts).count() {
+            grounds.into_iter().for_each(|index| scene[index].casts = false);
         }
     }
 }

@@ -74,6 +74,18 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
     levels
 }
 
+/// Returns the part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture, and its
+/// share of the kernel.
+fn narrowed(kernel: &Kernel) -> (Kernel, f32) {
+    let room = (kernel.half - 0.5).max(Vec2::ZERO);
+    let part = Kernel {
+        center: kernel.center - (kernel.center - 0.5).clamp(-room, room),
+        half: kernel.half.min(Vec2::splat(0.5)),
+    };
+    let wider = (2.0 * kernel.half).max(Vec2::ONE);
+    (part, 1.0 / (wider.x * wider.y))
+}
+
 /// Returns the share of a kernel around the nearest place inside the picture that a kernel beyond the border still
 /// reaches.
 pub fn share_inside(kernel: &Kernel, half_texel: f32) -> f32 {
@@ -102,6 +114,7 @@ pub fn reached_levels(size: Vec2, taps: u32) -> u32 {
 /// Looks up the mean over a kernel in N-buffers.
 pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
     let side = levels[0].side as f32;
+    let (kernel, share) = narrowed(kernel);
     let size = 2.0 * kernel.half * side;
     let long = size.max_element().max(1.0);
     let square = square_side(size, taps).min(side);
@@ -124,7 +137,7 @@ pub fn n_buffer_mean(levels: &[Picture], kernel: &Kernel, taps: u32) -> f32 {
         let start = (place / half - 1.0).clamp(Vec2::ZERO, Vec2::ONE);
         sum += fine + (coarse - fine) * between * start.x * start.y;
     }
-    sum / taps as f32 * share_inside(kernel, 0.5 / side)
+    sum / taps as f32 * share_inside(&kernel, 0.5 / side) * share
 }
 
 /// Moves the first and last of several squares to the ends of a rectangle.
@@ -152,6 +165,7 @@ pub const SMOOTHED: f32 = 0.577_35;
 /// Looks up the mean around a kernel in mipmaps, on a device without anisotropic filters.
 pub fn mipmap_mean(levels: &[Picture], kernel: &Kernel) -> f32 {
     let side = levels[0].side as f32;
+    let (kernel, share) = narrowed(kernel);
     let size = (2.0 * SMOOTHED * kernel.half * side).max_element().max(1.0);
     let level = size.log2().min((levels.len() - 1) as f32);
     let center = kernel.center.clamp(Vec2::ZERO, Vec2::ONE);
@@ -160,7 +174,7 @@ pub fn mipmap_mean(levels: &[Picture], kernel: &Kernel) -> f32 {
         levels[level].sample(center * levels[level].side as f32)
     };
     let (fine, coarse) = (of(level as usize), of(level as usize + 1));
-    (fine + (coarse - fine) * level.fract()) * share_inside(kernel, 0.5 / side)
+    (fine + (coarse - fine) * level.fract()) * share_inside(&kernel, 0.5 / side) * share
 }
 
 /// Returns the summed areas of a picture: each texel holds the sum over all texels up to it.

@@ -33,6 +33,10 @@ pub struct SliceSettings {
 /// Least depth of the scene before the light as a share of its largest depth. What is nearer does not cast.
 const NEAREST: f64 = 1e-3;
 
+/// How much larger than the casters the scene may count, for the lengths that follow from its size. A ground of many kilometres
+/// would make the slices thicker than what stands on it. By eye.
+const FAR: f64 = 4.0;
+
 /// Share of the depth by which the slices reach beyond the casters, so that rounding leaves none out.
 const SLACK: f64 = 1e-4;
 
@@ -114,6 +118,17 @@ fn depths(boxes: &[LightBox], nearest: f64, size: f64) -> Option<[f64; 2]> {
     Some([(top - slack).max(0.5 * nearest), bottom + slack])
 }
 
+/// The greatest depth of the scene, metres, at most [`FAR`] times the distance of its casters.
+fn scale_of_scene(boxes: &[LightBox]) -> f64 {
+    let farthest = boxes.iter().map(|light| light.max.z).fold(0.0, f64::max);
+    let before = boxes.iter().filter(|light| light.casts && light.max.z > 0.0);
+    let distance = |light: &LightBox| light.min.abs().max(light.max.abs()).max_element();
+    match before.map(distance).reduce(f64::max) {
+        Some(casters) => farthest.min(FAR * casters),
+        None => farthest,
+    }
+}
+
 /// Scale and offset that map a range of slopes to the picture inside its guard.
 fn placed([least, greatest]: [DVec2; 2], guard: f64) -> (DVec2, DVec2) {
     let size = (greatest - least).max(DVec2::splat(1e-9));
@@ -155,11 +170,12 @@ fn fit_before(
         .map(|scene| LightBox::new(scene, light.origin, &axes))
         .collect();
     let farthest = boxes.iter().map(|light| light.max.z).fold(0.0, f64::max);
-    let nearest = NEAREST * farthest;
-    let slices = depths(&boxes, nearest, farthest).map_or(Slices::NONE, |range| {
+    let scale = scale_of_scene(&boxes);
+    let nearest = NEAREST * scale;
+    let slices = depths(&boxes, nearest, scale).map_or(Slices::NONE, |range| {
         Slices::new(range, settings.count, settings.weight)
     });
-    let scale_of_scene = if farthest > 0.0 { farthest } else { 1.0 };
+    let scale_of_scene = if scale > 0.0 { scale } else { 1.0 };
     let framing = Framing::new(light, &boxes, &slices, [nearest, farthest]);
     // Texels are small, in the mean over the slices, or the centre is near the light. There, rays from the light's middle
     // meet the casters of a slice where the picture shows them, and surfaces that pass through slices have fewer gaps.
@@ -199,17 +215,15 @@ fn fit_side(light: &SlicedLight, z: DVec3, settings: &SliceSettings, scene: &[Sc
         .map(|scene| LightBox::new(scene, light.origin, &axes))
         .collect();
     let farthest = boxes.iter().map(|light| light.max.z).fold(0.0, f64::max);
+    let scale = scale_of_scene(&boxes);
     // Kernels of oblique receivers are longer, by at most the square root of 2.
-    let behind = (1.5 * radius).max(1e-3 * farthest).max(1e-6);
+    let behind = (1.5 * radius).max(1e-3 * scale).max(1e-6);
     let seen: Vec<LightBox> = boxes
         .into_iter()
-        .filter(|light| {
-            let widest = light.max.z + behind;
-            light.min.truncate().max_element() < widest && light.max.truncate().min_element() > -widest
-        })
+        .filter_map(|light| light.within_pyramid(behind))
         .collect();
-    let nearest = NEAREST * farthest;
-    let slices = depths(&seen, nearest, farthest).map_or(Slices::NONE, |range| {
+    let nearest = NEAREST * scale;
+    let slices = depths(&seen, nearest, scale).map_or(Slices::NONE, |range| {
         Slices::new(range, settings.count, settings.weight)
     });
     let framing = Framing::new(light, &seen, &slices, [nearest, farthest]);
@@ -233,16 +247,23 @@ fn fit_parallel(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBox
     let all = scene
         .iter()
         .fold(Aabb::EMPTY, |all, scene| all.union(scene.bounds));
-    let origin = if all.is_empty() {
+    let casters = scene.iter().filter(|scene| scene.casts);
+    let casters = casters.fold(Aabb::EMPTY, |all, scene| all.union(scene.bounds));
+    let size_of = |bounds: &Aabb| f64::from(bounds.half_size().max_element()).max(0.0);
+    let largest = FAR * size_of(&casters);
+    // Receivers are rounded as their distance from the origin is.
+    let is_wide = !casters.is_empty() && size_of(&all) > largest;
+    let around = if is_wide { casters } else { all };
+    let origin = if around.is_empty() {
         light.origin
     } else {
-        0.5 * (all.min.as_dvec3() + all.max.as_dvec3())
+        0.5 * (around.min.as_dvec3() + around.max.as_dvec3())
     };
     let boxes: Vec<LightBox> = scene
         .iter()
         .map(|scene| LightBox::new(scene, origin, &light.axes))
         .collect();
-    let size = f64::from(all.half_size().max_element()).max(0.0);
+    let size = if is_wide { largest } else { size_of(&all) };
     let farthest = boxes
         .iter()
         .map(|light| light.max.z)

@@ -4,11 +4,15 @@ use glam::{DVec2, DVec3};
 
 use super::face::Slices;
 use super::scene_box::SceneBox;
-use super::sliced_light::SlicedLight;
+use super::sliced_light::{SlicedKind, SlicedLight};
 
 /// How far a picture reaches beyond a caster, in halves of the largest kernel there. Kernels that touch the caster fit into
 /// 2.
 const MARGIN: f64 = 2.0;
+
+/// Largest kernel of a directional light that fits into the margins, in halves of the extent of all casters. Larger ones, of
+/// receivers kilometres behind, see casters that hide almost nothing of the light. By eye.
+const WIDE: f64 = 1.0;
 
 /// A box in light space.
 #[derive(Clone, Copy, Debug)]
@@ -27,6 +31,15 @@ impl LightBox {
             max: DVec3::new(x[1], y[1], z[1]),
             casts: scene.casts,
         }
+    }
+
+    /// Returns the part of the box in a pyramid of 90° along z whose apex is `behind` metres behind the light. Its depths are
+    /// cut alone. `None` if no part is in it.
+    pub fn within_pyramid(mut self, behind: f64) -> Option<Self> {
+        let beside = self.min.truncate().max(-self.max.truncate()).max_element();
+        let nearest = beside - behind;
+        self.min.z = self.min.z.max(nearest);
+        (nearest < self.max.z).then_some(self)
     }
 }
 
@@ -56,6 +69,19 @@ impl<'a> Framing<'a> {
         [nearest, farthest]: [f64; 2],
     ) -> Self {
         let casters = boxes.iter().filter(|light| light.casts && light.max.z > nearest);
+        let (least, greatest) = casters.clone().fold(
+            (DVec2::INFINITY, DVec2::NEG_INFINITY),
+            |(least, greatest), caster| {
+                (
+                    least.min(caster.min.truncate()),
+                    greatest.max(caster.max.truncate()),
+                )
+            },
+        );
+        let widest = match light.kind {
+            SlicedKind::Directional => WIDE * 0.5 * (greatest - least).max_element(),
+            SlicedKind::Rect | SlicedKind::Sphere => f64::INFINITY,
+        };
         let touched = |caster: &LightBox| {
             let min = caster.min.truncate().extend(caster.min.z.max(nearest));
             let plane = slices.least_plane(min.z);
@@ -65,7 +91,7 @@ impl<'a> Framing<'a> {
                 min,
                 max: caster.max,
                 plane,
-                margin: MARGIN * kernel,
+                margin: MARGIN * kernel.min(DVec2::splat(widest)),
             }
         };
         Self {
@@ -108,5 +134,37 @@ impl<'a> Framing<'a> {
             }
         }
         self.cut([least, greatest], DVec2::new(1.0, behind))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A long table beside a lamp begins, for the picture downwards, where that picture begins to show it.
+    #[test]
+    fn boxes_begin_where_they_enter_a_pyramid() {
+        let table = LightBox {
+            min: DVec3::new(1.0, -2.0, -0.5),
+            max: DVec3::new(4.0, 2.0, 2.0),
+            casts: true,
+        };
+        let shown = table.within_pyramid(0.1).expect("a part of it is shown");
+        assert!((shown.min.z - 0.9).abs() < 1e-12 && shown.max == table.max);
+        let below = LightBox {
+            min: DVec3::new(-1.0, -2.0, 1.0),
+            ..table
+        };
+        assert_eq!(below.within_pyramid(0.1).map(|shown| shown.min), Some(below.min));
+        let beside = LightBox {
+            min: DVec3::new(2.2, -2.0, -0.5),
+            ..table
+        };
+        assert!(beside.within_pyramid(0.1).is_none());
+        let flat = LightBox {
+            min: DVec3::new(-1.0, -1.0, 2.0),
+            ..table
+        };
+        assert!(flat.within_pyramid(0.1).is_some(), "a floor");
     }
 }

@@ -5,8 +5,9 @@ use fixedbitset::FixedBitSet;
 use glam::{DVec2, DVec3, Vec3};
 
 use super::casters::{FrameObjects, Scratch};
+use super::coarse::Coarse;
 use super::component::{OcclusionTexture, SliceFilter};
-use super::face::SliceFace;
+use super::face::{SliceFace, Slices};
 use super::filter::{MOST_TAPS, level_count, reached_levels, tap_count};
 use super::fit::{SliceFaces, SliceSettings, fit_faces};
 use super::records::{OcclusionFace, OcclusionLight};
@@ -41,6 +42,8 @@ pub struct LightSlices {
     /// Those of the casters whose fronts alone are drawn. A ray through a closed caster would otherwise count twice, if front
     /// and back lie in different slices.
     pub solid: FixedBitSet,
+    /// Whether the pictures are too coarse for most casters at the resolution that was asked for.
+    pub coarse: Option<Coarse>,
     /// Whether the pictures are looked up in this frame.
     pub is_active: bool,
     /// Changes when the pictures must be drawn again.
@@ -68,6 +71,7 @@ impl LightSlices {
             casters: FixedBitSet::new(),
             closing: FixedBitSet::new(),
             solid: FixedBitSet::new(),
+            coarse: None,
             is_active: false,
             revision: 0,
             guarded: 0,
@@ -122,6 +126,7 @@ impl LightSlices {
             guard: guard(self.guarded),
         };
         self.faces = fit_faces(&sliced, &slice_settings, &scratch.scene);
+        self.coarse = Coarse::new(&self.faces, &scratch.scene, settings.resolution);
         self.solid.clear();
         self.solid.grow(objects.len());
         for object in self.casters.ones() {
@@ -266,9 +271,10 @@ impl LightSlices {
         self.faces.iter().map(of_face).max().unwrap_or(all)
     }
 
-    /// Returns the extent of the scene that the pictures show: the sizes of the last slice's picture, metres.
+    /// Returns the extent of the scene that the pictures show: the sizes of the last slice's picture, metres, in the first
+    /// picture with casters. It is 0 without casters.
     pub fn extent(&self) -> Vec3 {
-        let Some(face) = self.faces.first() else {
+        let Some(face) = self.faces.iter().find(|face| face.slices != Slices::NONE) else {
             return Vec3::ZERO;
         };
         let slices = &face.slices;

@@ -44,7 +44,7 @@ pub struct SceneBox {
     pub bounds: Aabb,
     /// Box along the object's own axes, which is not cut.
     pub own: Option<OwnBox>,
-    /// Whether the object casts.
+    /// Whether the object casts, and slices are fitted to it.
     pub casts: bool,
 }
 

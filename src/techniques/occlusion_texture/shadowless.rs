@@ -1,6 +1,6 @@
 //! Casters that cannot shadow anything, such as a flat ground. Slices are not spent on them.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::scene_box::SceneBox;
 use crate::geometry::{Aabb, Emitter};
@@ -11,6 +11,10 @@ const SUNK: f64 = 0.05;
 
 /// Rounding of two padded boxes, as a share of their largest coordinate.
 const ROUNDING: f64 = 4.0 * Aabb::PAD as f64;
+
+/// Coordinates beyond which those along an axis alone count towards its rounding, metres. Rounding beside the axis would be as
+/// high as a house on a ground of many kilometres.
+const NEAR: f32 = 1e3;
 
 /// Sides of a caster whose direction along an axis is less than this count as beside the axis: those within 45° of it do not.
 const BESIDE: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -43,14 +47,13 @@ impl Lit<'_> {
     ///
     /// A few objects may be sunk into a wide ground: one that reaches below everything lit.
     pub fn is_shadowless(&self, caster: usize) -> bool {
-        let largest = self.all.min.abs().max(self.all.max.abs()).max_element();
-        let rounding = ROUNDING * f64::from(largest);
         let own = &self.scene[caster].bounds;
         let sides = (0..3).flat_map(|axis| [(axis, false), (axis, true)]);
         sides.into_iter().any(|(axis, is_negative)| {
             let [_, top] = span(own, axis, is_negative);
             let [lowest, highest] = span(&self.all, axis, is_negative);
             let slack = SUNK * (highest - lowest);
+            let rounding = self.rounding_along(axis);
             if lowest >= top - rounding {
                 return self.shines_from_above(axis, is_negative, top + rounding);
             }
@@ -59,6 +62,35 @@ impl Lit<'_> {
                 && self.is_ground(caster, axis)
                 && self.is_nothing_behind(caster, (axis, is_negative), top, rounding)
         })
+    }
+
+    /// Rounding of all coordinates, metres.
+    pub fn rounding(&self) -> f64 {
+        ROUNDING * f64::from(self.largest().max_element())
+    }
+
+    /// Rounding of coordinates along a world axis, metres.
+    fn rounding_along(&self, axis: usize) -> f64 {
+        let largest = self.largest();
+        ROUNDING * f64::from(largest.max_element().min(NEAR).max(largest[axis]))
+    }
+
+    fn largest(&self) -> Vec3 {
+        self.all.min.abs().max(self.all.max.abs())
+    }
+
+    /// Returns the box around everything lit but one caster, if that caster's box is around it.
+    pub fn all_but_shell(&self, caster: usize) -> Option<Aabb> {
+        let own = &self.scene[caster].bounds;
+        if !(own.min.cmple(self.all.min).all() && own.max.cmpge(self.all.max).all()) {
+            return None;
+        }
+        let others = self
+            .scene
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| *index != caster);
+        Some(others.fold(Aabb::EMPTY, |all, (_, other)| all.union(other.bounds)))
     }
 
     /// Whether the whole light lies beyond a height along a world axis, or against it.
@@ -115,7 +147,7 @@ impl Lit<'_> {
 mod tests {
     use super::super::scene_box::OwnBox;
     use super::*;
-    use glam::{Affine3A, Quat, Vec3};
+    use glam::{Affine3A, Quat};
 
     fn scene_box(center: Vec3, half: Vec3) -> SceneBox {
         SceneBox::of_bounds(Aabb::around(center, half), true)

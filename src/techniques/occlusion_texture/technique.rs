@@ -85,6 +85,17 @@ impl Technique for OcclusionTexture {
                     "The light has no shadow: all casters lie behind it or in its plane. Move or turn the light.".to_owned()
                 });
             }
+            if let Some(coarse) = slices.coarse {
+                round.state(
+                    Some(slices.entity),
+                    3,
+                    format_args!(
+                        "The light's shadows are coarse: its slices are {:.1} m thick and its texels up to {:.2} m wide, too \
+                         much for {} of {} casters. Give the light a range, or let large surroundings cast no shadows.",
+                        coarse.thickness, coarse.texel, coarse.lost, coarse.casters
+                    ),
+                );
+            }
         }
     }
 

@@ -246,11 +246,13 @@ fn what_cannot_be_baked_is_said() {
         refused.expect_err("it cannot be baked").to_string()
     };
     assert!(refused(&sun(95.0), &coarse, &mut world).contains("latitude_deg is 95"));
-    let no_texels = BakeSettings {
-        texels_per_metre: 0.0,
-        ..coarse.clone()
-    };
-    assert!(refused(&sun(0.0), &no_texels, &mut world).contains("texels_per_metre is 0"));
+    for texels_per_metre in [0.0, 1e-9, 1e9, f32::NAN] {
+        let absurd = BakeSettings {
+            texels_per_metre,
+            ..coarse.clone()
+        };
+        assert!(refused(&sun(0.0), &absurd, &mut world).contains("texels_per_metre is"));
+    }
     let mut nothing = World::new();
     let nothing = bake_intervals(&mut nothing, &sun(0.0), &coarse, |_| ());
     assert!(matches!(nothing, Err(BakeError::Nothing)));

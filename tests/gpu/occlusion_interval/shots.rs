@@ -60,6 +60,16 @@ fn keys_that_cannot_be_used_are_named() {
         "path: needs the technique",
     );
     refused(&|light| light["shadow"]["width"] = json!(2), "width is 2");
+    for time in [-0.1, 1.5] {
+        let part = format!("time is {time}");
+        refused(&|light| light["shadow"]["time"] = json!(time), &part);
+    }
+    for density in [1e-9, 1e9] {
+        refused(
+            &|light| light["shadow"]["texels_per_metre"] = json!(density),
+            "texels_per_metre is",
+        );
+    }
     refused(
         &|light| light["shadow"]["texels_per_metre"] = json!(0),
         "texels_per_metre is 0",

@@ -87,6 +87,8 @@ fn scenes_behind_the_light_or_without_casters_are_lit() {
             "{kind:?}: a ground alone"
         );
         assert_eq!(messages(&stage), [""; 0], "{kind:?}: a ground alone");
+        let slices = &stage.world.resource::<OcclusionTextures>().lights[0];
+        assert_eq!(slices.extent(), Vec3::ZERO, "{kind:?}: no casters");
         let over = spawn(
             &mut stage,
             MeshData::plane(0.4),

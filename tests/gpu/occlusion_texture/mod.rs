@@ -8,3 +8,4 @@ mod properties;
 mod scenes;
 mod truth;
 mod twin;
+mod wide;

@@ -239,6 +239,27 @@ fn the_comparison_with_the_twins_finds_a_wrong_kernel_and_a_wrong_combination() 
     }
 }
 
+/// A kernel that is wider than the picture finds the picture's share of itself, and one beyond it nothing.
+#[test]
+fn filters_agree_on_kernels_wider_than_the_picture() {
+    let picture = Picture::from_fn(32, |_| 1.0);
+    for (center, half, expected) in [(0.5, 2.0, 0.25 / 4.0), (0.7, 1.0, 0.25), (40.0, 2.0, 0.0)] {
+        let kernel = antumbra::insides::occlusion_textures::Kernel {
+            center: Vec2::splat(center),
+            half: Vec2::splat(half),
+        };
+        let means = [
+            n_buffer_mean(&n_buffers(picture.clone()), &kernel, 2),
+            mipmap_mean(&mipmaps(picture.clone()), &kernel),
+            summed_mean(&summed_areas(picture.clone()), &kernel),
+        ];
+        assert!(
+            means.iter().all(|mean| (mean - expected).abs() < 1e-5),
+            "{center} {half}: {means:?}"
+        );
+    }
+}
+
 /// A kernel of a size and place has the same mean under all filters where the picture is even.
 #[test]
 fn filters_agree_on_even_pictures() {

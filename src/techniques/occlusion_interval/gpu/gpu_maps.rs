@@ -7,10 +7,11 @@ use bevy_ecs::prelude::*;
 use wgpu::util::DeviceExt;
 
 use super::gpu_types::IntervalVertex;
+use super::welded::Welded;
 use crate::render::RenderContext;
 use crate::scene::SceneMesh;
 use crate::techniques::occlusion_interval::intervals::PER_PAIR;
-use crate::techniques::occlusion_interval::maps::{Corner, IntervalMaps, Page};
+use crate::techniques::occlusion_interval::maps::{Corner, IntervalMaps, Pair};
 use crate::techniques::occlusion_interval::matching::IntervalScene;
 use crate::techniques::occlusion_interval::surface::local_triangles;
 
@@ -19,8 +20,8 @@ use crate::techniques::occlusion_interval::surface::local_triangles;
 pub struct GpuSurface {
     /// Index in [`IntervalScene::matched`].
     pub matched: u32,
-    /// Vertices of its triangles.
-    pub vertices: Range<u32>,
+    /// Range of [`GpuMaps::indices`]: three for each triangle.
+    pub indices: Range<u32>,
     /// Whether the maps hold what its back sees, too.
     pub is_two_sided: bool,
 }
@@ -30,10 +31,12 @@ pub struct GpuSurface {
 pub struct GpuMaps {
     /// The maps that the textures hold.
     pub maps: Arc<IntervalMaps>,
-    /// Rises and falls, a layer for each pair of each page.
-    pub views: [wgpu::TextureView; 2],
-    /// Three vertices a triangle.
+    /// Rises and falls of four intervals a texel, a layer for each pair of each page.
+    pub view: wgpu::TextureView,
+    /// Vertices of all surfaces.
     pub vertices: wgpu::Buffer,
+    /// Indices of all triangles, 32 bits each.
+    pub indices: wgpu::Buffer,
     /// The surfaces that were found and show shadows.
     pub surfaces: Vec<GpuSurface>,
     /// Generation of the scene whose vertices these are.
@@ -49,22 +52,17 @@ impl GpuMaps {
         if maps.size > limits.max_texture_dimension_2d || layers > limits.max_texture_array_layers {
             return None;
         }
-        let (surfaces, vertices) = build_vertices(world, scene);
-        let bytes: &[u8] = bytemuck::cast_slice(&vertices);
-        if bytes.len() as u64 > limits.max_buffer_size {
+        let (surfaces, welded) = build_vertices(world, scene);
+        let bytes = size_of_val(&welded.vertices[..]).max(size_of_val(&welded.indices[..]));
+        if bytes as u64 > limits.max_buffer_size {
             return None;
         }
+        let [vertices, indices] = buffers(context, &welded);
         Some(Self {
             maps: maps.clone(),
-            views: [
-                upload(context, maps, "interval rises", |page, pair| {
-                    &page.pairs[pair].rise
-                }),
-                upload(context, maps, "interval falls", |page, pair| {
-                    &page.pairs[pair].fall
-                }),
-            ],
-            vertices: vertex_buffer(context, bytes),
+            view: upload(context, maps),
+            vertices,
+            indices,
             surfaces,
             generation: scene.generation,
         })
@@ -72,42 +70,54 @@ impl GpuMaps {
 
     /// Builds the vertices again after the scene changed.
     pub fn refresh(&mut self, context: &RenderContext, world: &World, scene: &IntervalScene) {
-        let (surfaces, vertices) = build_vertices(world, scene);
+        let (surfaces, welded) = build_vertices(world, scene);
         self.surfaces = surfaces;
-        self.vertices = vertex_buffer(context, bytemuck::cast_slice(&vertices));
+        [self.vertices, self.indices] = buffers(context, &welded);
         self.generation = scene.generation;
     }
 }
 
-fn vertex_buffer(context: &RenderContext, bytes: &[u8]) -> wgpu::Buffer {
+/// Makes the buffers of vertices and indices.
+fn buffers(context: &RenderContext, welded: &Welded) -> [wgpu::Buffer; 2] {
     let nothing = [0; size_of::<IntervalVertex>()];
-    context
-        .device
-        .create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("interval vertices"),
-            contents: if bytes.is_empty() { &nothing } else { bytes }, // a buffer without room cannot be bound
-            usage: wgpu::BufferUsages::VERTEX,
-        })
+    let buffer = |label, bytes: &[u8], usage| {
+        context
+            .device
+            .create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents: if bytes.is_empty() { &nothing } else { bytes }, // a buffer without room cannot be bound
+                usage,
+            })
+    };
+    [
+        buffer(
+            "interval vertices",
+            bytemuck::cast_slice(&welded.vertices),
+            wgpu::BufferUsages::VERTEX,
+        ),
+        buffer(
+            "interval indices",
+            bytemuck::cast_slice(&welded.indices),
+            wgpu::BufferUsages::INDEX,
+        ),
+    ]
 }
 
-fn upload(
-    context: &RenderContext,
-    maps: &IntervalMaps,
-    label: &'static str,
-    texels: impl Fn(&Page, usize) -> &Vec<u8>,
-) -> wgpu::TextureView {
+/// Uploads the pairs. A channel of a texel holds the first step of an interval in its lower byte and the last one in its upper
+/// byte, so a lookup loads a pair at once.
+fn upload(context: &RenderContext, maps: &IntervalMaps) -> wgpu::TextureView {
     let size = wgpu::Extent3d {
         width: maps.size.max(1),
         height: maps.size.max(1),
         depth_or_array_layers: maps.layer_count().max(1) as u32,
     };
     let texture = context.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
+        label: Some("interval maps"),
         size,
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba8Unorm,
+        format: wgpu::TextureFormat::Rgba16Uint,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
@@ -115,7 +125,11 @@ fn upload(
         .pages
         .iter()
         .flat_map(|page| (0..page.pairs.len()).map(move |pair| (page, pair)));
+    let mut texels: Vec<u8> = Vec::new();
     for (layer, (page, pair)) in pairs.enumerate() {
+        let Pair { rise, fall } = &page.pairs[pair];
+        texels.clear();
+        texels.extend(rise.iter().zip(fall).flat_map(|(&rise, &fall)| [rise, fall]));
         context.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture: &texture,
@@ -126,10 +140,10 @@ fn upload(
                 },
                 aspect: wgpu::TextureAspect::All,
             },
-            texels(page, pair),
+            &texels,
             wgpu::TexelCopyBufferLayout {
                 offset: 0,
-                bytes_per_row: Some(maps.size * PER_PAIR as u32),
+                bytes_per_row: Some(maps.size * 2 * PER_PAIR as u32),
                 rows_per_image: Some(maps.size),
             },
             wgpu::Extent3d {
@@ -157,10 +171,10 @@ fn page_layers(maps: &IntervalMaps) -> Vec<u32> {
         .collect()
 }
 
-fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec<IntervalVertex>) {
+fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Welded) {
     let maps = &scene.maps;
     let layers = page_layers(maps);
-    let (mut surfaces, mut vertices) = (Vec::new(), Vec::new());
+    let (mut surfaces, mut welded) = (Vec::new(), Welded::default());
     for (index, matched) in (0u32..).zip(&scene.matched) {
         let baked = &maps.surfaces[matched.surface as usize];
         let corners = &maps.corners[baked.corners.start as usize..baked.corners.end as usize];
@@ -170,27 +184,32 @@ fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Vec
         let Some(submesh) = mesh.0.submeshes.get(matched.submesh as usize) else {
             continue;
         };
-        let first = vertices.len() as u32;
-        for (triangle, corners) in local_triangles(&mesh.0, submesh).zip(corners.chunks_exact(3)) {
+        let first = welded.indices.len() as u32;
+        welded.begin(mesh.0.positions.len());
+        let named = mesh.0.indices[mesh.0.submesh_range(submesh)].chunks_exact(3);
+        let triangles = local_triangles(&mesh.0, submesh).zip(named);
+        for ((triangle, named), corners) in triangles.zip(corners.chunks_exact(3)) {
             let Some(positions) = triangle else { continue };
             if corners.iter().all(|corner| *corner == Corner::NOWHERE) {
                 continue;
             }
-            let vertex = |(position, corner): (glam::Vec3, &Corner)| IntervalVertex {
-                position_local: position.to_array(),
-                texel: corner.texel.to_array(),
-                layers: layers.get(corner.page as usize).copied().unwrap_or(0),
-            };
-            vertices.extend(positions.into_iter().zip(corners).map(vertex));
+            for ((position, vertex), corner) in positions.into_iter().zip(named).zip(corners) {
+                let corner = IntervalVertex {
+                    position_local: position.to_array(),
+                    texel: corner.texel.to_array(),
+                    layers: layers.get(corner.page as usize).copied().unwrap_or(0),
+                };
+                welded.add(*vertex, corner);
+            }
         }
-        let end = vertices.len() as u32;
+        let end = welded.indices.len() as u32;
         if first < end {
             surfaces.push(GpuSurface {
                 matched: index,
-                vertices: first..end,
+                indices: first..end,
                 is_two_sided: baked.is_two_sided,
             });
         }
     }
-    (surfaces, vertices)
+    (surfaces, welded)
 }

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `recorder` | the draws that a frame needs, and the pass that records them |
 //! | `gpu_maps` | textures and vertices of one scene |
+//! | `welded` | vertices that triangles share |
 //! | `pipelines` | pipelines and bind groups |
 //! | `gpu_types` | structs that the shader reads |
 
@@ -11,6 +12,7 @@ pub(crate) mod gpu_maps;
 pub(crate) mod gpu_types;
 pub(crate) mod pipelines;
 pub(crate) mod recorder;
+pub(crate) mod welded;
 
 use crate::render::shaders::{ShaderFile, shader_files};
 

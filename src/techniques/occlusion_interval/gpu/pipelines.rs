@@ -37,7 +37,7 @@ const VERTEX_BUFFERS: [wgpu::VertexBufferLayout<'static>; 2] = [
 /// The bind group layout of the maps.
 #[derive(Debug)]
 pub struct IntervalLayouts {
-    /// The layout of group 1: the window at a dynamic offset, rises and falls.
+    /// The layout of group 1: the window at a dynamic offset, and the intervals.
     pub maps: wgpu::BindGroupLayout,
 }
 
@@ -45,11 +45,11 @@ impl IntervalLayouts {
     /// Creates the layout.
     pub fn new(device: &wgpu::Device) -> Self {
         use wgpu::{BufferBindingType::Uniform, ShaderStages};
-        let texture = |binding| wgpu::BindGroupLayoutEntry {
-            binding,
+        let texture = wgpu::BindGroupLayoutEntry {
+            binding: 1,
             visibility: ShaderStages::FRAGMENT,
             ty: wgpu::BindingType::Texture {
-                sample_type: wgpu::TextureSampleType::Float { filterable: false },
+                sample_type: wgpu::TextureSampleType::Uint,
                 view_dimension: wgpu::TextureViewDimension::D2Array,
                 multisampled: false,
             },
@@ -60,8 +60,7 @@ impl IntervalLayouts {
                 label: Some("interval maps"),
                 entries: &[
                     buffer_entry(0, ShaderStages::FRAGMENT, Uniform, true, size_of::<Window>()),
-                    texture(1),
-                    texture(2),
+                    texture,
                 ],
             }),
         }

@@ -33,7 +33,7 @@ use crate::techniques::shared::texture_memory::TextureMemory;
 #[derive(Clone, Debug)]
 struct Draw {
     key: Key,
-    vertices: Range<u32>,
+    indices: Range<u32>,
     /// Index among the instances of the frame.
     instance: u32,
 }
@@ -97,15 +97,13 @@ impl IntervalNode {
     }
 
     fn bind(&self, input: &PrepareInput, maps: &GpuMaps) -> wgpu::BindGroup {
-        let [rises, falls] = &maps.views;
         bind_in_order(
             &input.context.device,
             "interval maps",
             &self.layouts.maps,
             [
                 self.windows.binding(),
-                wgpu::BindingResource::TextureView(rises),
-                wgpu::BindingResource::TextureView(falls),
+                wgpu::BindingResource::TextureView(&maps.view),
             ],
         )
     }
@@ -179,7 +177,7 @@ impl IntervalNode {
                         mirrored: (handedness < 0.0) != input.mirrored_view,
                         culled: culls && !surface.is_two_sided,
                     },
-                    vertices: surface.vertices.clone(),
+                    indices: surface.indices.clone(),
                     instance: self.objects.len() as u32,
                 });
                 self.objects.push(index);
@@ -304,6 +302,7 @@ impl Resolve for IntervalNode {
         pass.set_bind_group(0, input.record.view, &[]);
         pass.set_bind_group(1, &bound.group, &[Strided::<Window>::offset(plan.window)]);
         pass.set_vertex_buffer(0, bound.maps.vertices.slice(..));
+        pass.set_index_buffer(bound.maps.indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(1, self.instances.buffer.slice(..));
         let mut last = None;
         for draw in &self.draws[plan.draws.clone()] {
@@ -314,7 +313,7 @@ impl Resolve for IntervalNode {
                 pass.set_pipeline(pipeline);
                 last = Some(draw.key);
             }
-            pass.draw(draw.vertices.clone(), draw.instance..draw.instance + 1);
+            pass.draw_indexed(draw.indices.clone(), 0, draw.instance..draw.instance + 1);
         }
     }
 }
