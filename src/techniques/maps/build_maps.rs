@@ -16,8 +16,7 @@ use super::members::{expected_faces, farthest, fill_casters, lit_faces, near_pla
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
 use super::settings::{MapError, MapReport, MapResolution, MapSettings};
-use crate::sets::{FrameLights, Objects, View};
-use crate::silhouettes::LightClearance;
+use crate::sets::{FrameLights, LightClearance, Objects, View};
 use crate::techniques::shared::texture_memory::TextureMemory;
 
 /// Number of pixels along a side of a texel from which on a shadow is reported as coarse. An edge is then a staircase whose

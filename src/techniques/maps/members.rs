@@ -13,7 +13,7 @@ use super::movers::Movers;
 use super::request::{Beside, MapFaces, MapShape};
 use super::settings::MapFilter;
 use crate::geometry::Aabb;
-use crate::sets::{FrameLight, LightVolume, Objects};
+use crate::sets::{CLEARANCE_REACH, FrameLight, LightVolume, Objects};
 
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
 /// whether they changed.
@@ -63,10 +63,6 @@ pub fn farthest(light: &FrameLight, casters: impl Iterator<Item = usize>, object
     farthest.log2().ceil().exp2()
 }
 
-/// Largest distance, metres, from which the clearance around a light follows. Farther parts of a caster whose box holds the
-/// light, such as a sky, say nothing about how exactly its nearer parts are placed.
-const CLEARANCE_REACH: f64 = 1e3;
-
 /// Returns the distance of the near plane, metres: that of the light's clearance from the surfaces that it may be on, and
 /// nearer than any other caster. `share` is the clearance as a share of distance ([`LightClearance`]).
 ///
@@ -74,7 +70,7 @@ const CLEARANCE_REACH: f64 = 1e3;
 /// too much, as many halves of it as needed: reversed depth in floating point then changes by a power of two, without any
 /// rounding, and a map shows the same.
 ///
-/// [`LightClearance`]: crate::silhouettes::LightClearance
+/// [`LightClearance`]: crate::sets::LightClearance
 pub fn near_plane(
     light: &FrameLight,
     casters: impl Iterator<Item = usize>,

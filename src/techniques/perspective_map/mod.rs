@@ -22,7 +22,9 @@
 //! | `light_camera` | one face: a camera at the light with the smallest cone's axis |
 //! | `cube` | several faces: sides of the unit cube as the light sees them |
 //! | `texels` | texels per pixel of the screen, at sample points |
+//! | `fit_input` | the casters and the points that a light's faces are fitted to |
 //! | `fit` | the faces of a light in this frame |
+//! | `place_face` | a picture as a face: its frame at the light, its homography, the depths of casters |
 //! | `grounds` | receivers whose shadows are blurred ([`BlurredGround`](crate::scene::BlurredGround)) |
 //! | `gpu` | the recorder (feature `render`) |
 //!
@@ -73,11 +75,13 @@
 pub(crate) mod component;
 pub(crate) mod cube;
 pub(crate) mod fit;
+pub(crate) mod fit_input;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
 pub(crate) mod grounds;
 pub(crate) mod light_camera;
 pub(crate) mod parts;
+pub(crate) mod place_face;
 pub(crate) mod projection;
 pub(crate) mod receivers;
 pub(crate) mod shadowed;

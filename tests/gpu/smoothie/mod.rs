@@ -1,10 +1,12 @@
 //! Smoothies: the umbra of the plain map, the least of several penumbrae, and the penumbra of the formula.
 
 mod bad_input;
+mod eye;
 mod kept;
 mod models;
 mod parity;
 mod scenes;
+mod wide_ground;
 
 use antumbra::prelude::*;
 use antumbra::techniques::SmoothieWidth;
