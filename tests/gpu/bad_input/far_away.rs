@@ -107,7 +107,7 @@ fn perspective_maps_far_from_the_origin_are_exact() {
             let (_, wrong, dark) = lit_at(Vec3::new(far, -far, far), kind, &map);
             println!("{kind:?}, {far} m: {wrong} wrong, {dark} dark");
             assert!(
-                wrong == 0 && dark > 60,
+                wrong == 0 && dark > 40,
                 "{kind:?}, {far} m: {wrong} wrong, {dark} dark"
             );
         }
@@ -117,8 +117,8 @@ fn perspective_maps_far_from_the_origin_are_exact() {
 #[test]
 fn smoothies_far_from_the_origin_are_those_at_the_origin() {
     let smoothie = Settings::of(Smoothie {
-        width: SmoothieWidth::Metres(0.2),
-        spread: 0.1,
+        width: SmoothieWidth::Metres(1.0),
+        spread: 0.5,
         resolution: MapResolution::Fixed(512),
         ..Default::default()
     });
@@ -128,7 +128,7 @@ fn smoothies_far_from_the_origin_are_those_at_the_origin() {
             .iter()
             .filter(|value| (0.1..0.9).contains(*value))
             .count();
-        assert!(soft > 60, "{kind:?}: {soft} soft");
+        assert!(soft > 30, "{kind:?}: {soft} soft");
         for far in [1e5, 1e6] {
             let (far_away, ..) = lit_at(Vec3::new(far, -far, far), kind, &smoothie);
             let pairs = at_origin.iter().zip(&far_away);

@@ -9,10 +9,13 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{DVec3, Quat, Vec3};
 
-use super::grounds::{EVERY, add, expected, lights, stage};
+use super::grounds::{add, expected, lights, stage};
 use super::variants;
 use crate::harness::maps::Judge;
 use crate::harness::support::stage::Stage;
+
+/// Pixels of which one is judged.
+const EVERY: usize = 2;
 
 /// Half the side of each of four grounds, metres, and the radii of their blurs.
 const TILE: f32 = 0.8;

@@ -20,7 +20,7 @@ use crate::harness::support::stage::Stage;
 const SIZE: UVec2 = UVec2::new(96, 54);
 
 /// Pixels of which one is judged.
-pub(super) const EVERY: usize = 5;
+const EVERY: usize = 5;
 
 pub(super) fn add(stage: &mut Stage, mesh: MeshData, at: Transform) -> Entity {
     let parts = (

@@ -32,7 +32,7 @@ const SIZE: UVec2 = UVec2::new(128, 72);
 /// for `espresso_cup`.
 const ALLOWED: f64 = 0.5;
 
-/// The same share for two models that miss it: `shape_collection` (0.61), of whose penumbrae some twenty pixels are left, and
+/// The same share for two models that miss it at 256², and have 0.30 and 0.36 at 512²: `shape_collection` (0.61), of whose penumbrae some twenty pixels are left, and
 /// `knight` (0.53). Half the width of the penumbra is less than a texel at all pixels of the first and at a quarter of those of the
 /// second.
 const ALLOWED_OF_TWO: f64 = 0.65;
@@ -241,7 +241,7 @@ fn table(side: u32, names: &[&str]) {
             smoothie.whole / jittered.whole,
         );
         let allowed = match *name {
-            "shape_collection.glb" | "knight.glb" => ALLOWED_OF_TWO,
+            "shape_collection.glb" | "knight.glb" if side == 256 => ALLOWED_OF_TWO,
             _ => ALLOWED,
         };
         if smoothie.outer > allowed * plain.outer {

@@ -10,11 +10,11 @@ use crate::harness::strict_context;
 
 /// Visibility under a lamp without a range, 4 m over a ground of some half side.
 fn picture(kind: LightKind, half: f32) -> Vec<f32> {
-    let view = Transform::from_xyz(3.0, 2.2, 4.5).looking_at(Vec3::new(0.0, 0.4, 0.0), Vec3::Y);
+    let view = Transform::from_xyz(-2.2, 2.6, 2.2).looking_at(Vec3::new(0.0, 0.2, 0.0), Vec3::Y);
     let mut stage = empty(&strict_context(), view);
     spawn(&mut stage, MeshData::plane(half), Transform::IDENTITY);
-    let block = Transform::from_xyz(0.3, 0.5, 0.0);
-    spawn(&mut stage, MeshData::cuboid(Vec3::new(0.25, 0.5, 0.25)), block);
+    let block = Transform::from_xyz(0.3, 1.3, 0.0);
+    spawn(&mut stage, MeshData::cuboid(Vec3::new(0.4, 0.5, 0.4)), block);
     let lamp = Light {
         kind,
         ..Light::point(Vec3::ONE, 60.0, f32::INFINITY)

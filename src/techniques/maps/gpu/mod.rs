@@ -3,7 +3,7 @@
 //! | file | holds |
 //! | --- | --- |
 //! | `recorder` | the recorder: what lives long, and the order of a frame |
-//! | `plans` | the draws and lookups that a frame needs |
+//! | `planning`, `plans` | the draws and lookups that a frame needs |
 //! | `passes` | the passes of one light's map |
 //! | `draws` | casters of a face as draw calls |
 //! | `pipelines`, `layouts` | pipelines and bind groups |
@@ -18,6 +18,7 @@ pub(crate) mod layouts;
 pub(crate) mod limit;
 pub(crate) mod passes;
 pub(crate) mod pipelines;
+pub(crate) mod planning;
 pub(crate) mod plans;
 pub(crate) mod pool;
 pub(crate) mod recorded;
