@@ -102,6 +102,28 @@ pub fn near_plane(
     whole * (wanted / whole).log2().floor().exp2()
 }
 
+/// Distance, metres, within which corners of casters are placed exactly enough.
+const NEAR_CORNERS: f64 = 1e3;
+
+/// Rounding of a depth in `f32`, metres for each metre to the farthest corner of the triangle.
+const CORNER_ROUNDING: f64 = 1.0 / (1 << 23) as f64;
+
+/// Largest rounding, metres, that the comparison allows for. A sky of 300 km rounds no worse than that near its middle,
+/// and a shadow would begin too far behind its caster.
+const MOST_ROUNDING: f64 = 3e-3;
+
+/// Returns the error of depths near a place, metres, that corners of casters far away from it leave there: a rasterizer
+/// cuts a triangle that reaches beyond the horizon at the border of the picture, and rounds as it does. It is 0 for
+/// casters within a kilometre.
+pub fn corner_rounding(place: DVec3, casters: impl Iterator<Item = usize>, objects: &Objects) -> f64 {
+    let corner = |index: usize| {
+        let (center, half) = objects.boxes.center_half(index);
+        ((center - place).abs() + half).length()
+    };
+    let farthest = casters.map(corner).fold(0.0, f64::max);
+    ((farthest - NEAR_CORNERS).max(0.0) * CORNER_ROUNDING).min(MOST_ROUNDING)
+}
+
 /// Returns the faces that the map should have.
 pub fn expected_faces(map: &LightMap, light: &FrameLight, scene: &Scene) -> MapFaces {
     let origin = light.point_world.truncate();

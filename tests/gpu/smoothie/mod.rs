@@ -6,7 +6,6 @@ mod kept;
 mod models;
 mod parity;
 mod scenes;
-mod wide_ground;
 
 use antumbra::prelude::*;
 use antumbra::techniques::SmoothieWidth;

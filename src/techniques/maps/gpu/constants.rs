@@ -39,7 +39,10 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         radius_texels = 2.0;
     }
     let (raised, metres, share) = match request.bias {
-        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0, 0.0),
+        MapBias::Auto => {
+            let raised = RAISED_TEXELS * (1.0 + 0.5 * radius_texels);
+            (raised, map.rounding as f32, 0.0)
+        }
         MapBias::Manual {
             normal_texels,
             depth_metres,
