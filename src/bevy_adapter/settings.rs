@@ -13,8 +13,8 @@ pub struct AntumbraSettings {
     /// `usize::MAX` waits for all meshes, which makes frames repeatable. Default: 2048.
     pub immediate_triangles: usize,
     /// Limit on the memory of the textures of all shadow techniques, bytes, for each camera with shadows. Beyond it, the
-    /// least visible lights get coarser shadows first, then lose their textures; the log names them. Higher values keep
-    /// shadows sharp with many lights. Default: 256 MiB.
+    /// lights with the most bytes for each pixel that they reach get coarser shadows first; then the least visible lose
+    /// their textures. The log names them. Higher values keep shadows sharp with many lights. Default: 256 MiB.
     pub texture_memory: u64,
 }
 

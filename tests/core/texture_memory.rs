@@ -273,8 +273,8 @@ fn equally_visible_lights_lose_from_the_last_on() {
     scene.run(2 * EACH);
     assert_eq!(
         films.map(|film| scene.film(film)),
-        [Some(256), Some(128), Some(64)],
-        "a quarter and a sixteenth"
+        [Some(256), Some(128), Some(128)],
+        "two quarters"
     );
     let short: Vec<_> = scene.world.resource::<TextureMemory>().shortages().to_vec();
     assert_eq!(short.len(), 2);

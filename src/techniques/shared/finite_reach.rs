@@ -68,13 +68,15 @@ impl FiniteReach {
             return None;
         }
         let light = self.light.truncate();
-        let farthest = self.distance() * SLACK;
         let needed = if self.light.w == 0.0 {
+            // Distances from the world's origin have a sign, so the slack is a share of the size instead.
             let corners = caster.corners().map(|corner| -light.dot(corner.as_dvec3()));
+            let size = f64::from((caster.half_size() + self.receivers.half_size()).length());
+            let farthest = self.distance() + size * (SLACK - 1.0);
             let length = farthest - corners.into_iter().fold(f64::INFINITY, f64::min);
-            let size = (caster.half_size() + self.receivers.half_size()).length();
-            (length > 0.0).then_some(length + f64::from(size) * (SLACK - 1.0))?
+            (length > 0.0).then_some(length + size * (SLACK - 1.0))?
         } else {
+            let farthest = self.distance() * SLACK;
             let (min, max) = (caster.min.as_dvec3(), caster.max.as_dvec3());
             let mut nearest = light.distance(light.clamp(min, max));
             if nearest > farthest {
@@ -228,5 +230,24 @@ mod tests {
         // The light is within the bounds of a caster whose surface is a metre away.
         let around = lamp.extrusion(&cube(Vec3::ZERO, 10.0), || Some(1.0)).unwrap();
         assert!(f64::from(around) > lamp.distance(), "{around}");
+    }
+
+    /// Distances along a directional light are negative on the sunward side of the world's origin.
+    #[test]
+    fn volumes_are_as_long_far_from_the_origin() {
+        for away in [0.0, 5_000.0, -5_000.0, 1e5, -1e5] {
+            let center = Vec3::new(0.0, away, 0.0);
+            let sun = FiniteReach {
+                light: DVec4::new(0.0, 1.0, 0.0, 0.0),
+                receivers: cube(center, 10.0),
+            };
+            let length = sun.extrusion(&cube(center + Vec3::Y * 8.0, 1.0), || None);
+            let length = length.expect("it is above receivers");
+            assert!(length > 17.0 && length < 30.0, "{away}: {length}");
+            assert!(
+                sun.extrusion(&cube(center - Vec3::Y * 15.0, 1.0), || None)
+                    .is_none()
+            );
+        }
     }
 }

@@ -103,3 +103,33 @@ fn corner() -> MeshData {
     let positions = positions.map(Vec3::from_array).to_vec();
     MeshData::from_triangles("corner", positions, vec![0, 1, 2, 0, 2, 3, 4, 0, 3, 4, 3, 5])
 }
+
+/// Far from the world's origin, on either side, volumes and wedges still reach the ground.
+#[test]
+fn far_from_the_origin_shadows_are_as_near_it() {
+    let context = strict_context();
+    let sun = LightKind::Directional;
+    for (away, wedges) in [(20_000.0, false), (-20_000.0, false), (20_000.0, true)] {
+        let mut stage = ground(&context, 3.6, -20.0, 60.0);
+        let up = Vec3::new(0.0, away, 0.0);
+        let world = &mut stage.world;
+        for mut place in world.query::<&mut Transform>().iter_mut(world) {
+            place.translation += up;
+        }
+        let scene = rays(&mut stage);
+        let from = Vec3::new(1.0, 2.0, 0.7);
+        if wedges {
+            light(&mut stage, sun, from, f32::INFINITY, PenumbraWedge::default());
+        } else {
+            light(&mut stage, sun, from, f32::INFINITY, StencilVolume::default());
+        }
+        let rendered = stage.render().expect("the frame renders");
+        let error = judge(&stage, &scene, 0, &rendered.visibility[0]);
+        let dark = rendered.visibility[0].iter().filter(|v| **v < 0.5).count();
+        println!("{away}, wedges {wedges}: {dark} dark, {error:?}");
+        assert!(
+            dark > 200 && error.wrong_inner == 0,
+            "{away}: {dark} dark, {error:?}"
+        );
+    }
+}

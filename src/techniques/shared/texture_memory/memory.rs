@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use super::share_out::{RankedWant, TextureGrant, TextureWant, share_out, total_bytes};
+use super::share_out::{RankedWant, Scratch, TextureGrant, TextureWant, share_out, total_bytes};
 use crate::sets::FrameLights;
 
 /// The limit on the memory of the textures that lights have of their own, whatever their techniques, and what each light
@@ -42,8 +42,8 @@ use crate::sets::FrameLights;
 /// ```
 #[derive(Resource, Clone, Debug)]
 pub struct TextureMemory {
-    /// Limit on the memory of all textures that lights have of their own, bytes. Beyond it, the least visible lights lose
-    /// resolution first, then their textures. Higher values keep shadows sharp with many lights. Default: 256 MiB.
+    /// Limit on the memory of all textures that lights have of their own, bytes. Beyond it, the lights with the most bytes
+    /// for each pixel that they reach lose resolution first; then the least visible lose their textures. Higher values keep shadows sharp with many lights. Default: 256 MiB.
     pub limit: u64,
     bytes: u64,
     shortages: Vec<TextureShortage>,
@@ -53,7 +53,7 @@ pub struct TextureMemory {
     is_shared: bool,
     wants: Vec<RankedWant>,
     grants: Vec<Option<TextureGrant>>,
-    order: Vec<usize>,
+    scratch: Scratch,
 }
 
 impl Default for TextureMemory {
@@ -66,7 +66,7 @@ impl Default for TextureMemory {
             is_shared: false,
             wants: Vec::new(),
             grants: Vec::new(),
-            order: Vec::new(),
+            scratch: Scratch::default(),
         }
     }
 }
@@ -181,10 +181,10 @@ impl TextureMemory {
             RankedWant {
                 want: asked.want,
                 // Visibility goes in steps, so that small moves of the view do not replace textures.
-                visibility: u64::from(area.checked_ilog2().map_or(0, |log| log + 1)),
+                visibility: area.checked_ilog2().map_or(0, |log| log + 1),
             }
         }));
-        share_out(&self.wants, self.limit, &mut self.grants, &mut self.order);
+        share_out(&self.wants, self.limit, &mut self.grants, &mut self.scratch);
         self.bytes = total_bytes(&self.wants, &self.grants);
         self.shortages.clear();
         for (asked, grant) in self.asked.iter().zip(&self.grants) {

@@ -1,8 +1,9 @@
 //! The rule by which the memory for textures is shared.
 //!
-//! All lights get what they want while it fits. Otherwise the least visible light loses resolution, halved
-//! down to its smallest, then the next. When all have their smallest, the least visible lights lose their
-//! own textures.
+//! All lights get what they want while it fits. Otherwise the light whose textures take the most bytes for each pixel that
+//! it reaches loses resolution, halved, again and again. So one light that asks for much leaves the others theirs, and of
+//! equal wants the least visible loses first. When all have their smallest, the least visible lights lose their own
+//! textures.
 
 /// The textures that a light wants from one technique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,8 +45,27 @@ pub struct TextureGrant {
 pub struct RankedWant {
     /// The want.
     pub want: TextureWant,
-    /// How visible the light is. The least visible loses first and, among equals, the later one.
-    pub visibility: u64,
+    /// How visible the light is: the binary logarithm of the pixels that it reaches. Among equals, the later one loses
+    /// first.
+    pub visibility: u32,
+}
+
+/// A step of resolution that a light can lose.
+#[derive(Clone, Copy, Debug)]
+pub struct Halving {
+    /// Index of the want.
+    index: usize,
+    /// Resolution before the step.
+    resolution: u32,
+    /// Bytes before the step for each pixel that the light reaches.
+    bytes_per_pixel: f64,
+}
+
+/// Scratch memory of [`share_out`].
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    halvings: Vec<Halving>,
+    order: Vec<usize>,
 }
 
 /// What came of a want; `None` if the light gets nothing.
@@ -71,8 +91,8 @@ pub fn total_bytes(wants: &[RankedWant], grants: &[Outcome]) -> u64 {
     u64::try_from(total(wants, grants)).unwrap_or(u64::MAX)
 }
 
-/// Shares out `limit` bytes. Deterministic; `order` is scratch memory.
-pub fn share_out(wants: &[RankedWant], limit: u64, grants: &mut Vec<Outcome>, order: &mut Vec<usize>) {
+/// Shares out `limit` bytes. Deterministic.
+pub fn share_out(wants: &[RankedWant], limit: u64, grants: &mut Vec<Outcome>, scratch: &mut Scratch) {
     grants.clear();
     grants.extend(wants.iter().map(|RankedWant { want, .. }| {
         Some(TextureGrant {
@@ -91,23 +111,26 @@ pub fn share_out(wants: &[RankedWant], limit: u64, grants: &mut Vec<Outcome>, or
         grants[i] = outcome;
         left <= limit
     };
+    let Scratch { halvings, order } = scratch;
     order.clear();
     order.extend((0..wants.len()).filter(|&i| wants[i].want.storage != Storage::Shared));
-    order.sort_unstable_by_key(|&i| (wants[i].visibility, std::cmp::Reverse(i)));
-    for &i in &*order {
-        let want = &wants[i].want;
-        let mut resolution = want.resolution;
-        while resolution / 2 >= want.least.max(1) {
-            resolution /= 2;
-            let coarser = TextureGrant {
-                resolution,
-                is_own: true,
-            };
-            if exchange(i, grants, Some(coarser)) {
-                return;
-            }
+    halvings.clear();
+    halvings.extend(order.iter().flat_map(|&index| halvings_of(index, &wants[index])));
+    // The steps of one light stay in their order, because each has fewer bytes than the one before.
+    halvings.sort_unstable_by(|a, b| {
+        let least_worth_first = b.bytes_per_pixel.total_cmp(&a.bytes_per_pixel);
+        least_worth_first.then(b.index.cmp(&a.index))
+    });
+    for halving in &*halvings {
+        let coarser = TextureGrant {
+            resolution: halving.resolution / 2,
+            is_own: true,
+        };
+        if exchange(halving.index, grants, Some(coarser)) {
+            return;
         }
     }
+    order.sort_unstable_by_key(|&i| (wants[i].visibility, std::cmp::Reverse(i)));
     for &i in &*order {
         let shared = grants[i].map(|grant| TextureGrant {
             is_own: false,
@@ -120,11 +143,24 @@ pub fn share_out(wants: &[RankedWant], limit: u64, grants: &mut Vec<Outcome>, or
     }
 }
 
+/// Returns the steps from a want's resolution down to its smallest.
+fn halvings_of(index: usize, ranked: &RankedWant) -> impl Iterator<Item = Halving> {
+    let want = ranked.want;
+    let pixels = f64::from(ranked.visibility).exp2();
+    std::iter::successors(Some(want.resolution), |resolution| Some(resolution / 2))
+        .take_while(move |resolution| resolution / 2 >= want.least.max(1))
+        .map(move |resolution| Halving {
+            index,
+            resolution,
+            bytes_per_pixel: f64::from(resolution).powi(2) * want.bytes_per_square as f64 / pixels,
+        })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn want(visibility: u64, storage: Storage) -> RankedWant {
+    fn want(visibility: u32, storage: Storage) -> RankedWant {
         RankedWant {
             want: TextureWant {
                 bytes_per_square: 24,
@@ -138,8 +174,8 @@ mod tests {
 
     fn plan(storage: Storage, limit: u64) -> Vec<Option<(u32, bool)>> {
         let wants = [5, 1, 9].map(|visibility| want(visibility, storage));
-        let (mut grants, mut order) = (Vec::new(), Vec::new());
-        share_out(&wants, limit, &mut grants, &mut order);
+        let (mut grants, mut scratch) = (Vec::new(), Scratch::default());
+        share_out(&wants, limit, &mut grants, &mut scratch);
         assert!(total_bytes(&wants, &grants) <= limit);
         let plain = |grant: Outcome| grant.map(|grant| (grant.resolution, grant.is_own));
         grants.into_iter().map(plain).collect()
@@ -162,6 +198,23 @@ mod tests {
     }
 
     #[test]
+    fn one_light_that_asks_for_much_leaves_the_others_theirs() {
+        let mut wants = [want(9, Storage::OwnElseNothing); 5];
+        wants[1].want.bytes_per_square *= 16;
+        let (mut grants, mut scratch) = (Vec::new(), Scratch::default());
+        let mut resolutions = |wants: &[RankedWant], limit| {
+            share_out(wants, limit, &mut grants, &mut scratch);
+            let each = grants.iter().flatten().map(|grant| grant.resolution);
+            each.collect::<Vec<_>>()
+        };
+        assert_eq!(resolutions(&wants, 8 * EACH), [1024, 512, 1024, 1024, 1024]);
+        assert_eq!(resolutions(&wants, 5 * EACH), [1024, 256, 1024, 1024, 1024]);
+        // It is worth the more the more pixels it reaches.
+        wants[1].visibility += 5;
+        assert_eq!(resolutions(&wants, 17 * EACH), [512, 1024, 512, 512, 512]);
+    }
+
+    #[test]
     fn lights_that_cannot_share_get_nothing_and_lights_that_share_lose_nothing() {
         let nothing = plan(Storage::OwnElseNothing, LEAST);
         assert_eq!(nothing, [None, None, Some((128, true))]);
@@ -174,8 +227,8 @@ mod tests {
         for want in &mut wants {
             want.want.resolution = u32::MAX;
         }
-        let (mut grants, mut order) = (Vec::new(), Vec::new());
-        share_out(&wants, EACH, &mut grants, &mut order);
+        let (mut grants, mut scratch) = (Vec::new(), Scratch::default());
+        share_out(&wants, EACH, &mut grants, &mut scratch);
         assert!(total_bytes(&wants, &grants) <= EACH);
         assert!(grants.iter().all(|grant| grant.is_some_and(|grant| grant.is_own)));
     }
