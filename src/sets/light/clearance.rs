@@ -16,7 +16,8 @@ pub const CLEARANCE_REACH: f64 = 1e3;
 
 /// Distance from a light within which surfaces do not block it. It is a share of the light's range, of the distance to
 /// the caster's farthest point or of 1000 m, whichever is least. Maps hold many casters, so for them it is the largest
-/// clearance of the casters whose bounds the light touches, up to two times less because they take steps.
+/// clearance of the casters whose bounds the light touches, up to two times less because they take steps. In a
+/// perspective map it is the mean of a distance that varies over the picture.
 ///
 /// Higher values let light pass surfaces on which the light was placed less exactly, and finally surfaces that should
 /// block it. Lower values leave it to rounding on which side of a surface a light is. The range is 0 to 0.01, the default

@@ -117,6 +117,7 @@ impl Maps {
                         map.reach,
                         scene.near_share,
                     )
+                    .metres
                 },
                 f64::from,
             );

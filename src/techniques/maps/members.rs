@@ -63,7 +63,16 @@ pub fn farthest(light: &FrameLight, casters: impl Iterator<Item = usize>, object
     farthest.log2().ceil().exp2()
 }
 
-/// Returns the distance of the near plane, metres: that of the light's clearance from the surfaces that it may be on, and
+/// Where the near plane of a light's map may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearPlane {
+    /// Distance of the near plane, metres.
+    pub metres: f64,
+    /// Distance, metres, up to which no caster is but such as the light may be on; at least [`NearPlane::metres`].
+    pub most: f64,
+}
+
+/// Returns the distance of the near plane: that of the light's clearance from the surfaces that it may be on, and
 /// nearer than any other caster. `share` is the clearance as a share of distance ([`LightClearance`]).
 ///
 /// A light may be on a surface of each caster whose box it touches. The result is `share` of the reach or, where that is
@@ -77,7 +86,7 @@ pub fn near_plane(
     objects: &Objects,
     reach: f64,
     share: f64,
-) -> f64 {
+) -> NearPlane {
     let whole = share * reach;
     let point = light.point_world.truncate();
     let (mut touched, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
@@ -96,10 +105,17 @@ pub fn near_plane(
     let rounding = 4e-7 * point.abs().max_element();
     let wanted = if touched > 0.0 { touched } else { nearest };
     let wanted = wanted.max(rounding).max(1e-6 * whole);
-    if wanted >= whole {
-        return whole;
-    }
-    whole * (wanted / whole).log2().floor().exp2()
+    let metres = if wanted >= whole {
+        whole
+    } else {
+        whole * (wanted / whole).log2().floor().exp2()
+    };
+    let most = if touched > 0.0 {
+        nearest.max(metres)
+    } else {
+        metres
+    };
+    NearPlane { metres, most }
 }
 
 /// Distance, metres, within which corners of casters are placed exactly enough.

@@ -6,7 +6,7 @@ use super::fit_input::FitInput;
 use super::light_camera::Rows;
 use super::view_space::ViewSpace;
 use crate::techniques::maps::MapFace;
-use crate::techniques::maps::matrix_faces::{parallel_face, point_face};
+use crate::techniques::maps::matrix_faces::{near_of_mean, parallel_face, point_face};
 use crate::techniques::maps::members::{farthest, near_plane};
 
 /// Steepest slope of the plane under the receivers from which depth counts.
@@ -54,7 +54,8 @@ pub(super) fn place_face(
         let z = (middle - origin).normalize_or(DVec3::NEG_Y);
         let (x, y) = z.any_orthonormal_pair();
         let homography = DMat3::from_cols(direction(x), direction(y), direction(z)) * scale;
-        point_face(origin, [x, y, z], &homography, near_distance(input))
+        let near = near_distance(input, &homography);
+        point_face(origin, [x, y, z], &homography, near)
     };
     let clip = face.clip_from_world();
     (clip.is_finite() && clip.inverse().is_finite()).then_some(face)
@@ -88,13 +89,21 @@ fn base_plane(points: impl Iterator<Item = (DVec3, f64)> + Clone) -> DVec3 {
     DVec3::new(a, b, beyond + 1e-6 * (1.0 + beyond.abs()))
 }
 
-/// Distance from a light at a position within which nothing casts, metres. It is that of plain maps: it follows the
-/// casters.
-fn near_distance(input: &FitInput) -> f64 {
+/// Distance from a light at a position within which nothing casts, metres, where w rises least along a ray.
+///
+/// It follows the casters, as in plain maps. The near plane of a warped picture is nearer to the light where w rises faster.
+/// So where the light is on a surface, whose parts within its clearance block nothing, the clearance is the geometric mean
+/// of the distances in the picture.
+fn near_distance(input: &FitInput, homography: &DMat3) -> f64 {
     if let Some(near) = input.settings.near {
         return f64::from(near);
     }
     let (light, objects) = (input.light, input.objects);
     let reach = farthest(light, input.casters(), objects);
-    near_plane(light, input.casters(), objects, reach, input.near_share)
+    let near = near_plane(light, input.casters(), objects, reach, input.near_share);
+    if near.most > near.metres {
+        near_of_mean(homography, near.metres, near.most)
+    } else {
+        near.metres
+    }
 }
