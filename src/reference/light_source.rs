@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::error::ReferenceError;
 use super::primary::SurfaceHit;
+use crate::scene::light::light_direction;
 use crate::scene::{Light, LightError, LightKind, LightSelection};
 
 /// Least distance of a light's centre in front of the surface's plane, metres, and least distance of a
@@ -95,7 +96,10 @@ impl LightSource {
                 .ok_or(LightError::Transform)
         };
         let position = Vec3::from(affine.translation).as_dvec3();
-        let direction = || axis(-affine.matrix3.z_axis);
+        let direction = || -> Result<DVec3, LightError> {
+            let direction = light_direction(world_from_light).ok_or(LightError::Transform)?;
+            Ok(direction.as_dvec3().normalize())
+        };
         let shape = match light.kind {
             LightKind::Point => LightShape::Point { position },
             LightKind::Spot { outer_angle, .. } => LightShape::Spot {

@@ -6,7 +6,7 @@ use bevy_ecs::reflect::ReflectComponent;
 #[cfg(feature = "bevy")]
 use bevy_reflect::prelude::ReflectDefault;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{DVec4, Vec3};
+use glam::{DVec4, Vec3, Vec3A};
 
 /// A light, placed by its `GlobalTransform`: it sits at the origin of its local space and shines along local
 /// −Z. Scale is ignored.
@@ -186,7 +186,31 @@ impl Light {
     }
 }
 
-/// Unit direction of local −Z in world space. `None` if the transform flattens it or is not finite.
+/// Unit direction of local −Z in world space. A transform that is flat along Z alone faces where its other axes say. `None`
+/// if it flattens more, or is not finite.
 pub fn light_direction(world_from_light: &GlobalTransform) -> Option<Vec3> {
-    (-Vec3::from(world_from_light.affine().matrix3.z_axis)).try_normalize()
+    let matrix = world_from_light.affine().matrix3;
+    let back = if matrix.z_axis == Vec3A::ZERO {
+        matrix.x_axis.cross(matrix.y_axis)
+    } else {
+        matrix.z_axis
+    };
+    (-Vec3::from(back)).try_normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Quat;
+
+    #[test]
+    fn a_light_of_a_flat_node_faces_where_it_did() {
+        let turned = Transform::from_rotation(Quat::from_euler(glam::EulerRot::XYZ, 0.4, -1.1, 2.0));
+        let direction = |scale| light_direction(&GlobalTransform::from(turned.with_scale(scale)));
+        let usual = direction(Vec3::ONE).expect("it has one");
+        let flat = direction(Vec3::new(2.0, 0.5, 0.0)).expect("x and y are left");
+        assert!(usual.distance(flat) < 1e-6, "{usual} {flat}");
+        assert_eq!(direction(Vec3::new(0.0, 1.0, 0.0)), None);
+        assert_eq!(direction(Vec3::NAN), None);
+    }
 }

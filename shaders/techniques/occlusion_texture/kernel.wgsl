@@ -49,17 +49,6 @@ fn slice_plane(top: f32, bottom: f32, weight: f32) -> f32 {
 // Texels around a kernel that its lookup touches, with the half texel by which what was drawn may be off.
 const TOUCHED: f32 = 1.5;           // mirror: techniques::occlusion_texture::kernel::TOUCHED
 
-// Metres by which a receiver is raised along its normal, in light space, so that a surface nearly along the light's rays does
-// not shadow itself: past the texels that a lookup touches, and past the way that casters of the slice move in the picture
-// when they are taken to be at one depth, at most `reach` from theirs.
-fn slice_lift(face: OcclusionFace, light: vec4f, side: f32, receiver: vec3f, normal: vec3f, reach: f32) -> f32 {
-    let divisor = face.depth.x * receiver.z + face.depth.y;
-    let texel = 2.0 * divisor / (side * min(face.projection.x, face.projection.y));
-    // Rays from the light and from the centre of projection behind it part with the distance from the axis.
-    let apart = abs(dot(normal.xy, receiver.xy)) * face.depth.y / (receiver.z * divisor);
-    return TOUCHED * texel * length(normal.xy) + select(0.0, apart * reach, light.z > 0.5);
-}
-
 // The rectangle at a depth through which a receiver behind it, in light space, sees the light, in the slice's picture.
 fn slice_kernel(projection: vec4f, depth: vec4f, light: vec4f, receiver: vec3f, plane: f32) -> Kernel {
     let behind = max(receiver.z - plane, 0.0);
@@ -72,6 +61,48 @@ fn slice_kernel(projection: vec4f, depth: vec4f, light: vec4f, receiver: vec3f, 
     let scale = projection.xy / (depth.x * plane + depth.y);
     let ndc = middle * scale + projection.zw;
     return Kernel(ndc * vec2f(0.5, -0.5) + 0.5, half * scale * 0.5);
+}
+
+// Where a slice is, and how finely a lookup sees it.
+struct Lookup {
+    top: f32,                       // depth at which casters of the slice begin
+    bottom: f32,
+    plane: f32,                     // depth at which they are taken to be
+    side: f32,                      // texels of the picture
+    taps: f32,                      // squares of a lookup in N-buffers
+}
+
+// The part of a kernel that shows no surface in the receiver's own plane: a flat surface hides nothing from itself. Taking the
+// casters of a slice to be at one depth moves them along the rays of the picture, into the room before their plane wherever
+// these rays are not in the plane. The kernel's lower side is raised above them and above the texels that a lookup touches.
+fn over_own_plane(face: OcclusionFace, at: Lookup, receiver: vec3f, normal: vec3f, kernel: Kernel) -> Kernel {
+    let is_along_x = abs(normal.x) > abs(normal.y);
+    let steepness = select(normal.y, normal.x, is_along_x);
+    if abs(steepness) < 1e-4 {
+        return kernel;
+    }
+    let divisors = face.depth.x * vec3f(at.top, at.bottom, at.plane) + face.depth.y;
+    let metres = 2.0 * divisors.z / face.projection.xy;     // sides of the picture at the plane
+    let ndc = (kernel.center - 0.5) * vec2f(2.0, -2.0) - face.projection.zw;
+    let middle = vec3f(0.5 * metres * ndc, at.plane);
+    // What a lookup covers is not smaller than this.
+    let least = vec2f(max(max(kernel.half.x, kernel.half.y) / at.taps, 0.5 / at.side));
+    let half = max(kernel.half, least);
+    let lowest = dot(normal, middle - receiver) - dot(abs(normal.xy), half * metres);
+    // Height that a point in the plane gains for each metre by which it is moved, times the divisor where it was.
+    let rate = face.depth.x * dot(normal, receiver) + face.depth.y * normal.z;
+    let gained = (at.plane - vec2f(at.top, at.bottom)) * rate / divisors.xy;
+    let texel = max(metres.x, metres.y) / at.side;
+    let missing = max(max(gained.x, gained.y), 0.0) + TOUCHED * texel * length(normal.xy) - lowest;
+    if missing <= 0.0 {
+        return kernel;
+    }
+    let axis = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), is_along_x);
+    let cut = missing / (abs(steepness) * dot(axis, metres));
+    let full = dot(axis, half);
+    let left = max(full - 0.5 * cut, dot(axis, least));
+    let upwards = vec2f(1.0, -1.0) * axis * sign(steepness);
+    return Kernel(kernel.center + upwards * (cut + left - full), mix(kernel.half, min(kernel.half, vec2f(left)), axis));
 }
 
 // Adds the hidden share that one more slice leaves to what the slices before it left.

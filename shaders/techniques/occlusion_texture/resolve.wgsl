@@ -4,7 +4,7 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_lift, slice_kernel, combine}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
@@ -14,6 +14,8 @@ override SLICES: u32 = 1u;
 override FACES: u32 = 1u;
 override COMBINE: u32 = 0u;
 override FILTER: u32 = 0u;
+// Casters fill the next slice too.
+override CLOSE: bool = false;
 
 // Values of FILTER: techniques::occlusion_texture::SliceFilter in its order.
 const N_BUFFERS: u32 = 0u;          // mirror: techniques::occlusion_texture::SliceFilter::NBuffers
@@ -140,6 +142,7 @@ fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
     let depth = light.faces[face].depth;
     var hidden = 0.0;
     var top = depth.z;
+    var before = top;                   // top of the slice before
     for (var slice = 0u; slice < SLICES; slice++) {
         let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
         if receiver.z <= bottom {
@@ -150,9 +153,11 @@ fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         let thickness = select(depth.w, next_bottom - bottom, slice + 1u < SLICES);
         let weight = slice_weight(bottom, thickness, receiver.z);
         let plane = slice_plane(top, bottom, weight);
-        let lift = slice_lift(light.faces[face], light.kernel, light.limits.z, receiver, normal, plane - top);
+        let at = Lookup(select(top, before, CLOSE), bottom, plane, light.limits.z, light.half_up.w);
+        before = top;
         top = bottom;
-        let kernel = slice_kernel(projection, depth, light.kernel, receiver + lift * normal, plane);
+        let whole = slice_kernel(projection, depth, light.kernel, receiver, plane);
+        let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
         let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
         hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }

@@ -50,26 +50,6 @@ pub fn slice_plane(face: &OcclusionFace, slice: usize, weight: f32) -> f32 {
 /// Texels around a kernel that its lookup touches, with the half texel by which what was drawn may be off.
 pub const TOUCHED: f32 = 1.5;
 
-/// Returns the metres by which a receiver is raised along its normal, both in light space, so that a surface nearly along the
-/// light's rays does not shadow itself: past the texels that a lookup touches, and past the way that casters of the slice move
-/// in the picture when they are taken to be at one depth, at most `reach` from theirs. `side` is that of the picture, texels.
-pub fn slice_lift(
-    face: &OcclusionFace,
-    light: Vec4,
-    side: f32,
-    receiver: Vec3,
-    normal: Vec3,
-    reach: f32,
-) -> f32 {
-    let divisor = face.depth[0] * receiver.z + face.depth[1];
-    let texel = 2.0 * divisor / (side * face.projection[0].min(face.projection[1]));
-    let across = normal.truncate();
-    // Rays from the light and from the centre of projection behind it part with the distance from the axis.
-    let apart = across.dot(receiver.truncate()).abs() * face.depth[1] / (receiver.z * divisor);
-    let parallax = if light.z > 0.5 { apart * reach } else { 0.0 };
-    TOUCHED * texel * across.length() + parallax
-}
-
 /// Returns the rectangle at a depth through which a receiver sees the light, in a slice's picture. The receiver, in light
 /// space, lies behind `plane` or on it. `light` is [`OcclusionLight::kernel`](super::records::OcclusionLight::kernel).
 pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, plane: f32) -> Kernel {
@@ -89,6 +69,73 @@ pub fn slice_kernel(face: &OcclusionFace, light: Vec4, receiver: Vec3, plane: f3
     Kernel {
         center: ndc * Vec2::new(0.5, -0.5) + 0.5,
         half: half * scale * 0.5,
+    }
+}
+
+/// Where a slice is, and how finely a lookup sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lookup {
+    /// Depth at which casters of the slice begin.
+    pub top: f32,
+    /// Depth at which the slice ends.
+    pub bottom: f32,
+    /// Depth at which its casters are taken to be.
+    pub plane: f32,
+    /// Texels along a side of the picture.
+    pub side: f32,
+    /// Squares of a lookup in N-buffers.
+    pub taps: f32,
+}
+
+/// Returns the part of a kernel that shows no surface in the receiver's own plane, because a flat surface hides nothing from
+/// itself. Receiver and unit normal are in light space.
+///
+/// Taking the casters of a slice to be at one depth moves them along the rays of the picture, into the room before their
+/// plane wherever these rays are not in the plane. The kernel's lower side is raised above them and above the texels that a
+/// lookup touches.
+pub fn over_own_plane(
+    face: &OcclusionFace,
+    at: &Lookup,
+    receiver: Vec3,
+    normal: Vec3,
+    kernel: Kernel,
+) -> Kernel {
+    let across = normal.truncate();
+    let is_along_x = across.x.abs() > across.y.abs();
+    let axis = if is_along_x { Vec2::X } else { Vec2::Y };
+    let steepness = across.dot(axis);
+    if steepness.abs() < 1e-4 {
+        return kernel;
+    }
+    let divisor = |depth| face.depth[0] * depth + face.depth[1];
+    let [scale_x, scale_y, offset_x, offset_y] = face.projection;
+    let metres = 2.0 * divisor(at.plane) / Vec2::new(scale_x, scale_y);
+    let ndc = (kernel.center - 0.5) * Vec2::new(2.0, -2.0) - Vec2::new(offset_x, offset_y);
+    let middle = (0.5 * metres * ndc).extend(at.plane);
+    let least = Vec2::splat((kernel.half.max_element() / at.taps).max(0.5 / at.side));
+    let half = kernel.half.max(least);
+    let lowest = normal.dot(middle - receiver) - across.abs().dot(half * metres);
+    // Height that a point in the plane gains for each metre by which it is moved, times the divisor where it was.
+    let rate = face.depth[0] * normal.dot(receiver) + face.depth[1] * normal.z;
+    let gained = |from| (at.plane - from) * rate / divisor(from);
+    let texel = metres.max_element() / at.side;
+    let raised = gained(at.top).max(gained(at.bottom)).max(0.0);
+    let missing = raised + TOUCHED * texel * across.length() - lowest;
+    if missing <= 0.0 {
+        return kernel;
+    }
+    let cut = missing / (steepness.abs() * axis.dot(metres));
+    let full = axis.dot(half);
+    let left = (full - 0.5 * cut).max(axis.dot(least));
+    let upwards = Vec2::new(1.0, -1.0) * axis * steepness.signum();
+    let shortened = kernel.half.min(Vec2::splat(left));
+    Kernel {
+        center: kernel.center + upwards * (cut + left - full),
+        half: if is_along_x {
+            Vec2::new(shortened.x, kernel.half.y)
+        } else {
+            Vec2::new(kernel.half.x, shortened.y)
+        },
     }
 }
 

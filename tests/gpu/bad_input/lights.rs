@@ -95,7 +95,7 @@ const SPOILT: [(&str, Spoil, Expected); 15] = [
         "flattened directional light",
         |l, t| {
             l.kind = LightKind::Directional;
-            t.scale.z = 0.0;
+            t.scale = Vec3::X;
         },
         |e| matches!(e, LightError::Transform),
     ),

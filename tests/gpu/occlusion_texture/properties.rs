@@ -138,6 +138,56 @@ fn a_plate_along_the_rays_shadows_itself_nowhere() {
     }
 }
 
+/// Slices move a ceiling into the room that a tilted lamp below it shines into, because the centre of projection is above it.
+#[test]
+fn a_ceiling_over_a_tilted_lamp_shadows_itself_nowhere() {
+    let context = strict_context();
+    let mut stage = empty(&context, Vec3::ZERO);
+    let view = Transform::from_xyz(2.3, 1.6, 2.6).looking_at(Vec3::new(-0.7, 2.3, -1.0), Vec3::Y);
+    stage.world.entity_mut(stage.camera).insert(view);
+    spawn(&mut stage, MeshData::plane(3.0), Transform::IDENTITY);
+    let down = Quat::from_rotation_x(std::f32::consts::PI);
+    let ceiling = Transform::from_xyz(0.0, 2.7, 0.0).with_rotation(down);
+    spawn(&mut stage, MeshData::plane(3.0), ceiling);
+    // Something lies beyond the ceiling, so that slices are spent on it.
+    spawn(
+        &mut stage,
+        MeshData::cuboid(Vec3::splat(0.3)),
+        Transform::from_xyz(0.0, 3.0, 1.0),
+    );
+    spawn(
+        &mut stage,
+        MeshData::cuboid(Vec3::splat(0.4)),
+        Transform::from_xyz(0.0, 0.4, 0.0),
+    );
+    let light = Light {
+        kind: square(0.6),
+        ..Light::point(Vec3::ONE, 30.0, f32::INFINITY)
+    };
+    let place =
+        Transform::from_xyz(1.0, 2.2, -2.6).looking_to(Vec3::new(-0.3, -1.0, 0.8), Vec3::new(0.0, 0.0, 1.0));
+    stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+    for close_leaks in [0, u32::MAX] {
+        let light = stage.lights[0];
+        stage.world.entity_mut(light).insert(OcclusionTexture {
+            close_leaks,
+            ..Default::default()
+        });
+        let got = rendered(&mut stage);
+        let truth = truth(&mut stage, 16);
+        let (_, hits) = hits(&mut stage);
+        let lit = hits
+            .hits
+            .iter()
+            .zip(truth.values().iter().zip(&got))
+            .filter(|(hit, (truth, _))| hit.is_some_and(|hit| hit.normal.y < -0.9) && **truth == 1.0);
+        let dark = lit.clone().filter(|(_, (_, got))| **got < 0.9).count();
+        println!("{dark} of {} lit pixels are dark", lit.clone().count());
+        assert!(lit.count() > 1000, "the ceiling is seen");
+        assert!(dark < 10, "{close_leaks}: {dark}");
+    }
+}
+
 /// The whole scene is turned about the light; the shadow stays near the truth.
 #[test]
 fn lights_of_any_orientation_and_receivers_beside_and_behind_them_are_right() {

@@ -1,8 +1,9 @@
 //! The GPU draws, filters, looks up and combines as the CPU twins do.
 
 use antumbra::insides::occlusion_textures::{
-    LightSlices, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean, n_buffers,
-    slice_bottom, slice_kernel, slice_lift, slice_plane, slice_weight, summed_areas, summed_mean,
+    LightSlices, Lookup, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean,
+    n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas,
+    summed_mean,
 };
 use antumbra::prelude::*;
 use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
@@ -90,6 +91,7 @@ fn visibility(slices: &LightSlices, record: &OcclusionLight, filtered: &[Filtere
     let (count, record_face) = (slices.settings.slices as usize, &record.faces[index]);
     let light = Vec4::from(record.kernel);
     let (mut hidden, mut top) = (0.0, record_face.depth[2]);
+    let mut before = top;
     for slice in 0..count {
         let bottom = slice_bottom(record_face, slice);
         if receiver.z <= bottom {
@@ -97,10 +99,20 @@ fn visibility(slices: &LightSlices, record: &OcclusionLight, filtered: &[Filtere
         }
         let weight = slice_weight(record_face, slice, count, receiver.z);
         let plane = slice_plane(record_face, slice, weight);
-        let (side, reach) = (slices.resolution as f32, plane - top);
-        let lift = slice_lift(record_face, light, side, receiver, normal, reach);
-        let kernel = slice_kernel(record_face, light, receiver + lift * normal, plane);
-        top = bottom;
+        let at = Lookup {
+            top: if slices.settings.close_leaks != 0 {
+                before
+            } else {
+                top
+            },
+            bottom,
+            plane,
+            side: slices.resolution as f32,
+            taps: slices.taps() as f32,
+        };
+        (before, top) = (top, bottom);
+        let whole = slice_kernel(record_face, light, receiver, plane);
+        let kernel = over_own_plane(record_face, &at, receiver, normal, whole);
         let mean = match &filtered[index] {
             Filtered::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
                 n_buffer_mean(&levels[slice], &kernel, slices.taps())

@@ -51,6 +51,8 @@ pub enum Key {
         slices: u32,
         /// Number of pictures.
         faces: u32,
+        /// True if casters fill the next slice too.
+        closes: bool,
     },
 }
 
@@ -209,6 +211,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             combine,
             slices,
             faces,
+            closes,
         } => {
             let shared = &gpu.layouts;
             PipelineDesc::new("slice lookup", EVERYWHERE, Some(Stage::new(RESOLVE, "fragment")))
@@ -223,6 +226,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
                     ("COMBINE", f64::from(combine as u32)),
                     ("SLICES", f64::from(slices)),
                     ("FACES", f64::from(faces)),
+                    ("CLOSE", f64::from(closes)),
                 ])
                 .with_target(MASK_FORMAT, None, wgpu::ColorWrites::ALL)
         }

@@ -191,6 +191,7 @@ impl SliceNode {
             combine: slices.settings.combine,
             slices: slices.settings.slices,
             faces: key.faces,
+            closes: slices.settings.close_leaks != 0,
         };
         self.require(input.gpu, lookup)?;
         let light = &world.resource::<FrameLights>().lights[slices.light];
