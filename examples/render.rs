@@ -86,6 +86,14 @@ fn render(arguments: &Arguments) -> Result<(), String> {
     let in_shot =
         |error: antumbra::render::RenderError| format!("{}: {}", arguments.shot.display(), one_line(&error));
     let context = pollster::block_on(RenderContext::headless(requested)).map_err(in_shot)?;
+    let largest = context.device.limits().max_texture_dimension_2d;
+    if shot.size.iter().any(|side| *side > largest) {
+        return Err(format!(
+            "{}: size: {:?} is more than the device allows, {largest} pixels along a side",
+            arguments.shot.display(),
+            shot.size
+        ));
+    }
     let settings = RenderSettings {
         ambient: shot.ambient.into(),
         exposure: arguments.exposure,

@@ -25,7 +25,7 @@ pub const DEPTH_INFINITY: f32 = 0.0;
 pub const RADIANCE_MAX: f32 = 65504.0;
 
 /// Distance from a light within which surfaces do not block it, as a share of its reach. It is the default of
-/// [`LightClearance`](crate::silhouettes::LightClearance) and of the near plane of maps, and the ray caster ends its rays
+/// [`LightClearance`](crate::sets::LightClearance) and of the near plane of maps, and the ray caster ends its rays
 /// there. It lies above the precision of `f32` positions (10⁻⁷ of their coordinates) and of editors (10⁻⁶).
 pub const LIGHT_CLEARANCE: f32 = 1e-5;
 

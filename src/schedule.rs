@@ -14,7 +14,7 @@ use crate::sets::SeenInto;
 use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
 use crate::silhouettes::report::{RefusedCasters, report_buried_origins, report_casters};
-use crate::silhouettes::{BuriedOrigins, CasterMeshes, LightClearance, Silhouettes, buried, cache, casters};
+use crate::silhouettes::{BuriedOrigins, CasterMeshes, Silhouettes, buried, cache, casters};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
@@ -80,7 +80,6 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<CasterMeshes>();
     world.init_resource::<Silhouettes>();
     world.init_resource::<BuriedOrigins>();
-    world.init_resource::<LightClearance>();
     world.init_resource::<SetTimes>();
     world.init_resource::<Reports>();
     world.init_resource::<TextureMemory>();

@@ -85,13 +85,20 @@ fn flatten_softness(settings: &mut Map<String, Value>) {
 }
 
 impl ShotShadow {
-    /// Adds a setting that the file has beside the technique. A setting of the technique itself goes first, and the
-    /// technique `none` takes no settings.
-    pub fn with(mut self, setting: &str, value: f32) -> Self {
-        if self.0.get("technique").is_some_and(|name| name != "none") {
-            self.0.entry(setting).or_insert_with(|| value.into());
+    /// Adds a setting that the file has beside the technique. The technique `none` takes no settings.
+    ///
+    /// # Errors
+    /// The technique has the setting as well.
+    pub fn with(mut self, setting: &str, value: f32) -> Result<Self, String> {
+        if self.0.contains_key(setting) {
+            return Err(format!(
+                "{setting}: the light and its shadow both have it; only one of them may"
+            ));
         }
-        self
+        if self.0.get("technique").is_some_and(|name| name != "none") {
+            self.0.insert(setting.to_owned(), value.into());
+        }
+        Ok(self)
     }
 
     /// Makes paths among the settings relative to the current folder instead of to `folder`.

@@ -47,8 +47,7 @@ use super::systems::{AntumbraExtractSystems, AntumbraMainSystems, AntumbraRender
 use super::techniques::{Reflected, TechniqueComponents, add_waiting};
 use crate::reports::Reports;
 use crate::scene::LightSelection;
-use crate::sets::OcclusionSettings;
-use crate::silhouettes::LightClearance;
+use crate::sets::{LightClearance, OcclusionSettings};
 use crate::techniques::IntervalFolder;
 use crate::techniques::add_builtin;
 use crate::techniques::maps::MapSettings;

@@ -37,7 +37,7 @@
 //! | negative and zero scales | meshes are drawn as Bevy draws them, and block light as they are drawn |
 //! | `RectLight` | its size is multiplied by its transform's scale, for light and shadow |
 //! | `MainPassResolutionOverride` | shadows are computed in the part of the target in use |
-//! | [`LightClearance`](crate::silhouettes::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
+//! | [`LightClearance`](crate::sets::LightClearance), [`OcclusionSettings`](crate::sets::OcclusionSettings), [`MapSettings`](crate::techniques::maps::MapSettings) | resources of the game, which all marked cameras follow |
 //!
 //! Leave `shadow_maps_enabled` of managed lights off, unless transparent meshes shall have shadows. If it is on,
 //! Bevy renders its maps too; deferred surfaces do not read them, and forward ones are darkened twice. The

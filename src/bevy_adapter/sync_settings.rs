@@ -1,6 +1,6 @@
 //! Copies the settings that the game has as resources to the mirrors.
 //!
-//! [`LightClearance`](crate::silhouettes::LightClearance),
+//! [`LightClearance`](crate::sets::LightClearance),
 //! [`OcclusionSettings`](crate::sets::OcclusionSettings),
 //! [`MapSettings`](crate::techniques::maps::MapSettings) and
 //! [`IntervalFolder`](crate::techniques::IntervalFolder) are resources of the world that the techniques run in.

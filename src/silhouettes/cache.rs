@@ -6,12 +6,12 @@ use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec4, Vec4};
 
 use super::caster_shape::{CasterShape, CasterShapeItem};
-use super::grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
+use super::grazed::{GrazingLight, find_grazed, take_out_of_contour};
 use super::light_silhouettes::{LightSilhouettes, Scratch, Silhouette, Silhouettes};
 use super::stacks::stacked_boxes;
 use super::{CapMode, classify, extract_contour};
 use crate::geometry::Aabb;
-use crate::sets::{FrameLight, FrameLights, NeededSilhouettes, Objects, SeenInto};
+use crate::sets::{FrameLight, FrameLights, LightClearance, NeededSilhouettes, Objects, SeenInto};
 
 /// Extracts the silhouettes that the technique of each light needs, of set S or of all casters that the light reaches
 /// ([`NeededSilhouettes`]), where they are not known yet or are stale.

@@ -3,74 +3,25 @@
 //! The plane of such a triangle contains the light, up to rounding. So it is chance which side faces the light. Its
 //! outline may surround the light, and pushed away from the light it covers half of space. Lamps flush with a ceiling and
 //! lights that an editor snapped to a wall are on surfaces. So one rule holds under every technique: **a surface nearer
-//! to a light than [`LightClearance`] does not block it.**
+//! to a light than [`LightClearance`](crate::sets::LightClearance) does not block it.**
 //!
 //! Volumes and wedges leave out whole triangles ([`find_grazed`]). That gives the same shadows outside of a closed solid,
 //! because a segment that enters it through such a triangle leaves it through another one. Maps put their near plane at
-//! the clearance, and the ray caster ends its rays there.
+//! the clearance, and the ray caster ends its rays there. An occluder with such a triangle hides nothing from the light.
 //!
 //! An area light has points on both sides of a surface on which it lies. Techniques that cast from its extent leave out
 //! nothing but what is nearer than the clearance to each point. So a light that a surface cuts lights by the part that is
 //! outside. Those that cast from its centre treat it as a point.
 
-use bevy_ecs::prelude::*;
-#[cfg(feature = "bevy")]
-use bevy_ecs::reflect::ReflectResource;
-#[cfg(feature = "bevy")]
-use bevy_reflect::prelude::ReflectDefault;
 use glam::{DMat4, DVec4, Vec3, Vec4};
 
 use super::caps::extract_caps_without;
 use super::contour::{CapMode, Contour, fits};
 use super::facing::FacingBits;
 use super::planes::{Certainty, FacingPlanes};
-use crate::conventions::{CLUSTER_TRIANGLES, LIGHT_CLEARANCE};
+use crate::conventions::CLUSTER_TRIANGLES;
+use crate::geometry::distance_to_triangle;
 use crate::geometry::edge_mesh::EdgeMesh;
-use crate::geometry::{Aabb, distance_to_triangle};
-
-/// Distance from a light within which surfaces do not block it. It is a share of the light's range or of the distance to
-/// the caster's farthest point, whichever is less. Maps hold many casters, so for them it is the largest clearance of the
-/// casters whose bounds the light touches, up to two times less because they take steps.
-///
-/// Higher values let light pass surfaces on which the light was placed less exactly, and finally surfaces that should
-/// block it. Lower values leave it to rounding on which side of a surface a light is. The range is 0 to 0.01, the default
-/// 10⁻⁵: a fifth of a millimetre for a range of 20 metres. It costs a test of each triangle of the casters on or in which
-/// the light stands.
-#[derive(Resource, Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "bevy",
-    derive(bevy_reflect::Reflect),
-    reflect(Resource, Default, Debug, Clone, PartialEq)
-)]
-pub struct LightClearance(pub f32);
-
-impl Default for LightClearance {
-    fn default() -> Self {
-        Self(LIGHT_CLEARANCE)
-    }
-}
-
-impl LightClearance {
-    /// The share, within its bounds; the default for NaN.
-    pub fn share(self) -> f64 {
-        if self.0.is_nan() {
-            f64::from(LIGHT_CLEARANCE)
-        } else {
-            f64::from(self.0.clamp(0.0, 0.01))
-        }
-    }
-
-    /// The clearance of a light in metres, for a caster with these bounds; 0 for a directional light.
-    pub fn metres(self, light_world: DVec4, range: f32, bounds_world: &Aabb) -> f64 {
-        if light_world.w == 0.0 || bounds_world.is_empty() {
-            return 0.0;
-        }
-        let center = bounds_world.center().as_dvec3();
-        let half = bounds_world.half_size().as_dvec3();
-        let farthest = ((center - light_world.truncate()).abs() + half).length();
-        self.share() * farthest.min(f64::from(range))
-    }
-}
 
 /// A light in a caster's space, and its clearance.
 #[derive(Clone, Copy, Debug)]

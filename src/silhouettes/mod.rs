@@ -48,8 +48,10 @@ pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCas
 pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
-pub use grazed::{GrazingLight, LightClearance, find_grazed, take_out_of_contour};
+pub use grazed::{GrazingLight, find_grazed, take_out_of_contour};
 pub use light_silhouettes::{KEPT_FRAMES, LightSilhouettes, Silhouette, Silhouettes};
 pub use loops::{LoopError, Loops, link_loops};
 pub use planes::{FacingPlanes, compute_planes, compute_posed_planes};
 pub use turning::{LightExtent, find_turning};
+
+pub use crate::sets::LightClearance;

@@ -157,6 +157,44 @@ fn occluders_that_move_hide_and_show_again() {
     assert_eq!(sets(&mut world), [true; 4], "before the wall");
 }
 
+/// A lamp 2 cm over a sheet: the sheet hides what is beneath, unless it is within the lamp's clearance and blocks nothing.
+#[test]
+fn an_occluder_in_the_clearance_of_a_light_hides_nothing_from_it() {
+    use antumbra::sets::LightClearance;
+    use bevy_transform::prelude::Transform;
+    let mut world = World::new();
+    antumbra::schedule::init_resources(&mut world);
+    world.insert_resource(ViewportSize(crate::occlusion_harness::VIEWPORT));
+    let material = std::sync::Arc::new(Material::matte(Vec3::ONE));
+    let mut spawn = |mesh: MeshData, at: Vec3| {
+        let looks = SceneMaterials([material.clone()].into());
+        let place = Transform::from_translation(at);
+        let mesh = SceneMesh(std::sync::Arc::new(mesh));
+        world
+            .spawn((mesh, looks, ShadowCaster, ShadowReceiver, place))
+            .id()
+    };
+    spawn(MeshData::plane(4.0), Vec3::ZERO);
+    let beneath = spawn(MeshData::cuboid(Vec3::splat(0.3)), Vec3::new(0.3, -2.0, 0.2));
+    let view = Transform::from_xyz(0.0, -1.0, 6.0).looking_at(Vec3::NEG_Y, Vec3::Y);
+    world.spawn((Camera::default(), view));
+    let lamp = Light::point(Vec3::ONE, 10.0, 30.0);
+    world.spawn((
+        lamp,
+        StencilVolume::default(),
+        Transform::from_xyz(0.0, 0.02, 0.0),
+    ));
+    let mut schedule = antumbra::schedule::standalone_schedule();
+    for (share, seen) in [(1e-5, false), (0.01, true), (0.0, false)] {
+        world.insert_resource(LightClearance(share));
+        schedule.run(&mut world);
+        let index = world.resource::<Objects>().index_of(beneath).unwrap();
+        let light = &world.resource::<FrameLights>().lights[0];
+        assert_eq!(light.sets.l.contains(index), seen, "a clearance of {share}");
+        assert_eq!(light.sets.i.contains(index), seen, "a clearance of {share}");
+    }
+}
+
 #[test]
 fn a_closed_door_hides_what_is_behind_it() {
     let Rooms { mut world, portals } = random_rooms(7);

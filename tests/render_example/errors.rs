@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 42] = [
+const SPOILT: [Spoilt; 48] = [
     (
         "a barn map without barn doors",
         |s| s["lights"][1]["barn_map"] = json!({}),
@@ -139,7 +139,43 @@ const SPOILT: [Spoilt; 42] = [
     (
         "size beyond the device",
         |s| s["size"] = json!([4, 1_000_000]),
-        &["1000000"],
+        &["size", "1000000", "device"],
+    ),
+    (
+        "a near plane that is no distance",
+        |s| s["camera"]["near"] = json!(1e-30),
+        &["camera.near", "1e-30"],
+    ),
+    (
+        "an eye beyond all scenes",
+        |s| s["camera"]["eye"][0] = json!(1e30),
+        &["camera: eye", "1e30"],
+    ),
+    (
+        "a target beyond all scenes",
+        |s| s["camera"]["target"][1] = json!(-1e30),
+        &["camera: target", "1e30"],
+    ),
+    (
+        "a light beyond all scenes",
+        |s| s["lights"][0]["position"][2] = json!(1e30),
+        &["lights[0]: position", "1e30"],
+    ),
+    (
+        "an angle of the light and another of its shadow",
+        |s| {
+            s["lights"][2]["angle_deg"] = json!(0.5);
+            s["lights"][2]["shadow"] = json!({"technique": "occlusion_texture", "angle_deg": 2});
+        },
+        &["lights[2]: angle_deg", "both"],
+    ),
+    (
+        "up along a long direction",
+        |s| {
+            s["lights"][3]["direction"] = json!([0, -1e30, 0]);
+            s["lights"][3]["up"] = json!([0, 1e-30, 0]);
+        },
+        &["lights[3]: up", "direction"],
     ),
     (
         "negative ambient",
@@ -234,10 +270,17 @@ fn spoilt_shots_are_refused_with_one_line() {
 }
 
 #[test]
-fn a_whole_shot_is_not_refused() {
+fn a_whole_shot_with_directions_of_any_length_is_not_refused() {
     let folder = folder("whole");
     write_scene(&folder);
-    write(&folder, "shot.json", &small_shot().to_string());
+    let mut shot = small_shot();
+    for (light, length) in [(1, 1e30), (2, 1e-30)] {
+        for axis in 0..3 {
+            let of_shot = shot["lights"][light]["direction"][axis].as_f64();
+            shot["lights"][light]["direction"][axis] = json!(of_shot.expect("a direction") * length);
+        }
+    }
+    write(&folder, "shot.json", &shot.to_string());
     assert!(run(&folder, "shot.json", "out", &[]).status.success());
     assert!(folder.join("out/image.png").exists());
 }

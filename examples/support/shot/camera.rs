@@ -70,23 +70,47 @@ impl ShotCamera {
     /// Eye, target and up do not define an orientation.
     pub fn transform(&self) -> Result<Transform, String> {
         let eye = Vec3::from(self.eye);
+        check_place(self.eye).map_err(|error| format!("eye {error}"))?;
+        check_place(self.target).map_err(|error| format!("target {error}"))?;
         let forward = Vec3::from(self.target) - eye;
         let rotation = frame(forward, Vec3::from(self.up), "target - eye")?;
-        if !eye.is_finite() {
-            return Err(format!("eye {:?} is not finite", self.eye));
-        }
         Ok(Transform::from_translation(eye).with_rotation(rotation))
     }
 }
 
+/// Largest coordinate of a place, metres: that of triangles in the ray caster.
+const FARTHEST: f32 = 1e15;
+
+/// Sine of the angle between two directions below which they are parallel.
+const PARALLEL: f32 = 1e-6;
+
+/// Checks that a place is not too far away to compute with.
+///
+/// # Errors
+/// Says which place is too far away.
+pub fn check_place(place: [f32; 3]) -> Result<(), String> {
+    if place.iter().all(|coordinate| coordinate.abs() <= FARTHEST) {
+        return Ok(());
+    }
+    Err(format!(
+        "{place:?} must be finite and within {FARTHEST:e} m of the origin"
+    ))
+}
+
+/// Returns the unit vector along a vector of any length. `None` if the vector is not finite or has no length.
+pub fn unit(vector: Vec3) -> Option<Vec3> {
+    // The square of a length of 10³⁰ overflows.
+    let longest = vector.abs().max_element();
+    (longest > 0.0 && vector.is_finite()).then(|| (vector / longest).normalize())
+}
+
 /// Returns the rotation that takes −Z to `forward` and Y towards `up`; right = forward × up.
 pub fn frame(forward: Vec3, up: Vec3, what: &str) -> Result<Quat, String> {
-    let forward = forward
-        .try_normalize()
-        .ok_or_else(|| format!("{what} has no direction"))?;
-    let right = forward
-        .cross(up)
-        .try_normalize()
+    let forward = unit(forward).ok_or_else(|| format!("{what} has no direction"))?;
+    let right = unit(up)
+        .map(|up| forward.cross(up))
+        .filter(|right| right.length() > PARALLEL)
+        .and_then(unit)
         .ok_or_else(|| format!("up is parallel to {what} or has no direction"))?;
     let matrix = Mat3::from_cols(right, right.cross(forward), -forward);
     Ok(Quat::from_mat3(&matrix))

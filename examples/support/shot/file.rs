@@ -76,6 +76,9 @@ fn default_ambient() -> [f32; 3] {
     [0.02; 3]
 }
 
+/// Least distance of a near plane, metres. Nearer ones show nothing more, and products with them leave the range of `f32`.
+const LEAST_NEAR: f32 = 1e-6;
+
 impl Shot {
     /// Reads and checks a shot file.
     ///
@@ -136,6 +139,12 @@ impl Shot {
         }
         if let Some(camera) = &self.camera {
             camera.transform().map_err(|error| format!("camera: {error}"))?;
+            if camera.orthographic.is_none() && camera.near > 0.0 && camera.near < LEAST_NEAR {
+                return Err(format!(
+                    "camera.near: {:e} must be at least {LEAST_NEAR:e} m",
+                    camera.near
+                ));
+            }
             if !camera.camera(UVec2::ONE).is_valid() {
                 return Err(match camera.orthographic {
                     None => format!(

@@ -11,7 +11,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use super::super::shadow::ShotShadow;
-use super::camera::frame;
+use super::camera::{check_place, frame, unit};
 use super::model::ShotModel;
 use super::path::ShotPath;
 
@@ -220,12 +220,8 @@ pub struct LightParts {
 
 /// Returns a rotation like [`frame`], for lights whose turn about their axis does not matter.
 fn axis_frame(direction: [f32; 3]) -> Result<Quat, String> {
-    let direction = Vec3::from(direction);
-    let up = if direction.y.abs() > 0.9 * direction.length() {
-        Vec3::X
-    } else {
-        Vec3::Y
-    };
+    let direction = unit(direction.into()).unwrap_or_default();
+    let up = if direction.y.abs() > 0.9 { Vec3::X } else { Vec3::Y };
     frame(direction, up, "direction")
 }
 
@@ -300,9 +296,9 @@ impl ShotEmission {
                 None,
                 color,
                 intensity.or(Some(LUX)),
-                match angle_deg {
-                    Some(angle) => shadow.map(|shadow| shadow.with("angle_deg", angle)),
-                    None => shadow,
+                match (angle_deg, shadow) {
+                    (Some(angle), Some(shadow)) => Some(shadow.with("angle_deg", angle)?),
+                    (_, shadow) => shadow,
                 },
             ),
             Self::Rect {
@@ -346,9 +342,7 @@ impl ShotEmission {
                 shadow,
             ),
         };
-        if !transform.is_finite() {
-            return Err("its position is not finite".to_owned());
-        }
+        check_place(transform.translation.to_array()).map_err(|error| format!("position {error}"))?;
         let light = Light {
             kind,
             color: color.unwrap_or([1.0; 3]).into(),

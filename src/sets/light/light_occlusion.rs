@@ -3,6 +3,7 @@
 use bevy_ecs::prelude::*;
 use bevy_tasks::ComputeTaskPool;
 
+use super::clearance::LightClearance;
 use super::frame_light::FrameLight;
 use super::frame_lights::FrameLights;
 use crate::geometry::Aabb;
@@ -48,6 +49,7 @@ struct Scene<'a> {
     occluders: &'a Occluders,
     cells: &'a Cells,
     settings: &'a OcclusionSettings,
+    clearance: LightClearance,
 }
 
 /// Everything that occlusion from a light depends on, apart from the light itself and motion.
@@ -56,6 +58,7 @@ struct Seen {
     occluders: u64,
     cells: u64,
     settings: OcclusionSettings,
+    clearance: LightClearance,
     wants_occlusion: bool,
 }
 
@@ -98,7 +101,8 @@ impl LightOcclusion {
 /// Computes L: the light's reach without objects that no portal shows to the light, and without objects that
 /// its depth buffers hide.
 ///
-/// Only casters of the light hide anything from it. Only objects that are dark wherever the light does not
+/// Only casters of the light hide anything from it, and of these only such without a triangle in the light's clearance
+/// ([`LightClearance`]), because a technique lets light pass there. Only objects that are dark wherever the light does not
 /// see them are left out: objects whose every surface shows shadows, and casters that are not drawn. Lights
 /// whose technique does not ask for it ([`Needs::light_occlusion`](super::technique::Needs)) see everything in
 /// their reach. Lights with an extent have no depth buffers;
@@ -117,6 +121,7 @@ pub fn collect_light_occlusion(
     occluders: Res<Occluders>,
     cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
+    clearance: Res<LightClearance>,
 ) {
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
@@ -125,6 +130,7 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
+        clearance: *clearance,
         // A light may light what it does not see: if its shadows are not black, or do not show there. Pictures of what it
         // sees are taken from where it shines, which need not be where its shadows come from.
         wants_occlusion: light.needs().light_occlusion
@@ -149,6 +155,7 @@ pub fn collect_light_occlusion(
         occluders: &occluders,
         cells: &cells,
         settings: &settings,
+        clearance: *clearance,
     };
     let chunks = frame.lights.chunks_mut(size).zip(lights.chunks_mut(size));
     tasks::for_each(
@@ -179,6 +186,7 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         occluders,
         cells,
         settings,
+        ..
     } = *scene;
     let anew = is_new(light, entry, &now);
     if !anew && !light.progress.reach_written {
@@ -199,14 +207,7 @@ fn find_seen(light: &mut FrameLight, entry: &mut Entry, now: Seen, piece: &mut P
         !entry.sightings.sees(cells, objects, object) || entry.viewpoint.hides(objects, object)
     };
     if anew || occluder_moved(light, &entry.viewpoint, objects, occluders) {
-        draw(
-            light,
-            &mut entry.viewpoint,
-            &mut piece.rasterizer,
-            objects,
-            occluders,
-            settings,
-        );
+        draw(light, &mut entry.viewpoint, &mut piece.rasterizer, scene);
         piece.depth_buffers += entry.viewpoint.buffers().len() as u64;
         see_all(light);
         for object in light.sets.reach.intersection(&occluders.shadeable) {
@@ -292,17 +293,31 @@ fn occluder_moved(
     })
 }
 
-fn draw(
-    light: &FrameLight,
-    viewpoint: &mut Viewpoint,
-    rasterizer: &mut Rasterizer,
-    objects: &Objects,
-    occluders: &Occluders,
-    settings: &OcclusionSettings,
-) {
+/// Whether a triangle of an object is in the light's clearance, where it blocks nothing.
+fn is_in_clearance(light: &FrameLight, scene: &Scene, object: usize) -> bool {
+    let bounds = scene.objects.boxes.get(object);
+    let clearance = scene
+        .clearance
+        .metres(light.point_world, light.light.range, &bounds);
+    let point = light.point_world.truncate();
+    let nearest = point.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    clearance > 0.0
+        && point.distance(nearest) <= clearance
+        && scene.occluders.comes_near(object, point, clearance)
+}
+
+fn draw(light: &FrameLight, viewpoint: &mut Viewpoint, rasterizer: &mut Rasterizer, scene: &Scene) {
+    let Scene {
+        objects,
+        occluders,
+        settings,
+        ..
+    } = *scene;
     let candidates = || {
         let within = light.sets.reach.intersection(&occluders.light);
-        within.filter(|&object| hides_from(light, objects, occluders, object))
+        within.filter(|&object| {
+            hides_from(light, objects, occluders, object) && !is_in_clearance(light, scene, object)
+        })
     };
     if candidates().next().is_none() {
         viewpoint.clear();

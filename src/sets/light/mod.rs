@@ -1,6 +1,7 @@
 //! Lights: the sets L, I and S of each light, its scissor rectangle and its depth bounds.
 
 pub(crate) mod candidate;
+pub(crate) mod clearance;
 pub(crate) mod depth_bounds;
 pub(crate) mod frame_light;
 pub(crate) mod frame_lights;

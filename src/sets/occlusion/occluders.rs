@@ -6,12 +6,12 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use bevy_transform::prelude::GlobalTransform;
 use fixedbitset::FixedBitSet;
-use glam::{DMat4, Mat4};
+use glam::{DMat4, DVec3, Mat4};
 
 use super::occluder_mesh::{OccluderMesh, OccluderMeshes};
 use super::raster::Sides;
 use super::settings::OcclusionSettings;
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, distance_to_triangle};
 use crate::scene::changes::any_changed;
 use crate::scene::{AlphaMode, FaceCulling, Occluder, PosedMesh, SceneMaterials, SceneMesh};
 use crate::sets::index::objects::{Objects, resize};
@@ -77,6 +77,18 @@ impl Occluders {
         self.entries[object]
             .as_ref()
             .map_or(0, |entry| entry.mesh.triangles.len())
+    }
+
+    /// Whether a triangle of an occluder is within a distance, metres, of a point of world space.
+    pub(in crate::sets) fn comes_near(&self, object: usize, point: DVec3, distance: f64) -> bool {
+        self.entries[object].as_ref().is_some_and(|entry| {
+            let place = |at: u32| {
+                let local = entry.mesh.positions[at as usize];
+                entry.world_from_local.transform_point3(local.as_dvec3())
+            };
+            let mut triangles = entry.mesh.triangles.iter();
+            triangles.any(|corners| distance_to_triangle(point, corners.map(place)) <= distance)
+        })
     }
 
     /// Mesh, transform to world space, and drawn sides of an occluder.

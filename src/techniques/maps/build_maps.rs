@@ -12,12 +12,13 @@ use super::cascade_range::{cascade_range, pixels_of_texel};
 use super::face_state::{FaceState, Stale};
 use super::frame_scene::Scene;
 use super::light_map::{LightMap, asker};
-use super::members::{expected_faces, farthest, fill_casters, lit_faces, near_plane, split_members};
+use super::members::{
+    corner_rounding, expected_faces, farthest, fill_casters, lit_faces, near_plane, split_members,
+};
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
 use super::settings::{MapError, MapReport, MapResolution, MapSettings};
-use crate::sets::{FrameLights, Objects, View};
-use crate::silhouettes::LightClearance;
+use crate::sets::{FrameLights, LightClearance, Objects, View};
 use crate::techniques::shared::texture_memory::TextureMemory;
 
 /// Number of pixels along a side of a texel from which on a shadow is reported as coarse. An edge is then a staircase whose
@@ -116,9 +117,15 @@ impl Maps {
                         map.reach,
                         scene.near_share,
                     )
+                    .metres
                 },
                 f64::from,
             );
+            let place = match light.point_world.w {
+                0.0 => scene.view.eye,
+                _ => light.point_world.truncate(),
+            };
+            map.rounding = corner_rounding(place, map.casters.ones(), scene.objects);
             if map.request.shape == MapShape::Cascades {
                 let distance = f64::from(map.request.cascades.distance);
                 let softness = f64::from(map.request.filter.softness().unwrap_or(0.0));

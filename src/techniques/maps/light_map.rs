@@ -31,6 +31,8 @@ pub struct LightMap {
     pub reach: f64,
     /// Distance of the near plane from a light at a position, metres.
     pub near: f64,
+    /// Error of the casters' depths, metres, because some reach far away.
+    pub rounding: f64,
     /// View depths that cascades share out; other maps ignore them.
     pub(super) range: DepthRange,
     /// Faces of the map, at most as many as the request has.
@@ -92,6 +94,7 @@ impl LightMap {
             active: false,
             reach: 1.0,
             near: 1e-5,
+            rounding: 0.0,
             range: DepthRange::default(),
             faces: Vec::new(),
             casters: FixedBitSet::new(),

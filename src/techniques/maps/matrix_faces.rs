@@ -33,6 +33,22 @@ pub fn point_face(origin: DVec3, axes: [DVec3; 3], homography: &DMat3, near: f64
     }
 }
 
+/// Returns the distance that [`point_face`] takes for a near plane whose distances in the picture have the geometric mean
+/// `mean`, and of which none is more than `most`.
+pub fn near_of_mean(homography: &DMat3, mean: f64, most: f64) -> f64 {
+    let inverse = homography.inverse();
+    let (mut shortest, mut longest) = (f64::INFINITY, f64::MIN_POSITIVE);
+    for x in [-1.0, 0.0, 1.0] {
+        for y in [-1.0, 0.0, 1.0] {
+            let ray = (inverse * DVec3::new(x, y, 1.0)).length();
+            (shortest, longest) = (shortest.min(ray), longest.max(ray));
+        }
+    }
+    let widest = rays(homography).map(DVec3::length).fold(0.0, f64::max);
+    let mean_ray = (shortest * longest).sqrt().max(f64::MIN_POSITIVE);
+    widest * (mean / mean_ray).min(most / longest)
+}
+
 /// Makes a face of a directional light.
 ///
 /// `homography` maps (x, y, 1) of the face's space to x, y and w of clip space. The base is the plane
@@ -221,6 +237,46 @@ mod tests {
             }
         }
         assert!(seen > 300, "{seen}");
+    }
+
+    #[test]
+    fn near_planes_of_a_mean_are_around_it_and_not_beyond_the_most() {
+        for face in faces() {
+            let FaceProjection::Matrix {
+                clip_from_face,
+                parallel: false,
+            } = face.projection
+            else {
+                continue;
+            };
+            let [x, y, z] = [
+                clip_from_face.x_axis,
+                clip_from_face.y_axis,
+                clip_from_face.z_axis,
+            ];
+            let homography = DMat3::from_cols(
+                DVec3::new(x.x, x.y, x.w),
+                DVec3::new(y.x, y.y, y.w),
+                DVec3::new(z.x, z.y, z.w),
+            );
+            for (most, limits) in [(f64::INFINITY, (0.01, f64::INFINITY)), (0.004, (0.0, 0.004))] {
+                let near = near_of_mean(&homography, 0.01, most);
+                let face = point_face(face.origin, face.axes, &homography, near);
+                let mut farthest: f64 = 0.0;
+                let mut nearest = f64::INFINITY;
+                for (x, y) in [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (0.0, 0.0)] {
+                    let (start, direction) = ray(&face, DVec2::new(x, y));
+                    let clip = face.clip_from_world() * (start + direction).extend(1.0);
+                    let distance = clip.z / clip.w; // of the point whose depth is 1
+                    (nearest, farthest) = (nearest.min(distance), farthest.max(distance));
+                }
+                assert!(
+                    farthest >= limits.0 * 0.999 && farthest <= limits.1 * 1.001,
+                    "{farthest}"
+                );
+                assert!(most.is_finite() || nearest <= 0.01 * 1.001, "{nearest}");
+            }
+        }
     }
 
     #[test]

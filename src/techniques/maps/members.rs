@@ -13,7 +13,7 @@ use super::movers::Movers;
 use super::request::{Beside, MapFaces, MapShape};
 use super::settings::MapFilter;
 use crate::geometry::Aabb;
-use crate::sets::{FrameLight, LightVolume, Objects};
+use crate::sets::{CLEARANCE_REACH, FrameLight, LightVolume, Objects};
 
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
 /// whether they changed.
@@ -63,25 +63,30 @@ pub fn farthest(light: &FrameLight, casters: impl Iterator<Item = usize>, object
     farthest.log2().ceil().exp2()
 }
 
-/// Largest distance, metres, from which the clearance around a light follows. Farther parts of a caster whose box holds the
-/// light, such as a sky, say nothing about how exactly its nearer parts are placed.
-const CLEARANCE_REACH: f64 = 1e3;
+/// Where the near plane of a light's map may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearPlane {
+    /// Distance of the near plane, metres.
+    pub metres: f64,
+    /// Distance, metres, up to which no caster is but such as the light may be on; at least [`NearPlane::metres`].
+    pub most: f64,
+}
 
-/// Returns the distance of the near plane, metres: that of the light's clearance from the surfaces that it may be on, and
+/// Returns the distance of the near plane: that of the light's clearance from the surfaces that it may be on, and
 /// nearer than any other caster. `share` is the clearance as a share of distance ([`LightClearance`]).
 ///
 /// A light may be on a surface of each caster whose box it touches. The result is `share` of the reach or, where that is
 /// too much, as many halves of it as needed: reversed depth in floating point then changes by a power of two, without any
 /// rounding, and a map shows the same.
 ///
-/// [`LightClearance`]: crate::silhouettes::LightClearance
+/// [`LightClearance`]: crate::sets::LightClearance
 pub fn near_plane(
     light: &FrameLight,
     casters: impl Iterator<Item = usize>,
     objects: &Objects,
     reach: f64,
     share: f64,
-) -> f64 {
+) -> NearPlane {
     let whole = share * reach;
     let point = light.point_world.truncate();
     let (mut touched, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
@@ -100,10 +105,39 @@ pub fn near_plane(
     let rounding = 4e-7 * point.abs().max_element();
     let wanted = if touched > 0.0 { touched } else { nearest };
     let wanted = wanted.max(rounding).max(1e-6 * whole);
-    if wanted >= whole {
-        return whole;
-    }
-    whole * (wanted / whole).log2().floor().exp2()
+    let metres = if wanted >= whole {
+        whole
+    } else {
+        whole * (wanted / whole).log2().floor().exp2()
+    };
+    let most = if touched > 0.0 {
+        nearest.max(metres)
+    } else {
+        metres
+    };
+    NearPlane { metres, most }
+}
+
+/// Distance, metres, within which corners of casters are placed exactly enough.
+const NEAR_CORNERS: f64 = 1e3;
+
+/// Rounding of a depth in `f32`, metres for each metre to the farthest corner of the triangle.
+const CORNER_ROUNDING: f64 = 1.0 / (1 << 23) as f64;
+
+/// Largest rounding, metres, that the comparison allows for. A sky of 300 km rounds no worse than that near its middle,
+/// and a shadow would begin too far behind its caster.
+const MOST_ROUNDING: f64 = 3e-3;
+
+/// Returns the error of depths near a place, metres, that corners of casters far away from it leave there: a rasterizer
+/// cuts a triangle that reaches beyond the horizon at the border of the picture, and rounds as it does. It is 0 for
+/// casters within a kilometre.
+pub fn corner_rounding(place: DVec3, casters: impl Iterator<Item = usize>, objects: &Objects) -> f64 {
+    let corner = |index: usize| {
+        let (center, half) = objects.boxes.center_half(index);
+        ((center - place).abs() + half).length()
+    };
+    let farthest = casters.map(corner).fold(0.0, f64::max);
+    ((farthest - NEAR_CORNERS).max(0.0) * CORNER_ROUNDING).min(MOST_ROUNDING)
 }
 
 /// Returns the faces that the map should have.

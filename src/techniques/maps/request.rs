@@ -76,6 +76,9 @@ impl MapRequests {
     }
 }
 
+/// Least distance of a near plane, metres. Depth is its share of the distance, which must stay far above the least `f32`.
+const LEAST_NEAR: f32 = 1e-9;
+
 /// Text of refusals about settings that may be any finite number from 0 on.
 const FINITE: &str = "it must be finite and at least 0";
 
@@ -210,13 +213,13 @@ impl MapRequest {
         let range = light.range;
         if light.kind != LightKind::Directional
             && let Some(near) = self.near
-            && !(near > 0.0 && near < range)
+            && !(near >= LEAST_NEAR && near < range)
         {
             return Err(Refusal::Setting {
                 setting: "near",
                 value: near,
                 unit: " m",
-                allowed: "it must be greater than 0 and less than the light's range; `None` chooses it",
+                allowed: "it must be at least 1e-9 m and less than the light's range; `None` chooses it",
             });
         }
         Ok(self)

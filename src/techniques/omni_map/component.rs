@@ -41,7 +41,7 @@ pub struct OmniMap {
     pub surface: MapSurface,
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
-    /// Distance from the light, metres, within which nothing casts; greater than 0 and less than the range.
+    /// Distance from the light, metres, within which nothing casts; at least 1e-9 and less than the range.
     /// Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
     /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
     /// point, so a small value costs no precision.

@@ -13,11 +13,9 @@ use super::wedges::{LightWedges, PartWedges, PenumbraWedges};
 use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
-use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
+use crate::sets::{DepthReach, FrameLight, FrameLights, LightClearance, Objects, View, ViewData};
 use crate::silhouettes::cache::light_is_within;
-use crate::silhouettes::{
-    CasterShape, CasterShapeItem, KEPT_FRAMES, LightClearance, Silhouette, Silhouettes,
-};
+use crate::silhouettes::{CasterShape, CasterShapeItem, KEPT_FRAMES, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
 use crate::techniques::shared::finite_reach::{FiniteReach, include_points, include_rays};
 use crate::techniques::shared::inside_test::OcclusionPyramid;

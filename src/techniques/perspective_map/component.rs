@@ -50,7 +50,7 @@ pub struct PerspectiveMap {
     /// measured in every frame, so that texels on the screen are shortest, by the mean of their longer sides.
     #[cfg_attr(feature = "schema", schemars(range(min = 0)))]
     pub slide: Option<f32>,
-    /// Distance from a light at a position, metres, within which nothing casts; greater than 0 and less than
+    /// Distance from a light at a position, metres, within which nothing casts; at least 1e-9 and less than
     /// the range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): it
     /// follows the light's clearance and the nearest caster, as in plain maps. Directional lights ignore it.
     #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]

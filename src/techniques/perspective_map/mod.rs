@@ -22,7 +22,9 @@
 //! | `light_camera` | one face: a camera at the light with the smallest cone's axis |
 //! | `cube` | several faces: sides of the unit cube as the light sees them |
 //! | `texels` | texels per pixel of the screen, at sample points |
+//! | `fit_input` | the casters and the points that a light's faces are fitted to |
 //! | `fit` | the faces of a light in this frame |
+//! | `place_face` | a picture as a face: its frame at the light, its homography, the depths of casters |
 //! | `grounds` | receivers whose shadows are blurred ([`BlurredGround`](crate::scene::BlurredGround)) |
 //! | `gpu` | the recorder (feature `render`) |
 //!
@@ -45,6 +47,9 @@
 //! times the texels of four cascades of the same total, and at least 4 times those of a uniform map at every angle of the
 //! light; the error is at most that of the cascades at 36 of 37 angles (`tests/gpu/perspective_map/quality.rs`, the ignored
 //! test).
+//!
+//! Of 927,281 pixels in 15 views of each of 39 models 7 are wrong farther than a texel of 1024² from an edge, and at most
+//! 0.17 % of one view (`tests/gpu/perspective_map/models.rs`, with all models).
 //!
 //! **What is shown.** The light's camera sees the bounds of visible receivers, part by part where they are large, cut by
 //! the view, by a spot light's cone and, for a directional light, by the box around all shadows. What no face shows is
@@ -73,11 +78,13 @@
 pub(crate) mod component;
 pub(crate) mod cube;
 pub(crate) mod fit;
+pub(crate) mod fit_input;
 #[cfg(feature = "render")]
 pub(crate) mod gpu;
 pub(crate) mod grounds;
 pub(crate) mod light_camera;
 pub(crate) mod parts;
+pub(crate) mod place_face;
 pub(crate) mod projection;
 pub(crate) mod receivers;
 pub(crate) mod shadowed;

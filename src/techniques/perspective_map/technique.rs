@@ -4,7 +4,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use super::component::{PerspectiveFaces, PerspectiveMap};
-use super::fit::{Fit, FitInput, Scratch, fit_faces};
+use super::fit::{Fit, Scratch, fit_faces};
+use super::fit_input::FitInput;
 #[cfg(feature = "render")]
 use super::gpu::{self, recorder::PerspectiveNode};
 use super::grounds::{BLUR_REACH, BlurredGrounds, LeftOut, collect_blurred_grounds};
@@ -17,8 +18,8 @@ use crate::render::shaders::ShaderFile;
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::{Light, LightKind, SceneMesh};
-use crate::sets::{FrameLight, FrameLights, Needs, Objects, View, VisibleParts};
-use crate::silhouettes::{KEPT_FRAMES, LightClearance};
+use crate::sets::{FrameLight, FrameLights, LightClearance, Needs, Objects, View, VisibleParts};
+use crate::silhouettes::KEPT_FRAMES;
 use crate::techniques::maps::request::{LightRequest, MapFaces, MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
 use crate::techniques::registry::{Refusal, Statistics, Technique, TexelLookup};

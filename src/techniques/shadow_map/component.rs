@@ -38,7 +38,7 @@ pub struct ShadowMap {
     pub surface: MapSurface,
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
-    /// Distance from a spot light, metres, within which nothing casts; greater than 0 and less than the
+    /// Distance from a spot light, metres, within which nothing casts; at least 1e-9 and less than the
     /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
     /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
     /// point, so a small value costs no precision.

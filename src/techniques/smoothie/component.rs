@@ -45,7 +45,7 @@ pub struct Smoothie {
     pub resolution: MapResolution,
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
-    /// Distance from the light, metres, within which nothing casts; greater than 0 and less than the range. Raise it to
+    /// Distance from the light, metres, within which nothing casts; at least 1e-9 and less than the range. Raise it to
     /// ignore casters close to the light, such as a lamp's shade. Directional lights ignore it. Default (`None`): at
     /// most a hundred-thousandth of the range, and less as far as a caster is nearer.
     #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]

@@ -71,6 +71,7 @@ fn lamps_close_to_a_surface_light_the_room() {
         Vec3::new(0.3, 0.01, 0.2),
         Vec3::new(0.3, 0.001, 0.2),
         Vec3::new(0.3, 2.499_99, 0.2),
+        Vec3::new(0.3, 2.500_001, 0.2),
         Vec3::new(0.3, 2.49, 0.2),
         Vec3::new(-2.99, 1.0, 0.3),
     ] {

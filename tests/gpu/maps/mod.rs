@@ -18,3 +18,4 @@ mod refusals;
 pub mod scenes;
 mod surfaces;
 mod twins;
+mod wide_grounds;

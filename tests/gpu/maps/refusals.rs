@@ -136,6 +136,13 @@ fn unusable_settings_are_refused_by_name() {
         ),
         (
             spot(ShadowMap {
+                near: Some(1e-30),
+                ..map
+            }),
+            "at least 1e-9 m",
+        ),
+        (
+            spot(ShadowMap {
                 near: Some(-1.0),
                 ..map
             }),

@@ -22,7 +22,7 @@ const SIZE: UVec2 = UVec2::new(96, 54);
 /// Pixels of which one is judged.
 const EVERY: usize = 5;
 
-fn add(stage: &mut Stage, mesh: MeshData, at: Transform) -> Entity {
+pub(super) fn add(stage: &mut Stage, mesh: MeshData, at: Transform) -> Entity {
     let parts = (
         SceneMesh(Arc::new(mesh)),
         SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
@@ -33,7 +33,7 @@ fn add(stage: &mut Stage, mesh: MeshData, at: Transform) -> Entity {
 }
 
 /// A ground with a box that stands on it, a plate that floats over it, and a block beneath it. Returns the ground.
-fn stage(radius: f32) -> (Stage, Entity) {
+pub(super) fn stage(radius: f32) -> (Stage, Entity) {
     let camera = Camera {
         vertical_fov: 0.9,
         aspect: SIZE.x as f32 / SIZE.y as f32,
@@ -56,7 +56,7 @@ fn stage(radius: f32) -> (Stage, Entity) {
     (stage, ground)
 }
 
-fn lights() -> [(Light, Transform); 3] {
+pub(super) fn lights() -> [(Light, Transform); 3] {
     let from = Vec3::new(1.1, 3.2, 1.4);
     [LightKind::Directional, LightKind::Point, SPOT].map(|kind| {
         let light = Light {
@@ -79,8 +79,13 @@ fn hits(stage: &Stage, rays: &RayScene) -> HitImage {
     primary_hits(rays, camera, transform, SIZE).expect("a usable camera")
 }
 
-/// A Gaussian of visibility around a point of a plane, by a grid of rays.
-fn expected(judge: &Judge, hit: &SurfaceHit, radius: f64) -> f64 {
+/// A Gaussian of visibility around a point of a plane, by a grid of rays to those points that are of the ground.
+pub(super) fn expected(
+    judge: &Judge,
+    hit: &SurfaceHit,
+    radius: f64,
+    is_of_ground: impl Fn(DVec3) -> bool,
+) -> f64 {
     let (x, y) = hit.normal.any_orthonormal_pair();
     let (mut sum, mut weights) = (0.0, 0.0);
     for i in -12..=12 {
@@ -89,6 +94,9 @@ fn expected(judge: &Judge, hit: &SurfaceHit, radius: f64) -> f64 {
             let weight = (-0.5 * (u * u + v * v)).exp();
             // Off the plane, so that its other triangle is not in the way.
             let point = hit.position + (x * u + y * v) * radius + hit.normal * 1e-4;
+            if !is_of_ground(point) {
+                continue;
+            }
             sum += weight * f64::from(u8::from(judge.sees(point, hit)));
             weights += weight;
         }
@@ -113,7 +121,7 @@ fn judge(stage: &mut Stage, radius: f64) -> (f64, usize, usize, usize) {
         others[index] = judge.truth.values()[index];
         soft += usize::from((0.1..0.9).contains(&rendered[index]));
         if index % EVERY == 0 && !judge.truth.values()[index].is_nan() {
-            let expected = expected(&judge, hit, radius);
+            let expected = expected(&judge, hit, radius, |_| true);
             let square = (f64::from(rendered[index]) - expected).powi(2);
             halo += usize::from(expected >= 0.99 && square > 1e-3);
             if (0.01..0.99).contains(&expected) {

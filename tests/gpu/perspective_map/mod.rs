@@ -5,6 +5,7 @@ mod bad_input;
 mod casters;
 mod contacts;
 mod fits;
+mod ground_channels;
 mod grounds;
 mod models;
 mod quality;

@@ -1,6 +1,7 @@
 //! Smoothies: the umbra of the plain map, the least of several penumbrae, and the penumbra of the formula.
 
 mod bad_input;
+mod eye;
 mod kept;
 mod models;
 mod parity;

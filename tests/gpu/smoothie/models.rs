@@ -28,13 +28,11 @@ use crate::harness::{ModelStage, file_name, model, own_context};
 
 const SIZE: UVec2 = UVec2::new(128, 72);
 
-const RESOLUTION: MapResolution = MapResolution::Fixed(256);
-
 /// Share of the plain map's error that smoothies may have. Measured: 0.46 for `suzanne`, 0.35 for `deer`, 0.43 for `spot`, 0.35
 /// for `espresso_cup`.
 const ALLOWED: f64 = 0.5;
 
-/// The same share for two models that miss it: `shape_collection` (0.61), of whose penumbrae some twenty pixels are left, and
+/// The same share for two models that miss it at 256², and have 0.30 and 0.36 at 512²: `shape_collection` (0.61), of whose penumbrae some twenty pixels are left, and
 /// `knight` (0.53). Half the width of the penumbra is less than a texel at all pixels of the first and at a quarter of those of the
 /// second.
 const ALLOWED_OF_TWO: f64 = 0.65;
@@ -101,7 +99,7 @@ fn rmse(truth: &[f32], got: &[f32], seen: &[f32]) -> f64 {
 }
 
 /// The model under a sphere, shadowed in three ways: plain, jittered, smoothies.
-fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
+fn judge(path: &Path, side: u32, context: &RenderContext) -> [Judged; 3] {
     let mut stage = ModelStage::new(path, context, SIZE).expect("it has triangles");
     let center = stage.bounds.center();
     let unit = stage.bounds.half_size().length();
@@ -171,14 +169,14 @@ fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
         light.remove::<(ShadowMap, Smoothie)>();
         match filter {
             Some(filter) => light.insert(ShadowMap {
-                resolution: RESOLUTION,
+                resolution: MapResolution::Fixed(side),
                 filter,
                 cached: false,
                 ..Default::default()
             }),
             None => light.insert(Smoothie {
                 width: SmoothieWidth::Metres(0.855 * RADIUS * unit),
-                resolution: RESOLUTION,
+                resolution: MapResolution::Fixed(side),
                 cached: false,
                 ..Default::default()
             }),
@@ -194,14 +192,19 @@ fn judge(path: &Path, context: &RenderContext) -> [Judged; 3] {
     })
 }
 
-fn table(names: &[&str]) {
+fn table(side: u32, names: &[&str]) {
     let context = own_context(RequestedFeatures {
         timestamps: true,
         ..Default::default()
     });
     println!(
         "{:<26} {:>23} {:>23} {:>7} {:>17} {:>17}",
-        "256²", "to the sphere", "to its outer half", "horizon", "lookup ratio", "with all drawn"
+        format!("{side}²"),
+        "to the sphere",
+        "to its outer half",
+        "horizon",
+        "lookup ratio",
+        "with all drawn"
     );
     println!(
         "{:<26} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} {:>8} {:>8} {:>8}",
@@ -221,7 +224,7 @@ fn table(names: &[&str]) {
     let mut failures = Vec::new();
     for name in names {
         let path = model(name);
-        let [plain, jittered, smoothie] = judge(&path, &context);
+        let [plain, jittered, smoothie] = judge(&path, side, &context);
         println!(
             "{:<26} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.4} {:>7.2} {:>8.2} {:>8.2} {:>8.2} {:>8.2}",
             file_name(&path),
@@ -238,7 +241,7 @@ fn table(names: &[&str]) {
             smoothie.whole / jittered.whole,
         );
         let allowed = match *name {
-            "shape_collection.glb" | "knight.glb" => ALLOWED_OF_TWO,
+            "shape_collection.glb" | "knight.glb" if side == 256 => ALLOWED_OF_TWO,
             _ => ALLOWED,
         };
         if smoothie.outer > allowed * plain.outer {
@@ -250,7 +253,7 @@ fn table(names: &[&str]) {
 
 #[test]
 fn beside_the_umbra_smoothies_err_less_than_the_plain_map() {
-    table(&["suzanne.glb", "deer.glb"]);
+    table(256, &["suzanne.glb", "deer.glb"]);
 }
 
 #[test]
@@ -266,5 +269,6 @@ fn beside_the_umbra_smoothies_err_less_on_eight_models() {
         "fox.glb",
         "knight.glb",
     ];
-    table(&names);
+    table(256, &names);
+    table(512, &names);
 }

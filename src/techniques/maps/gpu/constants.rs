@@ -14,6 +14,14 @@ use crate::techniques::maps::settings::{MapBias, MapFilter, MapFormat};
 /// shadow from its caster. Found by `tests/gpu/maps/contacts.rs`.
 const RAISED_TEXELS: f32 = 0.15;
 
+/// Rounding of the depth that a rasterizer stores, as a share, for each texel along the side of a picture.
+///
+/// A driver that clips triangles at the border of the picture leaves slivers as long as the picture. The equation of their
+/// plane, and with it depth, rounds as often as they are longer than wide, and one that is narrower than a texel covers
+/// hardly any. Where texels are as large as those of a uniform map, the share of a texel by which planes are raised is
+/// more than that; faces with a matrix have much smaller ones near the eye.
+const SLIVER: f32 = 1.0 / (1 << 24) as f32;
+
 /// Makes the shader's constants of one light's map.
 pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> MapLight {
     let request = &map.request;
@@ -31,7 +39,10 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
         radius_texels = 2.0;
     }
     let (raised, metres, share) = match request.bias {
-        MapBias::Auto => (RAISED_TEXELS * (1.0 + 0.5 * radius_texels), 0.0, 0.0),
+        MapBias::Auto => {
+            let raised = RAISED_TEXELS * (1.0 + 0.5 * radius_texels);
+            (raised, map.rounding as f32, 0.0)
+        }
         MapBias::Manual {
             normal_texels,
             depth_metres,
@@ -47,11 +58,15 @@ pub fn map_constants(map: &LightMap, eye: DVec3, depth_bounds: (f32, f32)) -> Ma
             FaceProjection::Matrix { parallel: true, .. }
         )
     });
+    let sliver = match request.shape {
+        MapShape::Matrices => SLIVER * map.resolution as f32,
+        MapShape::Spot | MapShape::Cube | MapShape::Cascades => 0.0,
+    };
     let (relative, absolute) = match request.format {
-        MapFormat::Depth if is_sun => (4e-6, 0.0),
+        MapFormat::Depth if is_sun => (4e-6 + sliver, 0.0),
         MapFormat::Depth if parallel => (0.0, 2e-6),
         // Depth is proportional to 1 / distance.
-        MapFormat::Depth => (4e-6 + share / (1.0 - share), 0.0),
+        MapFormat::Depth => (4e-6 + sliver + share / (1.0 - share), 0.0),
         MapFormat::R32Float => (8e-6 + squared(share), 0.0),
         MapFormat::Rgba8TwoBytes => (8e-6 + squared(share), TWO_BYTES_STEP),
         MapFormat::Rgba8FourBytes => (8e-6 + squared(share), FOUR_BYTES_STEP),

@@ -2,7 +2,8 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `recorder` | the draws and lookups that a frame needs |
+//! | `recorder` | the recorder: what lives long, and the order of a frame |
+//! | `planning`, `plans` | the draws and lookups that a frame needs |
 //! | `passes` | the passes of one light's map |
 //! | `draws` | casters of a face as draw calls |
 //! | `pipelines`, `layouts` | pipelines and bind groups |
@@ -17,6 +18,8 @@ pub(crate) mod layouts;
 pub(crate) mod limit;
 pub(crate) mod passes;
 pub(crate) mod pipelines;
+pub(crate) mod planning;
+pub(crate) mod plans;
 pub(crate) mod pool;
 pub(crate) mod recorded;
 pub(crate) mod recorder;

@@ -7,9 +7,10 @@ use std::ops::Range;
 
 use super::gpu_types::MapLight;
 use super::pipelines::{Key, Peel};
+use super::plans::{FacePlan, LightPlan};
 use super::pool::MapTextures;
 use super::recorded::Recorded;
-use super::recorder::{FacePlan, LightPlan, MapNode};
+use super::recorder::MapNode;
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::strided::Strided;

@@ -9,7 +9,7 @@
 //! A triangle whose plane contains the light's centre has no side from which the centre sees it, so it is treated the
 //! same way at any distance. Otherwise rounding would decide what it hides from surfaces in its own plane.
 //!
-//! Triangles nearer to a point of light than [`LightClearance`](crate::silhouettes::LightClearance) block nothing: those
+//! Triangles nearer to a point of light than [`LightClearance`](crate::sets::LightClearance) block nothing: those
 //! that lie in the plane of a rectangle. What lies behind a rectangle blocks nothing either.
 
 use glam::{DMat4, DVec3, DVec4, Vec3};

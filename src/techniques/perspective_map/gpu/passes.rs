@@ -9,8 +9,8 @@ use crate::render::gpu::strided::Strided;
 use crate::render::nodes::surfaces::{draw_batch, set_mesh};
 use crate::render::recorder::{PictureInput, ResolveInput};
 use crate::techniques::maps::gpu::gpu_types::MapLight;
+use crate::techniques::maps::gpu::plans::LightPlan;
 use crate::techniques::maps::gpu::recorded::Recorded;
-use crate::techniques::maps::gpu::recorder::LightPlan;
 
 impl PerspectiveNode {
     /// Records the passes that the faces of one light need: the map and, if it lights a blurred ground, the pictures of

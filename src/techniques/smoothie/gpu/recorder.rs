@@ -24,8 +24,9 @@ use crate::render::recorder::{
 };
 use crate::render::{Gpu, RenderContext, RenderError};
 use crate::techniques::maps::Maps;
+use crate::techniques::maps::gpu::plans::LightPlan;
 use crate::techniques::maps::gpu::recorded::Recorded;
-use crate::techniques::maps::gpu::recorder::{LightPlan, MapNode};
+use crate::techniques::maps::gpu::recorder::MapNode;
 use crate::techniques::maps::request::MapShape;
 use crate::techniques::smoothie::records::SmoothieFace;
 
