@@ -130,12 +130,18 @@ impl LightMap {
         self.active = light.region.scissor.is_some() && !light.sets.s.is_clear();
         self.visibility = light.region.scissor.map_or(0, |scissor| scissor.area());
         if let MapResolution::Auto { least, most } = request.resolution {
-            self.follow_receivers(light, view, least, most);
+            self.follow_receivers(light, view, [least, most], asked.stretch);
         }
     }
 
     /// Brings the wanted resolution up to date with what the visible receivers need.
-    fn follow_receivers(&mut self, light: &FrameLight, view: Option<&ViewData>, least: u32, most: u32) {
+    fn follow_receivers(
+        &mut self,
+        light: &FrameLight,
+        view: Option<&ViewData>,
+        [least, most]: [u32; 2],
+        stretch: f64,
+    ) {
         let shape = self.request.shape;
         if let (Some(view), Some(scissor)) = (view, light.region.scissor)
             && self.active
@@ -144,7 +150,7 @@ impl LightMap {
             self.needed = match shape {
                 MapShape::Cascades => f64::from(most),
                 // The faces of a handed-over map show about what the view shows.
-                MapShape::Matrices => f64::from(scissor.width.max(scissor.height)),
+                MapShape::Matrices => stretch * f64::from(scissor.width.max(scissor.height)),
                 MapShape::Spot | MapShape::Cube => {
                     needed_resolution(shape, light, view).unwrap_or(self.needed)
                 }

@@ -44,13 +44,13 @@ pub fn fill_casters(casters: &mut FixedBitSet, objects: &Objects, light: &FrameL
     changed
 }
 
-/// Returns the distance from the light, metres, within which all casters are: the range or, without one, a
-/// distance rounded up to a power of two so that it does not follow every move.
+/// Ratio between a light's range and the distance of its casters beyond which the casters count. Formats that pack distances
+/// have steps in proportion to the square of what they hold.
+const FAR_RANGE: f64 = 4.0;
+
+/// Returns the distance from the light, metres, within which all casters are: the range or, without one or where it is far
+/// beyond all casters, a distance rounded up to a power of two so that it does not follow every move.
 pub fn farthest(light: &FrameLight, casters: impl Iterator<Item = usize>, objects: &Objects) -> f64 {
-    let range = f64::from(light.light.range);
-    if light.volume != LightVolume::Infinite && range < 1e15 {
-        return range;
-    }
     if light.point_world.w == 0.0 {
         return 1.0;
     }
@@ -60,7 +60,13 @@ pub fn farthest(light: &FrameLight, casters: impl Iterator<Item = usize>, object
         let (center, half) = objects.boxes.center_half(index);
         farthest = farthest.max(((center - point).abs() + half).length());
     }
-    farthest.log2().ceil().exp2()
+    let farthest = farthest.log2().ceil().exp2();
+    let range = f64::from(light.light.range);
+    if light.volume != LightVolume::Infinite && range <= FAR_RANGE * farthest {
+        range
+    } else {
+        farthest
+    }
 }
 
 /// Where the near plane of a light's map may be.

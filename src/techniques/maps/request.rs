@@ -38,6 +38,9 @@ pub struct LightRequest {
     pub request: MapRequest,
     /// The faces of [`MapShape::Matrices`] in this frame; empty for other shapes, whose faces are computed.
     pub faces: MapFaces,
+    /// Factor on the automatic resolution of [`MapShape::Matrices`], at least 1: how much longer texels on the screen are
+    /// than in a good fit. Other shapes ignore it.
+    pub stretch: f64,
 }
 
 impl MapRequests {
@@ -59,6 +62,7 @@ impl MapRequests {
                     light: index,
                     request,
                     faces: MapFaces::new(),
+                    stretch: 1.0,
                 });
             }
         }

@@ -245,7 +245,7 @@ pub enum MapResolution {
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Fixed(_)")))]
     Fixed(#[cfg_attr(feature = "schema", schemars(range(min = 1), example = 1024))] u32),
     /// A power of two with which a texel is no larger than a pixel at three of four points of the visible receivers; cascades
-    /// take `most`, and perspective maps the longer side of the light's part of the screen.
+    /// take `most`, and perspective maps the longer side of the light's part of the screen, or more where they fit badly.
     #[cfg_attr(feature = "schema", schemars(extend("x-rust" = "MapResolution::Auto")))]
     Auto {
         /// Smallest number of texels, greater than 0. A shortage of memory does not go below it.

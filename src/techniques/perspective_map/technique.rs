@@ -125,6 +125,10 @@ impl FitScene<'_, '_> {
     }
 }
 
+/// Mean side of a texel on the screen, pixels, with as many texels along a side as there are pixels. Fits that are worse get
+/// more texels. Chosen so that usual fits have no more.
+const MOST_SIDE: f64 = 8.0;
+
 /// Fits the faces of the lights that a [`PerspectiveMap`] shadows to what the view shows, and lists their
 /// requests.
 ///
@@ -180,9 +184,11 @@ pub fn request_perspective_maps(
         let known = &mut maps.known[at];
         let has_several = known.has_several();
         let mut faces = MapFaces::new();
+        let mut stretch = 1.0;
         if let Some((fitted_faces, fit)) = &known.fitted {
             faces.clone_from(fitted_faces);
             maps.fits.push((index, *fit));
+            stretch = (fit.texel_side / MOST_SIDE).max(1.0);
             if fit.replaces_one {
                 request.resolution = request.resolution.halved();
             }
@@ -199,6 +205,7 @@ pub fn request_perspective_maps(
             light: index,
             request,
             faces,
+            stretch,
         });
     }
     maps.known.retain(|known| known.in_use);

@@ -260,6 +260,13 @@ fn each_format_is_its_own_twin() {
     each_is_itself(&mut ramp(20.0, 32), &of(&[depth, float]));
     // Steps of two bytes are 0.3 metres here; four bytes have the same steps where the range is larger.
     let (two, four) = (MapFormat::Rgba8TwoBytes, MapFormat::Rgba8FourBytes);
-    each_is_itself(&mut tilted_sheet(400.0, 64), &of(&[two, four]));
-    each_is_itself(&mut tilted_sheet(5000.0, 64), &of(&[four, float]));
+    // A map holds distances up to that of its farthest caster, which is far away.
+    let with_far_caster = |range: f32| {
+        let mut scene = tilted_sheet(range, 64);
+        let far = Transform::from_xyz(0.5 * range, 4.0, 0.3);
+        scene.caster(MeshData::cuboid(Vec3::splat(0.1)), far);
+        scene
+    };
+    each_is_itself(&mut with_far_caster(400.0), &of(&[two, four]));
+    each_is_itself(&mut with_far_caster(5000.0), &of(&[four, float]));
 }
