@@ -85,7 +85,7 @@ fn over_own_plane(face: OcclusionFace, at: Lookup, receiver: vec3f, normal: vec3
     let metres = 2.0 * divisors.z / face.projection.xy;     // sides of the picture at the plane
     let ndc = (kernel.center - 0.5) * vec2f(2.0, -2.0) - face.projection.zw;
     let middle = vec3f(0.5 * metres * ndc, at.plane);
-    // What a lookup covers is not smaller than this.
+    // A lookup covers at least this.
     let least = vec2f(max(max(kernel.half.x, kernel.half.y) / at.taps, 0.5 / at.side));
     let half = max(kernel.half, least);
     let lowest = dot(normal, middle - receiver) - dot(abs(normal.xy), half * metres);

@@ -125,7 +125,7 @@ fn choose(
     let mut growths: SmallVec<[f64; 32]> = SmallVec::new();
     let most = most.min((MOST_RATIO - 1.0) / (far - near));
     if let Some(slide) = input.settings.slide {
-        // What an orthographic view shows may begin behind the virtual viewer.
+        // An orthographic view may begin behind the virtual viewer.
         let depth = near + f64::from(slide);
         growths.push(if depth > 0.0 {
             depth.recip().min(most)

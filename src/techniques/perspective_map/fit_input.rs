@@ -1,4 +1,4 @@
-//! What the faces of a light are fitted to: the casters, and the points that the map must show.
+//! The casters and the visible points to which the faces of a light are fitted.
 
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;

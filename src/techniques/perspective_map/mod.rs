@@ -48,8 +48,8 @@
 //! light; the error is at most that of the cascades at 36 of 37 angles (`tests/gpu/perspective_map/quality.rs`, the ignored
 //! test).
 //!
-//! Of 927,281 pixels in 15 views of each of 39 models 7 are wrong farther than a texel of 1024² from an edge, and at most
-//! 0.17 % of one view (`tests/gpu/perspective_map/models.rs`, with all models).
+//! In 15 views of each of 39 models, 7 of 927,281 pixels are wrong: those farther than a texel of 1024² from an edge are
+//! judged. The worst view has 0.17 % (`tests/gpu/perspective_map/models.rs`, with all models).
 //!
 //! **What is shown.** The light's camera sees the bounds of visible receivers, part by part where they are large, cut by
 //! the view, by a spot light's cone and, for a directional light, by the box around all shadows. What no face shows is

@@ -64,7 +64,7 @@ fn an_orthographic_view_has_a_uniform_map_and_a_report() {
         ..variants(512)[0]
     };
     for kind in KINDS {
-        // What the view shows begins before or behind the virtual viewer.
+        // The view begins before or behind the virtual viewer.
         for (map, near) in [(variants(512)[0], 0.1), (variants(512)[2], 0.1), (slid, -20.0)] {
             let aspect = scenes::SIZE.x as f32 / scenes::SIZE.y as f32;
             let entity = stage.camera;

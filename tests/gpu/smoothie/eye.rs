@@ -19,8 +19,8 @@ const WIDTH: f32 = 0.25;
 /// Turn of the plate about the line of sight, radians.
 const TURN: f32 = 0.4;
 
-/// What the wall gets beside the plate by the source's formula: alpha grows with the distance from the plate's outline, as
-/// the light and the eye see it.
+/// Visibility of the wall by the source's formula. Alpha grows with the distance from the plate's outline, as the light and
+/// the eye see it.
 fn expected(on_wall: Vec2, width: f32) -> f32 {
     let beside = Vec2::from_angle(-TURN).rotate(on_wall * (PLATE / WALL)).abs() - HALF;
     let alpha = beside.max(Vec2::ZERO).length() / width;

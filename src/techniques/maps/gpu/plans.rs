@@ -1,4 +1,4 @@
-//! What the passes of a map draw in a frame.
+//! The draws of the passes of a map in a frame.
 
 use std::ops::Range;
 
