@@ -2,6 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
+use super::Aabb;
+
 /// Most tests for each triangle, one for each vertex. Meshes with more vertices count as not convex.
 const TESTS_PER_TRIANGLE: usize = 2048;
 
@@ -22,11 +24,11 @@ pub fn middle_of_shell(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec
     }
     let place = |vertex: u32| positions.get(vertex as usize).map(|at| at.as_dvec3());
     let places = vertices.into_iter().map(place).collect::<Option<Vec<DVec3>>>()?;
-    let (mut least, mut greatest) = (places[0], places[0]);
-    for place in &places {
-        (least, greatest) = (least.min(*place), greatest.max(*place));
+    if !places.iter().all(|place| place.is_finite()) {
+        return None;
     }
-    let rounding = ROUNDING * (greatest - least).length();
+    let bounds = Aabb::from_points(places.iter().map(|place| place.as_vec3()));
+    let rounding = ROUNDING * 2.0 * f64::from(bounds.half_size().length());
     let supports = |corners: &[u32; 3]| {
         let (Some(a), Some(b), Some(c)) = (place(corners[0]), place(corners[1]), place(corners[2])) else {
             return false;
@@ -53,7 +55,6 @@ pub fn middle_of_shell(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Aabb;
 
     const QUADS: [[u32; 4]; 6] = [
         [0, 1, 3, 2],
@@ -99,6 +100,8 @@ mod tests {
         let mut dented = positions.clone();
         dented[7] = Vec3::new(1.0, 2.0, 3.0);
         assert!(!is_convex_shell(&dented, &triangles), "a dent");
+        dented[7].y = f32::NAN;
+        assert!(!is_convex_shell(&dented, &triangles), "no number");
         positions.extend([Vec3::ONE, Vec3::new(1.5, 1.0, 1.0), Vec3::new(1.0, 1.0, 1.5)]);
         triangles.push([8, 9, 10]);
         assert!(!is_convex_shell(&positions, &triangles), "a plate inside");

@@ -28,7 +28,7 @@ fn unlit_stage_at(context: &RenderContext, origin: Vec3) -> Stage {
     stage
 }
 
-/// The same scene under a light with volumes.
+/// The scene at an origin, with a light that casts volumes.
 fn stage_at(context: &RenderContext, origin: Vec3) -> Stage {
     let mut stage = unlit_stage_at(context, origin);
     let (light, _) = light();

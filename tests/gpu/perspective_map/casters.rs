@@ -2,6 +2,8 @@
 //! plane of the eye and at the eye.
 
 use antumbra::prelude::*;
+use antumbra::techniques::maps::Maps;
+use antumbra::techniques::{PerspectiveFaces, PerspectiveProjection};
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
@@ -249,4 +251,33 @@ fn without_the_caster_behind_the_viewer_the_judge_objects() {
     let judge = Judge::new(&stage, &rays, 0).expect("something casts");
     let without = judge.compare(&rendered.visibility[0]);
     assert!(right.wrong == 0 && without.leaks > 100, "{right:?} {without:?}");
+}
+
+/// The virtual viewer stands behind a slab of two kilometres, so the cube's faces are nearly uniform. Automatic resolution makes up for
+/// it.
+#[test]
+fn maps_that_fit_badly_get_more_texels() {
+    let boxes = [
+        ([0.5, 0.5, -5.0], [0.5; 3]),
+        ([0.0, -0.49, 0.0], [1000.0, 0.5, 1000.0]),
+    ];
+    let mut stage = street(&boxes, 0.05);
+    let mut fitted = |projection| {
+        let map = PerspectiveMap {
+            projection,
+            faces: PerspectiveFaces::Cube,
+            cached: true,
+            ..PerspectiveMap::default()
+        };
+        let light = Light::point(Vec3::ONE, 40.0, f32::INFINITY);
+        let place = Transform::from_xyz(2.0, 4.0, -4.0);
+        let error = judge(&mut stage, light, place, map);
+        let maps = stage.world.resource::<Maps>();
+        (maps.of_light(0).expect("it has a map").resolution, error)
+    };
+    let (usual, _) = fitted(PerspectiveProjection::Inverse);
+    let (stretched, error) = fitted(PerspectiveProjection::SlideBack);
+    println!("{usual} texels, slid back {stretched}: {error:?}");
+    assert!(stretched >= 4 * usual, "{stretched} {usual}");
+    assert!(error.dark > 20 && error.share() < 0.005, "{error:?}");
 }
