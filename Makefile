@@ -87,20 +87,26 @@ test-all: ## all tests and doc tests
 	cat target/test-bevy.log; exit $${failed:-0}
 	cargo test $(FEATURES) --doc
 
+# Runs the commands of its input two at a time: while shaders are compiled for one, which takes one core, the other goes on.
+TWO_AT_A_TIME := xargs -P 2 -I{} $(SHELL) -c 'set -x; {}'
+EXAMPLE := cargo run --quiet $(FEATURES) --example
+
 # The gallery is drawn in small by the test `gallery_page`; what its pages judge is judged by the tests as well.
 test-examples: ## the examples and every shot file
-	set -x; for shot in $(SHOTS); do \
-		cargo run --quiet $(FEATURES) --example render -- $$shot --out $(SMALL)/$$(basename $$shot .json); done
-	cargo run --quiet $(FEATURES) --example with_app -- --out $(SMALL)
-	cargo run --quiet $(FEATURES) --example own_engine -- --out $(SMALL)
-	cargo run --quiet $(FEATURES) --example bevy_minimal -- --headless --out $(SMALL)
-	cargo run --quiet $(FEATURES) --example bevy_dungeon -- --headless --out $(SMALL)
-	cargo run --quiet $(FEATURES) --example bevy_split_screen -- --headless --out $(SMALL)
-	cargo run --quiet $(FEATURES) --example bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1
+	{ for shot in $(SHOTS); do echo "$(EXAMPLE) render -- $$shot --out $(SMALL)/$$(basename $$shot .json)"; done; \
+	echo "$(EXAMPLE) with_app -- --out $(SMALL)"; \
+	echo "$(EXAMPLE) own_engine -- --out $(SMALL)"; \
+	echo "$(EXAMPLE) bevy_minimal -- --headless --out $(SMALL)"; \
+	echo "$(EXAMPLE) bevy_dungeon -- --headless --out $(SMALL)"; \
+	echo "$(EXAMPLE) bevy_split_screen -- --headless --out $(SMALL)"; \
+	echo "$(EXAMPLE) bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1"; \
+	} | $(TWO_AT_A_TIME)
 
 # With the profile of the tests: their answers are asked for here, not their times.
 test-benches: ## every bench in its short mode
-	set -x; for bench in $(BENCHES); do cargo bench --profile dev $(FEATURES) --bench $$bench -- --short; done
+	cargo bench --profile dev $(FEATURES) $(addprefix --bench ,$(BENCHES)) --no-run
+	for bench in $(BENCHES); do \
+		echo "cargo bench --profile dev $(FEATURES) --bench $$bench -- --short"; done | $(TWO_AT_A_TIME)
 
 bench: tools vulkan ## every bench at length, optimized
 	set -x; for bench in $(BENCHES); do cargo bench $(FEATURES) --bench $$bench; done

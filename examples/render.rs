@@ -5,8 +5,9 @@
 //! ```
 //!
 //! Writes `image.png` (tonemapped), `image.exr` (linear), `light<i>.visibility.exr` and `stats.json`. Any error is
-//! one line on stderr that names the file and the element. The exit status is then 1, and nothing is written. A fault
-//! of a light or an object is not an error: it is reported in a line on stderr and in `stats.json`.
+//! one line on stderr that names the file and the element. The exit status is then 1, and nothing is
+//! written; only files before one that the disk does not take stay. A fault of a light or an object is not an error: it
+//! is reported in a line on stderr and in `stats.json`.
 
 use antumbra_stage as support;
 
@@ -28,8 +29,8 @@ struct Arguments {
     /// Folder for the results; created if missing.
     #[arg(long)]
     out: PathBuf,
-    /// Factor that multiplies radiance before the tonemap.
-    #[arg(long, default_value_t = 1.0)]
+    /// Factor that multiplies radiance before the tonemap; 0 to 1e6.
+    #[arg(long, default_value_t = 1.0, value_parser = exposure)]
     exposure: f32,
     /// Shows only the front faces of materials that are not double-sided. By default every surface is visible from
     /// both sides, because it blocks light from both.
@@ -45,6 +46,15 @@ struct Arguments {
     /// differ from those.
     #[arg(long)]
     against: Option<PathBuf>,
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    let factor: f32 = text.parse().map_err(|error| format!("{error}"))?;
+    if (0.0..=1e6).contains(&factor) {
+        Ok(factor)
+    } else {
+        Err(format!("{factor} is not from 0 to 1e6"))
+    }
 }
 
 fn main() -> ExitCode {

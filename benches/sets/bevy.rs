@@ -51,7 +51,7 @@ pub fn run(short: bool) {
         "case", "pairs", "Bevy µs", "ours µs", "ratio"
     );
     let cases: &[(usize, usize)] = if short {
-        &[(10_000, 8), (100_000, 64)]
+        &[(10_000, 8), (10_000, 64)]
     } else {
         &[
             (10_000, 8),
@@ -86,7 +86,7 @@ fn compare(objects: usize, lights: usize, range: f32, short: bool) {
         agreement.lights, agreement.drawn, agreement.cast
     );
     let frames = match (objects * lights) as u64 {
-        _ if short => 10,
+        _ if short => 3,
         0..1_000_000 => 60,
         1_000_000..10_000_000 => 40,
         _ => 8,

@@ -31,7 +31,7 @@ pub fn run(short: bool) {
     );
     let frames = if short { 4 } else { 12 };
     let objects: &[usize] = if short {
-        &[10_000, 100_000]
+        &[10_000]
     } else {
         &[10_000, 100_000, 400_000]
     };

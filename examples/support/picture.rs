@@ -1,12 +1,13 @@
 //! Pictures on disk.
 
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::Arc;
 
 use antumbra::techniques::penumbra_wedge::{EmitterTexture, LightTexture};
 use glam::{UVec2, Vec3};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Rgba};
+use image::{ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, Rgba};
 
 /// Writes sRGB RGBA as PNG.
 ///
@@ -15,9 +16,16 @@ use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Rgba};
 pub fn write_png(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), String> {
     let image: ImageBuffer<Rgba<u8>, _> = ImageBuffer::from_raw(size.x, size.y, rgba8)
         .ok_or_else(|| format!("{}: not {size} pixels", path.display()))?;
+    let mut bytes = Cursor::new(Vec::new());
     image
-        .save(path)
-        .map_err(|error| format!("{}: {error}", path.display()))
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    write_file(path, &bytes.into_inner())
+}
+
+/// Writes a whole file. Encoders that write files themselves drop what a full disk does not take with their last buffer.
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), String> {
+    std::fs::write(path, bytes).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 /// Writes sRGB RGBA as a PNG without alpha, as small as it gets.
@@ -33,11 +41,11 @@ pub fn write_small_png(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<(), Str
         .chunks_exact(4)
         .flat_map(|pixel| [pixel[0], pixel[1], pixel[2]])
         .collect();
-    let file = std::fs::File::create(path).map_err(|error| named(error.to_string()))?;
-    let writer = std::io::BufWriter::new(file);
-    PngEncoder::new_with_quality(writer, CompressionType::Best, FilterType::Adaptive)
+    let mut bytes = Vec::new();
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
         .write_image(&rgb, size.x, size.y, ExtendedColorType::Rgb8)
-        .map_err(|error| named(error.to_string()))
+        .map_err(|error| named(error.to_string()))?;
+    write_file(path, &bytes)
 }
 
 /// How far two pictures differ.
@@ -95,11 +103,18 @@ pub fn difference(path: &Path, size: UVec2, rgba8: &[u8]) -> Result<Difference, 
 /// # Errors
 /// One line that names the file.
 pub fn write_rgb_exr(path: &Path, size: UVec2, rgba: &[f32]) -> Result<(), String> {
-    exr::prelude::write_rgb_file(path, size.x as usize, size.y as usize, |x, y| {
-        let at = 4 * (y * size.x as usize + x);
+    use exr::prelude::*;
+    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
+        let at = 4 * (at.y() * size.x as usize + at.x());
         (rgba[at], rgba[at + 1], rgba[at + 2])
-    })
-    .map_err(|error| format!("{}: {error}", path.display()))
+    });
+    let image = Image::from_channels((size.x as usize, size.y as usize), channels);
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write()
+        .to_buffered(&mut bytes)
+        .map_err(|error| format!("{}: {error}", path.display()))?;
+    write_file(path, &bytes.into_inner())
 }
 
 /// Writes one float channel, `Y`, as OpenEXR.
@@ -112,6 +127,7 @@ pub fn write_channel_exr(path: &Path, size: UVec2, values: &[f32]) -> Result<(),
         "Y",
         FlatSamples::F32(values.to_vec())
     )]);
+    let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(Layer::new(
         (size.x as usize, size.y as usize),
         LayerAttributes::default(),
@@ -119,8 +135,9 @@ pub fn write_channel_exr(path: &Path, size: UVec2, values: &[f32]) -> Result<(),
         channel,
     ))
     .write()
-    .to_file(path)
-    .map_err(|error| format!("{}: {error}", path.display()))
+    .to_buffered(&mut bytes)
+    .map_err(|error| format!("{}: {error}", path.display()))?;
+    write_file(path, &bytes.into_inner())
 }
 
 /// Loads a picture as the colours of a light, and shrinks it to at most 128 texels in width and height.

@@ -58,7 +58,7 @@ impl<'a> Job<'a> {
         path.check()?;
         settings.check()?;
         let density = settings.texels_per_metre;
-        let scene = gather(world, &settings.moving);
+        let scene = gather(world, &settings.moving, settings.casts_for);
         let flat: Vec<_> = scene
             .surfaces
             .par_iter()
@@ -260,6 +260,7 @@ fn baked_surfaces(
             hash: surface.hash,
             world_from_local: surface.world_from_local,
             is_two_sided: surface.is_two_sided,
+            casts: surface.casts,
             corners: first as u32..corners.len() as u32,
         });
     }

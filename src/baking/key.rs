@@ -11,7 +11,7 @@ use crate::techniques::occlusion_interval::intervals::STEPS;
 use crate::techniques::occlusion_interval::surface::StableHash;
 
 /// Version of the baker. It increases whenever the same input gives other maps, so that old ones are baked again.
-const BAKER_VERSION: u64 = 2;
+const BAKER_VERSION: u64 = 3;
 
 /// The key of a bake.
 pub(super) fn key_of(scene: &StillScene, charts: &[Chart], path: &LightPath, settings: &BakeSettings) -> u64 {
@@ -46,7 +46,8 @@ fn add_surfaces(hash: &mut StableHash, surfaces: &[Surface]) {
         for value in surface.world_from_local {
             hash.add_float(value);
         }
-        hash.add(u64::from(surface.is_two_sided) | u64::from(surface.receives) << 1);
+        let flags = [surface.is_two_sided, surface.receives, surface.casts];
+        flags.map(|flag| hash.add(u64::from(flag)));
     }
 }
 

@@ -9,8 +9,8 @@ use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec2, Vec3};
 use crate::reference::RayScene;
 use crate::scene::placement::Placement;
 use crate::scene::{
-    FaceCulling, MeshData, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, ShadowCaster, ShadowReceiver,
-    Skin, Submesh,
+    FaceCulling, MeshData, MorphWeights, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster,
+    ShadowReceiver, Skin, Submesh,
 };
 use crate::techniques::occlusion_interval::surface::{local_triangles, surface_hash};
 
@@ -27,6 +27,8 @@ pub struct Surface {
     pub is_two_sided: bool,
     /// Whether the surface is drawn and shows shadows.
     pub receives: bool,
+    /// Whether the surface blocks the light.
+    pub casts: bool,
     /// The triangles in their order; `None` for one that is not finite or names a missing vertex.
     pub triangles: Vec<Option<SurfaceTriangle>>,
     /// Whether the mesh has a second set of texture coordinates.
@@ -68,15 +70,17 @@ struct Object {
     place: Placement,
     materials: Option<&'static SceneMaterials>,
     casts: Has<ShadowCaster>,
+    layers: Option<&'static SelectionLayers>,
     receives: Has<ShadowReceiver>,
     is_posed: Has<PosedMesh>,
     is_skinned: Has<Skin>,
     is_morphed: Has<MorphWeights>,
 }
 
-/// Gathers what stands still: every mesh without joints and morph weights, except those of `moving` entities.
+/// Gathers what stands still: every mesh without joints and morph weights, except those of `moving` entities. `casts_for` is
+/// the mask of the layers that block the light.
 /// `GlobalTransform`s are read as they are, so propagate transforms first.
-pub fn gather(world: &mut World, moving: &[Entity]) -> StillScene {
+pub fn gather(world: &mut World, moving: &[Entity], casts_for: u32) -> StillScene {
     let sees_backs = world.get_resource::<FaceCulling>() == Some(&FaceCulling::None);
     let mut query = world.query::<Object>();
     let mut objects: Vec<_> = query.iter(world).collect();
@@ -99,7 +103,13 @@ pub fn gather(world: &mut World, moving: &[Entity]) -> StillScene {
         if object.materials.is_some_and(is_invisible) {
             continue;
         }
-        push_surfaces(object, &place, sees_backs, &mut surfaces, &mut owners);
+        push_surfaces(
+            object,
+            &place,
+            (sees_backs, casts_for),
+            &mut surfaces,
+            &mut owners,
+        );
     }
     let rays = RayScene::from_world_if(world, |entity| !left_out.contains(&entity));
     find_slots(&rays, &mut surfaces, &owners);
@@ -112,11 +122,13 @@ type Owner = (Entity, u32);
 fn push_surfaces(
     object: &ObjectItem,
     place: &Affine3A,
-    sees_backs: bool,
+    (sees_backs, casts_for): (bool, u32),
     surfaces: &mut Vec<Surface>,
     owners: &mut Vec<Owner>,
 ) {
     let mesh = &*object.mesh.0;
+    let layers = object.layers.copied().unwrap_or_default().0;
+    let casts = object.casts && layers & casts_for != 0;
     for (index, submesh) in mesh.submeshes.iter().enumerate() {
         let material = object.materials.and_then(|materials| materials.0.get(index));
         let receives = object.receives && material.is_some_and(|material| !material.unlit);
@@ -129,6 +141,7 @@ fn push_surfaces(
             world_from_local: place.to_cols_array(),
             is_two_sided: sees_backs || material.is_some_and(|material| material.double_sided),
             receives,
+            casts,
             triangles: world_triangles(mesh, submesh, place),
             has_coordinates: mesh.uv1.len() == mesh.positions.len() && !mesh.uv1.is_empty(),
         });

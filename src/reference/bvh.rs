@@ -77,27 +77,36 @@ impl Bvh {
     /// `visit` returns the new `t_max`; −∞ ends the traversal.
     pub fn walk(&self, ray: &Ray, mut t_max: f64, mut visit: impl FnMut(Range<usize>) -> f64) {
         let slabs = Slabs::new(ray, self.largest_coordinate);
-        let Some(root) = self.nodes.first() else { return };
+        let Some(mut node) = self.nodes.first() else {
+            return;
+        };
+        let mut near = slabs.near(node);
         let mut waiting: SmallVec<[(f64, &Node); 64]> = SmallVec::new();
-        waiting.extend(slabs.near(root).map(|near| (near, root)));
-        while let Some((near, node)) = waiting.pop() {
-            if near > t_max {
+        loop {
+            let is_reached = near < f64::INFINITY && near <= t_max;
+            let first = node.first as usize;
+            if is_reached && node.count == 0 {
+                let (left, right) = (&self.nodes[first], &self.nodes[first + 1]);
+                let (near_left, near_right) = (slabs.near(left), slabs.near(right));
+                let farther;
+                (node, near, farther) = if near_left <= near_right {
+                    (left, near_left, (near_right, right))
+                } else {
+                    (right, near_right, (near_left, left))
+                };
+                if farther.0 < f64::INFINITY {
+                    waiting.push(farther);
+                }
                 continue;
             }
-            let first = node.first as usize;
-            if node.count > 0 {
+            if is_reached {
                 t_max = visit(first..first + node.count as usize);
                 if t_max == f64::NEG_INFINITY {
                     return;
                 }
-                continue;
             }
-            let [left, right] = [&self.nodes[first], &self.nodes[first + 1]]
-                .map(|child| slabs.near(child).map(|near| (near, child)));
-            match (left, right) {
-                (Some(a), Some(b)) if a.0 <= b.0 => waiting.extend([b, a]),
-                (left, right) => waiting.extend(left.into_iter().chain(right)),
-            }
+            let Some(next) = waiting.pop() else { return };
+            (near, node) = next;
         }
     }
 }
@@ -125,15 +134,15 @@ impl Slabs {
         }
     }
 
-    /// Parameter at which the ray enters the box; 0 if it starts inside, `None` if it misses.
+    /// Parameter at which the ray enters the box; 0 if it starts inside, ∞ if it misses.
     ///
     /// Source: Kay & Kajiya 1986, "Ray Tracing Complex Scenes".
-    fn near(&self, node: &Node) -> Option<f64> {
+    fn near(&self, node: &Node) -> f64 {
         let at_min = (node.min.as_dvec3() - self.origin_high) * self.inverse;
         let at_max = (node.max.as_dvec3() - self.origin_low) * self.inverse;
         let near = at_min.min(at_max).max_element().max(0.0);
         let far = at_min.max(at_max).min_element() * FAR_ROUNDING;
-        (near <= far).then_some(near)
+        if near <= far { near } else { f64::INFINITY }
     }
 }
 

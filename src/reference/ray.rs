@@ -55,11 +55,8 @@ impl ShearedRay {
     /// Source: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle Intersection", in `f64` throughout. The
     /// original's fallback to double precision for zeros is thus the main path, and zeros remain hits.
     pub fn intersect(&self, corners: &[DVec3; 3]) -> Option<(f64, DVec3)> {
-        let [a, b, c] = corners.map(|corner| {
-            let p = corner - self.origin;
-            let [x, y, z] = self.axes.map(|axis| p[axis]);
-            DVec3::new(x - self.shear.x * z, y - self.shear.y * z, self.shear.z * z)
-        });
+        let [a, b, c] = corners;
+        let (a, b, c) = (self.sheared(*a), self.sheared(*b), self.sheared(*c));
         let edges = DVec3::new(
             c.x * b.y - c.y * b.x,
             a.x * c.y - a.y * c.x,
@@ -73,5 +70,12 @@ impl ShearedRay {
         let barycentric = edges / determinant;
         let t = barycentric.dot(DVec3::new(a.z, b.z, c.z));
         (t.is_finite() && barycentric.is_finite()).then_some((t, barycentric))
+    }
+    /// A point in the ray's own space: its origin is the ray's, and the ray runs along the third axis.
+    fn sheared(&self, point: DVec3) -> DVec3 {
+        let p = point - self.origin;
+        let [along_x, along_y, along_z] = self.axes;
+        let (x, y, z) = (p[along_x], p[along_y], p[along_z]);
+        DVec3::new(x - self.shear.x * z, y - self.shear.y * z, self.shear.z * z)
     }
 }

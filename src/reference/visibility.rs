@@ -1,5 +1,7 @@
 //! Visibility of a light at every pixel.
 
+use std::cell::Cell;
+
 use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
@@ -146,9 +148,16 @@ fn sampled_visibility(
     random: SplitMix,
 ) -> f32 {
     let receiver = Some(hit.triangle);
+    // What blocked one sample is likely to block the next.
+    let last_blocker = Cell::new(None);
     let sees = |sample: DVec3| {
-        hit.normal.dot(sample - hit.position) > 0.0
-            && !scene.blocks_segment(hit.position, sample, receiver, casts_for)
+        if !(hit.normal.dot(sample - hit.position) > 0.0) {
+            return false;
+        }
+        let guess = last_blocker.get();
+        let blocker = scene.segment_blocker(hit.position, sample, receiver, casts_for, guess);
+        last_blocker.set(blocker.or(guess));
+        blocker.is_none()
     };
     let share_seen = |sample: &dyn Fn([f64; 2]) -> DVec3| {
         let seen = stratified(side, random.clone())

@@ -374,3 +374,22 @@ fn a_broken_profile_is_named_with_its_line() {
     let parts = ["shot.json", "lights[0].profile", "lamp.ies: line 7", "\"?\""];
     assert_refused(&folder, "a broken profile", &output, &parts);
 }
+
+/// A full disk takes small files into buffers that are lost when they are dropped.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_said_for_every_file() {
+    for name in ["image.png", "image.exr", "light0.visibility.exr"] {
+        let folder = folder(&format!("full_{name}"));
+        write_scene(&folder);
+        let mut shot = small_shot();
+        shot["size"] = json!([16, 9]);
+        write(&folder, "shot.json", &shot.to_string());
+        std::fs::create_dir(folder.join("out")).expect("a folder for the results");
+        std::os::unix::fs::symlink("/dev/full", folder.join("out").join(name)).expect("a link");
+        let output = run(&folder, "shot.json", "out", &[]);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{name}: {stderr}");
+        assert!(stderr.contains(name), "{stderr}");
+    }
+}

@@ -42,6 +42,9 @@ impl Default for ShadowTint {
 /// The place from which a light's shadows are cast, in world space, if it is not the light's own place. The light
 /// still shines from its own place. So a highlight can stay in the eyes of a character while the shadow moves off
 /// the face.
+///
+/// Shadows of baked maps ([`OcclusionInterval`](crate::techniques::OcclusionInterval)) stay where they were baked, which is
+/// reported.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",
@@ -62,8 +65,8 @@ pub enum ShadowOrigin {
 /// radius, and rectangles keep their proportions and get this radius around them. Smoothies take it as the radius of
 /// the light from which their width follows; for a directional light it is the width, and their spread grows with it. Maps, perspective ones too,
 /// take it as the softness of their filter ([`MapFilter`](crate::techniques::maps::MapFilter)): a share of the distance
-/// from the light, or metres for a directional light. Stencil volumes are always hard and ignore it, and wedges ignore
-/// it for directional lights, which have no extent in metres.
+/// from the light, or metres for a directional light. Stencil volumes are always hard and ignore it, baked maps have the
+/// width of their window of time and ignore it, and wedges ignore it for directional lights, which have no extent in metres.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",

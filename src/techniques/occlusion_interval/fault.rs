@@ -19,7 +19,7 @@ pub enum IntervalFault {
     OtherKind(&'static str),
     /// Surfaces that were baked are not in the scene.
     #[error(
-        "{missing} of the {all} surfaces in its maps are not in the scene, or stand elsewhere, the first being mesh \"{first}\"; bake the maps again"
+        "{missing} of the {all} surfaces in its maps are not in the scene, stand elsewhere, or differ in whether they block the light, the first being mesh \"{first}\"; bake the maps again"
     )]
     OtherScene {
         /// Number of surfaces that are missing.

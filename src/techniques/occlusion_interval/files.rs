@@ -12,6 +12,9 @@
 
 use std::path::Path;
 
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
 use super::manifest::{
     FORMAT, Manifest, ManifestCorners, ManifestStatistics, ManifestSurface, VERSION, manifest_path,
 };
@@ -77,9 +80,15 @@ impl IntervalMaps {
             for (pair_index, pair) in page.pairs.iter().enumerate() {
                 for (edge, texels) in [("rise", &pair.rise), ("fall", &pair.fall)] {
                     let file = folder.join(picture_name(page_index, pair_index, edge));
-                    let format = image::ExtendedColorType::Rgba8;
-                    image::save_buffer(&file, texels, self.size, self.size, format)
-                        .map_err(|error| MapsError::Picture { file, error })?;
+                    // In memory first: an encoder with a file of its own drops what a full disk does not take.
+                    let mut bytes = Vec::new();
+                    PngEncoder::new(&mut bytes)
+                        .write_image(texels, self.size, self.size, ExtendedColorType::Rgba8)
+                        .map_err(|error| MapsError::Picture {
+                            file: file.clone(),
+                            error,
+                        })?;
+                    std::fs::write(&file, bytes).map_err(in_file(&file))?;
                 }
             }
         }
@@ -104,6 +113,7 @@ impl IntervalMaps {
             hash: hex(surface.hash),
             world_from_local: surface.world_from_local,
             two_sided: surface.is_two_sided,
+            casts: surface.casts,
             corners: [surface.corners.start, surface.corners.end],
         };
         let statistics = self.statistics;
@@ -197,6 +207,7 @@ mod tests {
                 hash: u64::MAX,
                 world_from_local: std::array::from_fn(|i| 0.1 * i as f32),
                 is_two_sided: true,
+                casts: true,
                 corners: 0..3,
             }],
             corners: (0..3).map(corner).collect(),

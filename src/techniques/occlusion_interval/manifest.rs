@@ -13,7 +13,7 @@ use crate::scene::LightPath;
 pub(super) const FORMAT: &str = "antumbra occlusion interval maps";
 
 /// Version of the format. It increases when older readers would misread newer files.
-pub(super) const VERSION: u32 = 1;
+pub(super) const VERSION: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -61,6 +61,7 @@ pub(super) struct ManifestSurface {
     pub hash: String,
     pub world_from_local: [f32; 12],
     pub two_sided: bool,
+    pub casts: bool,
     /// First and end.
     pub corners: [u32; 2],
 }

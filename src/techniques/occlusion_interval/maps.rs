@@ -64,6 +64,8 @@ pub struct BakedSurface {
     pub world_from_local: [f32; 12],
     /// Whether the maps hold what the backs of the triangles see, too.
     pub is_two_sided: bool,
+    /// Whether the surface blocked the light for which the maps were made.
+    pub casts: bool,
     /// Range of [`IntervalMaps::corners`]. Empty for a surface that shows no shadows.
     pub corners: Range<u32>,
 }

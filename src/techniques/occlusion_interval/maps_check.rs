@@ -150,6 +150,7 @@ mod tests {
                 hash: 1,
                 world_from_local: [1.0; 12],
                 is_two_sided: false,
+                casts: true,
                 corners: 0..6,
             }],
             corners: vec![corner; 6],

@@ -10,7 +10,7 @@ use super::intervals::{Intervals, shining};
 use super::maps::IntervalMaps;
 use super::surface::{is_same_place, surface_hash};
 use crate::scene::placement::Placement;
-use crate::scene::{MeshData, SceneMesh};
+use crate::scene::{MeshData, SceneMesh, SelectionLayers, ShadowCaster};
 use crate::sets::Objects;
 
 /// A surface of the maps and the submesh that it belongs to.
@@ -29,6 +29,8 @@ pub struct MatchedSurface {
 pub struct IntervalScene {
     /// The maps.
     pub maps: Arc<IntervalMaps>,
+    /// Mask of the layers that block the lights which use the maps.
+    pub casts_for: u32,
     /// The surfaces that were found, in ascending order.
     pub matched: Vec<MatchedSurface>,
     /// Dense index in [`Objects`] of each matched surface's object.
@@ -47,7 +49,8 @@ pub struct IntervalScene {
     /// When the light shines at all, as intervals of its path.
     pub(super) shining: Intervals,
     pub(super) is_used: bool,
-    layout: Option<u64>,
+    /// Generations of the layout and of the flags of [`Objects`] when the surfaces were looked for.
+    searched: Option<[u64; 2]>,
     by_hash: HashMap<u64, SmallVec<[u32; 2]>>,
     /// Memory that is kept for its allocation.
     found: Vec<(MatchedSurface, u32)>,
@@ -78,16 +81,31 @@ impl MeshHashes {
     }
 }
 
-pub(super) type Meshes<'w, 's> = Query<'w, 's, (&'static SceneMesh, Placement)>;
+/// What surfaces are recognized by. Whether an object casts is asked for here, not of [`Objects`]: what a view culls is baked.
+pub(super) type Meshes<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static SceneMesh,
+        Placement,
+        Has<ShadowCaster>,
+        Option<&'static SelectionLayers>,
+    ),
+>;
+
+fn generations(objects: &Objects) -> [u64; 2] {
+    [objects.layout_generation, objects.flags_generation]
+}
 
 impl IntervalScene {
-    pub(super) fn new(maps: &Arc<IntervalMaps>) -> Self {
+    pub(super) fn new(maps: &Arc<IntervalMaps>, casts_for: u32) -> Self {
         let mut by_hash: HashMap<u64, SmallVec<[u32; 2]>> = HashMap::new();
         for (index, surface) in (0u32..).zip(&maps.surfaces) {
             by_hash.entry(surface.hash).or_default().push(index);
         }
         Self {
             maps: maps.clone(),
+            casts_for,
             matched: Vec::new(),
             objects: Vec::new(),
             missing: maps.surfaces.len(),
@@ -97,7 +115,7 @@ impl IntervalScene {
             payer: None,
             shining: shining(&maps.path),
             is_used: true,
-            layout: None,
+            searched: None,
             by_hash,
             found: Vec::new(),
         }
@@ -105,7 +123,7 @@ impl IntervalScene {
 
     /// Whether the surfaces must be looked for again.
     pub(super) fn is_stale(&self, objects: &Objects, meshes: &Meshes, meshes_changed: bool) -> bool {
-        if self.layout != Some(objects.layout_generation) || meshes_changed {
+        if self.searched != Some(generations(objects)) || meshes_changed {
             return true;
         }
         if !objects.any_moved() {
@@ -115,7 +133,7 @@ impl IntervalScene {
             objects.moved.contains(*object as usize) && {
                 let baked = &self.maps.surfaces[matched.surface as usize];
                 let place = meshes.get(matched.entity).ok();
-                let place = place.and_then(|(_, place)| place.exact_affine());
+                let place = place.and_then(|(_, place, ..)| place.exact_affine());
                 !place.is_some_and(|place| is_same_place(&baked.world_from_local, &place))
             }
         };
@@ -125,23 +143,26 @@ impl IntervalScene {
 
     /// Looks for the surfaces among all objects. Returns whether others are matched than before.
     pub(super) fn find(&mut self, objects: &Objects, meshes: &Meshes, hashes: &mut MeshHashes) -> bool {
-        self.layout = Some(objects.layout_generation);
+        self.searched = Some(generations(objects));
         self.strangers = 0;
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         let mut is_found = vec![false; self.maps.surfaces.len()];
         for (object, &entity) in objects.entities.iter().enumerate() {
-            let Ok((mesh, place)) = meshes.get(entity) else {
+            let Ok((mesh, place, is_caster, layers)) = meshes.get(entity) else {
                 continue;
             };
             let Some(place) = place.exact_affine() else {
                 continue;
             };
+            let casts = is_caster && layers.copied().unwrap_or_default().0 & self.casts_for != 0;
             let mut is_stranger = false;
             for (submesh, hash) in hashes.of(&mesh.0).iter().enumerate() {
                 let candidates = self.by_hash.get(hash).map_or(&[][..], |found| found);
-                let here =
-                    |&&at: &&u32| is_same_place(&self.maps.surfaces[at as usize].world_from_local, &place);
+                let here = |&&at: &&u32| {
+                    let baked = &self.maps.surfaces[at as usize];
+                    baked.casts == casts && is_same_place(&baked.world_from_local, &place)
+                };
                 // Two equal surfaces at one place see the same.
                 let fresh = candidates.iter().filter(here).find(|&&at| !is_found[at as usize]);
                 let Some(&surface) = fresh.or_else(|| candidates.iter().find(here)) else {
@@ -157,7 +178,8 @@ impl IntervalScene {
                 };
                 found.push((matched, object as u32));
             }
-            self.strangers += usize::from(is_stranger && objects.receivers.contains(object));
+            let shows_shadows = objects.receivers.contains(object) && objects.drawn.contains(object);
+            self.strangers += usize::from(is_stranger && shows_shadows);
         }
         found.sort_unstable();
         self.missing = is_found.iter().filter(|found| !**found).count();

@@ -153,6 +153,7 @@ fn baked_surface(surface: ManifestSurface, index: usize, file: &Path) -> Result<
         mesh: surface.mesh,
         world_from_local: surface.world_from_local,
         is_two_sided: surface.two_sided,
+        casts: surface.casts,
         corners: surface.corners[0]..surface.corners[1],
     })
 }

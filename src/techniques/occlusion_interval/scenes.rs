@@ -153,7 +153,8 @@ impl IntervalScenes {
             };
             library.read(&settings.maps, folder);
             let scene = match library.get(&settings.maps) {
-                Some(Ok(maps)) => check_light(maps, path, light.light.kind).map(|()| self.scene(maps)),
+                Some(Ok(maps)) => check_light(maps, path, light.light.kind)
+                    .map(|()| self.scene(maps, light.selection.casts_for)),
                 Some(Err(error)) => Err(IntervalFault::Maps(error.to_owned())),
                 None => continue,
             };
@@ -211,14 +212,14 @@ impl IntervalScenes {
 }
 
 impl IntervalScenes {
-    /// The index of the scene of some maps, which is made if it is new.
-    fn scene(&mut self, maps: &Arc<IntervalMaps>) -> usize {
+    /// The index of the scene of some maps and of a mask of casters. It is made if it is new.
+    fn scene(&mut self, maps: &Arc<IntervalMaps>, casts_for: u32) -> usize {
         let known = self
             .scenes
             .iter()
-            .position(|scene| Arc::ptr_eq(&scene.maps, maps));
+            .position(|scene| scene.casts_for == casts_for && Arc::ptr_eq(&scene.maps, maps));
         let index = known.unwrap_or_else(|| {
-            self.scenes.push(IntervalScene::new(maps));
+            self.scenes.push(IntervalScene::new(maps, casts_for));
             self.scenes.len() - 1
         });
         self.scenes[index].is_used = true;

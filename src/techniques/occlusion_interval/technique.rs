@@ -16,7 +16,7 @@ use crate::render::shaders::ShaderFile;
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::Light;
-use crate::sets::Needs;
+use crate::sets::{FrameLights, Needs};
 use crate::techniques::registry::{FileError, Refusal, Statistics, Technique, TexelLookup};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureMemorySystems, TextureWant};
 
@@ -25,6 +25,9 @@ const STRANGERS: u32 = 6;
 
 /// Code of the report about a light that shares the maps of another one, for which memory is short.
 const NO_MEMORY: u32 = 7;
+
+/// Code of the report about a [`ShadowOrigin`](crate::scene::ShadowOrigin), which baked shadows do not follow.
+const ORIGIN: u32 = 8;
 
 /// Asks for the memory of the maps' textures, once for all lights that share them.
 ///
@@ -60,6 +63,19 @@ fn report_scene(world: &World, light: &IntervalLight, scene: &IntervalScene, rou
             NO_MEMORY,
             format_args!(
                 "The light has no shadow: memory is short for the textures that it shares with other lights."
+            ),
+        );
+    }
+    let lights = &world.resource::<FrameLights>().lights;
+    if lights
+        .get(light.light)
+        .is_some_and(|light| light.model.origin.is_some())
+    {
+        round.state(
+            Some(light.entity),
+            ORIGIN,
+            format_args!(
+                "The origin of the light's shadows has no effect: its maps were baked for its path. Bake them for another path, or remove the origin."
             ),
         );
     }

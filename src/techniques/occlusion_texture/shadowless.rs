@@ -5,9 +5,13 @@ use glam::{DVec3, Vec3};
 use super::scene_box::SceneBox;
 use crate::geometry::{Aabb, Emitter};
 
-/// How deep objects may be sunk into a ground that shadows nothing, and how far it may fall short of everything lit on each
+/// How deep any object may be sunk into a ground that shadows nothing, and how far it may fall short of everything lit on each
 /// side, as a share of the extent of everything lit. It is less than a slice, within which nothing is shadowed either.
 const SUNK: f64 = 0.05;
+
+/// Objects that are narrower than this share of the ground, both ways, may be sunk into it by half of their own height: posts,
+/// trees and rocks. A floor that runs on behind a wall is as wide as the wall.
+const NARROW: f64 = 0.5;
 
 /// Rounding of two padded boxes, as a share of their largest coordinate.
 const ROUNDING: f64 = 4.0 * Aabb::PAD as f64;
@@ -57,10 +61,9 @@ impl Lit<'_> {
             if lowest >= top - rounding {
                 return self.shines_from_above(axis, is_negative, top + rounding);
             }
-            lowest >= top - slack
-                && self.shines_from_above(axis, is_negative, top + slack)
+            self.shines_from_above(axis, is_negative, top + slack)
                 && self.is_ground(caster, axis)
-                && self.is_nothing_behind(caster, (axis, is_negative), top, rounding)
+                && self.is_nothing_behind(caster, (axis, is_negative), (top, slack), rounding)
         })
     }
 
@@ -119,18 +122,35 @@ impl Lit<'_> {
         })
     }
 
-    /// Whether all other objects stand above a height, or are sunk into the caster that ends there.
-    fn is_nothing_behind(&self, caster: usize, side: (usize, bool), top: f64, rounding: f64) -> bool {
-        let (axis, is_negative) = side;
+    /// Whether all other objects stand above a height, or are sunk into the caster that ends there: by the slack at most, or
+    /// by half of their height if they are narrow.
+    fn is_nothing_behind(
+        &self,
+        caster: usize,
+        (axis, is_negative): (usize, bool),
+        (top, slack): (f64, f64),
+        rounding: f64,
+    ) -> bool {
         self.scene.iter().enumerate().all(|(index, other)| {
             let [low, high] = span(&other.bounds, axis, is_negative);
-            let is_sunk = high > top + rounding && self.holds_beside(caster, other, axis, rounding);
-            index == caster || low >= top - rounding || is_sunk
+            let is_held = |share: f64| self.holds_beside(caster, other, axis, (share, rounding));
+            let is_sunk = || {
+                let (above, below) = (high - top, top - low);
+                let is_shallow = above > rounding && below <= slack && is_held(1.0);
+                is_shallow || (below <= above && is_held(NARROW))
+            };
+            index == caster || low >= top - rounding || is_sunk()
         })
     }
 
-    /// Whether a caster is as wide as another object across a world axis.
-    fn holds_beside(&self, caster: usize, other: &SceneBox, axis: usize, rounding: f64) -> bool {
+    /// Whether another object lies within a caster across a world axis, and is at most this share as wide.
+    fn holds_beside(
+        &self,
+        caster: usize,
+        other: &SceneBox,
+        axis: usize,
+        (share, rounding): (f64, f64),
+    ) -> bool {
         let caster = &self.scene[caster];
         let halves = caster.own.map_or(DVec3::AXES, |own| own.halves);
         let directions = halves.map(DVec3::normalize_or_zero);
@@ -138,7 +158,8 @@ impl Lit<'_> {
         directions.into_iter().filter(lies_beside).all(|beside| {
             let [least, greatest] = other.range(beside, DVec3::ZERO);
             let [own_least, own_greatest] = caster.range(beside, DVec3::ZERO);
-            own_least <= least + rounding && greatest <= own_greatest + rounding
+            let is_within = own_least <= least + rounding && greatest <= own_greatest + rounding;
+            is_within && greatest - least <= share * (own_greatest - own_least) + rounding
         })
     }
 }
@@ -231,6 +252,19 @@ mod tests {
         };
         let tower = |x: f32, z: f32| scene_box(Vec3::new(x, 49.8, z), Vec3::new(1.0, 50.0, 1.0));
         assert_eq!(shadowless(&[slab, tower(1.0, 2.0)], &light), [true, false]);
+        // A post may be sunk by half of its height, wherever nothing lies below the ground.
+        let post = |down: f32| scene_box(Vec3::new(3.0, 1.0 - down, 0.0), Vec3::new(0.1, 1.0, 0.1));
+        assert_eq!(shadowless(&[ground(), post(0.9)], &light), [true, false]);
+        assert_eq!(shadowless(&[ground(), post(1.1)], &light), [false; 2]);
+        let below = scene_box(Vec3::new(-5.0, -2.0, 0.0), Vec3::splat(0.5));
+        assert_eq!(
+            shadowless(&[ground(), post(0.9), below], &light),
+            [false, false, true]
+        );
+        // A wall shadows the part of the floor behind it.
+        let wall = scene_box(Vec3::new(-3.0, 5.0, 0.0), Vec3::new(0.0, 5.0, 10.0));
+        let inside = lamp(DVec3::new(3.0, 4.0, 0.0));
+        assert_eq!(shadowless(&[ground(), wall], &inside), [true, false]);
         // The world bounds of the slab reach to ±14, but there is no ground at their corners.
         assert_eq!(shadowless(&[slab, tower(12.0, 12.0)], &light), [false; 2]);
     }

@@ -76,6 +76,7 @@ fn plane(seen: fn(usize) -> bool, path: LightPath) -> (Stage, Arc<IntervalMaps>)
             hash: surface_hash(&mesh, &mesh.submeshes[0]),
             world_from_local: Affine3A::IDENTITY.to_cols_array(),
             is_two_sided: true,
+            casts: true,
             corners: 0..6,
         }],
         corners: mesh.indices.iter().map(corner).collect(),

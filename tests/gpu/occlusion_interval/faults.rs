@@ -58,6 +58,49 @@ fn maps_of_another_scene_are_refused_until_it_is_back() {
 }
 
 #[test]
+fn maps_are_refused_while_others_block_the_light_than_when_they_were_baked() {
+    let mut stage = lit_ladder(maps(), 0.3, 0.02);
+    let shadowed = dark(&mut stage);
+    let mut casters = stage
+        .world
+        .query_filtered::<Entity, (With<SceneMesh>, With<ShadowCaster>)>();
+    let caster = casters.iter(&stage.world).next().expect("a caster");
+    let mut lights = stage.world.query_filtered::<Entity, With<Light>>();
+    let light = lights.iter(&stage.world).next().expect("the light");
+    let refused = |stage: &mut Stage, why: &str| {
+        assert_eq!(dark(stage), 0, "{why}: the light shines unshadowed");
+        let reports = said(stage);
+        assert!(
+            reports.len() == 1 && reports[0].contains("whether they block the light"),
+            "{why}: {reports:?}"
+        );
+    };
+    stage.world.entity_mut(caster).remove::<ShadowCaster>();
+    refused(&mut stage, "one casts no longer");
+    stage
+        .world
+        .entity_mut(caster)
+        .insert((ShadowCaster, SelectionLayers(2)));
+    assert_eq!(dark(&mut stage), shadowed, "it casts again, on another layer");
+    let casts_for = |casts_for: u32| LightSelection {
+        casts_for,
+        ..LightSelection::default()
+    };
+    stage.world.entity_mut(light).insert(casts_for(!2));
+    refused(&mut stage, "the light leaves it out");
+    stage.world.entity_mut(light).insert(casts_for(3));
+    assert_eq!(dark(&mut stage), shadowed, "the mask differs, the casters do not");
+    assert_eq!(said(&stage), [] as [String; 0]);
+    stage
+        .world
+        .entity_mut(light)
+        .insert(ShadowOrigin::Direction(Vec3::NEG_Y));
+    assert_eq!(dark(&mut stage), shadowed, "shadows stay where they were baked");
+    let reports = said(&stage);
+    assert!(reports.len() == 1 && reports[0].contains("origin"), "{reports:?}");
+}
+
+#[test]
 fn what_came_later_shows_no_shadow_and_is_counted() {
     let mut stage = lit_ladder(maps(), 0.3, 0.02);
     let before = dark(&mut stage);
