@@ -36,6 +36,17 @@ pub struct Material {
     pub emissive: Vec3,
     /// Texture that multiplies `emissive`; sRGB.
     pub emissive_texture: Option<TextureSlot>,
+    /// Share of a clear, smooth coat above the surface, as of lacquer: 0 (the default) is none, 1 a whole one. The coat
+    /// reflects 4 % of the light that meets it straight on and all of it at grazing angles, and dims what is below it by
+    /// as much, emission too. Its normal is that of the mesh, without [`Material::normal_texture`]. Surfaces with a coat are drawn with
+    /// a pipeline of their own; the others pay nothing for it.
+    pub clearcoat: f32,
+    /// Texture whose red channel multiplies `clearcoat`.
+    pub clearcoat_texture: Option<TextureSlot>,
+    /// Perceptual roughness of the coat: 0 (the default) is a mirror, 1 is fully rough.
+    pub clearcoat_roughness: f32,
+    /// Texture whose green channel multiplies `clearcoat_roughness`.
+    pub clearcoat_roughness_texture: Option<TextureSlot>,
     /// Meaning of the alpha channel.
     pub alpha_mode: AlphaMode,
     /// Whether the surface is drawn from both sides; default `false`.
@@ -59,6 +70,10 @@ impl Default for Material {
             occlusion_strength: 1.0,
             emissive: Vec3::ZERO,
             emissive_texture: None,
+            clearcoat: 0.0,
+            clearcoat_texture: None,
+            clearcoat_roughness: 0.0,
+            clearcoat_roughness_texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
@@ -75,6 +90,11 @@ impl Material {
             roughness: 0.9,
             ..Self::default()
         }
+    }
+
+    /// Whether a clearcoat takes part in the look of the surface.
+    pub(crate) fn is_coated(&self) -> bool {
+        self.clearcoat > 0.0 && !self.unlit
     }
 }
 

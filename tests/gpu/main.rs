@@ -4,6 +4,7 @@ mod area_lights;
 mod bad_input;
 mod barn_map;
 mod blended_receivers;
+mod clearcoat;
 mod cpu_gpu_parity;
 mod faults;
 mod harness;
