@@ -49,6 +49,7 @@ pub use bounds::{update_local_bounds, update_world_bounds};
 pub use bounds_components::{ExtraBounds, LocalBounds, WorldBounds};
 pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
 pub use caster::{CulledCasters, FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub(crate) use caster::{LeftOutSubmeshes, Submeshes};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use ground::BlurredGround;

@@ -10,6 +10,7 @@ mod faults;
 mod harness;
 mod hosted;
 mod layout_contract;
+mod left_out_submeshes;
 mod light_model;
 mod light_textures;
 mod maps;

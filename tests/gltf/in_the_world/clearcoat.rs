@@ -81,7 +81,10 @@ fn a_broken_coat_is_ignored_part_by_part() {
         "clearcoatTexture": {"index": "first"}, "clearcoatRoughnessTexture": 1,
     }));
     assert_eq!((coated.clearcoat, coated.clearcoat_roughness), (1.0, 0.0));
-    assert_eq!((coated.clearcoat_texture, coated.clearcoat_roughness_texture), (None, None));
+    assert_eq!(
+        (coated.clearcoat_texture, coated.clearcoat_roughness_texture),
+        (None, None)
+    );
     assert_eq!(report.count(SkipKind::MaterialValue), 2, "{report}");
     assert_eq!(report.count(SkipKind::Texture), 2, "{report}");
     // An index out of range is an error that names the material, as everywhere.
@@ -89,5 +92,8 @@ fn a_broken_coat_is_ignored_part_by_part() {
     let coat = json!({"clearcoatFactor": 1.0, "clearcoatTexture": {"index": 7}});
     builder.json["materials"] = json!([{"extensions": {"KHR_materials_clearcoat": coat}}]);
     let error = builder.error();
-    assert!(error.contains("material 0") && error.contains("texture 7"), "{error}");
+    assert!(
+        error.contains("material 0") && error.contains("texture 7"),
+        "{error}"
+    );
 }

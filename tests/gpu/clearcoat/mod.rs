@@ -212,7 +212,10 @@ fn check(what: &str, kind: LightKind, parts: impl Bundle, radius: f64, coats: &[
         sum += found;
     }
     println!("{what}: {sum:?}");
-    assert!(sum.judged > 500 * coats.len() && sum.changed > 100, "{what}: {sum:?}");
+    assert!(
+        sum.judged > 500 * coats.len() && sum.changed > 100,
+        "{what}: {sum:?}"
+    );
     // The comparison finds a coat that is a little rougher, and one that is not there.
     let (clearcoat, roughness) = coats[0];
     let above = coated(&base(), clearcoat, roughness);
@@ -340,6 +343,10 @@ fn without_a_coat_or_light_every_bit_stays() {
     assert_eq!(unlit, scene.render(none));
     // A share so small that it changes nothing in half floats goes through the coat's pipelines.
     let tiny = scene.render(coated(&base(), 1e-9, 0.5));
-    let worst = plain.iter().zip(&tiny).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    let worst = plain
+        .iter()
+        .zip(&tiny)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f32::max);
     assert!(worst < 1e-3, "{worst}");
 }
