@@ -14,10 +14,18 @@ pub struct ShadowCaster;
 /// Indices of submeshes, ascending.
 pub(crate) type Submeshes = SmallVec<[u32; 2]>;
 
-/// The submeshes of a caster that cast nothing, because alpha hides them or the view culls them, while other submeshes cast.
-/// Written by [`leave_out_submeshes`](crate::sets::leave_out_submeshes). Casters without the component cast as a whole.
+/// The submeshes of an object that cast nothing, because alpha hides them or the view culls them ([`CulledCasters`]), while
+/// others do. Written by [`leave_out_submeshes`](crate::sets::leave_out_submeshes). Casters without the component cast as a
+/// whole.
 #[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
 pub struct LeftOutSubmeshes(pub(crate) Submeshes);
+
+impl LeftOutSubmeshes {
+    /// The indices of the submeshes, ascending.
+    pub fn indices(&self) -> &[u32] {
+        &self.0
+    }
+}
 
 /// Marks an entity that shows shadows. A mesh without it is lit as if nothing stood before the light.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,10 +7,11 @@ use antumbra::reference::{
     HardError, LightSource, PrimaryCulling, RayScene, VisibilityImage, compare_hard, hard_visibility,
     primary_hits_culled,
 };
-use antumbra::scene::{MorphTarget, MorphWeights, Submesh};
+use antumbra::scene::{MorphTarget, MorphWeights, Skin, Submesh};
+use antumbra::sets::Objects;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
-use glam::{UVec2, Vec3, Vec4};
+use glam::{Quat, UVec2, Vec3, Vec4};
 
 use crate::harness::support::stage::{Rendered, Stage};
 use crate::harness::{judge, strict_context};
@@ -108,58 +109,90 @@ fn judged(stage: &mut Stage, rendered: &Rendered) -> HardError {
     judge(stage, &scene, 0, &rendered.visibility[0])
 }
 
+/// How the box and its roof stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Pose {
+    Rest,
+    Morphed,
+    Skinned,
+}
+
+/// Spawns the box and its roof in a pose.
+fn spawn_posed(stage: &mut Stage, mut mesh: MeshData, materials: &[Arc<Material>], pose: Pose) -> Entity {
+    let vertex_count = mesh.positions.len();
+    let moved = Vec3::new(-0.4, 0.2, 0.0);
+    match pose {
+        Pose::Rest => spawn(stage, mesh, materials),
+        Pose::Morphed => {
+            mesh.morph_targets.push(MorphTarget {
+                positions: vec![moved; vertex_count],
+                ..MorphTarget::default()
+            });
+            let object = spawn(stage, mesh, materials);
+            stage.world.entity_mut(object).insert(MorphWeights(vec![1.0]));
+            object
+        }
+        Pose::Skinned => {
+            mesh.joints = vec![[0; 4]; vertex_count];
+            mesh.joint_weights = vec![Vec4::X; vertex_count];
+            let place = Transform::from_translation(Vec3::Y * 0.9 + moved);
+            let joint = stage
+                .world
+                .spawn(place.with_rotation(Quat::from_rotation_y(0.3)))
+                .id();
+            let object = spawn(stage, mesh, materials);
+            stage.world.entity_mut(object).insert(Skin {
+                joints: vec![joint],
+                inverse_bind: Arc::new([]),
+            });
+            object
+        }
+    }
+}
+
 #[test]
 fn hidden_submeshes_cast_nothing() {
     for (what, vertex_alpha, material) in hiding() {
-        for morphed in [false, true] {
+        let poses = [Pose::Rest, Pose::Morphed, Pose::Skinned];
+        let few = if what == "blended" { 3 } else { 1 };
+        for pose in poses.into_iter().take(few) {
             let mut mesh = box_and_roof();
             let roof = mesh.positions.len() - 24;
             mesh.colors = vec![Vec4::ONE; mesh.positions.len()];
-            mesh.colors[roof..]
-                .iter_mut()
-                .for_each(|color| color.w = vertex_alpha);
-            if morphed {
-                mesh.morph_targets.push(MorphTarget {
-                    positions: vec![Vec3::new(-0.4, 0.2, 0.0); mesh.positions.len()],
-                    ..MorphTarget::default()
-                });
-            }
+            let colors = &mut mesh.colors[roof..];
+            colors.iter_mut().for_each(|color| color.w = vertex_alpha);
             let mut stage = stage(StencilVolume::default());
-            let object = spawn(&mut stage, mesh, &[matte(), material.clone()]);
-            if morphed {
-                stage.world.entity_mut(object).insert(MorphWeights(vec![1.0]));
-            }
+            let object = spawn_posed(&mut stage, mesh, &[matte(), material.clone()], pose);
             let rendered = render(&mut stage);
             let error = judged(&mut stage, &rendered);
             assert!(
                 error.inner > 5000 && error.wrong_inner == 0,
-                "{what}, {morphed}: {error:?}"
+                "{what}, {pose:?}: {error:?}"
             );
             let dark = rendered.visibility[0].iter().filter(|seen| **seen == 0.0).count();
             assert!(
                 (50..1500).contains(&dark),
-                "{what}, {morphed}: {dark} pixels are dark"
+                "{what}, {pose:?}: {dark} pixels are dark"
             );
             // A roof that shows casts, and the truth without it is another.
             let hidden = RayScene::from_world(&mut stage.world);
-            stage
-                .world
-                .entity_mut(object)
-                .insert(SceneMaterials(vec![matte(), matte()].into()));
-            let rendered = render(&mut stage);
-            assert_eq!(judged(&mut stage, &rendered).wrong_inner, 0, "{what}, {morphed}");
-            let error = judge(&stage, &hidden, 0, &rendered.visibility[0]);
+            let mut dress = |roof: Arc<Material>| {
+                let materials = SceneMaterials(vec![matte(), roof].into());
+                stage.world.entity_mut(object).insert(materials);
+                let rendered = render(&mut stage);
+                assert_eq!(judged(&mut stage, &rendered).wrong_inner, 0, "{what}, {pose:?}");
+                judge(&stage, &hidden, 0, &rendered.visibility[0])
+            };
+            let error = dress(matte());
             assert!(
                 error.wrong_inner > 300,
-                "{what}, {morphed}: the judge can fail: {error:?}"
+                "{what}, {pose:?}: the judge can fail: {error:?}"
             );
-            // And hidden again.
-            stage
-                .world
-                .entity_mut(object)
-                .insert(SceneMaterials(vec![matte(), material.clone()].into()));
-            let rendered = render(&mut stage);
-            assert_eq!(judged(&mut stage, &rendered).wrong_inner, 0, "{what}, {morphed}");
+            assert_eq!(
+                dress(material.clone()).wrong_inner,
+                0,
+                "{what}, {pose:?}: and hidden again"
+            );
         }
     }
 }
@@ -269,4 +302,41 @@ fn maps_leave_out_hulls() {
     let without = lit(&mut stage);
     println!("lit pixels: {with_hull} with the hull, {without} without, {dark} if it casts");
     assert!(dark + 100 < with_hull && with_hull.abs_diff(without) < (with_hull - dark) / 2);
+}
+
+/// A hull may be as large as an occluder, and what is in it is lit.
+#[test]
+fn a_left_out_hull_hides_nothing_from_the_light() {
+    let [mut body, mut hull] = box_and_hull();
+    body.positions.iter_mut().for_each(|at| *at *= 0.5);
+    hull.positions.iter_mut().for_each(|at| *at *= 1.5);
+    let mut stage = stage(StencilVolume::default());
+    let object = spawn(&mut stage, joined(&[body, hull]), &[matte(), matte()]);
+    let ball = MeshData::icosphere(0.15, 2);
+    let ball = spawn(&mut stage, ball, &[matte()]);
+    stage
+        .world
+        .entity_mut(ball)
+        .insert(Transform::from_xyz(0.4, 1.2, 0.4));
+    let is_reached = |stage: &mut Stage| {
+        render(stage);
+        let index = stage.world.resource::<Objects>().index_of(ball);
+        let lights = stage.world.resource::<FrameLights>();
+        lights.lights[0]
+            .sets
+            .l
+            .contains(index.expect("the ball is an object"))
+    };
+    assert!(is_reached(&mut stage));
+    stage.world.insert_resource(CulledCasters::Cast);
+    assert!(!is_reached(&mut stage), "a hull that casts does hide it");
+    stage.world.insert_resource(CulledCasters::LeaveOut);
+    assert!(is_reached(&mut stage));
+    // To a camera within its bounds the hull is there again.
+    let camera = stage.camera;
+    let within = Transform::from_xyz(0.3, 1.2, 0.2).looking_at(Vec3::ZERO, Vec3::Y);
+    stage.world.entity_mut(camera).insert(within);
+    assert!(!is_reached(&mut stage));
+    stage.world.despawn(object);
+    assert!(is_reached(&mut stage));
 }
