@@ -28,6 +28,17 @@ struct Incidence {
     radius: f32,                    // of the light over its distance; 0 for points
 }
 
+// Unit direction from a surface towards the point of the light that it would show if it were a mirror with this normal.
+fn highlight_at(position_relative: vec3f, normal: vec3f, to_eye: vec3f) -> vec3f {
+    let to_light = light.point_relative.xyz - position_relative * light.point_relative.w;
+    let distance = sqrt(max(dot(to_light, to_light), 1e-8));
+    let is_rect = light.axis.w > 0.0;
+    let mirrored = reflect(-to_eye, normal);
+    let on_rect = rect_highlight(to_light, distance, light.half_right.xyz, light.half_up.xyz, light.axis.xyz, mirrored);
+    let on_sphere = sphere_highlight(to_light, light.half_right.w, mirrored);
+    return select(to_light / distance, normalize(select(on_sphere, on_rect, is_rect)), light.half_up.w > 0.0);
+}
+
 // Light that arrives at a surface. For points it is the inverse square of the distance, windowed to reach 0
 // at the range, times the spot's cone. For areas it is the integral over the part above the surface's
 // horizon; the first two terms of its expansion in the light's size are those of a point.
@@ -62,10 +73,7 @@ fn incidence_of(emission: vec3f, position_relative: vec3f, normal: vec3f, to_eye
     let from_sphere = sphere_irradiance(out.towards, distance, light.half_right.w, normal);
     let from_area = emission * (window * select(from_sphere, from_rect, is_rect));
     out.irradiance = select(facing * max(dot(normal, out.towards), 0.0), from_area, is_area);
-    let mirrored = reflect(-to_eye, normal);
-    let on_rect = rect_highlight(to_light, distance, right, up, light.axis.xyz, mirrored);
-    let on_sphere = sphere_highlight(to_light, light.half_right.w, mirrored);
-    out.highlight = select(out.towards, normalize(select(on_sphere, on_rect, is_rect)), is_area);
+    out.highlight = highlight_at(position_relative, normal, to_eye);
     out.highlight_irradiance = facing;
     out.radius = select(0.0, radius / distance, is_area);
     return out;

@@ -22,13 +22,15 @@ struct Material {                   // mirror: render::pools::gpu_types::Materia
     occlusion_strength: f32,
     unlit: u32,
     opaque: u32,                    // 1: alpha is ignored
-    padding_a: u32,
-    padding_b: u32,
+    clearcoat: f32,
+    clearcoat_roughness: f32,
     base_color_slot: Slot,
     metallic_roughness_slot: Slot,
     normal_slot: Slot,
     occlusion_slot: Slot,
     emissive_slot: Slot,
+    clearcoat_slot: Slot,
+    clearcoat_roughness_slot: Slot,
 }
 
 @group(2) @binding(0) var<uniform> material: Material;
@@ -42,6 +44,10 @@ struct Material {                   // mirror: render::pools::gpu_types::Materia
 @group(2) @binding(8) var occlusion_sampler: sampler;
 @group(2) @binding(9) var emissive_texture: texture_2d<f32>;
 @group(2) @binding(10) var emissive_sampler: sampler;
+@group(2) @binding(11) var clearcoat_texture: texture_2d<f32>;
+@group(2) @binding(12) var clearcoat_sampler: sampler;
+@group(2) @binding(13) var clearcoat_roughness_texture: texture_2d<f32>;
+@group(2) @binding(14) var clearcoat_roughness_sampler: sampler;
 
 struct VertexIn {
     @location(0) position_local: vec3f,
@@ -105,14 +111,32 @@ fn metallic_roughness(in: Fragment) -> vec2f {
     return vec2f(material.metallic * texel.b, material.roughness * texel.g);
 }
 
+// Clearcoat in x, its perceptual roughness in y. Only passes with `COATED` sample them: both textures are placeholders
+// on nearly all surfaces.
+fn clearcoat(in: Fragment) -> vec2f {
+    let share = textureSample(clearcoat_texture, clearcoat_sampler, slot_uv(material.clearcoat_slot, in.uv)).r;
+    let roughness = textureSample(
+        clearcoat_roughness_texture,
+        clearcoat_roughness_sampler,
+        slot_uv(material.clearcoat_roughness_slot, in.uv),
+    ).g;
+    return vec2f(material.clearcoat * share, material.clearcoat_roughness * roughness);
+}
+
+// Unit normal on the visible side, interpolated and without the normal texture. A clearcoat is as smooth as this.
+fn smooth_normal(in: Fragment, front_facing: bool) -> vec3f {
+    let side = select(-1.0, 1.0, front_facing);
+    // Opposite normals may interpolate to zero; no light reaches such a point.
+    let normal = in.normal_relative;
+    return normal * (side * inverseSqrt(max(dot(normal, normal), 1e-30)));
+}
+
 // Unit shading normal on the visible side. A mesh without tangents gets its frame from the derivatives of
 // position and texture coordinates.
 // Source: Mikkelsen 2010, "Bump Mapping Unparametrized Surfaces on the GPU".
 fn shading_normal(in: Fragment, front_facing: bool) -> vec3f {
     let side = select(-1.0, 1.0, front_facing);
-    // Opposite normals may interpolate to zero; no light reaches such a point.
-    let smooth_normal = in.normal_relative;
-    let normal = smooth_normal * (side * inverseSqrt(max(dot(smooth_normal, smooth_normal), 1e-30)));
+    let normal = smooth_normal(in, front_facing);
     let uv = slot_uv(material.normal_slot, in.uv);
     let texel = textureSample(normal_texture, normal_sampler, uv).xyz * 2.0 - 1.0;
     let dp_dx = dpdx(in.position_relative);

@@ -2,17 +2,19 @@
 // shadows have a colour. It does the work of `light_accumulate` for such lights and objects.
 // Host    src/render/nodes/light_accumulate.rs
 // Groups  0 view, 1 light, 2 material; `masked` and `tinted` also 3 mask, `behind_front` 3 front depth
-#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
+#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, clearcoat, smooth_normal, shading_normal}
 #import antumbra::view::{objects, to_eye}
-#import antumbra::light::{light, incidence_of}
+#import antumbra::light::{light, incidence_of, highlight_at}
 #import antumbra::light_shape::{light_position, shape_factor}
-#import antumbra::brdf::reflected_parts
+#import antumbra::brdf::{reflected_parts, coat_share, coated}
 #import antumbra::conventions::{PI, RADIANCE_MAX}
 #import antumbra::mask::visibility
 #import antumbra::factors::factors
 #import antumbra::front::is_front
 
 override BLENDED: bool = false;
+// The material has a clearcoat.
+override COATED: bool = false;
 
 struct Weighted {
     @builtin(position) @invariant position_clip: vec4f,
@@ -58,7 +60,7 @@ fn lit(in: Weighted, front_facing: bool, seen: vec3f) -> vec4f {
     let towards_eye = to_eye(in.position_relative);
     // The answer to white light of 1 candela or lux: a shadow may have colours that the light lacks.
     let arriving = incidence_of(vec3f(1.0), in.position_relative, normal, towards_eye);
-    let answer = reflected_parts(
+    var answer = reflected_parts(
         color.rgb,
         mr.x,
         mr.y,
@@ -70,10 +72,26 @@ fn lit(in: Weighted, front_facing: bool, seen: vec3f) -> vec4f {
         arriving.highlight_irradiance,
         arriving.radius,
     );
+    var share = 0.0;
+    if COATED {
+        let coat = clearcoat(surface);
+        let coat_normal = smooth_normal(surface, front_facing);
+        share = coat_share(coat.x, coat_normal, towards_eye);
+        answer = coated(
+            answer,
+            share,
+            coat.y,
+            coat_normal,
+            towards_eye,
+            highlight_at(in.position_relative, coat_normal, towards_eye),
+            arriving.highlight_irradiance,
+            arriving.radius,
+        );
+    }
     let emission = light.emission.rgb;
     let passing = 1.0 - light.weights.w * (1.0 - seen);
     let mixed = mix(light.shadow_emission.rgb, emission, passing);
-    let albedo = color.rgb * (1.0 - mr.x);
+    let albedo = color.rgb * (1.0 - mr.x) * (1.0 - share);
     let ambient = albedo / PI * arriving.highlight_irradiance * emission;
     let weights = light.weights.xyz * in.weights;
     let radiance = ambient * weights.x + answer.diffuse * mixed * weights.y + answer.specular * emission * seen * weights.z;

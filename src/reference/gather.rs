@@ -5,6 +5,7 @@ use bevy_ecs::query::QueryData;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 use super::ray_scene::{RayScene, SceneTriangle};
+use crate::scene::material::Hidden;
 use crate::scene::placement::Placement;
 use crate::scene::{
     MeshData, PosedMesh, SceneMaterials, SceneMesh, SelectionLayers, ShadowCaster, ShadowReceiver,
@@ -28,7 +29,7 @@ impl RayScene {
     /// that is not empty.
     ///
     /// The camera sees triangles of entities with [`SceneMaterials`], and blended ones as solidly as others.
-    /// Objects that are invisible by their alpha are left out. Triangles of [`ShadowCaster`]s block light, and those of [`ShadowReceiver`]s show shadows. Objects
+    /// Objects and submeshes that are invisible by their alpha are left out. Triangles of [`ShadowCaster`]s block light, and those of [`ShadowReceiver`]s show shadows. Objects
     /// whose transform is not finite or leaves no area are left out, as in the renderer. Triangles that are not
     /// finite or name a missing vertex are dropped and counted. `GlobalTransform`s are read as they are, so
     /// propagate transforms first.
@@ -59,9 +60,10 @@ fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> us
         return 0;
     };
     let mesh = &*object.mesh.0;
-    let is_invisible =
-        |materials: &SceneMaterials| materials.are_invisible(mesh, |texture| texture.greatest_alpha());
-    if object.materials.is_some_and(is_invisible) {
+    let hidden = object.materials.map_or(Hidden::Nothing, |materials| {
+        materials.hidden(mesh, |texture| texture.greatest_alpha())
+    });
+    if hidden == Hidden::Everything {
         return 0;
     }
     let positions = object
@@ -76,7 +78,7 @@ fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> us
         Vec3::from(affine.translation).as_dvec3(),
     );
     let is_mirrored = world_from_local.matrix3.determinant() < 0.0;
-    let looks = triangle_looks(mesh, object.materials);
+    let looks = triangle_looks(mesh, object.materials, &hidden);
     let mut missing_count = 0;
     for (index, triangle) in mesh.indices.chunks_exact(3).enumerate() {
         let corner =
@@ -86,6 +88,9 @@ fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> us
             continue;
         };
         let [a, b, c] = [a, b, c].map(|p| world_from_local.transform_point3(p));
+        if looks[index].is_hidden {
+            continue;
+        }
         triangles.push(SceneTriangle {
             corners: if is_mirrored { [a, c, b] } else { [a, b, c] },
             entity: Some(object.entity),
@@ -105,11 +110,13 @@ fn push_triangles(object: &ObjectItem, triangles: &mut Vec<SceneTriangle>) -> us
 struct Look {
     is_drawn: bool,
     is_double_sided: bool,
+    /// Alpha hides it, so it is not there.
+    is_hidden: bool,
 }
 
 /// The look of every triangle. Triangles outside all submeshes, triangles of meshes without materials, and
 /// triangles of submeshes beyond the last material are not drawn.
-fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>) -> Vec<Look> {
+fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>, hidden: &Hidden) -> Vec<Look> {
     let mut looks = vec![Look::default(); mesh.triangle_count()];
     let Some(materials) = materials else { return looks };
     for (index, submesh) in mesh.submeshes.iter().enumerate() {
@@ -117,6 +124,7 @@ fn triangle_looks(mesh: &MeshData, materials: Option<&SceneMaterials>) -> Vec<Lo
         let look = Look {
             is_drawn: material.is_some(),
             is_double_sided: material.is_some_and(|material| material.double_sided),
+            is_hidden: matches!(hidden, Hidden::Submeshes(hidden) if hidden.contains(&(index as u32))),
         };
         let first = submesh.first_index as usize / 3;
         let end = first + submesh.index_count as usize / 3;

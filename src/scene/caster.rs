@@ -1,14 +1,31 @@
 //! Whether an entity blocks light, shows shadows, and is selected by a light.
 
 use bevy_ecs::prelude::*;
+use smallvec::SmallVec;
 
 use super::churn::count_churn;
 
-/// Marks an entity that blocks light. Blocking is two-sided: any triangle blocks, whichever way it faces. The one
-/// exception are objects that the view culls as a whole ([`CulledCasters`]).
+/// Marks an entity that blocks light. Blocking is two-sided: any triangle blocks, whichever way it faces. The exceptions are
+/// submeshes that the view culls as a whole ([`CulledCasters`]) and those that alpha hides everywhere.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[component(on_add = count_churn, on_remove = count_churn)]
 pub struct ShadowCaster;
+
+/// Indices of submeshes, ascending.
+pub(crate) type Submeshes = SmallVec<[u32; 2]>;
+
+/// The submeshes of an object that cast nothing, because alpha hides them or the view culls them ([`CulledCasters`]), while
+/// others do. Written by [`leave_out_submeshes`](crate::sets::leave_out_submeshes). Casters without the component cast as a
+/// whole.
+#[derive(Component, Clone, Debug, Default, PartialEq, Eq)]
+pub struct LeftOutSubmeshes(pub(crate) Submeshes);
+
+impl LeftOutSubmeshes {
+    /// The indices of the submeshes, ascending.
+    pub fn indices(&self) -> &[u32] {
+        &self.0
+    }
+}
 
 /// Marks an entity that shows shadows. A mesh without it is lit as if nothing stood before the light.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,7 +46,7 @@ impl Default for SelectionLayers {
 }
 
 /// Which faces of surfaces are drawn. Shadows do not depend on it, because any triangle blocks light,
-/// whichever way it faces, unless the whole object is culled ([`CulledCasters`]).
+/// whichever way it faces, unless a whole object or submesh is culled ([`CulledCasters`]).
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FaceCulling {
     /// Materials that are not double-sided show their front faces only.
@@ -39,15 +56,15 @@ pub enum FaceCulling {
     None,
 }
 
-/// Whether objects that are culled from the view as a whole cast shadows.
+/// Whether objects and submeshes that are culled from the view as a whole cast shadows.
 ///
-/// Such an object is a closed mesh that is turned inside out, with materials that show their front faces only, seen from
-/// outside of its bounds: its near side is not drawn. Outlines are made so, by a hull that is a little larger than the
+/// Such a one is a closed mesh or submesh that is turned inside out, with materials that show their front faces only, seen from
+/// outside of the object's bounds: its near side is not drawn. Outlines are made so, by a hull that is a little larger than the
 /// object in it; if the hull cast, the whole object would lie in its shadow. Rooms are made so as well, which are looked
 /// into from above. Under [`FaceCulling::None`] nothing is culled, and everything casts.
 ///
-/// An object is left out for all lights, also those within it. A hull that belongs to the mesh of the object which it
-/// outlines, as a further submesh, is not found.
+/// It is left out for all lights, also those within it. A hull that shares a submesh with the object which it outlines is
+/// not found.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CulledCasters {
     /// Surfaces that are culled from the view cast no shadow, so light passes where the viewer sees through. This is

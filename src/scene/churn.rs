@@ -8,8 +8,8 @@ use bevy_ecs::world::DeferredWorld;
 /// These components are [`WorldBounds`](super::WorldBounds), [`ShadowCaster`](super::ShadowCaster),
 /// [`ShadowReceiver`](super::ShadowReceiver), [`SceneMaterials`](super::SceneMaterials),
 /// [`SelectionLayers`](super::SelectionLayers), and [`PosedMesh`](super::PosedMesh), with which an object has vertices of its own. Their hooks write the count, so that no system has to search
-/// for changes each frame. [`find_inverted_hulls`](crate::sets::find_inverted_hulls) counts what it leaves out or takes
-/// back.
+/// for changes each frame. [`find_inverted_hulls`](crate::sets::find_inverted_hulls) and
+/// [`leave_out_submeshes`](crate::sets::leave_out_submeshes) count what they leave out or take back.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ObjectChurn(pub u64);
 

@@ -7,6 +7,7 @@ use glam::{Affine2, Vec3, Vec4};
 use smallvec::SmallVec;
 
 use super::MeshData;
+use super::caster::Submeshes;
 use super::churn::count_churn;
 
 /// A surface in the metallic-roughness model of glTF 2.0.
@@ -36,6 +37,17 @@ pub struct Material {
     pub emissive: Vec3,
     /// Texture that multiplies `emissive`; sRGB.
     pub emissive_texture: Option<TextureSlot>,
+    /// Share of a clear, smooth coat above the surface, as of lacquer: 0 (the default) is none, 1 a whole one. The coat
+    /// reflects 4 % of the light that meets it straight on and all of it at grazing angles, and dims what is below it by
+    /// as much, emission too. Its normal is that of the mesh, without [`Material::normal_texture`]. Surfaces with a coat are drawn with
+    /// a pipeline of their own; the others pay nothing for it.
+    pub clearcoat: f32,
+    /// Texture whose red channel multiplies `clearcoat`.
+    pub clearcoat_texture: Option<TextureSlot>,
+    /// Perceptual roughness of the coat: 0 (the default) is a mirror, 1 is fully rough.
+    pub clearcoat_roughness: f32,
+    /// Texture whose green channel multiplies `clearcoat_roughness`.
+    pub clearcoat_roughness_texture: Option<TextureSlot>,
     /// Meaning of the alpha channel.
     pub alpha_mode: AlphaMode,
     /// Whether the surface is drawn from both sides; default `false`.
@@ -59,6 +71,10 @@ impl Default for Material {
             occlusion_strength: 1.0,
             emissive: Vec3::ZERO,
             emissive_texture: None,
+            clearcoat: 0.0,
+            clearcoat_texture: None,
+            clearcoat_roughness: 0.0,
+            clearcoat_roughness_texture: None,
             alpha_mode: AlphaMode::Opaque,
             double_sided: false,
             unlit: false,
@@ -75,6 +91,11 @@ impl Material {
             roughness: 0.9,
             ..Self::default()
         }
+    }
+
+    /// Whether a clearcoat takes part in the look of the surface.
+    pub(crate) fn is_coated(&self) -> bool {
+        self.clearcoat > 0.0 && !self.unlit
     }
 }
 
@@ -98,7 +119,7 @@ pub enum AlphaMode {
     /// The surface is absent where alpha is below the cutoff, which is the value given here. In shadow
     /// volumes it still blocks light as a whole.
     Mask(f32),
-    /// The surface is blended over what lies behind it; where alpha is 0 everywhere, the object is not drawn and casts nothing. Of the blended surfaces at a pixel only the nearest
+    /// The surface is blended over what lies behind it; where alpha is 0 everywhere, the submesh casts nothing. Of the blended surfaces at a pixel only the nearest
     /// receives shadows; farther ones are lit without.
     Blend,
 }
@@ -149,6 +170,17 @@ impl Texture {
     }
 }
 
+/// What of a mesh nobody can see because of its materials' alpha.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Hidden {
+    /// Every submesh may be seen.
+    Nothing,
+    /// These submeshes are hidden, and others are not.
+    Submeshes(Submeshes),
+    /// Every submesh is hidden.
+    Everything,
+}
+
 /// How a texture continues beyond its border.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TextureWrap {
@@ -169,25 +201,44 @@ pub struct SceneMaterials(pub SmallVec<[Arc<Material>; 1]>);
 impl SceneMaterials {
     /// Whether these materials hide every triangle that they would draw of the mesh, by their alpha. `greatest_alpha` returns
     /// that of a texture. A mesh of which nothing would be drawn is not invisible: it may stand for something else.
-    pub fn are_invisible(
+    pub fn are_invisible(&self, mesh: &MeshData, greatest_alpha: impl FnMut(&Arc<Texture>) -> f32) -> bool {
+        self.hidden(mesh, greatest_alpha) == Hidden::Everything
+    }
+
+    /// What these materials hide of the mesh by their alpha. `greatest_alpha` returns that of a texture. A mesh of which
+    /// nothing would be drawn is not hidden: it may stand for something else.
+    pub(crate) fn hidden(
         &self,
         mesh: &MeshData,
         mut greatest_alpha: impl FnMut(&Arc<Texture>) -> f32,
-    ) -> bool {
-        let drawn = mesh.submeshes.iter().zip(&self.0);
-        let mut drawn = drawn.filter(|(part, _)| part.index_count > 0).peekable();
-        drawn.peek().is_some()
-            && drawn.all(|(_, material)| {
-                if material.alpha_mode == AlphaMode::Opaque {
-                    return false;
-                }
-                let alphas = mesh.colors.iter().map(|color| color.w);
-                let of_vertices = alphas.reduce(f32::max).unwrap_or(1.0);
-                let texture = material.base_color_texture.as_ref();
-                let of_texture = texture.map_or(1.0, |slot| greatest_alpha(&slot.texture));
-                let alpha = material.base_color.w * of_vertices * of_texture;
-                material.alpha_mode.hides(alpha)
-            })
+    ) -> Hidden {
+        let mut hidden = Submeshes::new();
+        let mut drawn_count = 0;
+        for ((part, material), index) in mesh.submeshes.iter().zip(&self.0).zip(0u32..) {
+            if part.index_count == 0 {
+                continue;
+            }
+            drawn_count += 1;
+            if material.alpha_mode == AlphaMode::Opaque {
+                continue;
+            }
+            let corners = &mesh.indices[mesh.submesh_range(part)];
+            let alphas = corners
+                .iter()
+                .filter_map(|&corner| mesh.colors.get(corner as usize));
+            let of_vertices = alphas.map(|color| color.w).reduce(f32::max).unwrap_or(1.0);
+            let texture = material.base_color_texture.as_ref();
+            let of_texture = texture.map_or(1.0, |slot| greatest_alpha(&slot.texture));
+            let alpha = material.base_color.w * of_vertices * of_texture;
+            if material.alpha_mode.hides(alpha) {
+                hidden.push(index);
+            }
+        }
+        match hidden.len() {
+            0 => Hidden::Nothing,
+            count if count == drawn_count => Hidden::Everything,
+            _ => Hidden::Submeshes(hidden),
+        }
     }
 
     /// Whether these materials draw every triangle of the mesh, all of them opaque.

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`SceneMesh`], [`SceneMaterials`] | what an entity looks like |
 //! | [`ShadowCaster`], [`ShadowReceiver`] | whether an entity blocks light, and whether it shows shadows |
+//! | [`LeftOutSubmeshes`] | which submeshes of a caster cast nothing; written by this crate |
 //! | [`BlurredGround`] | whether the shadows on a receiver are blurred |
 //! | [`Occluder`] | whether an entity may hide others |
 //! | [`SelectionLayers`] | which lights select an entity ([`LightSelection`]) |
@@ -48,7 +49,10 @@ pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{update_local_bounds, update_world_bounds};
 pub use bounds_components::{ExtraBounds, LocalBounds, WorldBounds};
 pub use camera::{Camera, IgnoresScale, Orthographic, camera_place};
-pub use caster::{CulledCasters, FaceCulling, SelectionLayers, ShadowCaster, ShadowReceiver};
+pub(crate) use caster::Submeshes;
+pub use caster::{
+    CulledCasters, FaceCulling, LeftOutSubmeshes, SelectionLayers, ShadowCaster, ShadowReceiver,
+};
 pub use cell::{Cell, InCells, Portal};
 pub use churn::ObjectChurn;
 pub use ground::BlurredGround;

@@ -68,6 +68,7 @@ pub use view::frame_view::{View, ViewData, ViewportSize, collect_view};
 pub use view::frustum::{FrustumSet, collect_frustum_set};
 pub use view::inverted_hulls::{InvertedHulls, find_inverted_hulls};
 pub use view::invisible::{InvisibleObjects, find_invisible_objects};
+pub use view::left_out::leave_out_submeshes;
 pub use view::screen::{Projector, ScreenBounds};
 pub use view::seen_into::{SeeThrough, SeenInto, collect_seen_into};
 pub use view::stored_depth::ViewDepth;
@@ -109,6 +110,7 @@ pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
         collect_view,
         find_invisible_objects, // what has no alpha is neither drawn nor casts
         find_inverted_hulls,    // what is culled as a whole does not cast
+        leave_out_submeshes,    // both of them, where only parts of an object are meant
         collect_objects,
         collect_frustum_set,
         (collect_cells, collect_occluders),

@@ -1,6 +1,7 @@
 //! Edge meshes of casters. All objects with one mesh share its edge mesh; each posed object has planes of its
 //! own.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
@@ -12,9 +13,9 @@ use super::{FacingPlanes, compute_planes, compute_posed_planes};
 use crate::geometry::Aabb;
 use crate::geometry::convex_shell::middle_of_shell;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput, is_outside_out};
-use crate::scene::{MeshData, PosedMesh, SceneMesh, ShadowCaster};
+use crate::scene::{LeftOutSubmeshes, MeshData, PosedMesh, SceneMesh, ShadowCaster, Submeshes};
 
-/// Edges and planes that all casters with one mesh share.
+/// Edges and planes that all casters with one mesh share, as far as they leave out the same submeshes.
 #[derive(Debug)]
 pub struct CasterMesh {
     /// Welded triangles and their edges.
@@ -45,11 +46,12 @@ pub struct RefusedCaster(pub EdgeMeshError);
 #[derive(Component, Clone, Debug, Default)]
 pub struct PosedPlanes(pub FacingPlanes);
 
-/// The edge meshes in use, one per mesh.
+/// The edge meshes in use, one for each mesh and each choice of submeshes that are left out of it.
 #[derive(Resource, Debug, Default)]
 pub struct CasterMeshes {
-    /// Keyed by the address of the mesh. The weak handle distinguishes a later mesh at the same address.
-    by_address: HashMap<usize, (Weak<MeshData>, Arc<CasterMesh>)>,
+    /// Keyed by the address of the mesh, and the submeshes that are left out. The weak handle distinguishes a later mesh at
+    /// the same address.
+    known: HashMap<(usize, Submeshes), (Weak<MeshData>, Arc<CasterMesh>)>,
 }
 
 impl CasterMesh {
@@ -59,10 +61,18 @@ impl CasterMesh {
     /// # Errors
     /// [`EdgeMeshError`] names the triangle.
     pub fn build(mesh: &MeshData) -> Result<Self, EdgeMeshError> {
+        Self::build_without(mesh, &[])
+    }
+
+    /// Builds the edge mesh of a mesh without these submeshes.
+    ///
+    /// # Errors
+    /// [`EdgeMeshError`] names the triangle.
+    fn build_without(mesh: &MeshData, left_out: &[u32]) -> Result<Self, EdgeMeshError> {
         let keys = pose_keys(mesh);
         let edges = EdgeMesh::build(EdgeMeshInput {
             positions: &mesh.positions,
-            indices: &mesh.indices,
+            indices: &casting_indices(mesh, left_out),
             pose_keys: keys.as_deref(),
             weld_epsilon: None,
         })?;
@@ -92,32 +102,60 @@ impl CasterMeshes {
     /// # Errors
     /// [`EdgeMeshError`] names the triangle.
     pub fn get_or_build(&mut self, mesh: &Arc<MeshData>) -> Result<Arc<CasterMesh>, EdgeMeshError> {
-        if let Some((source, built)) = self.by_address.get(&address(mesh))
-            && source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh))
-        {
+        self.get_or_build_without(mesh, &Submeshes::new())
+    }
+
+    fn get_or_build_without(
+        &mut self,
+        mesh: &Arc<MeshData>,
+        left_out: &Submeshes,
+    ) -> Result<Arc<CasterMesh>, EdgeMeshError> {
+        if let Some(built) = self.get(mesh, left_out) {
             return Ok(built.clone());
         }
-        let built = Arc::new(CasterMesh::build(mesh)?);
-        self.insert(mesh, built.clone());
+        let built = Arc::new(CasterMesh::build_without(mesh, left_out)?);
+        self.keep(mesh, left_out, built.clone());
         Ok(built)
     }
 
     /// Keeps an edge mesh that was built elsewhere, from exactly this mesh.
     pub fn insert(&mut self, mesh: &Arc<MeshData>, built: Arc<CasterMesh>) {
-        self.by_address.retain(|_, (source, _)| source.strong_count() > 0);
-        self.by_address
-            .insert(address(mesh), (Arc::downgrade(mesh), built));
+        self.keep(mesh, &Submeshes::new(), built);
     }
 
-    /// Whether the edge mesh of this mesh is known already.
+    fn keep(&mut self, mesh: &Arc<MeshData>, left_out: &Submeshes, built: Arc<CasterMesh>) {
+        self.known.retain(|_, (source, _)| source.strong_count() > 0);
+        let key = (Arc::as_ptr(mesh) as usize, left_out.clone());
+        self.known.insert(key, (Arc::downgrade(mesh), built));
+    }
+
+    /// Whether the edge mesh of this whole mesh is known already.
     pub fn contains(&self, mesh: &Arc<MeshData>) -> bool {
-        let known = self.by_address.get(&address(mesh));
-        known.is_some_and(|(source, _)| source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh)))
+        self.get(mesh, &Submeshes::new()).is_some()
+    }
+
+    fn get(&self, mesh: &Arc<MeshData>, left_out: &Submeshes) -> Option<&Arc<CasterMesh>> {
+        let key = (Arc::as_ptr(mesh) as usize, left_out.clone());
+        let (source, built) = self.known.get(&key)?;
+        let is_same = source.upgrade().is_some_and(|source| Arc::ptr_eq(&source, mesh));
+        is_same.then_some(built)
     }
 }
 
-fn address(mesh: &Arc<MeshData>) -> usize {
-    Arc::as_ptr(mesh) as usize
+/// The indices of a mesh without those of these submeshes.
+fn casting_indices<'m>(mesh: &'m MeshData, left_out: &[u32]) -> Cow<'m, [u32]> {
+    if left_out.is_empty() {
+        return Cow::Borrowed(&mesh.indices);
+    }
+    let mut casts = vec![true; mesh.indices.len()];
+    for part in left_out
+        .iter()
+        .filter_map(|&part| mesh.submeshes.get(part as usize))
+    {
+        casts[mesh.submesh_range(part)].fill(false);
+    }
+    let casting = mesh.indices.iter().zip(casts).filter(|(_, casts)| *casts);
+    Cow::Owned(casting.map(|(index, _)| *index).collect())
 }
 
 /// A number for each vertex. Two vertices have equal numbers if every pose moves them alike; only such
@@ -145,20 +183,30 @@ fn pose_keys(mesh: &MeshData) -> Option<Vec<u32>> {
     Some(keys.collect())
 }
 
-/// Gives a caster its edge mesh when it appears or when its mesh is exchanged.
+/// Gives a caster its edge mesh when it appears, when its mesh is exchanged, or when other submeshes of it are left out.
 ///
 /// Set: `BuildSilhouettes`, first. Cost: linear in the triangles of new meshes.
 pub fn build_caster_edges(
     mut commands: Commands,
     mut meshes: ResMut<CasterMeshes>,
     changed: Query<
-        (Entity, &SceneMesh, Option<&PosedMesh>, Has<RefusedCaster>),
-        (With<ShadowCaster>, Or<(Added<ShadowCaster>, Changed<SceneMesh>)>),
+        (
+            Entity,
+            &SceneMesh,
+            Option<&PosedMesh>,
+            Option<&LeftOutSubmeshes>,
+            Has<RefusedCaster>,
+        ),
+        (
+            With<ShadowCaster>,
+            Or<(Added<ShadowCaster>, Changed<SceneMesh>, Changed<LeftOutSubmeshes>)>,
+        ),
     >,
 ) {
-    for (entity, mesh, posed, was_refused) in &changed {
+    let whole = LeftOutSubmeshes::default();
+    for (entity, mesh, posed, left_out, was_refused) in &changed {
         let mut entity = commands.entity(entity);
-        match meshes.get_or_build(&mesh.0) {
+        match meshes.get_or_build_without(&mesh.0, &left_out.unwrap_or(&whole).0) {
             Ok(edges) => {
                 entity.insert(CasterEdges(edges));
                 if was_refused {

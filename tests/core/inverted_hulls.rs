@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use antumbra::prelude::*;
+use antumbra::scene::Submesh;
 use antumbra::schedule::{init_resources, standalone_schedule};
 use antumbra::sets::Objects;
+use antumbra::silhouettes::CasterEdges;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
@@ -100,6 +102,88 @@ fn an_inverted_hull_casts_only_where_its_surface_is_seen() {
     assert!(!frame.casts(hull));
     frame.world.get_mut::<SceneMesh>(hull).unwrap().0 = Arc::new(MeshData::cuboid(Vec3::splat(0.6)));
     assert!(frame.casts(hull));
+}
+
+/// The number of triangles with which an object casts in the next frame.
+fn casting_triangles(frame: &mut Frame, entity: Entity) -> usize {
+    assert!(frame.casts(entity));
+    let edges = frame.world.get::<CasterEdges>(entity).unwrap();
+    edges.0.edges.triangle_count()
+}
+
+#[test]
+fn a_hull_that_is_a_submesh_casts_only_where_its_surface_is_seen() {
+    let mut frame = Frame::new();
+    let hull = inverted(MeshData::cuboid(Vec3::splat(0.6)));
+    let mut mesh = MeshData::cuboid(Vec3::splat(0.5));
+    let base = mesh.positions.len() as u32;
+    mesh.positions.extend(&hull.positions);
+    mesh.normals.extend(&hull.normals);
+    mesh.indices.extend(hull.indices.iter().map(|index| base + index));
+    mesh.submeshes.push(Submesh {
+        first_index: 36,
+        index_count: 36,
+    });
+    let object = frame.spawn(mesh, false);
+    let material = |double_sided| {
+        Arc::new(Material {
+            double_sided,
+            ..Material::default()
+        })
+    };
+    let dress = |frame: &mut Frame, body: bool, hull: bool| {
+        let materials = SceneMaterials(vec![material(body), material(hull)].into());
+        frame.world.entity_mut(object).insert(materials);
+    };
+    // A submesh without a material is not drawn, and casts all the same.
+    assert_eq!(casting_triangles(&mut frame, object), 24);
+    dress(&mut frame, false, false);
+    assert_eq!(casting_triangles(&mut frame, object), 12);
+    let ticks = |frame: &Frame| {
+        frame
+            .world
+            .entity(object)
+            .get_ref::<CasterEdges>()
+            .unwrap()
+            .last_changed()
+    };
+    let before = ticks(&frame);
+    assert_eq!(
+        casting_triangles(&mut frame, object),
+        12,
+        "and in every frame after"
+    );
+    assert_eq!(before, ticks(&frame), "nothing is written where nothing changes");
+    dress(&mut frame, true, true);
+    assert_eq!(casting_triangles(&mut frame, object), 24, "both sides are seen");
+    dress(&mut frame, true, false);
+    assert_eq!(
+        casting_triangles(&mut frame, object),
+        12,
+        "the body has both sides"
+    );
+    let camera = frame.camera;
+    frame.world.get_mut::<Transform>(camera).unwrap().translation = Vec3::new(0.1, 0.2, 0.3);
+    assert_eq!(casting_triangles(&mut frame, object), 24, "to a camera within it");
+    frame.world.get_mut::<Transform>(camera).unwrap().translation = Vec3::new(0.0, 1.0, 8.0);
+    assert_eq!(casting_triangles(&mut frame, object), 12);
+    for (setting, culling, count) in [
+        (CulledCasters::Cast, FaceCulling::SingleSided, 24),
+        (CulledCasters::LeaveOut, FaceCulling::None, 24),
+        (CulledCasters::LeaveOut, FaceCulling::SingleSided, 12),
+    ] {
+        frame.world.insert_resource(setting);
+        frame.world.insert_resource(culling);
+        assert_eq!(
+            casting_triangles(&mut frame, object),
+            count,
+            "{setting:?} {culling:?}"
+        );
+    }
+    // An ordinary mesh in its place.
+    let plain = MeshData::cuboid(Vec3::splat(0.5));
+    frame.world.entity_mut(object).insert(SceneMesh(Arc::new(plain)));
+    assert_eq!(casting_triangles(&mut frame, object), 12);
 }
 
 #[test]

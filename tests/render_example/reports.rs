@@ -44,7 +44,7 @@ fn what_a_file_loses_is_said_in_a_line_each() {
     let scene = json!({
         "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
         "meshes": [{"primitives": [{"attributes": {}, "mode": 0}, {"attributes": {}, "mode": 1}]}],
-        "extensionsUsed": ["KHR_materials_clearcoat"],
+        "extensionsUsed": ["KHR_materials_sheen"],
         "images": [{"uri": "not_there.png"}], "textures": [{"source": 0}],
         "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
     });
@@ -63,7 +63,7 @@ fn what_a_file_loses_is_said_in_a_line_each() {
     for part in [
         "Points have no surface",
         "Lines have no surface",
-        "KHR_materials_clearcoat is ignored",
+        "KHR_materials_sheen is ignored",
         "not_there.png",
     ] {
         let said = |text: &str| text.contains(part) && text.contains("lossy.gltf: ");

@@ -19,6 +19,9 @@ pub struct Variant {
     /// True if the light or the object has weights, or the light's shadows have a colour. Only passes that add
     /// lights tell such surfaces apart.
     pub modelled: bool,
+    /// True if the surface has a clearcoat. Only passes that shade tell such surfaces apart; the others pay nothing for
+    /// the coat.
+    pub coated: bool,
 }
 
 impl Variant {
@@ -28,11 +31,12 @@ impl Variant {
             | usize::from(self.culled) << 1
             | usize::from(self.unshadowed) << 2
             | usize::from(self.modelled) << 3
+            | usize::from(self.coated) << 4
     }
 }
 
 /// The number of [`Variant`]s.
-pub const VARIANT_COUNT: usize = 16;
+pub const VARIANT_COUNT: usize = 32;
 
 /// One draw call, for one submesh with one material.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -136,6 +140,7 @@ impl DrawListBuilder {
                         culled: input.cull_back_faces && !item.double_sided,
                         unshadowed: !shadows.shown_on(input.objects, object),
                         modelled: modelled || input.table.weighted.contains(object),
+                        coated: item.coated,
                     },
                     material: item.material,
                     mesh,

@@ -417,6 +417,7 @@ fn collect_blended(
                 culled: input.cull_back_faces && !part.double_sided,
                 unshadowed: true,
                 modelled,
+                coated: part.coated,
             },
             material: part.material,
             mesh: input.table.mesh[object as usize],

@@ -4,6 +4,7 @@
 use std::num::NonZeroU64;
 
 use crate::render::pools::gpu_types;
+use crate::render::pools::textures::TEXTURE_COUNT;
 
 /// The bind group layouts that passes share. They are built once.
 #[derive(Debug)]
@@ -115,7 +116,7 @@ impl BindGroupLayouts {
             false,
             size_of::<gpu_types::Material>(),
         )];
-        for slot in 0..5 {
+        for slot in 0..TEXTURE_COUNT as u32 {
             material.push(texture_entry(1 + 2 * slot, true));
             material.push(wgpu::BindGroupLayoutEntry {
                 binding: 2 + 2 * slot,

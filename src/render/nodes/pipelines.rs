@@ -97,6 +97,13 @@ struct PassState {
     stencil: Where,
 }
 
+impl PassState {
+    /// Returns whether the pass evaluates the material's reflection or emission.
+    fn is_shaded(&self) -> bool {
+        self.format.is_some() && (self.file == AMBIENT || self.file == LIGHT)
+    }
+}
+
 const AMBIENT: &str = "passes/ambient.wgsl";
 const LIGHT: &str = "passes/light_accumulate.wgsl";
 const LIGHT_MODELLED: &str = "passes/light_modelled.wgsl";
@@ -340,6 +347,9 @@ fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
         );
     if state.is_blended {
         desc = desc.with_constants([("BLENDED", 1.0)]);
+    }
+    if variant.coated && state.is_shaded() {
+        desc = desc.with_constants([("COATED", 1.0)]);
     }
     if let Some(format) = state.format {
         desc = desc.with_target(format, state.blend, wgpu::ColorWrites::ALL);

@@ -180,10 +180,10 @@ pub struct Material {
     pub unlit: u32,
     /// 1 if alpha is ignored, else 0.
     pub opaque: u32,
-    /// Unused padding.
-    pub padding_a: u32,
-    /// Unused padding.
-    pub padding_b: u32,
+    /// Share of a clearcoat above the surface, 0 to 1.
+    pub clearcoat: f32,
+    /// Perceptual roughness of the clearcoat, 0 to 1.
+    pub clearcoat_roughness: f32,
     /// The base colour texture.
     pub base_color_slot: Slot,
     /// The metallic-roughness texture.
@@ -194,6 +194,10 @@ pub struct Material {
     pub occlusion_slot: Slot,
     /// The emissive texture.
     pub emissive_slot: Slot,
+    /// The texture of the clearcoat's share.
+    pub clearcoat_slot: Slot,
+    /// The texture of the clearcoat's roughness.
+    pub clearcoat_roughness_slot: Slot,
 }
 
 /// The attributes of a vertex beside its position. They are the vertex buffer 1 of drawn surfaces.

@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use wgpu::util::DeviceExt;
 
 use super::gpu_types;
-use super::textures::{Textures, slots, texture_descriptor, whole_texture};
+use super::textures::{TEXTURE_COUNT, Textures, slots, texture_descriptor, whole_texture};
 use crate::conventions::RADIANCE_MAX;
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::slots::Slots;
@@ -105,7 +105,7 @@ impl SharedMaterials {
         };
         // Textures are made without the lock: while threads make mipmaps, this one may run another view's system, which
         // asks for materials, too.
-        let made: SmallVec<[_; 5]> = missing
+        let made: SmallVec<[_; TEXTURE_COUNT]> = missing
             .iter()
             .map(|missing| missing.upload(&gpu.context))
             .collect();
@@ -265,7 +265,10 @@ fn constants(material: &Material) -> gpu_types::Material {
         normal_slot: slot(&material.normal_texture),
         occlusion_slot: slot(&material.occlusion_texture),
         emissive_slot: slot(&material.emissive_texture),
-        ..Default::default()
+        clearcoat: within(material.clearcoat, 0.0, 1.0, 0.0),
+        clearcoat_roughness: within(material.clearcoat_roughness, 0.0, 1.0, 0.0),
+        clearcoat_slot: slot(&material.clearcoat_texture),
+        clearcoat_roughness_slot: slot(&material.clearcoat_roughness_texture),
     }
 }
 

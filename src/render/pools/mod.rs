@@ -5,4 +5,4 @@ pub(crate) mod light_constants;
 pub(crate) mod materials;
 pub(crate) mod meshes;
 pub(crate) mod objects;
-mod textures;
+pub(crate) mod textures;

@@ -27,6 +27,8 @@ pub struct Item {
     pub double_sided: bool,
     /// True if the item takes no light.
     pub unlit: bool,
+    /// True if the item has a clearcoat.
+    pub coated: bool,
 }
 
 /// The mesh index of an object that is not drawn.
@@ -104,6 +106,7 @@ impl ObjectTable {
                         blended: material.alpha_mode == AlphaMode::Blend,
                         double_sided: material.double_sided,
                         unlit: material.unlit,
+                        coated: material.is_coated(),
                     });
                 }
             }

@@ -69,14 +69,19 @@ impl MissingTexture<'_> {
     }
 }
 
-/// The textures of a material, and how each is read.
-pub fn slots(material: &Material) -> [(&Option<TextureSlot>, Encoding); 5] {
+/// The number of textures of a material.
+pub const TEXTURE_COUNT: usize = 7;
+
+/// The textures of a material in the order of their bindings, and how each is read.
+pub fn slots(material: &Material) -> [(&Option<TextureSlot>, Encoding); TEXTURE_COUNT] {
     [
         (&material.base_color_texture, Encoding::Srgb),
         (&material.metallic_roughness_texture, Encoding::Linear),
         (&material.normal_texture, Encoding::Linear),
         (&material.occlusion_texture, Encoding::Linear),
         (&material.emissive_texture, Encoding::Srgb),
+        (&material.clearcoat_texture, Encoding::Linear),
+        (&material.clearcoat_roughness_texture, Encoding::Linear),
     ]
 }
 
@@ -87,8 +92,8 @@ pub fn whole_texture(slot: &Option<TextureSlot>) -> Option<&Arc<Texture>> {
 
 impl Textures {
     /// Returns the textures of a material that are not on the device, each once.
-    pub fn missing<'a>(&self, material: &'a Material) -> SmallVec<[MissingTexture<'a>; 5]> {
-        let mut missing: SmallVec<[MissingTexture<'a>; 5]> = SmallVec::new();
+    pub fn missing<'a>(&self, material: &'a Material) -> SmallVec<[MissingTexture<'a>; TEXTURE_COUNT]> {
+        let mut missing: SmallVec<[MissingTexture<'a>; TEXTURE_COUNT]> = SmallVec::new();
         for (slot, encoding) in slots(material) {
             let Some(texture) = whole_texture(slot) else {
                 continue;

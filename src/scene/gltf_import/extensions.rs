@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use gltf::json::{Root, Value};
 
+use super::clearcoat::CLEARCOAT;
 use super::{Element, GltfError, Report, SkipKind};
 
 /// The glTF extensions that the import supports with the cargo features of this build.
@@ -16,6 +17,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     #[cfg(feature = "gltf-draco")]
     DRACO,
     "KHR_lights_punctual",
+    CLEARCOAT,
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_pbrSpecularGlossiness",

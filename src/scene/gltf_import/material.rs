@@ -11,6 +11,7 @@ use gltf::json::validation::Checked;
 use gltf::json::{Index, Texture, Value, deserialize};
 
 use super::accessors::Accessors;
+use super::clearcoat::{self, CLEARCOAT};
 use super::specular_glossiness::{SpecularGlossiness, Surface};
 use super::texture::Textures;
 use super::transmission::{self, Transmission};
@@ -97,8 +98,10 @@ impl Import<'_, '_> {
             },
             double_sided: json.double_sided,
             unlit: extensions.is_some_and(|extensions| extensions.unlit.is_some()),
+            ..Material::default()
         };
         if let Some(extensions) = extensions {
+            self.clearcoat(extensions, &mut material)?;
             self.transmission(extensions, &mut material)?;
         }
         Ok(material)
@@ -171,6 +174,47 @@ impl Import<'_, '_> {
         }
         stated.apply(material);
         Ok(())
+    }
+
+    fn clearcoat(&mut self, extensions: &Extensions, material: &mut Material) -> Result<(), GltfError> {
+        let Some(json) = extensions.others.get(CLEARCOAT) else {
+            return Ok(());
+        };
+        let Some(stated) = clearcoat::parse(json) else {
+            self.skip(
+                SkipKind::MaterialValue,
+                format!("{CLEARCOAT} is not an object, it is ignored"),
+            );
+            return Ok(());
+        };
+        for name in stated.unread_numbers {
+            self.skip(
+                SkipKind::MaterialValue,
+                format!("{name} is not a number, it becomes 0"),
+            );
+        }
+        material.clearcoat = self.number("clearcoat factor", stated.factor, 1.0);
+        material.clearcoat_roughness = self.number("clearcoat roughness factor", stated.roughness, 1.0);
+        if material.clearcoat == 0.0 {
+            return Ok(());
+        }
+        for name in stated.unread_textures {
+            self.skip(
+                SkipKind::Texture,
+                format!("{name} cannot be read, the coat does without it"),
+            );
+        }
+        if stated.has_normals {
+            let reason = "clearcoatNormalTexture is not read, the coat has the normals of the mesh";
+            self.skip(SkipKind::Texture, reason);
+        }
+        material.clearcoat_texture = self.slot(stated.texture.as_ref().map(info))?;
+        material.clearcoat_roughness_texture = self.slot(stated.roughness_texture.as_ref().map(info))?;
+        Ok(())
+    }
+
+    fn skip(&mut self, kind: SkipKind, reason: impl Into<String>) {
+        self.report.add(kind, self.element, 1, reason);
     }
 
     /// Returns `value` if it lies in 0..=`largest`. Otherwise returns the nearest number that does, and

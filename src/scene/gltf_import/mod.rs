@@ -10,7 +10,7 @@
 //! | accessors, with bounds checked first | `accessors.rs` |
 //! | primitives to triangle lists, several to one mesh | `mesh.rs`, `vertices.rs`, `triangles.rs` |
 //! | textures, their pictures | `texture.rs`, `images.rs` |
-//! | materials, those of other models, computed textures | `material.rs`, `specular_glossiness.rs`, `transmission.rs`, `bake.rs` |
+//! | materials, those of other models, computed textures | `material.rs`, `clearcoat.rs`, `specular_glossiness.rs`, `transmission.rs`, `bake.rs` |
 //! | node forest, lights, cameras, skins | `nodes.rs`, `transforms.rs`, `instancing.rs`, `scenes.rs` |
 //! | cells, portals, occluders in extras | `cells.rs`, `cell_extras.rs` |
 //! | animation clips | `clips.rs` |
@@ -31,6 +31,7 @@
 //! | `KHR_lights_punctual`, `KHR_materials_emissive_strength`, `KHR_materials_unlit`, `KHR_mesh_quantization`, `KHR_texture_transform` | loaded |
 //! | `EXT_mesh_gpu_instancing` | an entity for each instance; a skinned mesh is drawn once, reported |
 //! | `KHR_node_visibility` | hidden nodes get no mesh and no light; animations of it are reported |
+//! | `KHR_materials_clearcoat` | loaded, but for its normal texture: the coat is as smooth as the mesh, reported |
 //! | `KHR_materials_pbrSpecularGlossiness` | converted to metallic-roughness, textures texel by texel |
 //! | `KHR_materials_transmission`, with `KHR_materials_ior` and `KHR_materials_volume` | blended by what passes, not refracted and not tinted; casts as blended surfaces do |
 //! | `KHR_draco_mesh_compression` | loaded with the cargo feature `gltf-draco` (default) |
@@ -40,7 +41,7 @@
 //! | whole numbers written `24.0`, scenes that list children, unread buffers that are missing, undeclared extensions | loaded; what it changes is reported |
 //! | points, lines, empty primitives, pictures that are missing or broken, third sets of coordinates | left out, reported |
 //! | cameras, lights, animation channels, material numbers without a meaning | left out or clamped, reported |
-//! | other extensions in `extensionsUsed`, such as `KHR_materials_clearcoat`, `_specular`, `_sheen`, `_variants` | ignored, reported |
+//! | other extensions in `extensionsUsed`, such as `KHR_materials_specular`, `_sheen`, `_variants` | ignored, reported |
 //! | other extensions in `extensionsRequired`; those above without their feature | an error that names the extension and the feature |
 //! | glTF 1.0, broken JSON, indices out of range, forests that are none, data that runs past its end | an error that names the element |
 
@@ -50,6 +51,7 @@ mod bake;
 mod buffers;
 mod cell_extras;
 mod cells;
+mod clearcoat;
 mod clips;
 mod container;
 mod draco;

@@ -101,7 +101,7 @@ pub enum SkipKind {
     Visibility,
     /// A texture that a material has to do without. Counts textures, images or materials.
     Texture,
-    /// A material number that was out of range and was clamped. Counts numbers.
+    /// A material number that was out of range and was clamped, or that cannot be read. Counts numbers.
     MaterialValue,
     /// A camera whose numbers make no projection. Counts cameras.
     Camera,

@@ -13,7 +13,9 @@ use super::raster::Sides;
 use super::settings::OcclusionSettings;
 use crate::geometry::{Aabb, distance_to_triangle};
 use crate::scene::changes::any_changed;
-use crate::scene::{AlphaMode, FaceCulling, Occluder, PosedMesh, SceneMaterials, SceneMesh};
+use crate::scene::{
+    AlphaMode, FaceCulling, LeftOutSubmeshes, Occluder, PosedMesh, SceneMaterials, SceneMesh,
+};
 use crate::sets::index::objects::{Objects, resize};
 
 /// Occluders, by dense object index. Written by [`collect_occluders`].
@@ -54,6 +56,7 @@ pub struct OccluderParts<'w, 's> {
             Option<&'static SceneMesh>,
             Option<&'static SceneMaterials>,
             Option<&'static Occluder>,
+            Option<&'static LeftOutSubmeshes>,
             Has<PosedMesh>,
         ),
     >,
@@ -170,7 +173,7 @@ impl Occluders {
         }
         for (object, &entity) in objects.entities.iter().enumerate() {
             let drawn = objects.drawn.contains(object);
-            let Ok((mesh, materials, occluder, posed)) = parts.objects.get(entity) else {
+            let Ok((mesh, materials, occluder, left_out, posed)) = parts.objects.get(entity) else {
                 continue;
             };
             let blends = materials.is_some_and(|materials| {
@@ -204,7 +207,10 @@ impl Occluders {
             });
             self.known.insert(object);
             self.camera.set(object, drawn);
-            self.light.set(object, objects.casters.contains(object));
+            // The occluder's mesh has all triangles of a mesh of which a part casts.
+            let casts_whole = left_out.is_none_or(|left_out| left_out.0.is_empty());
+            self.light
+                .set(object, casts_whole && objects.casters.contains(object));
             self.entries[object] = Some(Entry {
                 mesh,
                 world_from_local: world_from_local(&parts.transforms, entity),

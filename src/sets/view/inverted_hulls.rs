@@ -1,52 +1,103 @@
-//! Finds casters that exist only to be culled: closed surfaces that are turned inside out, as outlines of characters are.
+//! Finds casters that exist only to be culled: closed surfaces that are turned inside out, as outlines of characters are. Such
+//! a surface is a whole object, or a submesh of one.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
+use glam::DVec3;
 
 use super::frame_view::View;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput, is_outside_out};
 use crate::scene::{
-    CulledCasters, FaceCulling, MeshData, ObjectChurn, SceneMaterials, SceneMesh, ShadowCaster, WorldBounds,
+    CulledCasters, FaceCulling, MeshData, ObjectChurn, SceneMaterials, SceneMesh, ShadowCaster, Submeshes,
+    WorldBounds,
 };
 
-/// Casters that the camera sees only from behind, and that therefore cast no shadow. Written by
+/// Casters and submeshes that the camera sees only from behind, and that therefore cast no shadow. Written by
 /// [`find_inverted_hulls`].
 #[derive(Resource, Debug, Default)]
 pub struct InvertedHulls {
     /// The casters that are left out in this frame, ascending.
     left_out: Vec<Entity>,
-    /// The casters that are left out wherever the camera is outside of their bounds.
-    hulls: Vec<Entity>,
-    /// Whether each mesh is inverted, by its address.
-    meshes: HashMap<usize, (Weak<MeshData>, bool)>,
+    /// The submeshes that are left out in this frame while others of their caster are not, ascending by entity.
+    parts: Vec<(Entity, Submeshes)>,
+    /// The casters that are left out wherever the camera is outside of their bounds, ascending by entity. The list of
+    /// submeshes is empty for a caster that is left out as a whole.
+    hulls: Vec<(Entity, Submeshes)>,
+    /// What of each mesh is inverted, by its address.
+    meshes: HashMap<usize, (Weak<MeshData>, Inverted)>,
     seen: Option<(u64, FaceCulling, CulledCasters)>,
 }
 
+/// What of a mesh is inverted, whatever its materials are.
+#[derive(Clone, Debug, Default)]
+struct Inverted {
+    whole: bool,
+    /// Submeshes that are inverted hulls by themselves; empty for a mesh of one submesh.
+    submeshes: Submeshes,
+}
+
 impl InvertedHulls {
-    /// Whether a caster is left out in this frame.
+    /// Whether a caster is left out in this frame as a whole.
     pub fn leaves_out(&self, entity: Entity) -> bool {
         self.left_out.binary_search(&entity).is_ok()
     }
 
-    fn is_inverted(&mut self, mesh: &Arc<MeshData>) -> bool {
+    /// The submeshes that are left out in this frame while others of their caster are not, ascending by entity.
+    pub(in crate::sets) fn parts(&self) -> &[(Entity, Submeshes)] {
+        &self.parts
+    }
+
+    fn inverted(&mut self, mesh: &Arc<MeshData>) -> &Inverted {
         let address = Arc::as_ptr(mesh) as usize;
-        if let Some((known, inverted)) = self.meshes.get(&address)
-            && known.upgrade().is_some_and(|known| Arc::ptr_eq(&known, mesh))
-        {
-            return *inverted;
+        let entry = self.meshes.entry(address);
+        let entry = entry.or_insert_with(|| (Weak::new(), Inverted::default()));
+        if !entry.0.upgrade().is_some_and(|known| Arc::ptr_eq(&known, mesh)) {
+            *entry = (Arc::downgrade(mesh), Inverted::of(mesh));
         }
-        let inverted = is_inverted_hull(mesh);
-        self.meshes.insert(address, (Arc::downgrade(mesh), inverted));
-        inverted
+        &entry.1
+    }
+
+    /// Returns what of a caster is culled: no submeshes stand for the whole. `None` if nothing is.
+    fn hull(&mut self, mesh: &Arc<MeshData>, materials: &SceneMaterials) -> Option<Submeshes> {
+        let materials = &materials.0;
+        if materials.iter().all(|material| material.double_sided) {
+            return None;
+        }
+        let inverted = self.inverted(mesh);
+        if inverted.whole && materials.iter().all(|material| !material.double_sided) {
+            return Some(Submeshes::new());
+        }
+        let is_culled = |part: &&u32| {
+            let material = materials.get(**part as usize);
+            material.is_some_and(|material| !material.double_sided)
+        };
+        let culled: Submeshes = inverted.submeshes.iter().filter(is_culled).copied().collect();
+        (!culled.is_empty()).then_some(culled)
     }
 }
 
-/// Finds the casters that are left out under [`CulledCasters::LeaveOut`].
+impl Inverted {
+    fn of(mesh: &MeshData) -> Self {
+        let parts = (0u32..).zip(&mesh.submeshes);
+        let is_hull = |indices: &[u32]| is_inverted_hull(mesh, indices);
+        let hulls = parts.filter(|(_, part)| is_hull(&mesh.indices[mesh.submesh_range(part)]));
+        Self {
+            whole: is_hull(&mesh.indices),
+            submeshes: match mesh.submeshes.len() {
+                0 | 1 => Submeshes::new(),
+                _ => hulls.map(|(index, _)| index).collect(),
+            },
+        }
+    }
+}
+
+/// Finds the casters and submeshes that are left out under [`CulledCasters::LeaveOut`].
 ///
 /// Set: `CollectSets`, after the view and before the objects. Cost: all casters where one came, went or exchanged its
-/// mesh or material; the hulls alone in other frames. A mesh is examined once, and only if its volume is negative.
+/// mesh or material; the hulls alone in other frames. A mesh is examined once, and a surface of it only if its volume is
+/// negative.
 pub fn find_inverted_hulls(
     mut found: ResMut<InvertedHulls>,
     mut churn: ResMut<ObjectChurn>,
@@ -65,10 +116,7 @@ pub fn find_inverted_hulls(
         found.meshes.retain(|_, (mesh, _)| mesh.strong_count() > 0);
         if *culling == FaceCulling::SingleSided && *setting == CulledCasters::LeaveOut {
             for (entity, mesh, materials) in &casters {
-                let culled = materials.0.iter().all(|material| !material.double_sided);
-                if culled && !materials.0.is_empty() && found.is_inverted(&mesh.0) {
-                    hulls.push(entity);
-                }
+                hulls.extend(found.hull(&mesh.0, materials).map(|parts| (entity, parts)));
             }
         }
         hulls.sort_unstable();
@@ -80,40 +128,43 @@ pub fn find_inverted_hulls(
         eye.zip(bounds.ok())
             .is_none_or(|(eye, bounds)| !bounds.contains(eye))
     };
-    let culled = found.hulls.iter().copied().filter(|&entity| is_outside(entity));
-    if !culled.clone().eq(found.left_out.iter().copied()) {
-        let culled: Vec<Entity> = culled.collect();
-        found.left_out = culled;
+    let culled = || found.hulls.iter().filter(|(entity, _)| is_outside(*entity));
+    let whole = culled().filter(|(_, parts)| parts.is_empty());
+    let whole = whole.map(|(entity, _)| *entity);
+    if !whole.clone().eq(found.left_out.iter().copied()) {
+        found.left_out = whole.collect();
         churn.0 += 1; // the objects are collected anew
+    }
+    let parts = culled().filter(|(_, parts)| !parts.is_empty());
+    if !parts.clone().eq(&found.parts) {
+        found.parts = parts.cloned().collect();
     }
     found.seen = Some((churn.0, *culling, *setting));
 }
 
-/// Whether a mesh is closed and shows only backs from everywhere around it.
-fn is_inverted_hull(mesh: &MeshData) -> bool {
-    let corner = |index: u32| {
-        mesh.positions
-            .get(index as usize)
-            .map(|position| position.as_dvec3())
-    };
-    let volume: Option<f64> = mesh
-        .indices
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .map(|&[a, b, c]| Some(corner(a)?.dot(corner(b)?.cross(corner(c)?))))
-        .sum();
-    if !volume.is_some_and(|volume| volume < 0.0) {
+/// Largest sum of a closed surface's areas as vectors, as a share of their sum as numbers. It is 0 but for rounding.
+const OPEN: f64 = 1e-3;
+
+/// Whether triangles of a mesh form a closed surface that shows only backs from everywhere around it.
+fn is_inverted_hull(mesh: &MeshData, indices: &[u32]) -> bool {
+    let corner = |index: u32| mesh.positions.get(index as usize).map(|at| at.as_dvec3());
+    let (mut volume, mut outward, mut area) = (0.0, DVec3::ZERO, 0.0);
+    for &[a, b, c] in indices.as_chunks::<3>().0 {
+        let (Some(a), Some(b), Some(c)) = (corner(a), corner(b), corner(c)) else {
+            return false;
+        };
+        volume += a.dot(b.cross(c));
+        let across = (b - a).cross(c - a);
+        outward += across;
+        area += across.length();
+    }
+    // Most surfaces are found out here. What is not finite is no hull.
+    if !(volume < 0.0 && outward.length() <= OPEN * area) {
         return false;
     }
     // Turned around it is an ordinary closed mesh; as it is, its pieces count as open.
-    let turned: Vec<u32> = mesh
-        .indices
-        .as_chunks::<3>()
-        .0
-        .iter()
-        .flat_map(|&[a, b, c]| [a, c, b])
-        .collect();
+    let turned = indices.as_chunks::<3>().0.iter();
+    let turned: Vec<u32> = turned.flat_map(|&[a, b, c]| [a, c, b]).collect();
     let edges = EdgeMesh::build(EdgeMeshInput {
         positions: &mesh.positions,
         indices: &turned,

@@ -1,17 +1,21 @@
-//! Finds objects that nobody can see because of their alpha. They are not drawn and cast no shadow.
+//! Finds objects and submeshes that nobody can see because of their alpha. They cast no shadow, and such objects are not
+//! drawn.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
 
-use crate::scene::{ObjectChurn, SceneMaterials, SceneMesh, Texture, WorldBounds};
+use crate::scene::material::Hidden;
+use crate::scene::{ObjectChurn, SceneMaterials, SceneMesh, Submeshes, Texture, WorldBounds};
 
-/// Objects whose materials hide every triangle. Written by [`find_invisible_objects`].
+/// Objects and submeshes whose materials hide every triangle. Written by [`find_invisible_objects`].
 #[derive(Resource, Debug, Default)]
 pub struct InvisibleObjects {
     /// Ascending.
     entities: Vec<Entity>,
+    /// The hidden submeshes of objects that also have others, ascending by entity.
+    parts: Vec<(Entity, Submeshes)>,
     /// The greatest alpha of textures, by their address.
     alphas: HashMap<usize, (Weak<Texture>, f32)>,
     seen: Option<u64>,
@@ -21,6 +25,11 @@ impl InvisibleObjects {
     /// Whether an object is invisible in this frame.
     pub fn contains(&self, entity: Entity) -> bool {
         self.entities.binary_search(&entity).is_ok()
+    }
+
+    /// The hidden submeshes of objects that also have others, ascending by entity.
+    pub(in crate::sets) fn parts(&self) -> &[(Entity, Submeshes)] {
+        &self.parts
     }
 
     fn greatest_alpha(&mut self, texture: &Arc<Texture>) -> f32 {
@@ -36,7 +45,7 @@ impl InvisibleObjects {
     }
 }
 
-/// Finds the objects that are invisible: blended with an alpha of 0, or masked with an alpha below the cutoff everywhere.
+/// Finds the objects and submeshes that are invisible: blended with an alpha of 0, or masked with an alpha below the cutoff everywhere.
 ///
 /// Set: `CollectSets`, before the objects. Cost: all objects where one came, went or exchanged its mesh or material; a texture
 /// is examined once, and only if a material masks or blends by it.
@@ -52,17 +61,22 @@ pub fn find_invisible_objects(
     }
     found.alphas.retain(|_, (texture, _)| texture.strong_count() > 0);
     let before = std::mem::take(&mut found.entities);
-    let mut entities: Vec<Entity> = objects
-        .iter()
-        .filter(|(_, mesh, materials)| {
-            materials.are_invisible(&mesh.0, |texture| found.greatest_alpha(texture))
-        })
-        .map(|(entity, ..)| entity)
-        .collect();
+    let mut entities = Vec::new();
+    let mut parts = std::mem::take(&mut found.parts);
+    parts.clear();
+    for (entity, mesh, materials) in &objects {
+        match materials.hidden(&mesh.0, |texture| found.greatest_alpha(texture)) {
+            Hidden::Nothing => {}
+            Hidden::Submeshes(hidden) => parts.push((entity, hidden)),
+            Hidden::Everything => entities.push(entity),
+        }
+    }
     entities.sort_unstable();
+    parts.sort_unstable();
     if entities != before {
         churn.0 += 1; // the objects are collected anew
     }
     found.entities = entities;
+    found.parts = parts;
     found.seen = Some(churn.0);
 }

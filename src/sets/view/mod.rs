@@ -4,6 +4,7 @@ pub(crate) mod frame_view;
 pub(crate) mod frustum;
 pub(crate) mod inverted_hulls;
 pub(crate) mod invisible;
+pub(crate) mod left_out;
 pub(crate) mod screen;
 pub(crate) mod screen_union;
 pub(crate) mod seen_into;

@@ -6,7 +6,7 @@ use super::build_maps::Maps;
 use super::light_map::{LightMap, asker};
 use super::request::MapRequests;
 use super::settings::{MapError, MapReport, MapResolution, MapSettings};
-use crate::scene::{SceneMaterials, SceneMesh};
+use crate::scene::{LeftOutSubmeshes, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
 
@@ -74,7 +74,14 @@ pub fn ask_for_maps(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
-    exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    exchanged: Query<
+        Entity,
+        Or<(
+            Changed<SceneMesh>,
+            Changed<SceneMaterials>,
+            Changed<LeftOutSubmeshes>,
+        )>,
+    >,
     mut stripped: RemovedComponents<SceneMaterials>,
 ) {
     let maps = &mut *maps;

@@ -14,7 +14,7 @@ use super::light_slices::LightSlices;
 use super::scene_box::OwnBox;
 use super::shell::is_shell_around;
 use crate::scene::placement::Placement;
-use crate::scene::{AlphaMode, LocalBounds, SceneMaterials, SceneMesh};
+use crate::scene::{AlphaMode, LeftOutSubmeshes, LocalBounds, SceneMaterials, SceneMesh};
 use crate::sets::{FrameLights, Objects};
 use crate::silhouettes::CasterEdges;
 use crate::techniques::registry::Technique;
@@ -63,7 +63,14 @@ pub fn ask_for_slices(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     components: Query<&OcclusionTexture>,
-    exchanged: Query<Entity, Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    exchanged: Query<
+        Entity,
+        Or<(
+            Changed<SceneMesh>,
+            Changed<SceneMaterials>,
+            Changed<LeftOutSubmeshes>,
+        )>,
+    >,
     casters: Query<(&CasterEdges, &GlobalTransform, Option<&SceneMaterials>)>,
     placed: Query<(&LocalBounds, Placement)>,
 ) {

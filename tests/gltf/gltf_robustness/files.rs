@@ -51,6 +51,6 @@ fn required_extensions_are_named() {
     let message = error_after(|b| b.json["extensionsRequired"] = json!(["KHR_materials_iridescence"]));
     assert_names(&message, &["KHR_materials_iridescence"]);
     let mut builder = quad();
-    builder.json["extensionsUsed"] = json!(["KHR_materials_clearcoat"]);
+    builder.json["extensionsUsed"] = json!(["KHR_materials_sheen"]);
     assert_eq!(builder.load().report.count(SkipKind::Extension), 1);
 }

@@ -145,15 +145,15 @@ fn buffers_that_nothing_reads_may_be_missing() {
 #[test]
 fn extensions_are_reported_whether_they_are_declared_or_not() {
     let mut builder = quad();
-    builder.json["extensionsUsed"] = json!(["KHR_materials_clearcoat", "KHR_materials_ior"]);
+    builder.json["extensionsUsed"] = json!(["KHR_materials_sheen", "KHR_materials_ior"]);
     builder.json["nodes"][0]["extensions"] = json!({"VENDOR_physics": {}});
     builder.json["materials"] =
-        json!([{"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": 1.0}}}]);
+        json!([{"extensions": {"KHR_materials_sheen": {"sheenRoughnessFactor": 1.0}}}]);
     let report = builder.load().report;
     assert_eq!(report.count(SkipKind::Extension), 2);
     let text = report.to_string();
     assert!(
-        text.contains("KHR_materials_clearcoat is ignored (1 element"),
+        text.contains("KHR_materials_sheen is ignored (1 element"),
         "{text}"
     );
     assert!(text.contains("VENDOR_physics is ignored"), "{text}");

@@ -107,13 +107,18 @@ fn textures_of_the_wrong_size_are_ignored() {
 #[test]
 fn numbers_that_are_not_finite_do_not_reach_the_gpu() {
     let context = strict_context();
-    let spoilers: [(&str, fn(&mut Material, f32)); 8] = [
+    let spoilers: [(&str, fn(&mut Material, f32)); 10] = [
         ("base colour", |m, x| m.base_color = Vec4::splat(x)),
         ("metallic", |m, x| m.metallic = x),
         ("roughness", |m, x| m.roughness = x),
         ("normal scale", |m, x| m.normal_scale = x),
         ("occlusion strength", |m, x| m.occlusion_strength = x),
         ("emissive", |m, x| m.emissive = Vec3::splat(x)),
+        ("clearcoat", |m, x| m.clearcoat = x),
+        ("clearcoat roughness", |m, x| {
+            m.clearcoat = 1.0;
+            m.clearcoat_roughness = x;
+        }),
         ("alpha cutoff", |m, x| m.alpha_mode = AlphaMode::Mask(x)),
         ("blended", |m, x| {
             m.alpha_mode = AlphaMode::Blend;

@@ -13,7 +13,7 @@ use crate::render::pools::meshes::MeshPool;
 use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
 use crate::scene::placement::placed;
-use crate::scene::{AlphaMode, SceneMaterials, Skin};
+use crate::scene::{AlphaMode, LeftOutSubmeshes, SceneMaterials, Skin};
 use crate::sets::Objects;
 use crate::techniques::maps::face::MapFace;
 
@@ -110,13 +110,16 @@ impl MapDraws {
             return;
         }
         let object_index = object as u32;
-        let materials = world.get::<SceneMaterials>(objects.entities[object]);
+        let entity = objects.entities[object];
+        let materials = world.get::<SceneMaterials>(entity);
+        let left_out = world.get::<LeftOutSubmeshes>(entity);
+        let left_out = left_out.map_or(&[][..], |left_out| &left_out.0);
         let is_masked = |submesh: usize| {
             let material = materials.and_then(|materials| materials.0.get(submesh));
             material.is_some_and(|material| matches!(material.alpha_mode, AlphaMode::Mask(_)))
         };
         let submeshes = input.meshes.get(mesh).map_or(0, |mesh| mesh.submeshes.len());
-        if !(0..submeshes).any(is_masked) {
+        if left_out.is_empty() && !(0..submeshes).any(is_masked) {
             self.parts.push(Part {
                 material: None,
                 mesh,
@@ -125,7 +128,7 @@ impl MapDraws {
             });
             return;
         }
-        for submesh in 0..submeshes {
+        for submesh in (0..submeshes).filter(|submesh| !left_out.contains(&(*submesh as u32))) {
             let items = input.table.items_of(object);
             let item = items.iter().find(|item| item.submesh as usize == submesh);
             self.parts.push(Part {
