@@ -47,7 +47,9 @@ fn add_surfaces(hash: &mut StableHash, surfaces: &[Surface]) {
             hash.add_float(value);
         }
         let flags = [surface.is_two_sided, surface.receives, surface.casts];
-        flags.map(|flag| hash.add(u64::from(flag)));
+        for flag in flags {
+            hash.add(u64::from(flag));
+        }
     }
 }
 
