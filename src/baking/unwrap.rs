@@ -147,6 +147,7 @@ mod tests {
             world_from_local: [0.0; 12],
             is_two_sided: false,
             receives: true,
+            casts: true,
             triangles: world_triangles(mesh, &mesh.submeshes[0], &Affine3A::IDENTITY),
             has_coordinates: !mesh.uv1.is_empty(),
         }
