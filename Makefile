@@ -19,7 +19,7 @@ export NODEVICE_SELECT := 1
 # repository are ignored, and counted as such, where the list of all models is not there.
 export ANTUMBRA_MODELS ?= $(CURDIR)/assets/models
 # What takes minutes and prints tables for people is run by hand.
-ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),-- --include-ignored --skip by_hand)
+ALL_MODELS := $(if $(wildcard $(ANTUMBRA_MODELS)/MANIFEST.json),--include-ignored --skip by_hand)
 
 # All features but the windows: nothing here opens one, and they bring 75 crates. That they compile is seen by test-lints.
 FEATURES := --features bevy-gizmos,gltf,gltf-meshopt,gltf-basisu,reference,profile
@@ -38,8 +38,8 @@ test test-all test-examples test-benches: export GALLIVM_PERF ?= nopt
 SMALL := target/small
 named_in = $(shell sed -n '/^\[\[$(1)\]\]/,/^name/s/^name = "\(.*\)"/\1/p' Cargo.toml)
 BENCHES := $(call named_in,bench)
-# All test programs but that of Bevy, which runs beside them.
-TESTS := $(filter-out bevy,$(call named_in,test)) playground
+# All test programs but those that run by themselves.
+TESTS := $(filter-out bevy gpu,$(call named_in,test)) playground
 SHOTS := $(filter-out %/schema.json,$(wildcard examples/shots/*.json))
 
 help: ## this list
@@ -77,12 +77,17 @@ test-lints: ## clippy with all features, with those of a renderer, and on the EC
 test-docs: ## API documentation, no warning allowed
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps --all-features --lib --example own_engine
 
+# Tests of `gpu` that draw models for longer than their shaders are compiled. LLVM's optimizations make them faster.
+DRAW_LONG := maps::dungeon occlusion_pictures orthographic::models perspective_map::models reference_match stencil_identity
+
 # In parts: with --include-ignored, snippets that are no programs would be run too. The first command builds the examples
 # that tests run. The tests with Bevy use one core for most of their time, so the others run beside them.
 test-all: ## all tests and doc tests
 	cargo test $(BOTH) --no-run
-	mkdir -p target; cargo test $(BOTH) --test bevy $(ALL_MODELS) >target/test-bevy.log 2>&1 & bevy=$$!; \
-	cargo test $(BOTH) --lib --bins $(addprefix --test ,$(TESTS)) $(ALL_MODELS) || failed=1; \
+	mkdir -p target; cargo test $(BOTH) --test bevy -- $(ALL_MODELS) >target/test-bevy.log 2>&1 & bevy=$$!; \
+	cargo test $(BOTH) --lib --bins $(addprefix --test ,$(TESTS)) -- $(ALL_MODELS) || failed=1; \
+	GALLIVM_PERF= cargo test $(BOTH) --test gpu -- $(DRAW_LONG) $(ALL_MODELS) || failed=1; \
+	cargo test $(BOTH) --test gpu -- $(addprefix --skip ,$(DRAW_LONG)) $(ALL_MODELS) || failed=1; \
 	wait $$bevy || failed=1; \
 	cat target/test-bevy.log; exit $${failed:-0}
 	cargo test $(FEATURES) --doc
