@@ -39,9 +39,9 @@
 //! **Night.** While the sun is below the horizon, it lights nothing that shows shadows, whether that is in the maps or not.
 //! Objects that show no shadows are lit from below.
 //!
-//! **When the scene changes.** Surfaces are recognized by their triangles and their place. If one that was baked is gone or
-//! has moved, the maps are refused and reported, and the light shines without a shadow. Objects that come or go elsewhere
-//! change nothing.
+//! **When the scene changes.** Surfaces are recognized by their triangles and their place. If one that was baked is gone, has
+//! moved, or blocks the light now and did not then (or the reverse), the maps are refused and reported, and the light shines
+//! without a shadow. Objects that come or go elsewhere change nothing.
 //!
 //! **Several lights** on the same path may name the same maps. Their textures exist once, and count once towards
 //! [`TextureMemory`](crate::techniques::TextureMemory).
