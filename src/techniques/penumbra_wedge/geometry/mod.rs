@@ -2,6 +2,8 @@
 
 pub(crate) mod clip;
 pub(crate) mod cut;
+mod cut_outlines;
+pub(crate) mod cut_patches;
 pub(crate) mod ends;
 mod layer_split;
 pub(crate) mod patches;
