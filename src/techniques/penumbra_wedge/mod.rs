@@ -37,6 +37,10 @@
 //! counted by itself, at every pixel (`geometry/cut.rs`). Surfaces in a plane through the light's centre that lie beyond its
 //! extent are counted by their edges, like any other, but have no hard shadow.
 //!
+//! A polygon takes 0.3 µs for each pixel that the light reaches, on a software driver with two cores. So a flat ceiling
+//! costs about a hundredth of what a bulb of many triangles does. When the light or the caster moves, finding the polygons
+//! takes up to 10 µs of the CPU for each triangle that cuts.
+//!
 //! # Error and cost
 //!
 //! The RMSE of the visibility over the penumbra is 0.002 to 0.003 for a box or a ball, coarse or fine, under a square, wide or

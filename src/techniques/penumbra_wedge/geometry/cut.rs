@@ -16,7 +16,7 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 use smallvec::SmallVec;
 
-use super::cut_patches::{CutPolygon, CutTriangle, Patch};
+use super::cut_pieces::{CutPolygon, CutTriangle, Patch};
 use super::records::{CUT, SOFT, SOFT_LAYERS_SHIFT, Wedge};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::convex_polygon::clip;

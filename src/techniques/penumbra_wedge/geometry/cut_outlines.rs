@@ -9,7 +9,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::cut_patches::{CutPolygon, CutTriangle, NONE, Patch, side_of};
+use super::cut_pieces::{CutPolygon, CutTriangle, NONE, Patch, side_of};
 
 /// The greatest number of edges of a chain that one edge replaces. It bounds the time, which is quadratic in it.
 const LONGEST: usize = 1024;
