@@ -175,7 +175,7 @@ fn more_cuts_than_there_is_time_for_are_reported() {
     let mut stage = ground();
     let mut mesh = MeshData::icosphere(0.2, 3);
     for (index, position) in mesh.positions.iter_mut().enumerate() {
-        *position *= if index % 2 == 0 { 0.6 } else { 1.0 };
+        *position *= if index.is_multiple_of(2) { 0.6 } else { 1.0 };
     }
     stage
         .world

@@ -40,7 +40,11 @@ fn sheet(cells: u32, half_size: f32) -> MeshData {
 fn shade(sides: u32) -> MeshData {
     let at = |i: u32| {
         let (sin, cos) = ((i / 2) as f32 / sides as f32 * TAU).sin_cos();
-        Vec3::new(0.5 * cos, if i % 2 == 0 { -0.25 } else { 0.25 }, 0.5 * sin)
+        Vec3::new(
+            0.5 * cos,
+            if i.is_multiple_of(2) { -0.25 } else { 0.25 },
+            0.5 * sin,
+        )
     };
     let quad = |side: u32| {
         let (a, b) = (2 * side, 2 * ((side + 1) % sides));
