@@ -1,13 +1,13 @@
 //! Area lights that finely tessellated surfaces cut: a flat surface is one polygon, however many cells it has, and curved ones
 //! are as coarse as the light allows.
 
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 use antumbra::insides::records::CUT;
 use antumbra::prelude::*;
 use antumbra::techniques::PenumbraWedges;
 use bevy_transform::prelude::Transform;
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 use super::light_cut::soft_error;
 use super::scenes::{SIZE, lamp, object, stage};
@@ -170,11 +170,29 @@ fn bulbs_and_shades_of_many_triangles_hide_as_rays_do() {
 }
 
 /// What is in a plane through the light's centre, but beyond the light's extent, has penumbra edges and is not drawn over
-/// the whole picture.
+/// the whole picture. Here a sheet with a hole around the lamp shadows the walls above and below it.
 #[test]
 fn surfaces_at_the_height_of_a_lamp_are_drawn_by_their_edges() {
+    let mut mesh = sheet(12, 1.8);
+    let is_in_hole = |corners: &[u32]| {
+        let middle = corners.iter().map(|i| mesh.positions[*i as usize]).sum::<Vec3>() / 3.0;
+        middle.x.abs().max(middle.z.abs()) < 0.6
+    };
+    let rim = mesh
+        .indices
+        .chunks_exact(3)
+        .filter(|corners| !is_in_hole(corners));
+    let indices = rim.flatten().copied().collect();
+    mesh = MeshData::from_triangles("rim", mesh.positions.clone(), indices);
+    let at = Vec3::Y * 1.2;
     let kind = LightKind::Sphere { radius: 0.3 };
-    let at = Vec3::new(-1.35, 1.2, 0.0);
-    let mut stage = lit(FROM_AFAR, (sheet(10, 0.9), at), kind, Vec3::Y * 1.2);
+    let mut stage = lit(Vec3::new(2.2, 2.0, 4.0), (mesh, at), kind, at);
+    for (place, turn) in [
+        (Vec3::new(-2.6, 1.2, 0.0), Quat::from_rotation_z(FRAC_PI_2)),
+        (Vec3::new(0.0, 1.2, -2.6), Quat::from_rotation_x(FRAC_PI_2)),
+    ] {
+        let wall = Transform::from_translation(place).with_rotation(turn);
+        stage.world.spawn(object(MeshData::plane(2.6), wall));
+    }
     assert_eq!(fault("sheet at the height of the lamp", &mut stage, 0), None);
 }
