@@ -13,17 +13,17 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use antumbra::prelude::{
-    Camera, Material, MeshData, OmniMap, PerspectiveMap, SceneMaterials, SceneMesh, ShadowCaster, ShadowMap,
-    ShadowReceiver, Smoothie, StencilVolume,
+    Camera, Material, MeshData, OmniMap, PenumbraWedge, PerspectiveMap, SceneMaterials, SceneMesh,
+    ShadowCaster, ShadowMap, ShadowReceiver, Smoothie, StencilVolume,
 };
 use antumbra::reports::Reports;
 use antumbra::scene::{
-    BarnMap, Cookie, CookieImage, Light, LightDistance, LightProfile, LightShape, LightWeights, ShadowOrigin,
-    ShadowSoftness, ShadowTint, WorldBounds,
+    BarnMap, Cookie, CookieImage, Light, LightDistance, LightKind, LightProfile, LightShape, LightWeights,
+    ShadowOrigin, ShadowSoftness, ShadowTint, WorldBounds,
 };
 use antumbra::schedule::{add_systems, collect_reports, init_resources};
 use antumbra::sets::{SetWork, ViewportSize, collect_sets};
-use antumbra::techniques::PerspectiveMaps;
+use antumbra::techniques::{PenumbraWedges, PerspectiveMaps};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SingleThreadedExecutor;
 use bevy_transform::prelude::GlobalTransform;
@@ -230,6 +230,59 @@ fn perspective_maps_and_smoothies_allocate_nothing_after_warm_up() {
         assert_eq!(allocations(|| run(&mut world, step as f32)), 0, "the view moves");
     }
     assert_eq!(world.resource::<PerspectiveMaps>().fitted_anew, 2);
+}
+
+/// A ball that reaches into a shade of many triangles and into the plane above it.
+#[test]
+fn lights_that_surfaces_cut_allocate_nothing_after_warm_up() {
+    let mut world = World::new();
+    init_resources(&mut world);
+    let mut frame = Schedule::default();
+    frame.set_executor(SingleThreadedExecutor::new());
+    add_systems(&mut frame);
+    world.resource_mut::<ViewportSize>().0 = VIEWPORT;
+    let place = |x: f32, y: f32, z: f32| GlobalTransform::from_translation(Vec3::new(x, y, z));
+    let camera = world.spawn((Camera::default(), place(0.0, 2.0, 8.0))).id();
+    for (mesh, at) in [
+        (MeshData::plane(30.0), place(0.0, 0.0, 0.0)),
+        (MeshData::plane(3.0), place(0.0, 2.1, 0.0)),
+        (MeshData::icosphere(0.4, 3), place(0.0, 2.0, 0.0)),
+    ] {
+        world.spawn((
+            SceneMesh(Arc::new(mesh)),
+            SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into()),
+            (ShadowCaster, ShadowReceiver),
+            at,
+        ));
+    }
+    let kind = LightKind::Sphere { radius: 0.5 };
+    let light = Light {
+        kind,
+        ..Light::point(Vec3::ONE, 50.0, 40.0)
+    };
+    let lamp = world
+        .spawn((light, place(0.0, 2.0, 0.0), PenumbraWedge::default()))
+        .id();
+    let mut run = |world: &mut World, moved: Entity, at: GlobalTransform| {
+        *world
+            .get_mut::<GlobalTransform>(moved)
+            .expect("it stands somewhere") = at;
+        frame.run(world);
+        world.clear_trackers();
+    };
+    let lamp_at = |step: i32| place(0.0, 2.0 + 0.04 * (step % 3) as f32, 0.0);
+    for step in 0..6 {
+        run(&mut world, lamp, lamp_at(step));
+    }
+    assert!(world.resource::<PenumbraWedges>().wedges.len() > 50, "it is cut");
+    for step in 1..5 {
+        let view = place(0.01 * step as f32, 2.0, 8.0);
+        assert_eq!(allocations(|| run(&mut world, camera, view)), 0, "the view moves");
+    }
+    for step in 0..6 {
+        let count = allocations(|| run(&mut world, lamp, lamp_at(step)));
+        assert_eq!(count, 0, "the lamp moves");
+    }
 }
 
 #[test]

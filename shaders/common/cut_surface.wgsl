@@ -1,4 +1,4 @@
-// The share of a light that a triangle hides which cuts the light.
+// The share of a light that a polygon hides which cuts the light.
 // Host    src/techniques/penumbra_wedge/geometry/cut.rs
 // Spaces  homogeneous places on the light: xy / z on the square from −1 to 1 or the unit disc; z: share of the way to it
 #define_import_path antumbra::cut_surface
@@ -7,12 +7,15 @@
 #import antumbra::coverage::{Seen, LEAST_WAY, border_place, clip_range, place_on_rect, place_on_disc, project_to_rect}
 #import antumbra::wedge_light::{light, Maths, Places, Sampling, Sides, behind, places_between, unit_line}
 
-// A convex polygon of homogeneous places on the light.
+// A polygon of homogeneous places on the light. It may cross itself: its area counts with its sign.
 struct Polygon {
-    corners: array<vec3f, 6>,
+    corners: array<vec3f, 8>,       // MOST_CORNERS
     count: u32,
-    turn: f32,                      // 1: counter-clockwise; −1: clockwise
+    turn: f32,                      // 1: what turns counter-clockwise hides; −1: what turns clockwise does
 }
+
+// Four corners, and one more for each of the three lines that cut them.
+const MOST_CORNERS: u32 = 8u;
 
 // Clips a polygon to where a linear function is not negative.
 fn clip_polygon(polygon: Polygon, plane: vec4f) -> Polygon {
@@ -24,11 +27,11 @@ fn clip_polygon(polygon: Polygon, plane: vec4f) -> Polygon {
         let next = all.corners[i];
         let at_last = dot(plane.xyz, last) + plane.w;
         let at_next = dot(plane.xyz, next) + plane.w;
-        if (at_last >= 0.0) != (at_next >= 0.0) && kept.count < 6u {
+        if (at_last >= 0.0) != (at_next >= 0.0) && kept.count < MOST_CORNERS {
             kept.corners[kept.count] = mix(last, next, at_last / (at_last - at_next));
             kept.count += 1u;
         }
-        if at_next >= 0.0 && kept.count < 6u {
+        if at_next >= 0.0 && kept.count < MOST_CORNERS {
             kept.corners[kept.count] = next;
             kept.count += 1u;
         }
@@ -36,21 +39,37 @@ fn clip_polygon(polygon: Polygon, plane: vec4f) -> Polygon {
     return kept;
 }
 
-// The part of a triangle between a receiver and the light, as the receiver sees it on the light.
-fn cut_polygon(p: vec3f, corners: array<vec3f, 3>, is_sphere: bool) -> Polygon {
+// The part of a polygon between a receiver and the light, as the receiver sees it on the light; without corners if it lies
+// beside the light. `height` is the receiver's distance from the polygon's plane, about whose normal the polygon turns
+// counter-clockwise.
+fn cut_polygon(p: vec3f, height: f32, corners: array<vec3f, 4>, is_sphere: bool) -> Polygon {
     var polygon: Polygon;
-    polygon.count = select(0u, 3u, is_sphere || p.z < 0.0);
+    polygon.count = select(0u, 4u, is_sphere || p.z < 0.0);
+    polygon.turn = select(-1.0, 1.0, height < 0.0);
     var points = corners;
-    for (var i = 0u; i < 3u; i++) {
+    for (var i = 0u; i < 4u; i++) {
         if is_sphere {
             polygon.corners[i] = place_on_disc(p, points[i], light.half_size.x);
         } else {
             polygon.corners[i] = place_on_rect(p, points[i], light.half_size);
         }
     }
-    let volume = dot(cross(polygon.corners[0], polygon.corners[1]), polygon.corners[2]);
-    polygon.turn = select(-1.0, 1.0, volume >= 0.0);
-    return clip_polygon(clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY)), vec4f(0.0, 0.0, -1.0, 1.0));
+    polygon = clip_polygon(clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY)), vec4f(0.0, 0.0, -1.0, 1.0));
+    if is_beside(polygon) {
+        polygon.count = 0u;
+    }
+    return polygon;
+}
+
+// Whether all corners lie beyond one side of the square around the light.
+fn is_beside(polygon: Polygon) -> bool {
+    var beyond = vec4<bool>(true);
+    var all_corners = polygon;
+    for (var i = 0u; i < all_corners.count; i++) {
+        let at = all_corners.corners[i];
+        beyond = beyond & vec4<bool>(at.xy > at.zz, -at.xy > at.zz);
+    }
+    return any(beyond);
 }
 
 // Signed share of a disc that a ray from its centre sweeps along an edge, up to the edge: a triangle where the edge is on
@@ -113,7 +132,7 @@ fn passed(a: vec2f, b: vec2f) -> f32 {
     return share - round(share);
 }
 
-// Share of the light that lies behind a polygon and above the receiver's horizon.
+// Signed share of the light that lies behind a polygon and above the receiver's horizon.
 fn polygon_share(polygon: Polygon, horizon: vec3f, maths: Maths) -> vec4f {
     var over = clip_polygon(polygon, vec4f(horizon, 0.0));
     var swept = 0.0;
@@ -126,30 +145,30 @@ fn polygon_share(polygon: Polygon, horizon: vec3f, maths: Maths) -> vec4f {
             swept += swept_rect(first, last);
         }
     }
-    let share = vec4f(clamp(swept * over.turn, 0.0, 1.0));
+    let share = vec4f(clamp(swept * over.turn, -1.0, 1.0));
     if maths.is_textured {
         return vec4f(polygon_colors(over, maths), share.a);
     }
     return share;
 }
 
-// Share of a textured light, by colour: 1 if the centre lies behind the polygon, less what lies behind its far edges, plus
-// what lies behind its near edges.
+// Signed share of a textured light, by colour: the whole for each turn of the polygon around the centre, less what lies
+// behind edges that turn about the centre as the polygon does, plus what lies behind the others.
 fn polygon_colors(polygon: Polygon, maths: Maths) -> vec3f {
     var over = polygon;
     var share = vec3f(0.0);
-    var holds_center = over.count >= 3u;
+    var turns = 0.0;
     for (var i = 0u; i < over.count; i++) {
         let seen = Seen(over.corners[i], over.corners[(i + 1u) % over.count], true);
-        let is_far = cross(seen.first, seen.last).z * over.turn >= 0.0;
-        holds_center = holds_center && is_far;
-        share += behind(project_to_rect(seen), maths).rgb * select(1.0, -1.0, is_far);
+        let way = passed(seen.first.xy, seen.last.xy);
+        turns += way;
+        share -= behind(project_to_rect(seen), maths).rgb * sign(way);
     }
-    return clamp(share + select(0.0, 1.0, holds_center), vec3f(0.0), vec3f(1.0));
+    return clamp((share + round(turns)) * over.turn, vec3f(-1.0), vec3f(1.0));
 }
 
 // For all places, the part behind a polygon, in steps. It is what lies below the upper edges, less what lies below the
-// lower edges. Triangles agree on the steps of the edge that they share, so a surface of thin triangles hides no place
+// lower edges. Polygons agree on the steps of the edge that they share, so a surface of thin polygons hides no place
 // twice. Sectors around the centre would not do: they have no direction where a corner of the polygon is at the
 // centre, which is so wherever a light sits on an edge of the mesh.
 fn polygon_places(polygon: Polygon, sampling: Sampling) -> Places {

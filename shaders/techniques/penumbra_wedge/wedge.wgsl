@@ -41,7 +41,7 @@ const ONLY_OUTER: u32 = 128u;       // mirror: techniques::penumbra_wedge::geome
 const ONLY_INNER: u32 = 256u;       // mirror: techniques::penumbra_wedge::geometry::records::ONLY_INNER
 // Both layers are the averted triangles.
 const CLOSED: u32 = 512u;           // mirror: techniques::penumbra_wedge::geometry::records::CLOSED
-// A triangle that cuts the light; its corners are the start, the end and the first rim.
+// A polygon that cuts the light; its corners are the start, the end and the first two rims.
 const CUT: u32 = 1024u;             // mirror: techniques::penumbra_wedge::geometry::records::CUT
 const LAYERS_SHIFT: u32 = 3u;       // mirror: techniques::penumbra_wedge::geometry::records::LAYERS_SHIFT
 const SOFT_LAYERS_SHIFT: u32 = 5u;  // mirror: techniques::penumbra_wedge::geometry::records::SOFT_LAYERS_SHIFT
@@ -80,7 +80,7 @@ override IS_DENSE: bool = false;
 // either hidden or not.
 override IS_DEEP: bool = false;
 
-// Triangles that cut the light are drawn. Otherwise their fragments are discarded.
+// Polygons that cut the light are drawn. Otherwise their fragments are discarded.
 override DRAWS_CUTS: bool = false;
 
 struct Corner {
@@ -92,7 +92,8 @@ struct Corner {
     @location(4) @interpolate(flat) flags: u32,
     @location(5) @interpolate(flat) side: vec4f,
     @location(6) @interpolate(flat) other_side: vec4f,
-    @location(7) @interpolate(flat) third_light: vec3f, // third corner of a triangle that cuts the light
+    @location(7) @interpolate(flat) third_light: vec3f, // third corner of a polygon that cuts the light
+    @location(8) @interpolate(flat) fourth_light: vec3f, // its fourth corner
 }
 
 // The homogeneous point where a ray meets the plane at which it ends; at infinity without a plane.
@@ -155,6 +156,7 @@ fn wedge_corner(vertex: u32, instance: u32) -> Corner {
     if (flags & CUT) != 0u {
         out.position_clip = over_all(vertex);
         out.third_light = wedges[instance].rims[0].xyz;
+        out.fourth_light = wedges[instance].rims[1].xyz;
         out.soft = -1.0; // it hides
         out.hard = 0.0;
     }
@@ -241,7 +243,7 @@ fn faces(plane: vec4f, foot: Foot) -> vec2f {
     let from_center = vec2f(select(0.0, 1.0, plane.w > 0.0));
     let seen = select(vec2f(select(0.0, 1.0, value < 0.0)), from_center, is_own);
     let is_none = all(plane == vec4f(0.0));
-    return select(seen, vec2f(0.0, 1.0), is_none || (is_own && is_clear));
+    return select(seen, vec2f(0.0, 1.0), is_none || (is_own && (is_clear || plane.w == 0.0)));
 }
 
 // A value in the facing and in the averted layer.
@@ -321,21 +323,22 @@ fn coverage(in: Corner) -> Layers {
     return Layers(times(value, factors.x), times(value, factors.y));
 }
 
-// Coverage of a triangle that cuts the light, in the layer to which it belongs as seen from the surface. A triangle hides
-// nothing from points in its own plane.
+// Coverage of a polygon that cuts the light, in the layer to which it belongs as seen from the surface. It hides nothing
+// from points in its own plane, nor from those of the surface for which it stands.
 fn cut_coverage(in: Corner, receiver: Receiver, position_light: vec3f) -> Layers {
     let foot = foot_of(receiver, position_light);
     let height = dot(in.side.xyz, position_light) + in.side.w;
-    if receiver.depth <= 0.0 || abs(height) < foot.rounding {
+    if receiver.depth <= 0.0 || abs(height) < foot.rounding + in.other_side.x {
         return NOTHING;
     }
-    let polygon = cut_polygon(position_light, array<vec3f, 3>(in.start_light, in.end_light, in.third_light), IS_SPHERE);
+    let corners = array<vec3f, 4>(in.start_light, in.end_light, in.third_light, in.fourth_light);
+    let polygon = cut_polygon(position_light, height, corners, IS_SPHERE);
     if polygon.count < 3u {
         return NOTHING;
     }
     let own_seat = seat(receiver, IS_SPHERE);
     let share = polygon_share(polygon, own_seat.horizon, Maths(IS_SPHERE, LOOKS_UP, IS_TEXTURED));
-    var value = Value(rounded(share), vec4f(0.0));
+    var value = Value(round(share * STEPS) / STEPS, vec4f(0.0));
     if IS_SAMPLED {
         let places = polygon_places(polygon, Sampling(IS_SPHERE, IS_DENSE, select(PLACE_STEPS, 1.0, IS_DEEP)));
         value = Value(vec4f(value.sums.a, DIGITS * places.first), DIGITS * places.more);

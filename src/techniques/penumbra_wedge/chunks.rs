@@ -6,13 +6,17 @@ use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3, Mat4, Vec3, Vec4};
 
 use super::component::{WedgeBounds, WedgeSilhouette};
-use super::geometry::cut::{can_be_cut, cut_record, cutting_distance, find_cuts, in_light};
+use super::geometry::cut::{
+    ENOUGH_CUTS, MOST_CUTS, can_be_cut, cut_record, cutting_distance, find_cuts, tolerance_extent,
+};
+use super::geometry::cut_patches::{CutLimits, CutSurface};
 use super::geometry::patches::ShadowCone;
 use super::geometry::records::{Wedge, push_edge, side_plane};
 use super::geometry::silhouette_layers::{Facets, LayeredContour, extract_layers};
 use super::light_parts::{LightPart, PartShape};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::silhouettes::cache::light_in_local;
+use crate::silhouettes::grazed::is_grazed;
 use crate::silhouettes::{
     CapMode, CasterShapeItem, FacingBits, GrazingLight, LightExtent, classify, find_grazed, find_turning,
 };
@@ -38,7 +42,8 @@ pub(super) struct ChunkScratch {
     bits: FacingBits,
     turning: Vec<u64>,
     grazed: Vec<u64>,
-    cuts: Vec<(u32, f64)>,
+    cuts: CutSurface,
+    level: Vec<u64>,
     contour: LayeredContour,
 }
 
@@ -65,7 +70,7 @@ pub(super) struct Chunk {
     pub(super) is_layered: bool,
     /// Whether the caster [cuts](super::geometry::cut) the part.
     pub(super) is_cutting: bool,
-    /// Number of triangles that cut the part but are left out.
+    /// Number of polygons that cut the part but are left out.
     pub(super) cuts_left_out: u32,
     pub(super) last_used: u64,
 }
@@ -234,10 +239,12 @@ impl Chunk {
             turning,
             grazed,
             cuts,
+            level,
             ..
         } = scratch;
         (self.is_cutting, self.cuts_left_out) = (false, 0);
         grazed.clear();
+        level.clear();
         cuts.clear();
         let Some(clearance) = self.key.touches else {
             return;
@@ -253,8 +260,33 @@ impl Chunk {
         find_grazed(edges, seen.caster.planes(), positions, &grazing, grazed);
         if can_be_cut(shape, clearance) {
             let part = (shape, clearance);
-            self.cuts_left_out = find_cuts(edges, positions, &seen.light_from_local, part, grazed, cuts);
-            self.is_cutting = !cuts.is_empty();
+            find_cuts(
+                edges,
+                positions,
+                &seen.light_from_local,
+                part,
+                grazed,
+                &mut cuts.triangles,
+            );
+            self.is_cutting = !cuts.triangles.is_empty();
+        }
+        if self.is_cutting {
+            // Patches that are combined by themselves have no edges that turn.
+            let may_be_level = !self.key.by_patch;
+            self.cuts_left_out = cuts.simplify(CutLimits {
+                extent: tolerance_extent(shape),
+                reach: if may_be_level {
+                    grazing.clearance * 1.001 // whatever rounding did to distances
+                } else {
+                    f64::INFINITY
+                },
+                enough: ENOUGH_CUTS,
+                most: MOST_CUTS,
+            });
+            for slot in cuts.level_slots() {
+                level.resize(grazed.len(), 0);
+                level[slot / CLUSTER_TRIANGLES] |= 1 << (slot % CLUSTER_TRIANGLES);
+            }
         }
         // A triangle that blocks nothing, or cuts, has no edge that turns.
         for (turning, grazed) in turning.iter_mut().zip(grazed.iter()) {
@@ -268,6 +300,7 @@ impl Chunk {
             bits,
             turning,
             grazed,
+            level,
             contour,
             ..
         } = scratch;
@@ -275,6 +308,7 @@ impl Chunk {
             facing: bits,
             turning,
             grazed,
+            level,
         };
         let (edges, positions) = (&seen.caster.edges.0.edges, seen.caster.positions());
         let by_patch = self.key.by_patch;
@@ -289,19 +323,17 @@ impl Chunk {
         }
     }
 
-    /// Appends a record for each triangle that cuts the light, as a patch of their own.
+    /// Appends the records of the polygons that cut the light, as a patch of their own.
     fn push_cuts(&mut self, seen: &SeenCaster<'_, '_, '_>, scratch: &ChunkScratch) {
-        if !self.is_cutting {
+        let ChunkScratch { bits, cuts, .. } = scratch;
+        if cuts.polygons.is_empty() {
             return;
         }
-        let (edges, positions) = (&seen.caster.edges.0.edges, seen.caster.positions());
-        let corners = edges.corners();
         let first = self.wedges.len();
-        self.wedges.extend(scratch.cuts.iter().map(|&(slot, _)| {
-            let cluster = &edges.clusters()[slot as usize / CLUSTER_TRIANGLES];
-            let triangle = corners[cluster.triangles()][slot as usize % CLUSTER_TRIANGLES];
-            let corners = in_light(triangle, positions, &seen.light_from_local);
-            cut_record(corners, seen.plane_light(slot, &scratch.bits))
+        self.wedges.extend(cuts.polygons.iter().map(|polygon| {
+            let patch = &cuts.patches[polygon.patch as usize];
+            let front = Vec4::from(seen.plane_light(patch.slot, bits)).truncate();
+            cut_record(polygon, patch, front)
         }));
         let end = self.caps.len();
         self.patches.push(ChunkPatch {
@@ -313,14 +345,20 @@ impl Chunk {
 
     /// Appends wedges, caps and patches of the contour.
     fn push_patches(&mut self, seen: &SeenCaster<'_, '_, '_>, scratch: &ChunkScratch) {
-        let ChunkScratch { bits, contour, .. } = scratch;
+        let ChunkScratch {
+            bits, level, contour, ..
+        } = scratch;
         let (by_patch, mirrored) = (self.key.by_patch, seen.light_from_local.determinant() < 0.0);
         let shape = if seen.is_directional() {
             PartShape::Point
         } else {
             seen.part.shape
         };
-        let plane_light = |slot| seen.plane_light(slot, bits);
+        // The plane of a level triangle contains the centre exactly, by which the shader knows it.
+        let plane_light = |slot: u32| match (seen.plane_light(slot, bits), is_grazed(level, slot as usize)) {
+            ([x, y, z, _], true) => [x, y, z, 0.0],
+            (plane, false) => plane,
+        };
         let mut edges = contour.edges.iter().peekable();
         let mut first_of = [0; 3];
         for patch in 0..if by_patch { contour.patches.count() } else { 1 } {

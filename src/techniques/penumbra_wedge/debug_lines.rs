@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec3, Vec3};
 
-use super::geometry::records::{SOFT, Wedge};
+use super::geometry::records::{CUT, SOFT, Wedge};
 use super::geometry::shell::RIM;
 use super::wedges::PenumbraWedges;
 use crate::debug_lines::DebugLines;
@@ -35,12 +35,30 @@ pub fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {
             let records = &wedges.wedges[range.start as usize..range.end as usize];
             for wedge in records.iter().filter(|wedge| wedge.flags & SOFT != 0) {
                 any = true;
-                shell(wedge, world_from_light, radius, out);
+                if wedge.flags & CUT != 0 {
+                    cut(wedge, world_from_light, out);
+                } else {
+                    shell(wedge, world_from_light, radius, out);
+                }
             }
         }
     }
     if !any {
         volume_lines(world, light, out);
+    }
+}
+
+/// Adds the sides of a polygon that cuts the light.
+fn cut(wedge: &Wedge, world_from_light: DMat4, out: &mut DebugLines) {
+    let [[x, y, z, _], [a, b, c, _], ..] = wedge.rims;
+    let corners = [wedge.start_light, wedge.end_light, [x, y, z], [a, b, c]];
+    let corners = corners.map(|corner| {
+        world_from_light
+            .transform_point3(Vec3::from(corner).as_dvec3())
+            .as_vec3()
+    });
+    for side in 0..4 {
+        out.line(EDGE, corners[side], corners[(side + 1) % 4]);
     }
 }
 

@@ -31,8 +31,15 @@
 //! place, 0 where it does not, and an intermediate step where it passes close. From both, the resolve
 //! estimates how much is hidden at all ([`Overlap::Sampled`]).
 //!
-//! A triangle that reaches into the light has no edges that could be counted. It is clipped to what is before the light
-//! and counted by itself, at every pixel (`geometry/cut.rs`).
+//! A surface that reaches into the light has no edges that could be counted. Polygons stand for it (`geometry/cut_patches.rs`):
+//! one for a flat surface, however many triangles it has, and 128 as a rule and 256 at most for what one caster has of curved
+//! ones, which are drawn more coarsely where that is not enough. Each polygon is clipped to what is before the light and
+//! counted by itself, at every pixel (`geometry/cut.rs`). Surfaces in a plane through the light's centre that lie beyond its
+//! extent are counted by their edges, like any other, but have no hard shadow.
+//!
+//! A polygon takes 0.3 µs for each pixel that the light reaches, on a software driver with two cores. So a flat ceiling
+//! costs about a hundredth of what a bulb of many triangles does. When the light or the caster moves, finding the polygons
+//! takes up to 10 µs of the CPU for each triangle that cuts.
 //!
 //! # Error and cost
 //!

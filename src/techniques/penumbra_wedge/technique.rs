@@ -81,9 +81,9 @@ impl Technique for PenumbraWedge {
             if light.cuts_left_out > 0 {
                 round.raise(Some(light.entity), 4, || {
                     format!(
-                        "{} triangles that reach into this light, or lie in a plane through its centre, block nothing: at \
-                         most {MOST_CUTS} of a caster are drawn, the nearest. Make the light smaller than the lamp around \
-                         it, move it off the level of flat surfaces, or take ShadowCaster off the bulb.",
+                        "{} pieces of surfaces that reach into this light block nothing: a caster is cut into at most \
+                         {MOST_CUTS} flat pieces, the nearest. Make the light smaller than what is around it, or take \
+                         ShadowCaster off what is within it.",
                         light.cuts_left_out
                     )
                 });

@@ -58,7 +58,7 @@ pub struct LightWedges {
     pub is_layered: bool,
     /// Number of casters that lie one behind the other, estimated from bounding boxes.
     pub stacked: u32,
-    /// Number of triangles that cut the light but are left out, because one caster has too many of them.
+    /// Number of polygons that cut the light but are left out, because the surface of one caster needs too many of them.
     pub cuts_left_out: u32,
 }
 

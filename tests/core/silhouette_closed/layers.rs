@@ -111,7 +111,7 @@ proptest! {
         let closed_slots = mesh.closed_cluster_count() * CLUSTER_TRIANGLES;
         for mode in MODES {
             let mut contour = LayeredContour::default();
-            let facets = Facets { facing: &facing, turning: &turning, grazed: &[] };
+            let facets = Facets { facing: &facing, turning: &turning, grazed: &[], level: &[] };
             extract_layers(&mesh, &soup.positions, facets, mode, false, &mut contour);
             let only_back = |slot| mode == CapMode::ClosedBackFacing && slot < closed_slots;
             let open = || slots(&mesh).map(|(slot, _)| slot).filter(|&slot| !only_back(slot));
@@ -146,6 +146,7 @@ fn a_dropped_edge_and_another_view_are_told() {
         facing: &facing,
         turning: &turning,
         grazed: &[],
+        level: &[],
     };
     let mut contour = LayeredContour::default();
     extract_layers(

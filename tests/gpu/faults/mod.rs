@@ -2,6 +2,7 @@
 
 mod leftovers;
 mod light_cut;
+mod light_cut_finely;
 mod light_on_surface;
 mod regions;
 mod savings;

@@ -2,12 +2,13 @@
 //!
 //! Seen from such a triangle, the light is not on one side of a silhouette. The part of the triangle that lies behind the
 //! light hides nothing, and it ends at a line across the light that is no edge of the mesh. So cutting triangles have
-//! neither silhouette edges nor hard shadow. Each has a record of its own, which is drawn over the whole picture. At
-//! each pixel the shader clips the triangle to what is before the light, and subtracts the share of the light behind it.
-//! What remains is the part of the light that lies outside of the surface.
+//! neither silhouette edges nor hard shadow. A few polygons stand for all of them ([`cut_patches`](super::cut_patches)).
+//! Each has a record of its own, which is drawn over the whole picture. At each pixel the shader clips the polygon to what
+//! is before the light, and subtracts the share of the light behind it. What remains is the part of the light that lies
+//! outside of the surface.
 //!
-//! A triangle whose plane contains the light's centre has no side from which the centre sees it, so it is treated the
-//! same way at any distance. Otherwise rounding would decide what it hides from surfaces in its own plane.
+//! A triangle whose plane contains the light's centre has no side from which the centre sees it, so it has no hard shadow at
+//! any distance. Otherwise rounding would decide what it hides from surfaces in its own plane.
 //!
 //! Triangles nearer to a point of light than [`LightClearance`](crate::sets::LightClearance) block nothing: those
 //! that lie in the plane of a rectangle. What lies behind a rectangle blocks nothing either.
@@ -15,6 +16,7 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 use smallvec::SmallVec;
 
+use super::cut_pieces::{CutPolygon, CutTriangle, Patch};
 use super::records::{CUT, SOFT, SOFT_LAYERS_SHIFT, Wedge};
 use crate::conventions::CLUSTER_TRIANGLES;
 use crate::geometry::convex_polygon::clip;
@@ -22,10 +24,13 @@ use crate::geometry::distance_to_triangle;
 use crate::geometry::edge_mesh::EdgeMesh;
 use crate::techniques::penumbra_wedge::light_parts::PartShape;
 
-/// The greatest number of triangles of one caster that cut one part of a light and are drawn. Each is drawn over all
-/// pixels of the light. Of further ones, those farthest from the light's centre are left out, so the light shines
+/// The number of polygons of one caster and one part of a light above which the surface that cuts is drawn more coarsely.
+pub const ENOUGH_CUTS: usize = 128;
+
+/// The greatest number of polygons with which one caster cuts one part of a light. Each is drawn over all pixels of the
+/// light. Where the coarsest surface needs more, those farthest from the light's centre are left out, so the light shines
 /// through them.
-pub const MOST_CUTS: usize = 64;
+pub const MOST_CUTS: usize = 256;
 
 /// Factor on a sphere's radius within which triangles count as cutting it, against rounding.
 const SPHERE_MARGIN: f64 = 1.005;
@@ -98,57 +103,68 @@ pub fn effect_of(corners: [DVec3; 3], shape: PartShape, clearance: f64) -> Effec
     }
 }
 
-/// Sorts out the triangles of `words` that act as [usual](Effect::Usual), and lists those that cut: the slot and the
-/// distance from the centre. Of more than [`MOST_CUTS`], the nearest are kept. Returns the number of those that were left
-/// out.
+/// Returns the extent of a part of which the tolerances of cutting surfaces are a share, metres.
+pub fn tolerance_extent(shape: PartShape) -> f64 {
+    match shape {
+        PartShape::Point => 0.0,
+        PartShape::Sphere { radius } => radius,
+        PartShape::Rect { half } => half.min_element().max(0.1 * half.max_element()),
+    }
+}
+
+/// Sorts out the triangles of `words` that act as [usual](Effect::Usual), and lists those that cut.
 pub fn find_cuts(
     mesh: &EdgeMesh,
     positions: &[Vec3],
     light_from_local: &DMat4,
     (shape, clearance): (PartShape, f64),
     words: &mut [u64],
-    cuts: &mut Vec<(u32, f64)>,
-) -> u32 {
-    cuts.clear();
+    cuts: &mut Vec<CutTriangle>,
+) {
     for (index, (cluster, word)) in mesh.clusters().iter().zip(words.iter_mut()).enumerate() {
-        let corners = &mesh.corners()[cluster.triangles()];
+        let triangles = &mesh.corners()[cluster.triangles()];
         let marked = *word;
-        for lane in (0..corners.len()).filter(|lane| marked >> lane & 1 != 0) {
-            let corners = in_light(corners[lane], positions, light_from_local);
+        for lane in (0..triangles.len()).filter(|lane| marked >> lane & 1 != 0) {
+            let vertices = triangles[lane];
+            let corners = in_light(vertices, positions, light_from_local);
             match effect_of(corners, shape, clearance) {
                 Effect::Usual => *word &= !(1 << lane),
                 Effect::Nothing => {}
-                Effect::Cuts => {
-                    let distance = distance_to_triangle(DVec3::ZERO, corners);
-                    cuts.push(((index * CLUSTER_TRIANGLES + lane) as u32, distance));
-                }
+                Effect::Cuts => cuts.push(CutTriangle {
+                    slot: (index * CLUSTER_TRIANGLES + lane) as u32,
+                    vertices,
+                    corners,
+                    distance: distance_to_triangle(DVec3::ZERO, corners),
+                }),
             }
         }
     }
-    let left_out = cuts.len().saturating_sub(MOST_CUTS);
-    if left_out > 0 {
-        cuts.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        cuts.truncate(MOST_CUTS);
-    }
-    left_out as u32
 }
 
 /// Returns the corners of a triangle in light space.
-pub fn in_light(corners: [u32; 3], positions: &[Vec3], light_from_local: &DMat4) -> [DVec3; 3] {
+fn in_light(corners: [u32; 3], positions: &[Vec3], light_from_local: &DMat4) -> [DVec3; 3] {
     corners.map(|vertex| light_from_local.transform_point3(positions[vertex as usize].as_dvec3()))
 }
 
-/// Makes the record of a triangle that cuts the light. `plane` is the triangle's, in light space.
-pub fn cut_record(corners: [DVec3; 3], plane: [f32; 4]) -> Wedge {
-    let [start, end, third] = corners.map(|corner| corner.as_vec3());
+/// Makes the record of a polygon that cuts the light. `front` is a vector on the side of the front of the mesh, light
+/// space. The polygon turns counter-clockwise about the plane of the record, whose normal is on that side.
+pub fn cut_record(polygon: &CutPolygon, patch: &Patch, front: Vec3) -> Wedge {
+    let mut corners = polygon.corners.map(|corner| corner.as_vec3());
+    let mut plane = patch.normal.extend(patch.offset).as_vec4();
+    if plane.truncate().dot(front) < 0.0 {
+        corners.reverse(); // the caster mirrors
+        plane = -plane;
+    }
+    let [start, end, third, fourth] = corners;
     let mut record = Wedge {
         start_light: start.to_array(),
         end_light: end.to_array(),
         flags: SOFT | CUT | 3 << SOFT_LAYERS_SHIFT,
-        sides: [plane, [0.0; 4]],
+        sides: [plane.to_array(), [patch.tolerance as f32, 0.0, 0.0, 0.0]],
         ..Wedge::default()
     };
     record.rims[0] = third.extend(0.0).to_array();
+    record.rims[1] = fourth.extend(0.0).to_array();
     record
 }
 

@@ -36,6 +36,9 @@ pub struct Facets<'a> {
     pub turning: &'a [u64],
     /// Triangles that block nothing; none of them turns. One word per cluster, or no words if there are none.
     pub grazed: &'a [u64],
+    /// Triangles among the grazed whose plane contains the light's centre, and which lie beyond the light's extent: they
+    /// have penumbra edges, but no hard shadow. One word per cluster, or no words if there are none.
+    pub level: &'a [u64],
 }
 
 impl Facets<'_> {
@@ -46,6 +49,11 @@ impl Facets<'_> {
 
     pub(super) fn is_grazed(&self, slot: usize) -> bool {
         is_grazed(self.grazed, slot)
+    }
+
+    /// Returns whether a triangle has penumbra edges without hard shadow.
+    pub(super) fn is_level(&self, slot: usize) -> bool {
+        is_grazed(self.level, slot)
     }
 
     pub(super) fn turning_word(&self, cluster: usize) -> u64 {

@@ -34,10 +34,11 @@ pub struct Wedge {
     /// Unused.
     pub padding_b: u32,
     /// Rims of the outer and inner half: xyz is a direction in light space; w is 0 where the ray leaves from
-    /// the start of the edge, 1 from its end. All zero without a shell. Of a [`CUT`], the first is the third corner.
+    /// the start of the edge, 1 from its end. All zero without a shell. Of a [`CUT`], the first two are the third and the fourth corner.
     pub rims: [[f32; 4]; 2 * RIM],
     /// Planes of the triangles beside the edge, in light space: `dot(xyz, p) + w` is negative where `p` sees
-    /// the light through the triangle's front. See [`side_plane`].
+    /// the light through the triangle's front. See [`side_plane`]. Of a [`CUT`], the first is the plane of its patch, and the
+    /// second begins with the greatest distance of the surface from that plane, metres.
     pub sides: [[f32; 4]; 2],
 }
 
@@ -79,7 +80,7 @@ pub const ONLY_INNER: u32 = 256;
 /// Flag: both layers are the averted triangles of a closed piece.
 pub const CLOSED: u32 = 512;
 
-/// Flag: the record is a triangle that cuts the light. Start and end are two of its corners.
+/// Flag: the record is a polygon of four corners that cuts the light. Start and end are two of them.
 pub const CUT: u32 = 1024;
 
 /// One caster of one part of a light.

@@ -197,11 +197,17 @@ impl Extraction<'_> {
     fn push_beside_grazed(&mut self, vertices: [u32; 2], slot: usize, other_slot: usize) {
         let facets = self.facets;
         let [is_facing, other_facing] = [slot, other_slot].map(|slot| facets.facing.is_facing(slot));
+        // Between two level triangles, the edge is inside of their plane.
+        let is_inside = facets.is_level(slot) && facets.is_level(other_slot);
         for (slot, is_facing, forward) in [
             (slot, is_facing, is_facing),
             (other_slot, other_facing, !other_facing),
         ] {
             if facets.is_grazed(slot) {
+                if facets.is_level(slot) && !is_inside {
+                    self.edges
+                        .push(level_border(self.ends(vertices, forward), slot, is_facing));
+                }
                 continue;
             }
             let layers = self.layers_of_slot(slot);
@@ -222,11 +228,14 @@ impl Extraction<'_> {
         for cluster in mesh.clusters().iter().skip(mesh.closed_cluster_count()) {
             for edge in cluster.boundary() {
                 let slot = mesh.boundary_slots()[edge] as usize;
+                let is_facing = self.facets.facing.is_facing(slot);
+                let ends = self.ends(mesh.boundary_vertices()[edge], is_facing);
+                if self.facets.is_level(slot) {
+                    self.edges.push(level_border(ends, slot, is_facing));
+                }
                 if self.facets.is_grazed(slot) {
                     continue;
                 }
-                let is_facing = self.facets.facing.is_facing(slot);
-                let ends = self.ends(mesh.boundary_vertices()[edge], is_facing);
                 let layers = self.split.layers_of(is_facing, false);
                 self.edges.push(if self.facets.turns(slot) {
                     turning_border(ends, slot, is_facing, layers, Side::Open)
@@ -255,9 +264,12 @@ impl Extraction<'_> {
         for edge in 0..mesh.irregular_vertices().len() {
             for side in mesh.irregular_sides(edge) {
                 let slot = side.slot() as usize;
+                let is_facing = facets.facing.is_facing(slot);
+                let ends = self.ends(mesh.irregular_vertices()[edge], is_facing != side.is_reversed());
+                if facets.is_level(slot) {
+                    self.edges.push(level_border(ends, slot, is_facing));
+                }
                 if facets.turns(slot) {
-                    let is_facing = facets.facing.is_facing(slot);
-                    let ends = self.ends(mesh.irregular_vertices()[edge], is_facing != side.is_reversed());
                     let layers = self.layers_of_slot(slot);
                     let beside = split.beside(mesh, slot);
                     self.edges
@@ -311,4 +323,10 @@ fn turning_border(ends: [Vec3; 2], slot: usize, is_facing: bool, layers: u32, ot
         sides: if is_facing { sides } else { [sides[1], sides[0]] },
         patch: 0,
     }
+}
+
+/// Makes an edge that bounds a level triangle alone, and no hard shadow. `ends` are in the direction of the triangle once it is
+/// turned to face the light's centre, as its facing bit has it; either direction gives the same sums.
+fn level_border(ends: [Vec3; 2], slot: usize, is_facing: bool) -> LayeredEdge {
+    turning_border(ends, slot, is_facing, 0, Side::Open)
 }
