@@ -390,6 +390,7 @@ fn mirrored_constants() -> Vec<Constant> {
             ("PRODUCT", f64::from(SliceCombination::Product as u32)),
             ("MAXIMUM", f64::from(SliceCombination::Maximum as u32)),
             ("SUM", f64::from(SliceCombination::Sum as u32)),
+            ("OVERLAP", f64::from(SliceCombination::Overlap as u32)),
             ("TOUCHED", f64::from(occlusion_textures::TOUCHED)),
         ],
     );

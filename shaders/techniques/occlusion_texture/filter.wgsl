@@ -58,6 +58,22 @@ fn mipmap(in: Corner) -> Targets {
     return means(2 * vec2i(in.position.xy), 1);
 }
 
+// What each slice and all slices before it cover together, from the pictures of single slices.
+@fragment
+fn unite(in: Corner) -> Targets {
+    var out: array<vec4f, 4>;
+    var before = 0.0;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        let slices = load(vec2i(in.position.xy), group);
+        let x = max(before, slices.x);
+        let y = max(x, slices.y);
+        let z = max(y, slices.z);
+        before = max(z, slices.w);
+        out[group] = vec4f(x, y, z, before);
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
+}
+
 // One step of the sums along one axis. The instance holds the distance of the texels that are added, in its lower 16 bits;
 // then whether they stand below each other; then the layer.
 @fragment

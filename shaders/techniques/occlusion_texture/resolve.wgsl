@@ -4,11 +4,13 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine, add_overlapping, OVERLAP}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
 @group(3) @binding(1) var between_texels: sampler;
+// What each slice and all slices before it cover together. For OVERLAP alone; else the pictures again.
+@group(3) @binding(2) var unions: texture_2d_array<f32>;
 
 override SLICES: u32 = 1u;
 override FACES: u32 = 1u;
@@ -27,6 +29,12 @@ struct Picture {
     face: u32,
     group: u32,
     channel: u32,
+    is_union: bool,
+}
+
+// The value of a picture in a texel of its layer, and that of the slice before it if that is in the same layer.
+fn picked(texel: vec4f, picture: Picture) -> vec2f {
+    return vec2f(texel[picture.channel], texel[max(picture.channel, 1u) - 1u]);
 }
 
 fn group_count() -> u32 {
@@ -57,15 +65,18 @@ fn share_inside(kernel: Kernel) -> f32 {
     return max(left.x, 0.0) * max(left.y, 0.0);
 }
 
-fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> f32 {
+fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> vec2f {
     let all = u32(log2(light.limits.z) + 0.5) + 1u;
     let layer = (picture.face * all + level) * group_count() + picture.group;
     // The square around the place begins half its side before it.
     let corner = place + 0.5 - 0.5 * f32(1u << level);
-    return textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0)[picture.channel];
+    if picture.is_union {
+        return picked(textureSampleLevel(unions, between_texels, corner * texel(), layer, 0.0), picture);
+    }
+    return picked(textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0), picture);
 }
 
-fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
+fn n_buffer_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let side = light.limits.z;
     let last = u32(light.limits.w) - 1u;
     let taps = light.half_up.w;
@@ -77,7 +88,7 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), size.x > size.y) * max(long - square, 0.0);
     let spread = taps / max(taps - 1.0, 1.0);
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0)) * side;
-    var sum = 0.0;
+    var sum = vec2f(0.0);
     for (var tap = 0.0; tap < taps; tap += 1.0) {
         let place = center + along * (((tap + 0.5) / taps - 0.5) * spread);
         let fine = n_buffer_level(picture, place, level);
@@ -94,27 +105,35 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
 // of the weights between texels, side² / 6, are 1 / 12 together.
 const SMOOTHED: f32 = 0.57735;      // mirror: techniques::occlusion_texture::filter::SMOOTHED
 
-fn mipmap_mean(picture: Picture, kernel: Kernel) -> f32 {
+fn mipmap_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let layer = picture.face * group_count() + picture.group;
     let size = max(2.0 * SMOOTHED * kernel.half, vec2f(texel()));
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
     let dx = vec2f(size.x, 0.0);
     let dy = vec2f(0.0, size.y);
-    let mean = textureSampleGrad(pictures, between_texels, center, layer, dx, dy)[picture.channel];
-    return mean * share_inside(kernel);
+    if picture.is_union {
+        return picked(textureSampleGrad(unions, between_texels, center, layer, dx, dy), picture) * share_inside(kernel);
+    }
+    return picked(textureSampleGrad(pictures, between_texels, center, layer, dx, dy), picture) * share_inside(kernel);
 }
 
 // Sum over all texels before a corner of the grid.
-fn corner_sum(picture: Picture, x: f32, y: f32) -> f32 {
+fn corner_sum(picture: Picture, x: f32, y: f32) -> vec2f {
     let last = i32(light.limits.z) - 1;
     let texel = vec2i(i32(x), i32(y)) - 1;
+    if any(texel < vec2i(0)) {
+        return vec2f(0.0);
+    }
+    let inside = min(texel, vec2i(last));
     let layer = picture.face * group_count() + picture.group;
-    let sum = textureLoad(pictures, clamp(texel, vec2i(0), vec2i(last)), layer, 0)[picture.channel];
-    return select(sum, 0.0, any(texel < vec2i(0)));
+    if picture.is_union {
+        return picked(textureLoad(unions, inside, layer, 0), picture);
+    }
+    return picked(textureLoad(pictures, inside, layer, 0), picture);
 }
 
 // Sums are large; their differences are small and exact, so they are taken before anything is interpolated.
-fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> f32 {
+fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> vec2f {
     let low = floor(y_from);
     let high = floor(y_to);
     let at_low = corner_sum(picture, x, low);
@@ -123,7 +142,7 @@ fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> f32 {
         - (y_from - low) * (corner_sum(picture, x, low + 1.0) - at_low);
 }
 
-fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
+fn summed_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let side = light.limits.z;
     let half = max(kernel.half * side, vec2f(0.5));
     let center = kernel.center * side;
@@ -138,7 +157,8 @@ fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
     return sum / (4.0 * half.x * half.y);
 }
 
-fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
+// Means of a picture over a kernel, and of the slice before it if that is in the same layer.
+fn mean_over(picture: Picture, kernel: Kernel) -> vec2f {
     if FILTER == SUMMED_AREAS {
         return summed_mean(picture, kernel);
     }
@@ -147,6 +167,21 @@ fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
         return mipmap_mean(picture, part) * narrowed_share(kernel);
     }
     return n_buffer_mean(picture, part) * narrowed_share(kernel);
+}
+
+// Adds one more slice to the hidden share that the slices before it left. Unions are looked up only where they matter.
+fn add_slice(hidden: f32, weight: f32, picture: Picture, kernel: Kernel) -> f32 {
+    let own = mean_over(picture, kernel).x;
+    if COMBINE != OVERLAP || hidden <= 0.0 || own <= 0.0 {
+        return combine(COMBINE, hidden, clamp(weight * own, 0.0, 1.0));
+    }
+    let united = mean_over(Picture(picture.face, picture.group, picture.channel, true), kernel);
+    var above = united.y;
+    if picture.channel == 0u {
+        // Something is hidden, so there is a group of slices before.
+        above = mean_over(Picture(picture.face, picture.group - 1u, 3u, true), kernel).x;
+    }
+    return add_overlapping(hidden, weight, own, above, united.x);
 }
 
 // Share of the light that the slices of one picture hide.
@@ -171,8 +206,7 @@ fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         top = bottom;
         let whole = slice_kernel(projection, depth, light.kernel, receiver, plane);
         let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
-        let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
-        hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
+        hidden = add_slice(hidden, weight, Picture(face, slice / 4u, slice % 4u, false), kernel);
     }
     return hidden;
 }

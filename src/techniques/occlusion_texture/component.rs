@@ -111,15 +111,20 @@ pub enum SliceFilter {
 )]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SliceCombination {
-    /// Multiplies the visibilities of the slices, as if each hid a random part of the light. This is the default, and the
-    /// closest to the truth where many objects overlap. A surface that passes through several slices is too light.
-    #[default]
+    /// Multiplies the visibilities of the slices, as if each hid a random part of the light. A surface that passes through
+    /// several slices is too light.
     Product,
     /// Takes the darkest slice. Shadows of several objects are too light.
     Maximum,
     /// Adds the hidden shares, at most the whole light. Shadows of several objects are too dark; a single surface that passes
     /// through several slices is right.
     Sum,
+    /// Measures how much of each slice's shadow lies behind casters of the slices before it, and counts only the rest. Parts of
+    /// one surface add up, casters behind each other count once, and casters that have nothing to do with each other multiply.
+    /// Takes twice the memory and twice the time to filter pictures; lookups take more only where shadows overlap. This is the
+    /// default, and the closest to the truth.
+    #[default]
+    Overlap,
 }
 
 /// Selection layers in a file.
@@ -191,6 +196,11 @@ impl OcclusionTexture {
             });
         }
         Ok(())
+    }
+
+    /// Whether lookups need pictures of what each slice and all slices before it cover together.
+    pub(super) fn has_unions(&self) -> bool {
+        self.combine == SliceCombination::Overlap && self.slices > 1
     }
 
     /// Number of colour targets, each of which holds four slices.

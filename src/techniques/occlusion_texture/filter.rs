@@ -74,6 +74,18 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
     levels
 }
 
+/// Returns what each slice and all slices before it cover together, from the pictures of single slices.
+pub fn unite(pictures: &[Picture]) -> Vec<Picture> {
+    let mut unions: Vec<Picture> = Vec::with_capacity(pictures.len());
+    for picture in pictures {
+        let before = unions.last();
+        let texel = |at: IVec2| before.map_or(0.0, |before| before.at(at)).max(picture.at(at));
+        let union = Picture::from_fn(picture.side, texel);
+        unions.push(union);
+    }
+    unions
+}
+
 /// Returns the part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture, and its
 /// share of the kernel.
 fn narrowed(kernel: &Kernel) -> (Kernel, f32) {

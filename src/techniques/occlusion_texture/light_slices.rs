@@ -185,11 +185,13 @@ impl LightSlices {
     /// Bytes of all pictures of a light for each squared resolution.
     pub fn bytes_per_square(&self) -> u64 {
         let groups = self.faces.len() as u64 * u64::from(self.settings.groups());
-        match self.settings.filter {
-            SliceFilter::NBuffers => groups * 8 * u64::from(level_count(self.settings.resolution)),
-            SliceFilter::Mipmaps => groups * 11, // 8 and a third, rounded up
-            SliceFilter::SummedAreas => groups * 40,
-        }
+        let (one, shared) = match self.settings.filter {
+            SliceFilter::NBuffers => (8 * u64::from(level_count(self.settings.resolution)), 0),
+            SliceFilter::Mipmaps => (11, 0), // 8 and a third, rounded up
+            SliceFilter::SummedAreas => (24, 16),
+        };
+        let sets = 1 + u64::from(self.settings.has_unions());
+        groups * (sets * one + shared)
     }
 
     /// Largest resolution at which the pictures fit into the layers of one texture.

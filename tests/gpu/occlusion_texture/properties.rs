@@ -4,18 +4,20 @@ use std::sync::Arc;
 
 use antumbra::prelude::*;
 use antumbra::scene::{Texture, TextureSlot, TextureWrap};
-use antumbra::techniques::OcclusionTexture;
+use antumbra::techniques::{OcclusionTexture, SliceCombination};
 use bevy_transform::prelude::Transform;
 use glam::{Affine2, Quat, Vec2, Vec3};
 
 use super::scenes::{empty, hits, lamp, rendered, spawn, square, staged, truth, wings};
 use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
 
 /// Umbra pixels that are lighter than 0.1, and all of them. `close_leaks` is a mask of layers.
-fn leaks(stage: &mut crate::harness::support::stage::Stage, close_leaks: u32) -> (usize, usize) {
+fn leaks(stage: &mut Stage, combine: SliceCombination, close_leaks: u32) -> (usize, usize) {
     let light = stage.lights[0];
     stage.world.entity_mut(light).insert(OcclusionTexture {
         slices: 16,
+        combine,
         close_leaks,
         ..Default::default()
     });
@@ -27,7 +29,8 @@ fn leaks(stage: &mut crate::harness::support::stage::Stage, close_leaks: u32) ->
     (lit.count(), umbra.count())
 }
 
-/// Light shines through thin surfaces that pass from slice to slice, unless the next slice is filled too.
+/// Light shines through thin surfaces that pass from slice to slice where slices count as independent, unless the next slice is
+/// filled too. Nothing shines through where the pictures show the overlap.
 #[test]
 fn leaks_of_thin_wings_and_walls_are_closed() {
     let context = strict_context();
@@ -42,15 +45,20 @@ fn leaks_of_thin_wings_and_walls_are_closed() {
         let mut stage = staged(&context, &scene);
         let (light, place) = lamp(square(0.3), Vec3::new(0.0, 3.0, 0.0));
         stage.spawn_light(light, place, Some(OcclusionTexture::default()));
-        let (open, all) = leaks(&mut stage, 0);
-        let (closed, _) = leaks(&mut stage, u32::MAX);
-        println!("{name}: of {all} umbra pixels, {open} are lit; {closed} with leaks closed");
+        let product = SliceCombination::Product;
+        let (open, all) = leaks(&mut stage, product, 0);
+        let (closed, _) = leaks(&mut stage, product, u32::MAX);
+        let overlap = [0, u32::MAX].map(|mask| leaks(&mut stage, SliceCombination::Overlap, mask).0);
+        println!(
+            "{name}: of {all} umbra pixels, {open} are lit, {closed} with leaks closed; by the overlap {overlap:?}"
+        );
         assert!(
             all > 50 && open > 10 && closed * 1000 <= all,
             "{name}: {open}, {closed} of {all}"
         );
+        assert!(overlap.iter().all(|lit| lit * 1000 <= all), "{name}: {overlap:?}");
         // The mask chooses casters: nothing is on layer 5.
-        assert_eq!(leaks(&mut stage, 1 << 5).0, open);
+        assert_eq!(leaks(&mut stage, product, 1 << 5).0, open);
     }
 }
 

@@ -1,9 +1,9 @@
 //! The GPU draws, filters, looks up and combines as the CPU twins do.
 
 use antumbra::insides::occlusion_textures::{
-    LightSlices, Lookup, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean,
-    n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas,
-    summed_mean,
+    Kernel, LightSlices, Lookup, OcclusionLight, Picture, Shares, SliceFace, add_overlapping, combine,
+    mipmap_mean, mipmaps, n_buffer_mean, n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane,
+    slice_weight, summed_areas, summed_mean, unite,
 };
 use antumbra::prelude::*;
 use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
@@ -71,10 +71,38 @@ fn triangle_is_closed(triangle: &SceneTriangle) -> bool {
     triangle.corners.iter().any(|corner| corner.y > 0.01)
 }
 
-/// The filtered pictures of one face.
+/// The filtered pictures of one face: of single slices, then of unions.
 enum Filtered {
-    Levels(Vec<Vec<Picture>>),
-    Sums(Vec<Picture>),
+    Levels([Vec<Vec<Picture>>; 2]),
+    Sums([Vec<Picture>; 2]),
+}
+
+impl Filtered {
+    fn new(pictures: Vec<Picture>, filter: SliceFilter) -> Self {
+        let sets = [pictures.clone(), unite(&pictures)];
+        let levels = |of: fn(Picture) -> Vec<Picture>| {
+            sets.clone()
+                .map(|pictures| pictures.into_iter().map(of).collect())
+        };
+        match filter {
+            SliceFilter::NBuffers => Self::Levels(levels(n_buffers)),
+            SliceFilter::Mipmaps => Self::Levels(levels(mipmaps)),
+            SliceFilter::SummedAreas => {
+                Self::Sums(sets.map(|pictures| pictures.into_iter().map(summed_areas).collect()))
+            }
+        }
+    }
+
+    /// Mean over a kernel of a slice, or of its union.
+    fn mean(&self, set: usize, slice: usize, kernel: &Kernel, slices: &LightSlices) -> f32 {
+        match self {
+            Self::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
+                n_buffer_mean(&levels[set][slice], kernel, slices.taps())
+            }
+            Self::Levels(levels) => mipmap_mean(&levels[set][slice], kernel),
+            Self::Sums(sums) => summed_mean(&sums[set][slice], kernel),
+        }
+    }
 }
 
 /// Visibility of a receiver by the twins.
@@ -113,14 +141,15 @@ fn visibility(slices: &LightSlices, record: &OcclusionLight, filtered: &[Filtere
         (before, top) = (top, bottom);
         let whole = slice_kernel(record_face, light, receiver, plane);
         let kernel = over_own_plane(record_face, &at, receiver, normal, whole);
-        let mean = match &filtered[index] {
-            Filtered::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
-                n_buffer_mean(&levels[slice], &kernel, slices.taps())
+        let mean = |set, slice| filtered[index].mean(set, slice, &kernel, slices);
+        let own = mean(0, slice);
+        hidden = match slices.settings.combine {
+            SliceCombination::Overlap if slice > 0 => {
+                let (above, united) = (mean(1, slice - 1), mean(1, slice));
+                add_overlapping(hidden, weight, Shares { own, above, united })
             }
-            Filtered::Levels(levels) => mipmap_mean(&levels[slice], &kernel),
-            Filtered::Sums(sums) => summed_mean(&sums[slice], &kernel),
+            combination => combine(combination, hidden, (weight * own).clamp(0.0, 1.0)),
         };
-        hidden = combine(slices.settings.combine, hidden, (weight * mean).clamp(0.0, 1.0));
     }
     1.0 - hidden
 }
@@ -148,12 +177,8 @@ fn difference(
         .faces
         .iter()
         .map(|face| {
-            let pictures = cast_pictures(face, &rays, side, settings.close_leaks != 0).into_iter();
-            match settings.filter {
-                SliceFilter::NBuffers => Filtered::Levels(pictures.map(n_buffers).collect()),
-                SliceFilter::Mipmaps => Filtered::Levels(pictures.map(mipmaps).collect()),
-                SliceFilter::SummedAreas => Filtered::Sums(pictures.map(summed_areas).collect()),
-            }
+            let pictures = cast_pictures(face, &rays, side, settings.close_leaks != 0);
+            Filtered::new(pictures, settings.filter)
         })
         .collect();
     let (mut largest, mut sum, mut count, mut soft) = (0.0f32, 0.0, 0, 0);
@@ -228,7 +253,11 @@ fn the_comparison_with_the_twins_finds_a_wrong_kernel_and_a_wrong_combination() 
         |light| light.kernel[0] *= 0.8,
     );
     assert!(mean > 4e-3, "{mean}");
-    for combine in [SliceCombination::Maximum, SliceCombination::Sum] {
+    for combine in [
+        SliceCombination::Product,
+        SliceCombination::Maximum,
+        SliceCombination::Sum,
+    ] {
         let settings = OcclusionTexture {
             combine,
             close_leaks: u32::MAX,

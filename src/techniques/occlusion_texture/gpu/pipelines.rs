@@ -32,6 +32,11 @@ pub enum Key {
         /// Number of colour targets.
         groups: u32,
     },
+    /// Makes the pictures of what each slice and all slices before it cover together.
+    Unite {
+        /// Number of colour targets.
+        groups: u32,
+    },
     /// Makes the next level of a filter.
     Level {
         /// The filter: N-buffers or mipmaps.
@@ -90,8 +95,8 @@ impl SliceLayouts {
                 entries,
             })
         };
-        let texture = |filterable| wgpu::BindGroupLayoutEntry {
-            binding: 0,
+        let texture = |binding, filterable| wgpu::BindGroupLayoutEntry {
+            binding,
             visibility: ShaderStages::FRAGMENT,
             ty: wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Float { filterable },
@@ -114,16 +119,24 @@ impl SliceLayouts {
                 &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, caster)],
             ),
             face: layout("slice face", &[uniform(size_of::<OcclusionFace>())]),
-            below: layout("slice level below", &[texture(false)]),
+            below: layout("slice level below", &[texture(0, false)]),
             light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
             filtered: layout(
                 "slice pictures",
-                &[texture(true), sampler(wgpu::SamplerBindingType::Filtering)],
+                &[
+                    texture(0, true),
+                    sampler(wgpu::SamplerBindingType::Filtering),
+                    texture(2, true),
+                ],
             ),
             // The shader names a sampler for the other filters. One that does not filter fits any texture.
             sums: layout(
                 "slice sums",
-                &[texture(false), sampler(wgpu::SamplerBindingType::NonFiltering)],
+                &[
+                    texture(0, false),
+                    sampler(wgpu::SamplerBindingType::NonFiltering),
+                    texture(2, false),
+                ],
             ),
         }
     }
@@ -157,6 +170,15 @@ fn with_targets(desc: PipelineDesc, groups: u32, blend: Option<wgpu::BlendState>
     })
 }
 
+/// Describes a pass from layers of pictures to as many others.
+fn step(layouts: &SliceLayouts, label: &'static str, entry: &'static str, groups: u32) -> PipelineDesc {
+    let fragment = Some(Stage::new(FILTER, entry));
+    let desc = PipelineDesc::new(label, EVERYWHERE_WITH_INSTANCE, fragment)
+        .with_groups([Some(&layouts.below)])
+        .with_constants([("GROUPS", f64::from(groups))]);
+    with_targets(desc, groups, None)
+}
+
 /// Describes the pipeline of a key.
 pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
     match key {
@@ -188,16 +210,13 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             };
             with_targets(desc, groups, Some(MAXIMUM))
         }
+        Key::Unite { groups } => step(layouts, "slice unions", "unite", groups),
         Key::Level { filter, groups } => {
             let entry = match filter {
                 SliceFilter::Mipmaps => "mipmap",
                 SliceFilter::NBuffers | SliceFilter::SummedAreas => "n_buffer",
             };
-            let fragment = Some(Stage::new(FILTER, entry));
-            let desc = PipelineDesc::new("slice filter", EVERYWHERE_WITH_INSTANCE, fragment)
-                .with_groups([Some(&layouts.below)])
-                .with_constants([("GROUPS", f64::from(groups))]);
-            with_targets(desc, groups, None)
+            step(layouts, "slice filter", entry, groups)
         }
         Key::Sum => PipelineDesc::new(
             "slice sums",

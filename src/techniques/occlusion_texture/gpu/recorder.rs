@@ -14,7 +14,7 @@ use std::sync::atomic::Ordering;
 use bevy_ecs::prelude::*;
 
 use super::pipelines::{FILES, Key, SliceLayouts, describe};
-use super::textures::{TexturePool, TexturesKey};
+use super::textures::{StepKind, TexturePool, TexturesKey};
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
@@ -27,7 +27,6 @@ use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::maps::gpu::draws::MapDraws;
 use crate::techniques::maps::gpu::recorded::Recorded;
 use crate::techniques::occlusion_texture::build::OcclusionTextures;
-use crate::techniques::occlusion_texture::component::SliceFilter;
 use crate::techniques::occlusion_texture::light_slices::LightSlices;
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
@@ -161,9 +160,10 @@ impl SliceNode {
             self.faces.push(FacePlan { draws: plan });
             self.face_records.constants.push(&face.record(face.origin));
         }
-        match slices.settings.filter {
-            SliceFilter::SummedAreas => self.require(input.gpu, Key::Sum)?,
-            filter => self.require(input.gpu, Key::Level { filter, groups })?,
+        let key = TexturesKey::new(slices);
+        self.require(input.gpu, key.step(StepKind::Level))?;
+        if key.has_unions {
+            self.require(input.gpu, key.step(StepKind::Unions))?;
         }
         Ok(first..self.faces.len())
     }
