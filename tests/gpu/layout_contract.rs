@@ -392,6 +392,9 @@ fn mirrored_constants() -> Vec<Constant> {
             ("SUM", f64::from(SliceCombination::Sum as u32)),
             ("OVERLAP", f64::from(SliceCombination::Overlap as u32)),
             ("TOUCHED", f64::from(occlusion_textures::TOUCHED)),
+            ("WIDER", f64::from(occlusion_textures::WIDER)),
+            ("BEGINS", f64::from(occlusion_textures::BEGINS)),
+            ("WHOLE", f64::from(occlusion_textures::WHOLE)),
         ],
     );
     of(

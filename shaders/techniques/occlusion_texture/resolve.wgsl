@@ -4,13 +4,15 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine, add_overlapping, OVERLAP}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine, add_overlapping, OVERLAP, WIDER, BEGINS, WHOLE}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
 @group(3) @binding(1) var between_texels: sampler;
-// What each slice and all slices before it cover together. For OVERLAP alone; else the pictures again.
+// For OVERLAP alone, else the pictures again: what each slice and all slices before it cover together, and depths of casters below
+// the top of their slice, in thicknesses of the slice.
 @group(3) @binding(2) var unions: texture_2d_array<f32>;
+@group(3) @binding(3) var depths: texture_2d_array<f32>;
 
 override SLICES: u32 = 1u;
 override FACES: u32 = 1u;
@@ -24,12 +26,17 @@ const N_BUFFERS: u32 = 0u;          // mirror: techniques::occlusion_texture::Sl
 const MIPMAPS: u32 = 1u;            // mirror: techniques::occlusion_texture::SliceFilter::Mipmaps
 const SUMMED_AREAS: u32 = 2u;       // mirror: techniques::occlusion_texture::SliceFilter::SummedAreas
 
+// Values of Picture.shows: what each slice covers, what it and all before it cover, and depths.
+const COVERAGE: u32 = 0u;
+const UNIONS: u32 = 1u;
+const DEPTHS: u32 = 2u;
+
 // The picture of one slice: a channel of a layer, or of several layers with levels.
 struct Picture {
     face: u32,
     group: u32,
     channel: u32,
-    is_union: bool,
+    shows: u32,
 }
 
 // The value of a picture in a texel of its layer, and that of the slice before it if that is in the same layer.
@@ -70,10 +77,17 @@ fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> vec2f {
     let layer = (picture.face * all + level) * group_count() + picture.group;
     // The square around the place begins half its side before it.
     let corner = place + 0.5 - 0.5 * f32(1u << level);
-    if picture.is_union {
-        return picked(textureSampleLevel(unions, between_texels, corner * texel(), layer, 0.0), picture);
+    switch picture.shows {
+        case UNIONS: {
+            return picked(textureSampleLevel(unions, between_texels, corner * texel(), layer, 0.0), picture);
+        }
+        case DEPTHS: {
+            return picked(textureSampleLevel(depths, between_texels, corner * texel(), layer, 0.0), picture);
+        }
+        default: {
+            return picked(textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0), picture);
+        }
     }
-    return picked(textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0), picture);
 }
 
 fn n_buffer_mean(picture: Picture, kernel: Kernel) -> vec2f {
@@ -111,10 +125,18 @@ fn mipmap_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
     let dx = vec2f(size.x, 0.0);
     let dy = vec2f(0.0, size.y);
-    if picture.is_union {
-        return picked(textureSampleGrad(unions, between_texels, center, layer, dx, dy), picture) * share_inside(kernel);
+    let share = share_inside(kernel);
+    switch picture.shows {
+        case UNIONS: {
+            return picked(textureSampleGrad(unions, between_texels, center, layer, dx, dy), picture) * share;
+        }
+        case DEPTHS: {
+            return picked(textureSampleGrad(depths, between_texels, center, layer, dx, dy), picture) * share;
+        }
+        default: {
+            return picked(textureSampleGrad(pictures, between_texels, center, layer, dx, dy), picture) * share;
+        }
     }
-    return picked(textureSampleGrad(pictures, between_texels, center, layer, dx, dy), picture) * share_inside(kernel);
 }
 
 // Sum over all texels before a corner of the grid.
@@ -126,10 +148,17 @@ fn corner_sum(picture: Picture, x: f32, y: f32) -> vec2f {
     }
     let inside = min(texel, vec2i(last));
     let layer = picture.face * group_count() + picture.group;
-    if picture.is_union {
-        return picked(textureLoad(unions, inside, layer, 0), picture);
+    switch picture.shows {
+        case UNIONS: {
+            return picked(textureLoad(unions, inside, layer, 0), picture);
+        }
+        case DEPTHS: {
+            return picked(textureLoad(depths, inside, layer, 0), picture);
+        }
+        default: {
+            return picked(textureLoad(pictures, inside, layer, 0), picture);
+        }
     }
-    return picked(textureLoad(pictures, inside, layer, 0), picture);
 }
 
 // Sums are large; their differences are small and exact, so they are taken before anything is interpolated.
@@ -170,22 +199,64 @@ fn mean_over(picture: Picture, kernel: Kernel) -> vec2f {
 }
 
 // Adds one more slice to the hidden share that the slices before it left. Unions are looked up only where they matter.
-fn add_slice(hidden: f32, weight: f32, picture: Picture, kernel: Kernel) -> f32 {
+fn add_measured(hidden: f32, weight: f32, picture: Picture, kernel: Kernel) -> f32 {
     let own = mean_over(picture, kernel).x;
-    if COMBINE != OVERLAP || hidden <= 0.0 || own <= 0.0 {
-        return combine(COMBINE, hidden, clamp(weight * own, 0.0, 1.0));
+    if hidden <= 0.0 || own <= 0.0 {
+        return clamp(hidden + weight * own, 0.0, 1.0);
     }
-    let united = mean_over(Picture(picture.face, picture.group, picture.channel, true), kernel);
+    let united = mean_over(Picture(picture.face, picture.group, picture.channel, UNIONS), kernel);
     var above = united.y;
     if picture.channel == 0u {
         // Something is hidden, so there is a group of slices before.
-        above = mean_over(Picture(picture.face, picture.group - 1u, 3u, true), kernel).x;
+        above = mean_over(Picture(picture.face, picture.group - 1u, 3u, UNIONS), kernel).x;
     }
     return add_overlapping(hidden, weight, own, above, united.x);
 }
 
+// Share of the light that the slices of one picture hide, from the depths and overlaps of their casters.
+fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
+    let projection = light.faces[face].projection;
+    let depth = light.faces[face].depth;
+    var hidden = 0.0;
+    var top = depth.z;
+    var before = top;                   // top of the slice before
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
+        if receiver.z <= top {
+            break;
+        }
+        let picture = Picture(face, slice / 4u, slice % 4u, COVERAGE);
+        let guess = 0.5 * (top + min(bottom, receiver.z));
+        var at = Lookup(select(top, before, CLOSE), bottom, guess, light.limits.z, light.half_up.w);
+        let own_top = top;
+        before = top;
+        top = bottom;
+        // Where the slice's casters are, around the kernel in the middle of the slice.
+        let middle = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
+        let around = over_own_plane(light.faces[face], at, receiver, normal, Kernel(middle.center, WIDER * middle.half));
+        let cover = mean_over(picture, around).x;
+        if cover <= 0.0 {
+            continue;
+        }
+        let below = clamp(mean_over(Picture(face, slice / 4u, slice % 4u, DEPTHS), around).x / cover, 0.0, 1.0);
+        at.plane = min(mix(own_top, bottom, below), receiver.z);
+        let thickness = bottom - own_top;
+        let weight = slice_weight(at.plane + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
+        if weight <= 0.0 {
+            continue;
+        }
+        let whole = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
+        let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
+        hidden = add_measured(hidden, weight, picture, kernel);
+    }
+    return hidden;
+}
+
 // Share of the light that the slices of one picture hide.
 fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
+    if COMBINE == OVERLAP {
+        return measured_share(face, receiver, normal);
+    }
     let projection = light.faces[face].projection;
     let depth = light.faces[face].depth;
     var hidden = 0.0;
@@ -206,7 +277,8 @@ fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         top = bottom;
         let whole = slice_kernel(projection, depth, light.kernel, receiver, plane);
         let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
-        hidden = add_slice(hidden, weight, Picture(face, slice / 4u, slice % 4u, false), kernel);
+        let mean = mean_over(Picture(face, slice / 4u, slice % 4u, COVERAGE), kernel).x;
+        hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }
     return hidden;
 }

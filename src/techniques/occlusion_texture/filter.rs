@@ -74,16 +74,29 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
     levels
 }
 
-/// Returns what each slice and all slices before it cover together, from the pictures of single slices.
-pub fn unite(pictures: &[Picture]) -> Vec<Picture> {
-    let mut unions: Vec<Picture> = Vec::with_capacity(pictures.len());
-    for picture in pictures {
-        let before = unions.last();
-        let texel = |at: IVec2| before.map_or(0.0, |before| before.at(at)).max(picture.at(at));
-        let union = Picture::from_fn(picture.side, texel);
+/// Splits the depths that were drawn into what each slice covers, what it and all slices before it cover together, and depths of
+/// casters below the top of their slice, in thicknesses of the slice.
+pub fn split(drawn: &[Picture]) -> [Vec<Picture>; 3] {
+    let covered = |value: f32| f32::from(u8::from(value > 0.0));
+    let of = |picture: &Picture, value: &dyn Fn(f32) -> f32| Picture {
+        side: picture.side,
+        texels: picture.texels.iter().map(|texel| value(*texel)).collect(),
+    };
+    let coverage: Vec<Picture> = drawn.iter().map(|picture| of(picture, &covered)).collect();
+    let depths = drawn
+        .iter()
+        .map(|picture| of(picture, &|value| (2.0 - value) * covered(value)));
+    let mut unions: Vec<Picture> = Vec::with_capacity(drawn.len());
+    for picture in &coverage {
+        let mut union = picture.clone();
+        let before = unions.last().map_or(&picture.texels, |before| &before.texels);
+        for (texel, before) in union.texels.iter_mut().zip(before) {
+            *texel = texel.max(*before);
+        }
         unions.push(union);
     }
-    unions
+    let depths = depths.collect();
+    [coverage, unions, depths]
 }
 
 /// Returns the part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture, and its

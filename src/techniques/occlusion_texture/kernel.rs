@@ -149,6 +149,28 @@ pub fn combine(combination: SliceCombination, hidden: f32, more: f32) -> f32 {
     }
 }
 
+/// How much wider than a kernel the rectangle is in which the depth of its casters is looked for. By measure: with 1, thin walls
+/// beside the rays of the picture are missed; with 3, casters beside the kernel move it.
+pub const WIDER: f32 = 2.0;
+
+/// Distance behind a caster at which its shadow begins, in thicknesses of the caster's slice. By measure: with less, bent surfaces
+/// shadow themselves.
+pub const BEGINS: f32 = 0.15;
+
+/// Distance behind a caster at which its shadow is whole, in thicknesses of the caster's slice. By measure: with more, light passes
+/// thin walls; with less, surfaces that the light grazes show the rounding of their receivers.
+pub const WHOLE: f32 = 0.75;
+
+/// Returns the depth at which the casters of a slice between `top` and `bottom` are taken to be, and the share of their shadow that
+/// a receiver gets. `below` is their mean depth below the top, in thicknesses of the slice.
+pub fn measured_plane(top: f32, bottom: f32, below: f32, depth: f32) -> (f32, f32) {
+    let thickness = bottom - top;
+    let plane = (top + below.clamp(0.0, 1.0) * thickness).min(depth);
+    let fade = ((WHOLE - BEGINS) * thickness).max(1e-30);
+    let weight = ((depth - plane - BEGINS * thickness) / fade).clamp(0.0, 1.0);
+    (plane, weight)
+}
+
 /// What the pictures show of one kernel: shares of its area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {

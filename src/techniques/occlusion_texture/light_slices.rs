@@ -190,8 +190,9 @@ impl LightSlices {
             SliceFilter::Mipmaps => (11, 0), // 8 and a third, rounded up
             SliceFilter::SummedAreas => (24, 16),
         };
-        let sets = 1 + u64::from(self.settings.has_unions());
-        groups * (sets * one + shared)
+        // Depths are drawn, and split into three sets of pictures.
+        let (drawn, sets) = if self.settings.measures() { (8, 3) } else { (0, 1) };
+        groups * (drawn + sets * one + shared)
     }
 
     /// Largest resolution at which the pictures fit into the layers of one texture.
@@ -267,8 +268,12 @@ impl LightSlices {
         let all = level_count(self.resolution);
         let side = f64::from(self.resolution);
         let of_face = |face: &SliceFace| {
-            let kernel = (face.widest_kernel(&sliced) * side).as_vec2();
-            reached_levels(kernel, self.taps()).min(all)
+            let widest = if self.settings.measures() {
+                face.widest_measured(&sliced)
+            } else {
+                face.widest_kernel(&sliced)
+            };
+            reached_levels((widest * side).as_vec2(), self.taps()).min(all)
         };
         self.faces.iter().map(of_face).max().unwrap_or(all)
     }

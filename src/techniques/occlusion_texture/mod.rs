@@ -31,11 +31,18 @@
 //! its mean colour.
 //!
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
-//! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice. The slice that holds a receiver
-//! does not shadow it, and the slice before it fades in with the distance, so nothing jumps where geometry passes from
-//! slice to slice. Objects therefore lose the contact shadow within about one slice; more slices bring it closer. The source
-//! lets casters cast from the far end of their slice. Here they do so for receivers just behind the slice only. Once the
-//! slice has faded in, they cast from its middle, which halves the error of their projection onto one plane.
+//! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice.
+//!
+//! **Depths and overlaps.** Beyond the paper, pictures hold the depth of the nearest caster in each slice. They are split into
+//! three sets: what each slice covers, depths, and what each slice and all slices before it cover together. A pixel looks up
+//! the mean depth of a slice's casters around its kernel, and takes them to be there. Their shadow fades in with the distance
+//! behind them, from 0.15 to 0.75 thicknesses of the slice, also within one slice; closer to their caster shadows are lost, and
+//! more slices bring them closer. The third set tells how much of a slice lies behind casters of the slices before it; see
+//! [`SliceCombination::Overlap`].
+//!
+//! The paper's combinations know neither. With them, the slice that holds a receiver does not shadow it, and the slice before
+//! it fades in over a whole thickness. Casters cast from the far end of their slice for receivers just behind it, and from its
+//! middle once it has faded in, which halves the error of the paper's far end.
 //!
 //! **The receiver's own plane.** A flat surface hides nothing from itself. Taking a slice's casters to be at one depth would
 //! move such a surface before its receivers, so a kernel is cut to what is clear of it. Where another caster is there
@@ -47,7 +54,8 @@
 //!
 //! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices; see [`SliceFilter`]. Pictures are
 //! kept while nothing changes. Drawing is one pass over the casters for up to 16 slices; a pixel costs two lookups for each
-//! slice between itself and the light, whatever the size of the light. N-buffers take four loads of 8 bytes for each texel
+//! slice between itself and the light, whatever the size of the light. Overlaps and depths take three sets of pictures, and up
+//! to ten lookups for each slice that has casters around the kernel. N-buffers take four loads of 8 bytes for each texel
 //! and level, and levels that no kernel reaches are not built. At 1024² texels that is at most 40 loads; summed areas take
 //! 64 of 16 bytes.
 //!
@@ -55,9 +63,9 @@
 //! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
 //!
 //! **Limits.** A caster that cuts the light, or touches it, lies within a slice that begins at the light, and its shadow is rough.
-//! Occluders in different slices count as independent: a surface that passes through several slices hides
-//! disjoint parts of the light, and the product lets some of it through; [`OcclusionTexture::close_leaks`] mends that where
-//! it matters. All casters that the light reaches share one picture, so lights without a range spend their texels and slices
+//! Light leaks through thin walls that stand within 30° of the light's axis, where a slice is much thicker than the wall:
+//! kernels pass beside the wall's strip in the slice. More slices and [`OcclusionTexture::close_leaks`] mend most of that. All
+//! casters that the light reaches share one picture, so lights without a range spend their texels and slices
 //! on all casters of the scene. A report says so if most casters are lost for that. A ground, and a convex shell around
 //! everything lit, such as a sky dome or a room in one mesh, count neither as casters nor for the size of the slices.
 //!

@@ -1,7 +1,7 @@
 //! Where slices end, how they fade in, and how they are combined.
 
 use antumbra::insides::occlusion_textures::{
-    Shares, SliceFace, Slices, add_overlapping, combine, slice_plane, slice_weight,
+    Shares, SliceFace, Slices, add_overlapping, combine, measured_plane, slice_plane, slice_weight,
 };
 use antumbra::techniques::SliceCombination;
 use glam::{DVec2, DVec3};
@@ -123,5 +123,22 @@ fn overlapping_slices_lie_between_the_maximum_and_the_sum() {
             got >= least - 1e-5 && got <= most + 1e-5,
             "{hidden} {own} {above} {united}: {got}"
         );
+    }
+}
+
+/// Casters are at their mean depth, and their shadow begins behind them, in their own slice too.
+#[test]
+fn measured_casters_shadow_what_is_behind_them() {
+    assert_eq!(measured_plane(2.0, 3.0, 0.25, 2.25), (2.25, 0.0));
+    assert_eq!(measured_plane(2.0, 3.0, 0.25, 3.1), (2.25, 1.0));
+    // They are not behind their receiver.
+    assert_eq!(measured_plane(2.0, 3.0, 0.5, 2.25), (2.25, 0.0));
+    // A caster that passes into the next slice stays where it is, and so does its shadow.
+    for depth in [3.1, 3.3, 4.0] {
+        let (before, after) = (
+            measured_plane(2.0, 3.0, 1.0, depth),
+            measured_plane(3.0, 4.0, 0.0, depth),
+        );
+        assert_eq!(before, after);
     }
 }

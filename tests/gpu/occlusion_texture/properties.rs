@@ -62,6 +62,39 @@ fn leaks_of_thin_wings_and_walls_are_closed() {
     }
 }
 
+/// Two rooms with walls of 0.1 m, a tilted lamp in one of them and the eye in the other, which is wholly dark.
+#[test]
+fn thin_walls_between_rooms_hold_most_of_the_light() {
+    let context = strict_context();
+    let mut stage = empty(&context, Vec3::ZERO);
+    let view = Transform::from_xyz(2.0, 1.9, 1.2).looking_at(Vec3::new(3.5, 0.4, -0.6), Vec3::Y);
+    stage.world.entity_mut(stage.camera).insert(view);
+    spawn(&mut stage, MeshData::plane(6.0), Transform::IDENTITY);
+    for x in [-1.5, 1.5, 4.5] {
+        let wall = MeshData::cuboid(Vec3::new(0.05, 1.25, 1.5));
+        spawn(&mut stage, wall, Transform::from_xyz(x, 1.25, 0.0));
+    }
+    for z in [-1.5, 1.5] {
+        let wall = MeshData::cuboid(Vec3::new(3.0, 1.25, 0.05));
+        spawn(&mut stage, wall, Transform::from_xyz(1.5, 1.25, z));
+    }
+    let light = Light {
+        kind: square(0.3),
+        ..Light::point(Vec3::ONE, 30.0, f32::INFINITY)
+    };
+    let from = Vec3::new(-0.2, 2.0, 0.5);
+    let place = Transform::from_translation(from).looking_at(Vec3::new(3.1, 0.5, 0.0), Vec3::Y);
+    stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+    let (product, all) = leaks(&mut stage, SliceCombination::Product, 0);
+    let overlap = [0, u32::MAX].map(|mask| leaks(&mut stage, SliceCombination::Overlap, mask).0);
+    println!("of {all} umbra pixels, {product} are lit by the product, {overlap:?} by the overlap");
+    assert!(all > 2000 && product > all / 10, "{product} of {all}");
+    assert!(
+        3 * overlap[0] < product && 50 * overlap[1] < all,
+        "{overlap:?} of {all}, {product}"
+    );
+}
+
 /// A plane that rises through all slices shadows itself nowhere, and under a plate its shadow has no steps.
 #[test]
 fn slices_fade_where_a_plane_passes_through_them() {

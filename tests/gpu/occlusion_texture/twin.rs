@@ -1,9 +1,9 @@
 //! The GPU draws, filters, looks up and combines as the CPU twins do.
 
 use antumbra::insides::occlusion_textures::{
-    Kernel, LightSlices, Lookup, OcclusionLight, Picture, Shares, SliceFace, add_overlapping, combine,
-    mipmap_mean, mipmaps, n_buffer_mean, n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane,
-    slice_weight, summed_areas, summed_mean, unite,
+    Kernel, LightSlices, Lookup, OcclusionFace, OcclusionLight, Picture, Shares, SliceFace, WIDER,
+    add_overlapping, combine, measured_plane, mipmap_mean, mipmaps, n_buffer_mean, n_buffers, over_own_plane,
+    slice_bottom, slice_kernel, slice_plane, slice_weight, split, summed_areas, summed_mean,
 };
 use antumbra::prelude::*;
 use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
@@ -14,7 +14,12 @@ use super::scenes::{BETWEEN, Scene, boxes, hits, lamp, rendered, staged};
 use crate::harness::strict_context;
 
 /// The pictures of one face by rays through the middle of each texel.
-fn cast_pictures(face: &SliceFace, scene: &RayScene, side: usize, closes: bool) -> Vec<Picture> {
+fn cast_pictures(
+    face: &SliceFace,
+    scene: &RayScene,
+    side: usize,
+    settings: &OcclusionTexture,
+) -> Vec<Picture> {
     let slices = &face.slices;
     let mut pictures = vec![Picture::from_fn(side, |_| 0.0); slices.count];
     let place = |ndc: DVec2, depth: f64| {
@@ -50,15 +55,18 @@ fn cast_pictures(face: &SliceFace, scene: &RayScene, side: usize, closes: bool) 
                 continue;
             }
             let depth = face.light_from_world(from + along * share).z;
+            let top_of =
+                |slice: i32| usize::try_from(slice - 1).map_or(slices.top, |before| slices.bottoms[before]);
             for (slice, picture) in pictures.iter_mut().enumerate() {
-                let before = if closes {
-                    slice as i32 - 2
-                } else {
-                    slice as i32 - 1
-                };
-                let top = usize::try_from(before).map_or(slices.top, |before| slices.bottoms[before]);
-                if depth > top && depth <= slices.bottoms[slice] {
-                    picture.texels[index] = 1.0;
+                let first = slice as i32 - i32::from(settings.close_leaks != 0);
+                if depth > top_of(first) && depth <= slices.bottoms[slice] {
+                    let top = top_of(slice as i32);
+                    let below = ((depth - top) / (slices.bottoms[slice] - top)).clamp(0.0, 1.0);
+                    let value = match settings.combine {
+                        SliceCombination::Overlap => 2.0 - below as f32,
+                        _ => 1.0,
+                    };
+                    picture.texels[index] = picture.texels[index].max(value);
                 }
             }
         }
@@ -71,15 +79,15 @@ fn triangle_is_closed(triangle: &SceneTriangle) -> bool {
     triangle.corners.iter().any(|corner| corner.y > 0.01)
 }
 
-/// The filtered pictures of one face: of single slices, then of unions.
+/// The filtered pictures of one face: what slices cover, unions and depths.
 enum Filtered {
-    Levels([Vec<Vec<Picture>>; 2]),
-    Sums([Vec<Picture>; 2]),
+    Levels([Vec<Vec<Picture>>; 3]),
+    Sums([Vec<Picture>; 3]),
 }
 
 impl Filtered {
-    fn new(pictures: Vec<Picture>, filter: SliceFilter) -> Self {
-        let sets = [pictures.clone(), unite(&pictures)];
+    fn new(drawn: &[Picture], filter: SliceFilter) -> Self {
+        let sets = split(drawn);
         let levels = |of: fn(Picture) -> Vec<Picture>| {
             sets.clone()
                 .map(|pictures| pictures.into_iter().map(of).collect())
@@ -93,7 +101,7 @@ impl Filtered {
         }
     }
 
-    /// Mean over a kernel of a slice, or of its union.
+    /// Mean of a picture of a set over a kernel.
     fn mean(&self, set: usize, slice: usize, kernel: &Kernel, slices: &LightSlices) -> f32 {
         match self {
             Self::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
@@ -102,6 +110,73 @@ impl Filtered {
             Self::Levels(levels) => mipmap_mean(&levels[set][slice], kernel),
             Self::Sums(sums) => summed_mean(&sums[set][slice], kernel),
         }
+    }
+}
+
+/// The receiver and the picture in which it is looked up.
+struct Seen<'a> {
+    slices: &'a LightSlices,
+    face: &'a OcclusionFace,
+    light: Vec4,
+    filtered: &'a Filtered,
+    receiver: Vec3,
+    normal: Vec3,
+}
+
+impl Seen<'_> {
+    /// A lookup in a slice between two depths.
+    fn lookup(&self, top: f32, bottom: f32, plane: f32) -> Lookup {
+        Lookup {
+            top,
+            bottom,
+            plane,
+            side: self.slices.resolution as f32,
+            taps: self.slices.taps() as f32,
+        }
+    }
+
+    /// The kernel of a lookup, `wider` than the light.
+    fn kernel(&self, at: &Lookup, wider: f32) -> Kernel {
+        let mut kernel = slice_kernel(self.face, self.light, self.receiver, at.plane);
+        kernel.half *= wider;
+        over_own_plane(self.face, at, self.receiver, self.normal, kernel)
+    }
+
+    fn mean(&self, set: usize, slice: usize, kernel: &Kernel) -> f32 {
+        self.filtered.mean(set, slice, kernel, self.slices)
+    }
+
+    /// Adds a slice by its depths and overlaps.
+    fn measured(&self, hidden: f32, slice: usize, (first, top, bottom): (f32, f32, f32)) -> f32 {
+        let depth = self.receiver.z;
+        let guess = self.lookup(first, bottom, 0.5 * (top + bottom.min(depth)));
+        let around = self.kernel(&guess, WIDER);
+        let cover = self.mean(0, slice, &around);
+        if cover <= 0.0 {
+            return hidden;
+        }
+        let below = self.mean(2, slice, &around) / cover;
+        let (plane, weight) = measured_plane(top, bottom, below, depth);
+        let kernel = self.kernel(&self.lookup(first, bottom, plane), 1.0);
+        let above = slice
+            .checked_sub(1)
+            .map_or(0.0, |before| self.mean(1, before, &kernel));
+        let shares = Shares {
+            own: self.mean(0, slice, &kernel),
+            above,
+            united: self.mean(1, slice, &kernel),
+        };
+        add_overlapping(hidden, weight, shares)
+    }
+
+    /// Adds a slice as if its casters were in the middle.
+    fn combined(&self, hidden: f32, slice: usize, (first, _, bottom): (f32, f32, f32)) -> f32 {
+        let settings = &self.slices.settings;
+        let weight = slice_weight(self.face, slice, settings.slices as usize, self.receiver.z);
+        let plane = slice_plane(self.face, slice, weight);
+        let kernel = self.kernel(&self.lookup(first, bottom, plane), 1.0);
+        let own = self.mean(0, slice, &kernel);
+        combine(settings.combine, hidden, (weight * own).clamp(0.0, 1.0))
     }
 }
 
@@ -116,40 +191,28 @@ fn visibility(slices: &LightSlices, record: &OcclusionLight, filtered: &[Filtere
         .expect("a face");
     let receiver = face.light_from_world(hit.position).as_vec3();
     let normal = DVec3::from(face.axes.map(|axis| axis.dot(hit.normal))).as_vec3();
-    let (count, record_face) = (slices.settings.slices as usize, &record.faces[index]);
-    let light = Vec4::from(record.kernel);
-    let (mut hidden, mut top) = (0.0, record_face.depth[2]);
+    let settings = &slices.settings;
+    let seen = Seen {
+        slices,
+        face: &record.faces[index],
+        light: Vec4::from(record.kernel),
+        filtered: &filtered[index],
+        receiver,
+        normal,
+    };
+    let (mut hidden, mut top) = (0.0, seen.face.depth[2]);
     let mut before = top;
-    for slice in 0..count {
-        let bottom = slice_bottom(record_face, slice);
-        if receiver.z <= bottom {
-            break;
-        }
-        let weight = slice_weight(record_face, slice, count, receiver.z);
-        let plane = slice_plane(record_face, slice, weight);
-        let at = Lookup {
-            top: if slices.settings.close_leaks != 0 {
-                before
-            } else {
-                top
-            },
-            bottom,
-            plane,
-            side: slices.resolution as f32,
-            taps: slices.taps() as f32,
+    for slice in 0..settings.slices as usize {
+        let bottom = slice_bottom(seen.face, slice);
+        let first = if settings.close_leaks != 0 { before } else { top };
+        let depths = (first, top, bottom);
+        hidden = match settings.combine {
+            SliceCombination::Overlap if receiver.z > top => seen.measured(hidden, slice, depths),
+            SliceCombination::Overlap => hidden,
+            _ if receiver.z > bottom => seen.combined(hidden, slice, depths),
+            _ => hidden,
         };
         (before, top) = (top, bottom);
-        let whole = slice_kernel(record_face, light, receiver, plane);
-        let kernel = over_own_plane(record_face, &at, receiver, normal, whole);
-        let mean = |set, slice| filtered[index].mean(set, slice, &kernel, slices);
-        let own = mean(0, slice);
-        hidden = match slices.settings.combine {
-            SliceCombination::Overlap if slice > 0 => {
-                let (above, united) = (mean(1, slice - 1), mean(1, slice));
-                add_overlapping(hidden, weight, Shares { own, above, united })
-            }
-            combination => combine(combination, hidden, (weight * own).clamp(0.0, 1.0)),
-        };
     }
     1.0 - hidden
 }
@@ -177,8 +240,8 @@ fn difference(
         .faces
         .iter()
         .map(|face| {
-            let pictures = cast_pictures(face, &rays, side, settings.close_leaks != 0);
-            Filtered::new(pictures, settings.filter)
+            let drawn = cast_pictures(face, &rays, side, &settings);
+            Filtered::new(&drawn, settings.filter)
         })
         .collect();
     let (mut largest, mut sum, mut count, mut soft) = (0.0f32, 0.0, 0, 0);

@@ -1,6 +1,6 @@
 //! Makes the textures of a light, and the passes that fill them.
 
-use super::pipelines::{PICTURE_FORMAT, SUM_FORMAT, SliceLayouts};
+use super::pipelines::{PICTURE_FORMAT, SUM_FORMAT, SliceLayouts, SliceSet};
 use super::textures::{SliceTextures, Step, StepKind, TexturesKey};
 use crate::render::RenderContext;
 use crate::render::gpu::bind_groups::bind_in_order;
@@ -15,10 +15,8 @@ pub(super) struct Maker<'a> {
     pub key: TexturesKey,
 }
 
-/// One set of pictures and the passes that filter it: of single slices, or of unions of slices.
+/// One set of pictures and the passes that filter it.
 struct Filtered {
-    /// The texture whose first level is drawn.
-    drawn_in: wgpu::Texture,
     /// The layers of the first level of each picture.
     drawn: Vec<Vec<wgpu::TextureView>>,
     steps: Vec<Step>,
@@ -78,10 +76,10 @@ impl Maker<'_> {
         )
     }
 
-    /// The bind group of the lookup, with a sampler if the filter needs one.
-    fn lookup(&self, pictures: &wgpu::Texture, unions: &wgpu::Texture) -> wgpu::BindGroup {
+    /// The bind group of the lookup in coverage, unions and depths, with a sampler if the filter needs one.
+    fn lookup(&self, textures: [&wgpu::Texture; 3]) -> wgpu::BindGroup {
         let device = &self.context.device;
-        let [pictures, unions] = [pictures, unions].map(|texture| {
+        let [pictures, unions, depths] = textures.map(|texture| {
             texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
                 ..Default::default()
@@ -108,6 +106,7 @@ impl Maker<'_> {
             wgpu::BindingResource::TextureView(&pictures),
             wgpu::BindingResource::Sampler(&sampler),
             wgpu::BindingResource::TextureView(&unions),
+            wgpu::BindingResource::TextureView(&depths),
         ];
         let layout = self.layouts.pictures(self.key.filter);
         bind_in_order(device, "slice pictures", layout, resources)
@@ -119,7 +118,7 @@ impl Maker<'_> {
             faces,
             groups,
             filter,
-            has_unions,
+            is_split,
             ..
         } = self.key;
         let scratch = (filter == SliceFilter::SummedAreas)
@@ -129,41 +128,46 @@ impl Maker<'_> {
             (SliceFilter::Mipmaps, _) => self.mipmaps(),
             _ => self.n_buffers(),
         };
-        let own = filtered();
-        let unions = has_unions.then(filtered);
-        let mut steps = Vec::new();
-        for (face, targets) in unions.iter().flat_map(|unions| unions.drawn.iter().enumerate()) {
-            steps.push(Step {
-                kind: StepKind::Unions,
-                below: self.below(&own.drawn_in, self.first_layer(face as u32), groups, 0),
-                targets: targets.clone(),
-                instance: 0,
-                level: 0,
-            });
+        let coverage = filtered();
+        let (mut drawn, mut steps) = (coverage.drawn, coverage.steps);
+        let pictures = coverage.result;
+        let (mut unions, mut depths) = (pictures.clone(), pictures.clone());
+        if is_split {
+            let all = self.texture("slice depths", PICTURE_FORMAT, faces * groups, 1);
+            let layers = (0..faces)
+                .map(|face| self.layers(&all, face * groups, 0))
+                .collect();
+            let covered = std::mem::replace(&mut drawn, layers);
+            let mut filters = std::mem::replace(&mut steps, self.split(&all, SliceSet::Coverage, &covered));
+            for (set, result) in [(SliceSet::Unions, &mut unions), (SliceSet::Depths, &mut depths)] {
+                let made = filtered();
+                steps.extend(self.split(&all, set, &made.drawn));
+                filters.extend(made.steps);
+                *result = made.result;
+            }
+            steps.extend(filters);
         }
-        let group = self.lookup(
-            &own.result,
-            unions.as_ref().map_or(&own.result, |unions| &unions.result),
-        );
-        steps.extend(own.steps);
-        steps.extend(unions.into_iter().flat_map(|unions| unions.steps));
         SliceTextures {
             key: self.key,
-            drawn: own.drawn,
+            drawn,
             steps,
-            group,
+            group: self.lookup([&pictures, &unions, &depths]),
             record: FaceRecord::default(),
             in_use: true,
         }
     }
 
-    /// First layer of a picture's first level.
-    fn first_layer(&self, face: u32) -> u32 {
-        let levels = match self.key.filter {
-            SliceFilter::NBuffers => level_count(self.key.side),
-            SliceFilter::Mipmaps | SliceFilter::SummedAreas => 1,
+    /// The passes that make a set of pictures from depths.
+    fn split(&self, from: &wgpu::Texture, set: SliceSet, targets: &[Vec<wgpu::TextureView>]) -> Vec<Step> {
+        let groups = self.key.groups;
+        let step = |(face, targets): (usize, &Vec<wgpu::TextureView>)| Step {
+            kind: StepKind::Split(set),
+            below: self.below(from, face as u32 * groups, groups, 0),
+            targets: targets.clone(),
+            instance: 0,
+            level: 0,
         };
-        face * levels * self.key.groups
+        targets.iter().enumerate().map(step).collect()
     }
 
     /// Levels are layers: those of a picture follow each other, and those of its groups within a level.
@@ -188,7 +192,6 @@ impl Maker<'_> {
             }
         }
         Filtered {
-            drawn_in: texture.clone(),
             drawn,
             steps,
             result: texture,
@@ -215,7 +218,6 @@ impl Maker<'_> {
             }
         }
         Filtered {
-            drawn_in: texture.clone(),
             drawn,
             steps,
             result: texture,
@@ -252,7 +254,6 @@ impl Maker<'_> {
         }
         Filtered {
             result: from.clone(),
-            drawn_in: pictures.clone(),
             drawn,
             steps,
         }

@@ -74,6 +74,7 @@ impl SliceNode {
                     masked,
                     closes,
                     culled,
+                    depths: plan.key.is_split,
                     groups,
                 })
             };

@@ -18,6 +18,17 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float
 /// The format of sums, which are whole numbers up to the square of the resolution.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+/// What a set of pictures shows, one picture for each slice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SliceSet {
+    /// What each slice covers.
+    Coverage,
+    /// What each slice and all slices before it cover together.
+    Unions,
+    /// Depths of casters below the top of their slice.
+    Depths,
+}
+
 /// Everything that distinguishes two pipelines of one stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Key {
@@ -29,11 +40,15 @@ pub enum Key {
         closes: bool,
         /// The faces that are left out: the backs of closed casters.
         culled: Option<wgpu::Face>,
+        /// True if depths are drawn instead of what casters cover.
+        depths: bool,
         /// Number of colour targets.
         groups: u32,
     },
-    /// Makes the pictures of what each slice and all slices before it cover together.
-    Unite {
+    /// Makes one of the sets of pictures that depths of casters are split into.
+    Split {
+        /// The set that is made.
+        set: SliceSet,
         /// Number of colour targets.
         groups: u32,
     },
@@ -127,6 +142,7 @@ impl SliceLayouts {
                     texture(0, true),
                     sampler(wgpu::SamplerBindingType::Filtering),
                     texture(2, true),
+                    texture(3, true),
                 ],
             ),
             // The shader names a sampler for the other filters. One that does not filter fits any texture.
@@ -136,6 +152,7 @@ impl SliceLayouts {
                     texture(0, false),
                     sampler(wgpu::SamplerBindingType::NonFiltering),
                     texture(2, false),
+                    texture(3, false),
                 ],
             ),
         }
@@ -186,6 +203,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             masked,
             closes,
             culled,
+            depths,
             groups,
         } => {
             let (vertex, fragment, buffers) = if masked {
@@ -206,11 +224,21 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
                         Some(&layouts.face),
                         masked.then_some(&gpu.layouts.material),
                     ])
-                    .with_constants([("CLOSE", f64::from(u8::from(closes)))])
+                    .with_constants([
+                        ("CLOSE", f64::from(u8::from(closes))),
+                        ("DEPTHS", f64::from(u8::from(depths))),
+                    ])
             };
             with_targets(desc, groups, Some(MAXIMUM))
         }
-        Key::Unite { groups } => step(layouts, "slice unions", "unite", groups),
+        Key::Split { set, groups } => {
+            let entry = match set {
+                SliceSet::Coverage => "cover",
+                SliceSet::Unions => "unite",
+                SliceSet::Depths => "deepen",
+            };
+            step(layouts, "slice split", entry, groups)
+        }
         Key::Level { filter, groups } => {
             let entry = match filter {
                 SliceFilter::Mipmaps => "mipmap",

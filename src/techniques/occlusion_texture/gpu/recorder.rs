@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
 
-use super::pipelines::{FILES, Key, SliceLayouts, describe};
+use super::pipelines::{FILES, Key, SliceLayouts, SliceSet, describe};
 use super::textures::{StepKind, TexturePool, TexturesKey};
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::buffers::GrowingBuffer;
@@ -152,6 +152,7 @@ impl SliceNode {
                         masked,
                         closes,
                         culled,
+                        depths: slices.settings.measures(),
                         groups,
                     };
                     self.require(input.gpu, key)?;
@@ -162,8 +163,10 @@ impl SliceNode {
         }
         let key = TexturesKey::new(slices);
         self.require(input.gpu, key.step(StepKind::Level))?;
-        if key.has_unions {
-            self.require(input.gpu, key.step(StepKind::Unions))?;
+        if key.is_split {
+            for set in [SliceSet::Coverage, SliceSet::Unions, SliceSet::Depths] {
+                self.require(input.gpu, key.step(StepKind::Split(set)))?;
+            }
         }
         Ok(first..self.faces.len())
     }

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::Entity;
 
 use super::maker::Maker;
-use super::pipelines::{Key, SliceLayouts};
+use super::pipelines::{Key, SliceLayouts, SliceSet};
 use crate::render::RenderContext;
 use crate::techniques::maps::gpu::recorded::FaceRecord;
 use crate::techniques::occlusion_texture::component::SliceFilter;
@@ -25,8 +25,8 @@ pub struct TexturesKey {
     pub faces: u32,
     /// Number of layers of each picture, four slices each.
     pub groups: u32,
-    /// Whether there are pictures of what each slice and all slices before it cover together.
-    pub has_unions: bool,
+    /// Whether depths are drawn, and split into sets of pictures.
+    pub is_split: bool,
 }
 
 impl TexturesKey {
@@ -38,7 +38,7 @@ impl TexturesKey {
             side: slices.resolution,
             faces: slices.faces.len() as u32,
             groups: slices.settings.groups(),
-            has_unions: slices.settings.has_unions(),
+            is_split: slices.settings.measures(),
         }
     }
 
@@ -46,7 +46,7 @@ impl TexturesKey {
     pub fn step(&self, kind: StepKind) -> Key {
         let groups = self.groups;
         match (kind, self.filter) {
-            (StepKind::Unions, _) => Key::Unite { groups },
+            (StepKind::Split(set), _) => Key::Split { set, groups },
             (StepKind::Level, SliceFilter::SummedAreas) => Key::Sum,
             (StepKind::Level, filter) => Key::Level { filter, groups },
         }
@@ -62,8 +62,8 @@ impl TexturesKey {
 /// What a pass between pictures makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepKind {
-    /// What each slice and all slices before it cover together, from single slices.
-    Unions,
+    /// A set of pictures, from the depths that were drawn.
+    Split(SliceSet),
     /// The next level of a filter.
     Level,
 }
