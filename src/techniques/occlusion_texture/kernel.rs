@@ -182,12 +182,12 @@ pub struct Shares {
     pub united: f32,
 }
 
-/// Adds one more slice to the hidden share that the slices before it left. `weight` is the share of the slice's shadow that the
-/// receiver gets.
+/// Adds one more slice to the hidden share that the slices before it left. `weight` is the share of the slice's shadow that
+/// the receiver gets.
 ///
-/// Rays of the kernel are of two kinds: those that pass casters before the slice in the pictures, and the others. The pictures
-/// tell which part of either kind the slice hides. Rays that the slices before it hide are taken to be of the first kind, as far
-/// as there are enough of those, and to be spread evenly within each kind.
+/// Rays of the kernel are of two kinds: those that pass casters before the slice in the pictures, and the others. The
+/// pictures tell which part of either kind the slice hides. Rays that the slices before it hide are taken to be of the first
+/// kind, as far as there are enough of those, and to be spread evenly within each kind.
 ///
 /// Beyond Eisemann & Décoret 2008, eq. 5: where the slice hides as large a part of both kinds, this is the product.
 pub fn add_overlapping(hidden: f32, weight: f32, shares: Shares) -> f32 {
