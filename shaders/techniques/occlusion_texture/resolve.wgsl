@@ -199,9 +199,8 @@ fn mean_over(picture: Picture, kernel: Kernel) -> vec2f {
 }
 
 // Adds one more slice to the hidden share that the slices before it left. Unions are looked up only where they matter.
-fn add_measured(hidden: f32, weight: f32, picture: Picture, kernel: Kernel) -> f32 {
-    let own = mean_over(picture, kernel).x;
-    if hidden <= 0.0 || own <= 0.0 {
+fn add_measured(hidden: f32, weight: f32, own: f32, picture: Picture, kernel: Kernel) -> f32 {
+    if hidden <= 0.0 || weight <= 0.0 {
         return clamp(hidden + weight * own, 0.0, 1.0);
     }
     let united = mean_over(Picture(picture.face, picture.group, picture.channel, UNIONS), kernel);
@@ -226,9 +225,10 @@ fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
             break;
         }
         let picture = Picture(face, slice / 4u, slice % 4u, COVERAGE);
+        let own_top = top;
+        let thickness = bottom - own_top;
         let guess = 0.5 * (top + min(bottom, receiver.z));
         var at = Lookup(select(top, before, CLOSE), bottom, guess, light.limits.z, light.half_up.w);
-        let own_top = top;
         before = top;
         top = bottom;
         // Where the slice's casters are, around the kernel in the middle of the slice.
@@ -238,16 +238,26 @@ fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         if cover <= 0.0 {
             continue;
         }
-        let below = clamp(mean_over(Picture(face, slice / 4u, slice % 4u, DEPTHS), around).x / cover, 0.0, 1.0);
-        at.plane = min(mix(own_top, bottom, below), receiver.z);
-        let thickness = bottom - own_top;
-        let weight = slice_weight(at.plane + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
-        if weight <= 0.0 {
+        let shown = Picture(face, slice / 4u, slice % 4u, DEPTHS);
+        at.plane = mix(own_top, bottom, clamp(mean_over(shown, around).x / cover, 0.0, 1.0));
+        if at.plane >= receiver.z {
             continue;
         }
-        let whole = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
-        let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
-        hidden = add_measured(hidden, weight, picture, kernel);
+        var kernel = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
+        // In the receiver's slice, depths tell its own surface from others, unless the slice before fills it.
+        if CLOSE || receiver.z > bottom {
+            kernel = over_own_plane(light.faces[face], at, receiver, normal, kernel);
+        }
+        let own = mean_over(picture, kernel).x;
+        if own <= 0.0 {
+            continue;
+        }
+        var weight = 1.0;
+        if receiver.z < bottom + WHOLE * thickness {
+            let inside = mix(own_top, bottom, clamp(mean_over(shown, kernel).x / own, 0.0, 1.0));
+            weight = slice_weight(inside + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
+        }
+        hidden = add_measured(hidden, weight, own, picture, kernel);
     }
     return hidden;
 }

@@ -161,14 +161,17 @@ pub const BEGINS: f32 = 0.15;
 /// thin walls; with less, surfaces that the light grazes show the rounding of their receivers.
 pub const WHOLE: f32 = 0.75;
 
-/// Returns the depth at which the casters of a slice between `top` and `bottom` are taken to be, and the share of their shadow that
-/// a receiver gets. `below` is their mean depth below the top, in thicknesses of the slice.
-pub fn measured_plane(top: f32, bottom: f32, below: f32, depth: f32) -> (f32, f32) {
-    let thickness = bottom - top;
-    let plane = (top + below.clamp(0.0, 1.0) * thickness).min(depth);
+/// Returns the depth at which the casters of a slice between `top` and `bottom` are taken to be. `below` is their mean depth
+/// below the top, in thicknesses of the slice.
+pub fn measured_plane(top: f32, bottom: f32, below: f32) -> f32 {
+    top + below.clamp(0.0, 1.0) * (bottom - top)
+}
+
+/// Returns the share of a shadow that a receiver at a depth gets from casters at the mean depth `plane`, in a slice of a
+/// thickness.
+pub fn measured_weight(plane: f32, thickness: f32, depth: f32) -> f32 {
     let fade = ((WHOLE - BEGINS) * thickness).max(1e-30);
-    let weight = ((depth - plane - BEGINS * thickness) / fade).clamp(0.0, 1.0);
-    (plane, weight)
+    ((depth - plane - BEGINS * thickness) / fade).clamp(0.0, 1.0)
 }
 
 /// What the pictures show of one kernel: shares of its area.

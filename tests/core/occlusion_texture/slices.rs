@@ -1,7 +1,8 @@
 //! Where slices end, how they fade in, and how they are combined.
 
 use antumbra::insides::occlusion_textures::{
-    Shares, SliceFace, Slices, add_overlapping, combine, measured_plane, slice_plane, slice_weight,
+    Shares, SliceFace, Slices, add_overlapping, combine, measured_plane, measured_weight, slice_plane,
+    slice_weight,
 };
 use antumbra::techniques::SliceCombination;
 use glam::{DVec2, DVec3};
@@ -126,19 +127,12 @@ fn overlapping_slices_lie_between_the_maximum_and_the_sum() {
     }
 }
 
-/// Casters are at their mean depth, and their shadow begins behind them, in their own slice too.
+/// Shadows begin behind their caster, in its own slice too, and stay as they are where it passes into the next slice.
 #[test]
 fn measured_casters_shadow_what_is_behind_them() {
-    assert_eq!(measured_plane(2.0, 3.0, 0.25, 2.25), (2.25, 0.0));
-    assert_eq!(measured_plane(2.0, 3.0, 0.25, 3.1), (2.25, 1.0));
-    // They are not behind their receiver.
-    assert_eq!(measured_plane(2.0, 3.0, 0.5, 2.25), (2.25, 0.0));
-    // A caster that passes into the next slice stays where it is, and so does its shadow.
-    for depth in [3.1, 3.3, 4.0] {
-        let (before, after) = (
-            measured_plane(2.0, 3.0, 1.0, depth),
-            measured_plane(3.0, 4.0, 0.0, depth),
-        );
-        assert_eq!(before, after);
-    }
+    let weight = |below, depth| measured_weight(measured_plane(2.0, 3.0, below), 1.0, depth);
+    assert_eq!((weight(0.25, 2.25), weight(0.25, 2.2)), (0.0, 0.0));
+    assert_eq!(weight(0.25, 3.1), 1.0);
+    assert!((0.3..0.7).contains(&weight(0.25, 2.7)));
+    assert_eq!(measured_plane(2.0, 3.0, 1.0), measured_plane(3.0, 4.0, 0.0));
 }

@@ -5,7 +5,7 @@ use antumbra::techniques::{OcclusionTexture, SliceCombination};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
-use super::scenes::{empty, lamp, rendered, spawn, square, staged, truth, wings};
+use super::scenes::{empty, lamp, rendered, rmse, spawn, square, staged, truth, wings};
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
 
@@ -90,4 +90,47 @@ fn thin_walls_between_rooms_hold_most_of_the_light() {
         3 * overlap[0] < product && 50 * overlap[1] < all,
         "{overlap:?} of {all}, {product}"
     );
+}
+
+/// Things on a slab beside a wall, under a tilted lamp: shadows reach their casters, and the floor at the wall's foot stays lit.
+#[test]
+fn shadows_reach_their_casters_and_lit_floors_stay_lit() {
+    let context = strict_context();
+    let mut stage = empty(&context, Vec3::ZERO);
+    let view = Transform::from_xyz(1.5, 2.2, 3.2).looking_at(Vec3::new(-0.1, 0.5, 0.0), Vec3::Y);
+    stage.world.entity_mut(stage.camera).insert(view);
+    spawn(&mut stage, MeshData::plane(3.0), Transform::IDENTITY);
+    let ball = Transform::from_xyz(-0.5, 0.8, 0.1);
+    spawn(&mut stage, MeshData::icosphere(0.3, 2), ball);
+    for (middle, half) in [
+        ([0.0, 0.25, 0.0], [1.2, 0.25, 0.9]),
+        ([0.5, 0.7, -0.2], [0.15, 0.2, 0.15]),
+        ([0.55, 0.95, -0.2], [0.35, 0.03, 0.35]),
+        ([0.1, 0.75, 0.55], [0.05, 0.25, 0.05]),
+        ([-1.9, 0.6, 0.3], [0.04, 0.6, 0.7]),
+    ] {
+        let at = Transform::from_translation(middle.into());
+        spawn(&mut stage, MeshData::cuboid(half.into()), at);
+    }
+    let light = Light {
+        kind: square(0.8),
+        ..Light::point(Vec3::ONE, 30.0, f32::INFINITY)
+    };
+    let place = Transform::from_xyz(0.9, 3.0, 0.8).looking_to(Vec3::new(-0.3, -1.0, -0.25), Vec3::Z);
+    stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+    let errors = [SliceCombination::Product, SliceCombination::Overlap].map(|combine| {
+        let light = stage.lights[0];
+        stage.world.entity_mut(light).insert(OcclusionTexture {
+            combine,
+            ..Default::default()
+        });
+        let got = rendered(&mut stage);
+        let truth = truth(&mut stage, 144);
+        let pixels = truth.values().iter().zip(&got);
+        let dark = pixels.filter(|(truth, got)| **truth == 1.0 && **got < 0.9);
+        (rmse(&truth, &got), dark.count())
+    });
+    println!("errors and lit pixels that are dark, product and overlap: {errors:?}");
+    let (error, dark) = errors[1];
+    assert!(error < 0.6 * errors[0].0 && dark < 5, "{errors:?}");
 }

@@ -2,8 +2,9 @@
 
 use antumbra::insides::occlusion_textures::{
     Kernel, LightSlices, Lookup, OcclusionFace, OcclusionLight, Picture, Shares, SliceFace, WIDER,
-    add_overlapping, combine, measured_plane, mipmap_mean, mipmaps, n_buffer_mean, n_buffers, over_own_plane,
-    slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas, summed_mean,
+    add_overlapping, combine, measured_plane, measured_weight, mipmap_mean, mipmaps, n_buffer_mean,
+    n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas,
+    summed_mean,
 };
 use antumbra::prelude::*;
 use antumbra::reference::SurfaceHit;
@@ -56,14 +57,28 @@ impl Seen<'_> {
         if cover <= 0.0 {
             return hidden;
         }
-        let below = self.mean(2, slice, &around) / cover;
-        let (plane, weight) = measured_plane(top, bottom, below, depth);
-        let kernel = self.kernel(&self.lookup(first, bottom, plane), 1.0);
+        let plane = measured_plane(top, bottom, self.mean(2, slice, &around) / cover);
+        if plane >= depth {
+            return hidden;
+        }
+        // The receiver's own surface is told by its depth in the receiver's slice.
+        let is_cut = first < top || depth > bottom;
+        let kernel = if is_cut {
+            self.kernel(&self.lookup(first, bottom, plane), 1.0)
+        } else {
+            slice_kernel(self.face, self.light, self.receiver, plane)
+        };
+        let own = self.mean(0, slice, &kernel);
+        if own <= 0.0 {
+            return hidden;
+        }
+        let inside = measured_plane(top, bottom, self.mean(2, slice, &kernel) / own);
+        let weight = measured_weight(inside, bottom - top, depth);
         let above = slice
             .checked_sub(1)
             .map_or(0.0, |before| self.mean(1, before, &kernel));
         let shares = Shares {
-            own: self.mean(0, slice, &kernel),
+            own,
             above,
             united: self.mean(1, slice, &kernel),
         };
