@@ -37,8 +37,8 @@
 //! three sets: what each slice covers, depths, and what each slice and all slices before it cover together. A pixel looks up
 //! the mean depth of a slice's casters around its kernel, and takes them to be there. Their shadow fades in with the distance
 //! behind those that the kernel shows, from 0.15 to 0.75 thicknesses of the slice, also within one slice; closer to their
-//! caster shadows are lost, and more slices bring them closer. The third set tells how much of a slice lies behind casters of the slices before it; see
-//! [`SliceCombination::Overlap`].
+//! caster shadows are lost, and more slices bring them closer. The third set tells how much of a slice lies behind casters of
+//! the slices before it; see [`SliceCombination::Overlap`].
 //!
 //! The paper's combinations know neither. With them, the slice that holds a receiver does not shadow it, and the slice before
 //! it fades in over a whole thickness. Casters cast from the far end of their slice for receivers just behind it, and from its
@@ -47,16 +47,16 @@
 //! **The receiver's own plane.** A flat surface hides nothing from itself. Taking a slice's casters to be at one depth would
 //! move such a surface before its receivers, so a kernel is cut to what is clear of it. Where another caster is there
 //! instead, its shadow moves by as much: the errors of boxes over each other are a quarter larger for it. Kernels in the
-//! receiver's own slice are not cut where depths tell its surface from others.
+//! receiver's own slice are not cut, since depths tell its surface from others there, unless `close_leaks` fills slices.
 //!
 //! **Pictures.** A picture shows the casters and their surroundings, as far as a kernel may reach that touches them. Receivers
 //! may lie outside of it. Casters are measured along their own axes as well as those of the world, so a turned scene has
 //! slices as thin as a straight one.
 //!
 //! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices, and three times as many for overlaps;
-//! see [`SliceFilter`]. A light of 8 slices of 256² texels takes 29 MB, and 9.4 MB by the product. With 1024² texels overlaps do not
-//! fit into the 256 MB that all techniques share by default, and such a light gets 512². Pictures are kept while nothing
-//! changes. Drawing is one pass over the casters for up to 16 slices. A pixel costs two lookups for each slice between itself
+//! see [`SliceFilter`]. A light of 8 slices of 256² texels takes 29 MB, and 9.4 MB by the product. With 1024² texels overlaps
+//! do not fit into the 256 MB that all techniques share by default, and such a light gets 512². Pictures are kept while
+//! nothing changes. Drawing is one pass over the casters for up to 16 slices. A pixel costs two lookups for each slice between itself
 //! and the light by the paper's combinations, and up to twelve for each slice with casters around the kernel by the overlap,
 //! whatever the size of the light. N-buffers take four loads of 8 bytes for each texel and level, and levels that no kernel
 //! reaches are not built. At 1024² texels that is at most 40 loads; summed areas take 64 of 16 bytes.
