@@ -129,7 +129,7 @@ fn wedges() -> [Way; 3] {
 }
 
 /// Returns further settings of occlusion textures: their number of slices, filters and combinations.
-fn slices() -> [Way; 5] {
+fn slices() -> [Way; 6] {
     let slices = OcclusionTexture {
         slices: 16,
         ..Default::default()
@@ -144,6 +144,11 @@ fn slices() -> [Way; 5] {
             filtered(SliceFilter::SummedAreas),
             "sums",
             "16 slices, summed areas",
+        ),
+        Way::with(
+            combined(SliceCombination::Product),
+            "product",
+            "16 slices, multiplied",
         ),
         Way::with(
             combined(SliceCombination::Maximum),

@@ -392,7 +392,11 @@ fn mirrored_constants() -> Vec<Constant> {
             ("PRODUCT", f64::from(SliceCombination::Product as u32)),
             ("MAXIMUM", f64::from(SliceCombination::Maximum as u32)),
             ("SUM", f64::from(SliceCombination::Sum as u32)),
+            ("OVERLAP", f64::from(SliceCombination::Overlap as u32)),
             ("TOUCHED", f64::from(occlusion_textures::TOUCHED)),
+            ("WIDER", f64::from(occlusion_textures::WIDER)),
+            ("BEGINS", f64::from(occlusion_textures::BEGINS)),
+            ("WHOLE", f64::from(occlusion_textures::WHOLE)),
         ],
     );
     of(

@@ -16,6 +16,8 @@ struct MapCaster {                  // mirror: render::pools::gpu_types::MapCast
 
 // Whether casters fill the next slice too.
 override CLOSE: bool = false;
+// Whether depths are drawn: 2 at the top of a slice, down to 1 at its end, so that the nearest caster is kept.
+override DEPTHS: bool = false;
 
 struct Solid {
     @builtin(position) position_clip: vec4f,
@@ -58,9 +60,13 @@ fn masked_vertex(
     return Masked(flattened(place), place.z, uv, color);
 }
 
-// 1 in the channels of the slices that begin at `tops` and hold the depth.
-fn channels(depth: f32, tops: vec4f, bottoms: vec4f) -> vec4f {
-    return select(vec4f(0.0), vec4f(1.0), (vec4f(depth) > tops) & (vec4f(depth) <= bottoms));
+// What is drawn in the channels of the slices that hold the depth. Slices that are filled too begin at `first`.
+fn channels(depth: f32, first: vec4f, tops: vec4f, bottoms: vec4f) -> vec4f {
+    var value = vec4f(1.0);
+    if DEPTHS {
+        value = 2.0 - clamp((depth - tops) / max(bottoms - tops, vec4f(1e-30)), vec4f(0.0), vec4f(1.0));
+    }
+    return select(vec4f(0.0), value, (vec4f(depth) > first) & (vec4f(depth) <= bottoms));
 }
 
 fn slices_at(depth: f32) -> Slices {
@@ -68,9 +74,9 @@ fn slices_at(depth: f32) -> Slices {
     var out: array<vec4f, 4>;
     for (var group = 0; group < 4; group++) {
         let bottoms = face.bottoms[group];
+        let tops = vec4f(before.y, bottoms.xyz);
         // A slice that is filled by the one before begins where that one begins.
-        let tops = select(vec4f(before.y, bottoms.xyz), vec4f(before, bottoms.xy), CLOSE);
-        out[group] = channels(depth, tops, bottoms);
+        out[group] = channels(depth, select(tops, vec4f(before, bottoms.xy), CLOSE), tops, bottoms);
         before = bottoms.zw;
     }
     return Slices(out[0], out[1], out[2], out[3]);

@@ -58,6 +58,48 @@ fn mipmap(in: Corner) -> Targets {
     return means(2 * vec2i(in.position.xy), 1);
 }
 
+// 1 where a caster was drawn, whatever its depth.
+fn covered(drawn: vec4f) -> vec4f {
+    return select(vec4f(0.0), vec4f(1.0), drawn > vec4f(0.0));
+}
+
+// What each slice covers, from depths that were drawn.
+@fragment
+fn cover(in: Corner) -> Targets {
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        out[group] = covered(load(vec2i(in.position.xy), group));
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
+}
+
+// Depth of each slice's casters below its top, in thicknesses of the slice; 0 where there are none.
+@fragment
+fn deepen(in: Corner) -> Targets {
+    var out: array<vec4f, 4>;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        let drawn = load(vec2i(in.position.xy), group);
+        out[group] = (2.0 - drawn) * covered(drawn);
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
+}
+
+// What each slice and all slices before it cover together.
+@fragment
+fn unite(in: Corner) -> Targets {
+    var out: array<vec4f, 4>;
+    var before = 0.0;
+    for (var group = 0; group < i32(GROUPS); group++) {
+        let slices = covered(load(vec2i(in.position.xy), group));
+        let x = max(before, slices.x);
+        let y = max(x, slices.y);
+        let z = max(y, slices.z);
+        before = max(z, slices.w);
+        out[group] = vec4f(x, y, z, before);
+    }
+    return Targets(out[0], out[1], out[2], out[3]);
+}
+
 // One step of the sums along one axis. The instance holds the distance of the texels that are added, in its lower 16 bits;
 // then whether they stand below each other; then the layer.
 @fragment

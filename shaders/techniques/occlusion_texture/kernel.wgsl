@@ -28,6 +28,7 @@ struct OcclusionLight {             // mirror: techniques::occlusion_texture::re
 const PRODUCT: u32 = 0u;            // mirror: techniques::occlusion_texture::SliceCombination::Product
 const MAXIMUM: u32 = 1u;            // mirror: techniques::occlusion_texture::SliceCombination::Maximum
 const SUM: u32 = 2u;                // mirror: techniques::occlusion_texture::SliceCombination::Sum
+const OVERLAP: u32 = 3u;            // mirror: techniques::occlusion_texture::SliceCombination::Overlap
 
 // A rectangle of a slice's picture: the light as it is projected through a receiver.
 struct Kernel {
@@ -114,4 +115,21 @@ fn combine(combination: u32, hidden: f32, more: f32) -> f32 {
         return min(hidden + more, 1.0);
     }
     return 1.0 - (1.0 - hidden) * (1.0 - more);
+}
+
+// How much wider than a kernel the rectangle is in which the depth of its casters is looked for.
+const WIDER: f32 = 2.0;             // mirror: techniques::occlusion_texture::kernel::WIDER
+
+// Distances behind a caster at which its shadow begins and at which it is whole, in thicknesses of the caster's slice.
+const BEGINS: f32 = 0.15;           // mirror: techniques::occlusion_texture::kernel::BEGINS
+const WHOLE: f32 = 0.75;            // mirror: techniques::occlusion_texture::kernel::WHOLE
+
+// Adds one more slice to the hidden share that the slices before it left. `own` is the share of the kernel that the slice covers,
+// `above` the share that all slices before it cover in the pictures, and `united` the share that any of these cover.
+fn add_overlapping(hidden: f32, weight: f32, own: f32, above: f32, united: f32) -> f32 {
+    let beside = max(united - above, 0.0);
+    let behind = max(own - beside, 0.0);
+    let among_behind = beside + behind * (1.0 - hidden / max(above, 1e-6));
+    let among_beside = beside * (1.0 - hidden) / max(1.0 - above, 1e-6);
+    return clamp(hidden + weight * select(among_beside, among_behind, hidden < above), 0.0, 1.0);
 }

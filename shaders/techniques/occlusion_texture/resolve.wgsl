@@ -4,11 +4,15 @@
 // Spaces  as in kernel.wgsl
 // Twin    techniques::occlusion_texture::{kernel, filter}
 #import antumbra::receiver::{Receiver, receiver_at}
-#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine}
+#import antumbra::occlusion_kernel::{OcclusionLight, Kernel, slice_weight, slice_plane, slice_kernel, Lookup, over_own_plane, combine, add_overlapping, OVERLAP, WIDER, BEGINS, WHOLE}
 
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
 @group(3) @binding(1) var between_texels: sampler;
+// For OVERLAP alone, else the pictures again: what each slice and all slices before it cover together, and depths of casters below
+// the top of their slice, in thicknesses of the slice.
+@group(3) @binding(2) var unions: texture_2d_array<f32>;
+@group(3) @binding(3) var depths: texture_2d_array<f32>;
 
 override SLICES: u32 = 1u;
 override FACES: u32 = 1u;
@@ -22,11 +26,22 @@ const N_BUFFERS: u32 = 0u;          // mirror: techniques::occlusion_texture::Sl
 const MIPMAPS: u32 = 1u;            // mirror: techniques::occlusion_texture::SliceFilter::Mipmaps
 const SUMMED_AREAS: u32 = 2u;       // mirror: techniques::occlusion_texture::SliceFilter::SummedAreas
 
+// Values of Picture.shows: what each slice covers, what it and all before it cover, and depths.
+const COVERAGE: u32 = 0u;
+const UNIONS: u32 = 1u;
+const DEPTHS: u32 = 2u;
+
 // The picture of one slice: a channel of a layer, or of several layers with levels.
 struct Picture {
     face: u32,
     group: u32,
     channel: u32,
+    shows: u32,
+}
+
+// The value of a picture in a texel of its layer, and that of the slice before it if that is in the same layer.
+fn picked(texel: vec4f, picture: Picture) -> vec2f {
+    return vec2f(texel[picture.channel], texel[max(picture.channel, 1u) - 1u]);
 }
 
 fn group_count() -> u32 {
@@ -57,15 +72,25 @@ fn share_inside(kernel: Kernel) -> f32 {
     return max(left.x, 0.0) * max(left.y, 0.0);
 }
 
-fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> f32 {
+fn n_buffer_level(picture: Picture, place: vec2f, level: u32) -> vec2f {
     let all = u32(log2(light.limits.z) + 0.5) + 1u;
     let layer = (picture.face * all + level) * group_count() + picture.group;
     // The square around the place begins half its side before it.
     let corner = place + 0.5 - 0.5 * f32(1u << level);
-    return textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0)[picture.channel];
+    switch picture.shows {
+        case UNIONS: {
+            return picked(textureSampleLevel(unions, between_texels, corner * texel(), layer, 0.0), picture);
+        }
+        case DEPTHS: {
+            return picked(textureSampleLevel(depths, between_texels, corner * texel(), layer, 0.0), picture);
+        }
+        default: {
+            return picked(textureSampleLevel(pictures, between_texels, corner * texel(), layer, 0.0), picture);
+        }
+    }
 }
 
-fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
+fn n_buffer_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let side = light.limits.z;
     let last = u32(light.limits.w) - 1u;
     let taps = light.half_up.w;
@@ -77,7 +102,7 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
     let along = select(vec2f(0.0, 1.0), vec2f(1.0, 0.0), size.x > size.y) * max(long - square, 0.0);
     let spread = taps / max(taps - 1.0, 1.0);
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0)) * side;
-    var sum = 0.0;
+    var sum = vec2f(0.0);
     for (var tap = 0.0; tap < taps; tap += 1.0) {
         let place = center + along * (((tap + 0.5) / taps - 0.5) * spread);
         let fine = n_buffer_level(picture, place, level);
@@ -94,27 +119,50 @@ fn n_buffer_mean(picture: Picture, kernel: Kernel) -> f32 {
 // of the weights between texels, side² / 6, are 1 / 12 together.
 const SMOOTHED: f32 = 0.57735;      // mirror: techniques::occlusion_texture::filter::SMOOTHED
 
-fn mipmap_mean(picture: Picture, kernel: Kernel) -> f32 {
+fn mipmap_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let layer = picture.face * group_count() + picture.group;
     let size = max(2.0 * SMOOTHED * kernel.half, vec2f(texel()));
     let center = clamp(kernel.center, vec2f(0.0), vec2f(1.0));
     let dx = vec2f(size.x, 0.0);
     let dy = vec2f(0.0, size.y);
-    let mean = textureSampleGrad(pictures, between_texels, center, layer, dx, dy)[picture.channel];
-    return mean * share_inside(kernel);
+    let share = share_inside(kernel);
+    switch picture.shows {
+        case UNIONS: {
+            return picked(textureSampleGrad(unions, between_texels, center, layer, dx, dy), picture) * share;
+        }
+        case DEPTHS: {
+            return picked(textureSampleGrad(depths, between_texels, center, layer, dx, dy), picture) * share;
+        }
+        default: {
+            return picked(textureSampleGrad(pictures, between_texels, center, layer, dx, dy), picture) * share;
+        }
+    }
 }
 
 // Sum over all texels before a corner of the grid.
-fn corner_sum(picture: Picture, x: f32, y: f32) -> f32 {
+fn corner_sum(picture: Picture, x: f32, y: f32) -> vec2f {
     let last = i32(light.limits.z) - 1;
     let texel = vec2i(i32(x), i32(y)) - 1;
+    if any(texel < vec2i(0)) {
+        return vec2f(0.0);
+    }
+    let inside = min(texel, vec2i(last));
     let layer = picture.face * group_count() + picture.group;
-    let sum = textureLoad(pictures, clamp(texel, vec2i(0), vec2i(last)), layer, 0)[picture.channel];
-    return select(sum, 0.0, any(texel < vec2i(0)));
+    switch picture.shows {
+        case UNIONS: {
+            return picked(textureLoad(unions, inside, layer, 0), picture);
+        }
+        case DEPTHS: {
+            return picked(textureLoad(depths, inside, layer, 0), picture);
+        }
+        default: {
+            return picked(textureLoad(pictures, inside, layer, 0), picture);
+        }
+    }
 }
 
 // Sums are large; their differences are small and exact, so they are taken before anything is interpolated.
-fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> f32 {
+fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> vec2f {
     let low = floor(y_from);
     let high = floor(y_to);
     let at_low = corner_sum(picture, x, low);
@@ -123,7 +171,7 @@ fn column_sum(picture: Picture, x: f32, y_from: f32, y_to: f32) -> f32 {
         - (y_from - low) * (corner_sum(picture, x, low + 1.0) - at_low);
 }
 
-fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
+fn summed_mean(picture: Picture, kernel: Kernel) -> vec2f {
     let side = light.limits.z;
     let half = max(kernel.half * side, vec2f(0.5));
     let center = kernel.center * side;
@@ -138,7 +186,8 @@ fn summed_mean(picture: Picture, kernel: Kernel) -> f32 {
     return sum / (4.0 * half.x * half.y);
 }
 
-fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
+// Means of a picture over a kernel, and of the slice before it if that is in the same layer.
+fn mean_over(picture: Picture, kernel: Kernel) -> vec2f {
     if FILTER == SUMMED_AREAS {
         return summed_mean(picture, kernel);
     }
@@ -149,8 +198,75 @@ fn mean_over(picture: Picture, kernel: Kernel) -> f32 {
     return n_buffer_mean(picture, part) * narrowed_share(kernel);
 }
 
+// Adds one more slice to the hidden share that the slices before it left. Unions are looked up only where they matter.
+fn add_measured(hidden: f32, weight: f32, own: f32, picture: Picture, kernel: Kernel) -> f32 {
+    if hidden <= 0.0 || weight <= 0.0 {
+        return clamp(hidden + weight * own, 0.0, 1.0);
+    }
+    let united = mean_over(Picture(picture.face, picture.group, picture.channel, UNIONS), kernel);
+    var above = united.y;
+    if picture.channel == 0u {
+        // Something is hidden, so there is a group of slices before.
+        above = mean_over(Picture(picture.face, picture.group - 1u, 3u, UNIONS), kernel).x;
+    }
+    return add_overlapping(hidden, weight, own, above, united.x);
+}
+
+// Share of the light that the slices of one picture hide, from the depths and overlaps of their casters.
+fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
+    let projection = light.faces[face].projection;
+    let depth = light.faces[face].depth;
+    var hidden = 0.0;
+    var top = depth.z;
+    var before = top;                   // top of the slice before
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
+        if receiver.z <= top {
+            break;
+        }
+        let picture = Picture(face, slice / 4u, slice % 4u, COVERAGE);
+        let own_top = top;
+        let thickness = bottom - own_top;
+        let guess = 0.5 * (top + min(bottom, receiver.z));
+        var at = Lookup(select(top, before, CLOSE), bottom, guess, light.limits.z, light.half_up.w);
+        before = top;
+        top = bottom;
+        // Where the slice's casters are, around the kernel in the middle of the slice.
+        let middle = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
+        let around = over_own_plane(light.faces[face], at, receiver, normal, Kernel(middle.center, WIDER * middle.half));
+        let cover = mean_over(picture, around).x;
+        if cover <= 0.0 {
+            continue;
+        }
+        let shown = Picture(face, slice / 4u, slice % 4u, DEPTHS);
+        at.plane = mix(own_top, bottom, clamp(mean_over(shown, around).x / cover, 0.0, 1.0));
+        if at.plane >= receiver.z {
+            continue;
+        }
+        var kernel = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
+        // In the receiver's slice, depths tell its own surface from others, unless the slice before fills it.
+        if CLOSE || receiver.z > bottom {
+            kernel = over_own_plane(light.faces[face], at, receiver, normal, kernel);
+        }
+        let own = mean_over(picture, kernel).x;
+        if own <= 0.0 {
+            continue;
+        }
+        var weight = 1.0;
+        if receiver.z < bottom + WHOLE * thickness {
+            let inside = mix(own_top, bottom, clamp(mean_over(shown, kernel).x / own, 0.0, 1.0));
+            weight = slice_weight(inside + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
+        }
+        hidden = add_measured(hidden, weight, own, picture, kernel);
+    }
+    return hidden;
+}
+
 // Share of the light that the slices of one picture hide.
 fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
+    if COMBINE == OVERLAP {
+        return measured_share(face, receiver, normal);
+    }
     let projection = light.faces[face].projection;
     let depth = light.faces[face].depth;
     var hidden = 0.0;
@@ -171,7 +287,7 @@ fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         top = bottom;
         let whole = slice_kernel(projection, depth, light.kernel, receiver, plane);
         let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
-        let mean = mean_over(Picture(face, slice / 4u, slice % 4u), kernel);
+        let mean = mean_over(Picture(face, slice / 4u, slice % 4u, COVERAGE), kernel).x;
         hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }
     return hidden;

@@ -6,6 +6,7 @@
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec4};
 
 use super::component::MOST_SLICES;
+use super::kernel::WIDER;
 use super::records::OcclusionFace;
 use super::sliced_light::SlicedLight;
 use crate::techniques::maps::face::{FaceProjection, MapFace};
@@ -88,10 +89,22 @@ pub struct SliceFace {
 impl SliceFace {
     /// Returns the sides of the largest kernel of a light, as shares of the picture's side.
     pub fn widest_kernel(&self, light: &SlicedLight) -> DVec2 {
+        self.widest_at(light, self.slices.least_plane(self.slices.top))
+    }
+
+    /// Returns the sides of the largest rectangle that is looked up where depths of casters are known, as shares of the picture's
+    /// side: a kernel at the nearest caster, or the surroundings of one in the middle of the first slice.
+    pub fn widest_measured(&self, light: &SlicedLight) -> DVec2 {
+        let nearest = self.widest_at(light, self.slices.top);
+        let around = f64::from(WIDER) * self.widest_kernel(light);
+        nearest.max(around).min(DVec2::ONE)
+    }
+
+    /// Returns the sides of the largest kernel at a depth, as shares of the picture's side.
+    fn widest_at(&self, light: &SlicedLight, plane: f64) -> DVec2 {
         if self.slices == Slices::NONE {
             return DVec2::ZERO;
         }
-        let plane = self.slices.least_plane(self.slices.top);
         let across = light.kernel_half(plane, self.farthest) * self.scale;
         let steepest = (1.0 + self.offset.abs()) / self.scale;
         let longer = light.lengthening(steepest * (1.0 + self.divisor.y / plane));

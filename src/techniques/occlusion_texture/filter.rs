@@ -74,6 +74,31 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
     levels
 }
 
+/// Splits the depths that were drawn into what each slice covers, what it and all slices before it cover together, and depths of
+/// casters below the top of their slice, in thicknesses of the slice.
+pub fn split(drawn: &[Picture]) -> [Vec<Picture>; 3] {
+    let covered = |value: f32| f32::from(u8::from(value > 0.0));
+    let of = |picture: &Picture, value: &dyn Fn(f32) -> f32| Picture {
+        side: picture.side,
+        texels: picture.texels.iter().map(|texel| value(*texel)).collect(),
+    };
+    let coverage: Vec<Picture> = drawn.iter().map(|picture| of(picture, &covered)).collect();
+    let depths = drawn
+        .iter()
+        .map(|picture| of(picture, &|value| (2.0 - value) * covered(value)));
+    let mut unions: Vec<Picture> = Vec::with_capacity(drawn.len());
+    for picture in &coverage {
+        let mut union = picture.clone();
+        let before = unions.last().map_or(&picture.texels, |before| &before.texels);
+        for (texel, before) in union.texels.iter_mut().zip(before) {
+            *texel = texel.max(*before);
+        }
+        unions.push(union);
+    }
+    let depths = depths.collect();
+    [coverage, unions, depths]
+}
+
 /// Returns the part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture, and its
 /// share of the kernel.
 fn narrowed(kernel: &Kernel) -> (Kernel, f32) {

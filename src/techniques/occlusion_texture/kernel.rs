@@ -140,10 +140,67 @@ pub fn over_own_plane(
 }
 
 /// Adds the hidden share that one more slice leaves to what the slices before it left. Both begin at 0.
+/// [`SliceCombination::Overlap`] knows more than these shares, see [`add_overlapping`]; here it is the product.
 pub fn combine(combination: SliceCombination, hidden: f32, more: f32) -> f32 {
     match combination {
-        SliceCombination::Product => 1.0 - (1.0 - hidden) * (1.0 - more),
+        SliceCombination::Product | SliceCombination::Overlap => 1.0 - (1.0 - hidden) * (1.0 - more),
         SliceCombination::Maximum => hidden.max(more),
         SliceCombination::Sum => (hidden + more).min(1.0),
     }
+}
+
+/// How much wider than a kernel the rectangle is in which the depth of its casters is looked for. By measure: with 1, thin walls
+/// beside the rays of the picture are missed; with 3, casters beside the kernel move it.
+pub const WIDER: f32 = 2.0;
+
+/// Distance behind a caster at which its shadow begins, in thicknesses of the caster's slice. By measure: with less, bent surfaces
+/// shadow themselves.
+pub const BEGINS: f32 = 0.15;
+
+/// Distance behind a caster at which its shadow is whole, in thicknesses of the caster's slice. By measure: with more, light passes
+/// thin walls; with less, surfaces that the light grazes show the rounding of their receivers.
+pub const WHOLE: f32 = 0.75;
+
+/// Returns the depth at which the casters of a slice between `top` and `bottom` are taken to be. `below` is their mean depth
+/// below the top, in thicknesses of the slice.
+pub fn measured_plane(top: f32, bottom: f32, below: f32) -> f32 {
+    top + below.clamp(0.0, 1.0) * (bottom - top)
+}
+
+/// Returns the share of a shadow that a receiver at a depth gets from casters at the mean depth `plane`, in a slice of a
+/// thickness.
+pub fn measured_weight(plane: f32, thickness: f32, depth: f32) -> f32 {
+    let fade = ((WHOLE - BEGINS) * thickness).max(1e-30);
+    ((depth - plane - BEGINS * thickness) / fade).clamp(0.0, 1.0)
+}
+
+/// What the pictures show of one kernel: shares of its area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shares {
+    /// Share that casters of the slice cover.
+    pub own: f32,
+    /// Share that casters of any slice before it cover, as seen from the centre of projection.
+    pub above: f32,
+    /// Share that casters of the slice or of any slice before it cover.
+    pub united: f32,
+}
+
+/// Adds one more slice to the hidden share that the slices before it left. `weight` is the share of the slice's shadow that
+/// the receiver gets.
+///
+/// Rays of the kernel are of two kinds: those that pass casters before the slice in the pictures, and the others. The
+/// pictures tell which part of either kind the slice hides. Rays that the slices before it hide are taken to be of the first
+/// kind, as far as there are enough of those, and to be spread evenly within each kind.
+///
+/// Beyond Eisemann & Décoret 2008, eq. 5: where the slice hides as large a part of both kinds, this is the product.
+pub fn add_overlapping(hidden: f32, weight: f32, shares: Shares) -> f32 {
+    let Shares { own, above, united } = shares;
+    let beside = (united - above).max(0.0);
+    let behind = (own - beside).max(0.0);
+    let more = if hidden < above {
+        beside + behind * (1.0 - hidden / above)
+    } else {
+        beside * (1.0 - hidden) / (1.0 - above).max(1e-6)
+    };
+    (hidden + weight * more).clamp(0.0, 1.0)
 }

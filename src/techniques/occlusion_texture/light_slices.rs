@@ -185,11 +185,14 @@ impl LightSlices {
     /// Bytes of all pictures of a light for each squared resolution.
     pub fn bytes_per_square(&self) -> u64 {
         let groups = self.faces.len() as u64 * u64::from(self.settings.groups());
-        match self.settings.filter {
-            SliceFilter::NBuffers => groups * 8 * u64::from(level_count(self.settings.resolution)),
-            SliceFilter::Mipmaps => groups * 11, // 8 and a third, rounded up
-            SliceFilter::SummedAreas => groups * 40,
-        }
+        let (one, shared) = match self.settings.filter {
+            SliceFilter::NBuffers => (8 * u64::from(level_count(self.settings.resolution)), 0),
+            SliceFilter::Mipmaps => (11, 0), // 8 and a third, rounded up
+            SliceFilter::SummedAreas => (24, 16),
+        };
+        // Depths are drawn, and split into three sets of pictures.
+        let (drawn, sets) = if self.settings.measures() { (8, 3) } else { (0, 1) };
+        groups * (drawn + sets * one + shared)
     }
 
     /// Largest resolution at which the pictures fit into the layers of one texture.
@@ -265,8 +268,12 @@ impl LightSlices {
         let all = level_count(self.resolution);
         let side = f64::from(self.resolution);
         let of_face = |face: &SliceFace| {
-            let kernel = (face.widest_kernel(&sliced) * side).as_vec2();
-            reached_levels(kernel, self.taps()).min(all)
+            let widest = if self.settings.measures() {
+                face.widest_measured(&sliced)
+            } else {
+                face.widest_kernel(&sliced)
+            };
+            reached_levels((widest * side).as_vec2(), self.taps()).min(all)
         };
         self.faces.iter().map(of_face).max().unwrap_or(all)
     }

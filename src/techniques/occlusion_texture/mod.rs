@@ -31,33 +31,43 @@
 //! its mean colour.
 //!
 //! **Slices.** Slices are cut evenly, or by [`OcclusionTexture::weight`], between the nearest and the farthest point of the
-//! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice. The slice that holds a receiver
-//! does not shadow it, and the slice before it fades in with the distance, so nothing jumps where geometry passes from
-//! slice to slice. Objects therefore lose the contact shadow within about one slice; more slices bring it closer. The source
-//! lets casters cast from the far end of their slice. Here they do so for receivers just behind the slice only. Once the
-//! slice has faded in, they cast from its middle, which halves the error of their projection onto one plane.
+//! casters that the light reaches. A flat ground beyond which nothing is lit takes no slice.
+//!
+//! **Depths and overlaps.** Beyond the paper, pictures hold the depth of the nearest caster in each slice. They are split into
+//! three sets: what each slice covers, depths, and what each slice and all slices before it cover together. A pixel looks up
+//! the mean depth of a slice's casters around its kernel, and takes them to be there. Their shadow fades in with the distance
+//! behind those that the kernel shows, from 0.15 to 0.75 thicknesses of the slice, also within one slice; closer to their
+//! caster shadows are lost, and more slices bring them closer. The third set tells how much of a slice lies behind casters of
+//! the slices before it; see [`SliceCombination::Overlap`].
+//!
+//! The paper's combinations know neither. With them, the slice that holds a receiver does not shadow it, and the slice before
+//! it fades in over a whole thickness. Casters cast from the far end of their slice for receivers just behind it, and from its
+//! middle once it has faded in, which halves the error of the paper's far end.
 //!
 //! **The receiver's own plane.** A flat surface hides nothing from itself. Taking a slice's casters to be at one depth would
 //! move such a surface before its receivers, so a kernel is cut to what is clear of it. Where another caster is there
-//! instead, its shadow moves by as much: the errors of boxes over each other are a quarter larger for it.
+//! instead, its shadow moves by as much: the errors of boxes over each other are a quarter larger for it. Kernels in the
+//! receiver's own slice are not cut, since depths tell its surface from others there, unless `close_leaks` fills slices.
 //!
 //! **Pictures.** A picture shows the casters and their surroundings, as far as a kernel may reach that touches them. Receivers
 //! may lie outside of it. Casters are measured along their own axes as well as those of the world, so a turned scene has
 //! slices as thin as a straight one.
 //!
-//! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices; see [`SliceFilter`]. Pictures are
-//! kept while nothing changes. Drawing is one pass over the casters for up to 16 slices; a pixel costs two lookups for each
-//! slice between itself and the light, whatever the size of the light. N-buffers take four loads of 8 bytes for each texel
-//! and level, and levels that no kernel reaches are not built. At 1024² texels that is at most 40 loads; summed areas take
-//! 64 of 16 bytes.
+//! **Memory and cost.** With N-buffers, 8 bytes for each texel, level and four slices, and three times as many for overlaps;
+//! see [`SliceFilter`]. A light of 8 slices of 256² texels takes 29 MB, and 9.4 MB by the product. With 1024² texels overlaps
+//! do not fit into the 256 MB that all techniques share by default, and such a light gets 512². Pictures are kept while
+//! nothing changes. Drawing is one pass over the casters for up to 16 slices. A pixel costs two lookups for each slice between itself
+//! and the light by the paper's combinations, and up to twelve for each slice with casters around the kernel by the overlap,
+//! whatever the size of the light. N-buffers take four loads of 8 bytes for each texel and level, and levels that no kernel
+//! reaches are not built. At 1024² texels that is at most 40 loads; summed areas take 64 of 16 bytes.
 //!
 //! **Closed casters.** Beyond the paper, casters whose mesh is closed are drawn with their fronts alone, as seen from the
 //! light. Front and back of a box would otherwise hide the same rays in two slices, and count twice.
 //!
 //! **Limits.** A caster that cuts the light, or touches it, lies within a slice that begins at the light, and its shadow is rough.
-//! Occluders in different slices count as independent: a surface that passes through several slices hides
-//! disjoint parts of the light, and the product lets some of it through; [`OcclusionTexture::close_leaks`] mends that where
-//! it matters. All casters that the light reaches share one picture, so lights without a range spend their texels and slices
+//! Light leaks through thin walls that stand within 30° of the light's axis, where a slice is much thicker than the wall:
+//! kernels pass beside the wall's strip in the slice. More slices and [`OcclusionTexture::close_leaks`] mend most of that. All
+//! casters that the light reaches share one picture, so lights without a range spend their texels and slices
 //! on all casters of the scene. A report says so if most casters are lost for that. A ground, and a convex shell around
 //! everything lit, such as a sky dome or a room in one mesh, count neither as casters nor for the size of the slices.
 //!
@@ -65,21 +75,21 @@
 //! texels; without a shadow the errors are 0.15 to 0.35. `cargo test --all-features --test gpu
 //! occlusion_texture::truth::errors_by_hand -- --ignored --nocapture` prints them for 4, 8 and 16 slices and all filters.
 //!
-//! | scene | product | maximum | sum | product, leaks closed |
-//! | --- | --- | --- | --- | --- |
-//! | a plate | 0.012 | 0.012 | 0.012 | 0.056 |
-//! | boxes over each other | 0.037 | 0.061 | 0.045 | 0.112 |
-//! | a tree of 160 leaves | 0.127 | 0.193 | 0.160 | 0.167 |
-//! | two slanted wings | 0.092 | 0.196 | 0.018 | 0.056 |
-//! | balls over hills | 0.026 | 0.033 | 0.021 | 0.049 |
+//! | scene | overlap | product | maximum | sum | overlap, leaks closed | product, leaks closed |
+//! | --- | --- | --- | --- | --- | --- | --- |
+//! | a plate | 0.012 | 0.012 | 0.012 | 0.012 | 0.012 | 0.056 |
+//! | boxes over each other | 0.033 | 0.037 | 0.061 | 0.045 | 0.038 | 0.112 |
+//! | a tree of 160 leaves | 0.127 | 0.128 | 0.193 | 0.160 | 0.128 | 0.166 |
+//! | two slanted wings | 0.018 | 0.092 | 0.196 | 0.018 | 0.017 | 0.056 |
+//! | balls over hills | 0.021 | 0.026 | 0.033 | 0.021 | 0.014 | 0.049 |
 //!
-//! The sum is the best where one surface passes through the slices, the product where many objects overlap, and the maximum
-//! nowhere. Summed areas take 0.008 off the errors of a plate, and mipmaps add up to 0.006.
+//! Of the paper's combinations the sum is the best where one surface passes through the slices, the product where many objects
+//! overlap, and the maximum nowhere. Measured overlaps are as good as the best of them everywhere. Summed areas take 0.008 off
+//! the errors of a plate, and mipmaps add up to 0.010.
 //!
-//! A caster that rises from slice to slice moves its shadow by the thickness of a slice at once, and begins or ceases to count
-//! as independent of the casters that are in the same slice. With 16 slices, visibility then changes by at most 0.11 more in a
-//! frame than it should under a plate that rises 5 cm a frame; with 8 slices by 0.14. Sharing a caster out to two slices would
-//! not step, but the product lets light through it, and contacts would be lost within two slices.
+//! Under a plate that rises 5 cm a frame from slice to slice, visibility changes by at most 0.08 more in a frame than it should,
+//! with 8 slices and with 16. With the product it is 0.13 and 0.11, since the plate's shadow moves by the thickness of a slice
+//! at once, and the plate begins or ceases to count as independent of the casters in the same slice.
 //!
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
 //! a few textures, because its hardware could not index textures; here they are layers of an array.

@@ -1,8 +1,13 @@
 //! Where slices end, how they fade in, and how they are combined.
 
-use antumbra::insides::occlusion_textures::{SliceFace, Slices, combine, slice_plane, slice_weight};
+use antumbra::insides::occlusion_textures::{
+    Shares, SliceFace, Slices, add_overlapping, combine, measured_plane, measured_weight, slice_plane,
+    slice_weight,
+};
 use antumbra::techniques::SliceCombination;
 use glam::{DVec2, DVec3};
+
+use super::Random;
 
 #[test]
 fn slices_fade_in_without_steps_and_end_where_they_should() {
@@ -74,4 +79,60 @@ fn slices_combine_as_their_names_say() {
     ] {
         assert!((all(combination, &[0.0, 0.4, 0.0]) - 0.4).abs() < 1e-6);
     }
+}
+
+/// Casters behind each other hide once, disjoint ones add up, and unrelated ones multiply.
+#[test]
+fn overlapping_slices_count_as_the_pictures_show_them() {
+    let add = |hidden, own, above, united| add_overlapping(hidden, 1.0, Shares { own, above, united });
+    let near = |got: f32, expected: f32| assert!((got - expected).abs() < 1e-5, "{got}, not {expected}");
+    near(add(0.3, 0.3, 0.3, 0.3), 0.3);
+    near(add(0.3, 0.3, 0.3, 0.6), 0.6);
+    near(add(0.3, 0.4, 0.3, 0.3 + 0.7 * 0.4), 1.0 - 0.7 * 0.6);
+    // The receiver is close under a caster that a caster high above hides from the centre of projection.
+    near(add(0.4, 1.0, 1.0, 1.0), 1.0);
+    // There is no caster in this slice, whatever is above it.
+    near(add(0.4, 0.0, 1.0, 1.0), 0.4);
+    near(add(0.0, 0.6, 0.9, 0.95), 0.6);
+    near(
+        add_overlapping(
+            0.3,
+            0.5,
+            Shares {
+                own: 0.4,
+                above: 0.3,
+                united: 0.7,
+            },
+        ),
+        0.5,
+    );
+}
+
+/// Whatever the pictures show, the result is neither lighter than the darker of both shadows nor darker than their sum.
+#[test]
+fn overlapping_slices_lie_between_the_maximum_and_the_sum() {
+    let mut random = Random(4);
+    for _ in 0..2000 {
+        let [hidden, own, above] = [(); 3].map(|()| random.unit());
+        let common = (own + above - 1.0).max(0.0);
+        let common = common + (own.min(above) - common) * random.unit();
+        let united = own + above - common;
+        let got = add_overlapping(hidden, 1.0, Shares { own, above, united });
+        let least = combine(SliceCombination::Maximum, hidden, own);
+        let most = combine(SliceCombination::Sum, hidden, own);
+        assert!(
+            got >= least - 1e-5 && got <= most + 1e-5,
+            "{hidden} {own} {above} {united}: {got}"
+        );
+    }
+}
+
+/// Shadows begin behind their caster, in its own slice too, and stay as they are where it passes into the next slice.
+#[test]
+fn measured_casters_shadow_what_is_behind_them() {
+    let weight = |below, depth| measured_weight(measured_plane(2.0, 3.0, below), 1.0, depth);
+    assert_eq!((weight(0.25, 2.25), weight(0.25, 2.2)), (0.0, 0.0));
+    assert_eq!(weight(0.25, 3.1), 1.0);
+    assert!((0.3..0.7).contains(&weight(0.25, 2.7)));
+    assert_eq!(measured_plane(2.0, 3.0, 1.0), measured_plane(3.0, 4.0, 0.0));
 }

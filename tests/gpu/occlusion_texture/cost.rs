@@ -1,7 +1,7 @@
 //! Costs of occlusion textures. Counts are asserted; times are printed by tests for people.
 
 use antumbra::prelude::*;
-use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceFilter};
+use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
@@ -104,11 +104,15 @@ fn costs_by_hand() {
         print(&name, cost(&context, &boxes(), square(side), settings));
     }
     for slices in [4, 8, 12, 16] {
-        let settings = OcclusionTexture { slices, ..settings };
-        print(
-            &format!("{slices} slices"),
-            cost(&context, &boxes(), square(1.0), settings),
-        );
+        for combine in [SliceCombination::Product, SliceCombination::Overlap] {
+            let settings = OcclusionTexture {
+                slices,
+                combine,
+                ..settings
+            };
+            let name = format!("{slices} slices, {combine:?}");
+            print(&name, cost(&context, &boxes(), square(1.0), settings));
+        }
     }
     for resolution in [128, 256, 512, 1024] {
         let mut filters = Vec::new();
@@ -121,9 +125,11 @@ fn costs_by_hand() {
                 slices: 4,
                 resolution,
                 filter,
+                // One set of pictures, so that 1024² texels fit into the memory of textures.
+                combine: SliceCombination::Product,
                 ..settings
             };
-            let name = format!("4 slices, {resolution}², {filter:?}");
+            let name = format!("4 slices, {resolution}², product, {filter:?}");
             let times = cost(&context, &boxes(), square(1.0), settings);
             print(&name, times);
             filters.push(times[1]);

@@ -97,8 +97,8 @@ impl Ground {
     }
 }
 
-/// Where a caster passes from slice to slice, its shadow moves by a part of a slice's thickness at once. Under a plate that
-/// rises 5 cm a frame through the slices of other casters, 16 slices keep that to 0.11 more than the change should be.
+/// Casters cast from their own depth, so nothing jumps where one passes from slice to slice. Under a plate that rises 5 cm a frame
+/// through the slices of other casters, visibility changes by less than 0.1 more than it should.
 #[test]
 fn shadows_of_rising_casters_change_steadily() {
     let context = strict_context();
@@ -129,5 +129,5 @@ fn shadows_of_rising_casters_change_steadily() {
     }
     println!("{COUNTS:?} slices: changes of at most {most:.3} a frame, {worst:.3?} more than in truth");
     assert!(count > 5000 && most > 0.05, "{count}, {most}");
-    assert!(worst[0] < 0.14 && worst[1] < 0.11, "{worst:?}");
+    assert!(worst.iter().all(|worst| *worst < 0.1), "{worst:?}");
 }

@@ -1,4 +1,4 @@
-//! Holes, leaks, slices that fade, lights of any orientation.
+//! Holes, slices that fade, lights of any orientation.
 
 use std::sync::Arc;
 
@@ -8,51 +8,8 @@ use antumbra::techniques::OcclusionTexture;
 use bevy_transform::prelude::Transform;
 use glam::{Affine2, Quat, Vec2, Vec3};
 
-use super::scenes::{empty, hits, lamp, rendered, spawn, square, staged, truth, wings};
+use super::scenes::{empty, hits, lamp, rendered, spawn, square, truth};
 use crate::harness::strict_context;
-
-/// Umbra pixels that are lighter than 0.1, and all of them. `close_leaks` is a mask of layers.
-fn leaks(stage: &mut crate::harness::support::stage::Stage, close_leaks: u32) -> (usize, usize) {
-    let light = stage.lights[0];
-    stage.world.entity_mut(light).insert(OcclusionTexture {
-        slices: 16,
-        close_leaks,
-        ..Default::default()
-    });
-    let got = rendered(stage);
-    let truth = truth(stage, 144);
-    let pixels = truth.values().iter().zip(&got);
-    let umbra = pixels.filter(|(truth, _)| **truth == 0.0);
-    let lit = umbra.clone().filter(|(_, got)| **got > 0.1);
-    (lit.count(), umbra.count())
-}
-
-/// Light shines through thin surfaces that pass from slice to slice, unless the next slice is filled too.
-#[test]
-fn leaks_of_thin_wings_and_walls_are_closed() {
-    let context = strict_context();
-    let mut walls = wings();
-    walls.parts.truncate(1);
-    for side in [-1.0, 1.0] {
-        let wall =
-            Transform::from_xyz(0.6 * side, 0.8, 0.0).with_rotation(Quat::from_rotation_z(1.45 * side));
-        walls.parts.push((MeshData::plane(0.5), wall));
-    }
-    for (scene, name) in [(wings(), "wings"), (walls, "walls")] {
-        let mut stage = staged(&context, &scene);
-        let (light, place) = lamp(square(0.3), Vec3::new(0.0, 3.0, 0.0));
-        stage.spawn_light(light, place, Some(OcclusionTexture::default()));
-        let (open, all) = leaks(&mut stage, 0);
-        let (closed, _) = leaks(&mut stage, u32::MAX);
-        println!("{name}: of {all} umbra pixels, {open} are lit; {closed} with leaks closed");
-        assert!(
-            all > 50 && open > 10 && closed * 1000 <= all,
-            "{name}: {open}, {closed} of {all}"
-        );
-        // The mask chooses casters: nothing is on layer 5.
-        assert_eq!(leaks(&mut stage, 1 << 5).0, open);
-    }
-}
 
 /// A plane that rises through all slices shadows itself nowhere, and under a plate its shadow has no steps.
 #[test]

@@ -1,80 +1,99 @@
 //! The GPU draws, filters, looks up and combines as the CPU twins do.
 
 use antumbra::insides::occlusion_textures::{
-    LightSlices, Lookup, OcclusionLight, Picture, SliceFace, combine, mipmap_mean, mipmaps, n_buffer_mean,
+    Kernel, LightSlices, Lookup, OcclusionFace, OcclusionLight, Picture, Shares, SliceFace, WIDER,
+    add_overlapping, combine, measured_plane, measured_weight, mipmap_mean, mipmaps, n_buffer_mean,
     n_buffers, over_own_plane, slice_bottom, slice_kernel, slice_plane, slice_weight, summed_areas,
     summed_mean,
 };
 use antumbra::prelude::*;
-use antumbra::reference::{RayScene, SceneTriangle, SurfaceHit};
+use antumbra::reference::SurfaceHit;
 use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
-use glam::{DVec2, DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
+use super::cast::{Filtered, cast_pictures};
 use super::scenes::{BETWEEN, Scene, boxes, hits, lamp, rendered, staged};
 use crate::harness::strict_context;
 
-/// The pictures of one face by rays through the middle of each texel.
-fn cast_pictures(face: &SliceFace, scene: &RayScene, side: usize, closes: bool) -> Vec<Picture> {
-    let slices = &face.slices;
-    let mut pictures = vec![Picture::from_fn(side, |_| 0.0); slices.count];
-    let place = |ndc: DVec2, depth: f64| {
-        let divisor = face.divisor.x * depth + face.divisor.y;
-        let across = (ndc - face.offset) * divisor / face.scale;
-        let [x, y, z] = face.axes;
-        face.origin + x * across.x + y * across.y + z * depth
-    };
-    for index in 0..side * side {
-        let texel = DVec2::new((index % side) as f64, (index / side) as f64);
-        let ndc = ((texel + 0.5) / side as f64 * 2.0 - 1.0) * DVec2::new(1.0, -1.0);
-        let (from, to) = (
-            place(ndc, slices.top),
-            place(ndc, slices.bottoms[slices.count - 1]),
-        );
-        for triangle in scene.triangles() {
-            let [a, b, c] = triangle.corners;
-            let (u, v, along) = (b - a, c - a, to - from);
-            let determinant = along.dot(u.cross(v));
-            if determinant.abs() < 1e-12 {
-                continue;
-            }
-            let from_a = from - a;
-            let share = -from_a.dot(u.cross(v)) / determinant;
-            let (s, t) = (
-                from_a.dot(v.cross(along)) / determinant,
-                from_a.dot(along.cross(u)) / determinant,
-            );
-            // Boxes are closed, and their backs are left out; the ground is drawn from both sides.
-            let is_back = triangle_is_closed(triangle) && determinant > 0.0;
-            let inside = s >= 0.0 && t >= 0.0 && s + t <= 1.0 && !is_back;
-            if !inside || !(0.0..=1.0).contains(&share) {
-                continue;
-            }
-            let depth = face.light_from_world(from + along * share).z;
-            for (slice, picture) in pictures.iter_mut().enumerate() {
-                let before = if closes {
-                    slice as i32 - 2
-                } else {
-                    slice as i32 - 1
-                };
-                let top = usize::try_from(before).map_or(slices.top, |before| slices.bottoms[before]);
-                if depth > top && depth <= slices.bottoms[slice] {
-                    picture.texels[index] = 1.0;
-                }
-            }
+/// The receiver and the picture in which it is looked up.
+struct Seen<'a> {
+    slices: &'a LightSlices,
+    face: &'a OcclusionFace,
+    light: Vec4,
+    filtered: &'a Filtered,
+    receiver: Vec3,
+    normal: Vec3,
+}
+
+impl Seen<'_> {
+    /// A lookup in a slice between two depths.
+    fn lookup(&self, top: f32, bottom: f32, plane: f32) -> Lookup {
+        Lookup {
+            top,
+            bottom,
+            plane,
+            side: self.slices.resolution as f32,
+            taps: self.slices.taps() as f32,
         }
     }
-    pictures
-}
 
-/// Whether a triangle belongs to a box and not to the ground.
-fn triangle_is_closed(triangle: &SceneTriangle) -> bool {
-    triangle.corners.iter().any(|corner| corner.y > 0.01)
-}
+    /// The kernel of a lookup, `wider` than the light.
+    fn kernel(&self, at: &Lookup, wider: f32) -> Kernel {
+        let mut kernel = slice_kernel(self.face, self.light, self.receiver, at.plane);
+        kernel.half *= wider;
+        over_own_plane(self.face, at, self.receiver, self.normal, kernel)
+    }
 
-/// The filtered pictures of one face.
-enum Filtered {
-    Levels(Vec<Vec<Picture>>),
-    Sums(Vec<Picture>),
+    fn mean(&self, set: usize, slice: usize, kernel: &Kernel) -> f32 {
+        self.filtered.mean(set, slice, kernel, self.slices)
+    }
+
+    /// Adds a slice by its depths and overlaps.
+    fn measured(&self, hidden: f32, slice: usize, (first, top, bottom): (f32, f32, f32)) -> f32 {
+        let depth = self.receiver.z;
+        let guess = self.lookup(first, bottom, 0.5 * (top + bottom.min(depth)));
+        let around = self.kernel(&guess, WIDER);
+        let cover = self.mean(0, slice, &around);
+        if cover <= 0.0 {
+            return hidden;
+        }
+        let plane = measured_plane(top, bottom, self.mean(2, slice, &around) / cover);
+        if plane >= depth {
+            return hidden;
+        }
+        // The receiver's own surface is told by its depth in the receiver's slice.
+        let is_cut = first < top || depth > bottom;
+        let kernel = if is_cut {
+            self.kernel(&self.lookup(first, bottom, plane), 1.0)
+        } else {
+            slice_kernel(self.face, self.light, self.receiver, plane)
+        };
+        let own = self.mean(0, slice, &kernel);
+        if own <= 0.0 {
+            return hidden;
+        }
+        let inside = measured_plane(top, bottom, self.mean(2, slice, &kernel) / own);
+        let weight = measured_weight(inside, bottom - top, depth);
+        let above = slice
+            .checked_sub(1)
+            .map_or(0.0, |before| self.mean(1, before, &kernel));
+        let shares = Shares {
+            own,
+            above,
+            united: self.mean(1, slice, &kernel),
+        };
+        add_overlapping(hidden, weight, shares)
+    }
+
+    /// Adds a slice as if its casters were in the middle.
+    fn combined(&self, hidden: f32, slice: usize, (first, _, bottom): (f32, f32, f32)) -> f32 {
+        let settings = &self.slices.settings;
+        let weight = slice_weight(self.face, slice, settings.slices as usize, self.receiver.z);
+        let plane = slice_plane(self.face, slice, weight);
+        let kernel = self.kernel(&self.lookup(first, bottom, plane), 1.0);
+        let own = self.mean(0, slice, &kernel);
+        combine(settings.combine, hidden, (weight * own).clamp(0.0, 1.0))
+    }
 }
 
 /// Visibility of a receiver by the twins.
@@ -88,39 +107,28 @@ fn visibility(slices: &LightSlices, record: &OcclusionLight, filtered: &[Filtere
         .expect("a face");
     let receiver = face.light_from_world(hit.position).as_vec3();
     let normal = DVec3::from(face.axes.map(|axis| axis.dot(hit.normal))).as_vec3();
-    let (count, record_face) = (slices.settings.slices as usize, &record.faces[index]);
-    let light = Vec4::from(record.kernel);
-    let (mut hidden, mut top) = (0.0, record_face.depth[2]);
+    let settings = &slices.settings;
+    let seen = Seen {
+        slices,
+        face: &record.faces[index],
+        light: Vec4::from(record.kernel),
+        filtered: &filtered[index],
+        receiver,
+        normal,
+    };
+    let (mut hidden, mut top) = (0.0, seen.face.depth[2]);
     let mut before = top;
-    for slice in 0..count {
-        let bottom = slice_bottom(record_face, slice);
-        if receiver.z <= bottom {
-            break;
-        }
-        let weight = slice_weight(record_face, slice, count, receiver.z);
-        let plane = slice_plane(record_face, slice, weight);
-        let at = Lookup {
-            top: if slices.settings.close_leaks != 0 {
-                before
-            } else {
-                top
-            },
-            bottom,
-            plane,
-            side: slices.resolution as f32,
-            taps: slices.taps() as f32,
+    for slice in 0..settings.slices as usize {
+        let bottom = slice_bottom(seen.face, slice);
+        let first = if settings.close_leaks != 0 { before } else { top };
+        let depths = (first, top, bottom);
+        hidden = match settings.combine {
+            SliceCombination::Overlap if receiver.z > top => seen.measured(hidden, slice, depths),
+            SliceCombination::Overlap => hidden,
+            _ if receiver.z > bottom => seen.combined(hidden, slice, depths),
+            _ => hidden,
         };
         (before, top) = (top, bottom);
-        let whole = slice_kernel(record_face, light, receiver, plane);
-        let kernel = over_own_plane(record_face, &at, receiver, normal, whole);
-        let mean = match &filtered[index] {
-            Filtered::Levels(levels) if slices.settings.filter == SliceFilter::NBuffers => {
-                n_buffer_mean(&levels[slice], &kernel, slices.taps())
-            }
-            Filtered::Levels(levels) => mipmap_mean(&levels[slice], &kernel),
-            Filtered::Sums(sums) => summed_mean(&sums[slice], &kernel),
-        };
-        hidden = combine(slices.settings.combine, hidden, (weight * mean).clamp(0.0, 1.0));
     }
     1.0 - hidden
 }
@@ -148,12 +156,8 @@ fn difference(
         .faces
         .iter()
         .map(|face| {
-            let pictures = cast_pictures(face, &rays, side, settings.close_leaks != 0).into_iter();
-            match settings.filter {
-                SliceFilter::NBuffers => Filtered::Levels(pictures.map(n_buffers).collect()),
-                SliceFilter::Mipmaps => Filtered::Levels(pictures.map(mipmaps).collect()),
-                SliceFilter::SummedAreas => Filtered::Sums(pictures.map(summed_areas).collect()),
-            }
+            let drawn = cast_pictures(face, &rays, side, &settings);
+            Filtered::new(&drawn, settings.filter)
         })
         .collect();
     let (mut largest, mut sum, mut count, mut soft) = (0.0f32, 0.0, 0, 0);
@@ -228,7 +232,11 @@ fn the_comparison_with_the_twins_finds_a_wrong_kernel_and_a_wrong_combination() 
         |light| light.kernel[0] *= 0.8,
     );
     assert!(mean > 4e-3, "{mean}");
-    for combine in [SliceCombination::Maximum, SliceCombination::Sum] {
+    for combine in [
+        SliceCombination::Product,
+        SliceCombination::Maximum,
+        SliceCombination::Sum,
+    ] {
         let settings = OcclusionTexture {
             combine,
             close_leaks: u32::MAX,

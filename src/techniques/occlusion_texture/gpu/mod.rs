@@ -6,7 +6,9 @@
 //! | `passes` | the passes of one light's pictures, and the lookup |
 //! | `pipelines` | pipelines and bind group layouts |
 //! | `textures` | the pictures of each light, with the levels of their filter |
+//! | `maker` | makes these textures, and lists the passes that fill them |
 
+pub(crate) mod maker;
 pub(crate) mod passes;
 pub(crate) mod pipelines;
 pub(crate) mod recorder;

@@ -9,7 +9,6 @@ use super::recorder::{LightPlan, SetPlan, SliceNode};
 use super::textures::{SliceTextures, Step};
 use crate::render::gpu::strided::Strided;
 use crate::render::recorder::{PictureInput, ResolveInput};
-use crate::techniques::occlusion_texture::component::SliceFilter;
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
 type Attachments<'a> = SmallVec<[Option<wgpu::RenderPassColorAttachment<'a>>; 4]>;
@@ -42,18 +41,10 @@ impl SliceNode {
         for (slot, layers) in plan.faces.clone().zip(&textures.drawn) {
             self.draw_face(slot, plan, layers, encoder, input);
         }
-        let key = match plan.key.filter {
-            SliceFilter::SummedAreas => Key::Sum,
-            filter => Key::Level {
-                filter,
-                groups: plan.key.groups,
-            },
-        };
-        let Some(pipeline) = self.pipelines.get(key) else {
-            return;
-        };
         for step in textures.steps.iter().filter(|step| step.level < plan.levels) {
-            filter_step(step, pipeline, plan.light, encoder, input);
+            if let Some(pipeline) = self.pipelines.get(plan.key.step(step.kind)) {
+                filter_step(step, pipeline, plan.light, encoder, input);
+            }
         }
     }
 
@@ -83,6 +74,7 @@ impl SliceNode {
                     masked,
                     closes,
                     culled,
+                    depths: plan.key.is_split,
                     groups,
                 })
             };

@@ -18,6 +18,17 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float
 /// The format of sums, which are whole numbers up to the square of the resolution.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
+/// What a set of pictures shows, one picture for each slice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SliceSet {
+    /// What each slice covers.
+    Coverage,
+    /// What each slice and all slices before it cover together.
+    Unions,
+    /// Depths of casters below the top of their slice.
+    Depths,
+}
+
 /// Everything that distinguishes two pipelines of one stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Key {
@@ -29,6 +40,15 @@ pub enum Key {
         closes: bool,
         /// The faces that are left out: the backs of closed casters.
         culled: Option<wgpu::Face>,
+        /// True if depths are drawn instead of what casters cover.
+        depths: bool,
+        /// Number of colour targets.
+        groups: u32,
+    },
+    /// Makes one of the sets of pictures that depths of casters are split into.
+    Split {
+        /// The set that is made.
+        set: SliceSet,
         /// Number of colour targets.
         groups: u32,
     },
@@ -90,8 +110,8 @@ impl SliceLayouts {
                 entries,
             })
         };
-        let texture = |filterable| wgpu::BindGroupLayoutEntry {
-            binding: 0,
+        let texture = |binding, filterable| wgpu::BindGroupLayoutEntry {
+            binding,
             visibility: ShaderStages::FRAGMENT,
             ty: wgpu::BindingType::Texture {
                 sample_type: wgpu::TextureSampleType::Float { filterable },
@@ -114,16 +134,26 @@ impl SliceLayouts {
                 &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, caster)],
             ),
             face: layout("slice face", &[uniform(size_of::<OcclusionFace>())]),
-            below: layout("slice level below", &[texture(false)]),
+            below: layout("slice level below", &[texture(0, false)]),
             light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
             filtered: layout(
                 "slice pictures",
-                &[texture(true), sampler(wgpu::SamplerBindingType::Filtering)],
+                &[
+                    texture(0, true),
+                    sampler(wgpu::SamplerBindingType::Filtering),
+                    texture(2, true),
+                    texture(3, true),
+                ],
             ),
             // The shader names a sampler for the other filters. One that does not filter fits any texture.
             sums: layout(
                 "slice sums",
-                &[texture(false), sampler(wgpu::SamplerBindingType::NonFiltering)],
+                &[
+                    texture(0, false),
+                    sampler(wgpu::SamplerBindingType::NonFiltering),
+                    texture(2, false),
+                    texture(3, false),
+                ],
             ),
         }
     }
@@ -157,6 +187,15 @@ fn with_targets(desc: PipelineDesc, groups: u32, blend: Option<wgpu::BlendState>
     })
 }
 
+/// Describes a pass from layers of pictures to as many others.
+fn step(layouts: &SliceLayouts, label: &'static str, entry: &'static str, groups: u32) -> PipelineDesc {
+    let fragment = Some(Stage::new(FILTER, entry));
+    let desc = PipelineDesc::new(label, EVERYWHERE_WITH_INSTANCE, fragment)
+        .with_groups([Some(&layouts.below)])
+        .with_constants([("GROUPS", f64::from(groups))]);
+    with_targets(desc, groups, None)
+}
+
 /// Describes the pipeline of a key.
 pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
     match key {
@@ -164,6 +203,7 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             masked,
             closes,
             culled,
+            depths,
             groups,
         } => {
             let (vertex, fragment, buffers) = if masked {
@@ -184,20 +224,27 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
                         Some(&layouts.face),
                         masked.then_some(&gpu.layouts.material),
                     ])
-                    .with_constants([("CLOSE", f64::from(u8::from(closes)))])
+                    .with_constants([
+                        ("CLOSE", f64::from(u8::from(closes))),
+                        ("DEPTHS", f64::from(u8::from(depths))),
+                    ])
             };
             with_targets(desc, groups, Some(MAXIMUM))
+        }
+        Key::Split { set, groups } => {
+            let entry = match set {
+                SliceSet::Coverage => "cover",
+                SliceSet::Unions => "unite",
+                SliceSet::Depths => "deepen",
+            };
+            step(layouts, "slice split", entry, groups)
         }
         Key::Level { filter, groups } => {
             let entry = match filter {
                 SliceFilter::Mipmaps => "mipmap",
                 SliceFilter::NBuffers | SliceFilter::SummedAreas => "n_buffer",
             };
-            let fragment = Some(Stage::new(FILTER, entry));
-            let desc = PipelineDesc::new("slice filter", EVERYWHERE_WITH_INSTANCE, fragment)
-                .with_groups([Some(&layouts.below)])
-                .with_constants([("GROUPS", f64::from(groups))]);
-            with_targets(desc, groups, None)
+            step(layouts, "slice filter", entry, groups)
         }
         Key::Sum => PipelineDesc::new(
             "slice sums",

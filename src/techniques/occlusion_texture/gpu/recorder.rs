@@ -13,8 +13,8 @@ use std::sync::atomic::Ordering;
 
 use bevy_ecs::prelude::*;
 
-use super::pipelines::{FILES, Key, SliceLayouts, describe};
-use super::textures::{TexturePool, TexturesKey};
+use super::pipelines::{FILES, Key, SliceLayouts, SliceSet, describe};
+use super::textures::{StepKind, TexturePool, TexturesKey};
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
@@ -27,7 +27,6 @@ use crate::sets::{FrameLights, Objects, View, ViewData};
 use crate::techniques::maps::gpu::draws::MapDraws;
 use crate::techniques::maps::gpu::recorded::Recorded;
 use crate::techniques::occlusion_texture::build::OcclusionTextures;
-use crate::techniques::occlusion_texture::component::SliceFilter;
 use crate::techniques::occlusion_texture::light_slices::LightSlices;
 use crate::techniques::occlusion_texture::records::{OcclusionFace, OcclusionLight};
 
@@ -153,6 +152,7 @@ impl SliceNode {
                         masked,
                         closes,
                         culled,
+                        depths: slices.settings.measures(),
                         groups,
                     };
                     self.require(input.gpu, key)?;
@@ -161,9 +161,12 @@ impl SliceNode {
             self.faces.push(FacePlan { draws: plan });
             self.face_records.constants.push(&face.record(face.origin));
         }
-        match slices.settings.filter {
-            SliceFilter::SummedAreas => self.require(input.gpu, Key::Sum)?,
-            filter => self.require(input.gpu, Key::Level { filter, groups })?,
+        let key = TexturesKey::new(slices);
+        self.require(input.gpu, key.step(StepKind::Level))?;
+        if key.is_split {
+            for set in [SliceSet::Coverage, SliceSet::Unions, SliceSet::Depths] {
+                self.require(input.gpu, key.step(StepKind::Split(set)))?;
+            }
         }
         Ok(first..self.faces.len())
     }

@@ -2,12 +2,11 @@
 
 use bevy_ecs::prelude::Entity;
 
-use super::pipelines::{PICTURE_FORMAT, SUM_FORMAT, SliceLayouts};
+use super::maker::Maker;
+use super::pipelines::{Key, SliceLayouts, SliceSet};
 use crate::render::RenderContext;
-use crate::render::gpu::bind_groups::bind_in_order;
 use crate::techniques::maps::gpu::recorded::FaceRecord;
 use crate::techniques::occlusion_texture::component::SliceFilter;
-use crate::techniques::occlusion_texture::filter::level_count;
 use crate::techniques::occlusion_texture::light_slices::LightSlices;
 
 /// Number of texels that one pass of a sum adds up.
@@ -26,6 +25,8 @@ pub struct TexturesKey {
     pub faces: u32,
     /// Number of layers of each picture, four slices each.
     pub groups: u32,
+    /// Whether depths are drawn, and split into sets of pictures.
+    pub is_split: bool,
 }
 
 impl TexturesKey {
@@ -37,6 +38,17 @@ impl TexturesKey {
             side: slices.resolution,
             faces: slices.faces.len() as u32,
             groups: slices.settings.groups(),
+            is_split: slices.settings.measures(),
+        }
+    }
+
+    /// Returns the pipeline of a pass between pictures.
+    pub fn step(&self, kind: StepKind) -> Key {
+        let groups = self.groups;
+        match (kind, self.filter) {
+            (StepKind::Split(set), _) => Key::Split { set, groups },
+            (StepKind::Level, SliceFilter::SummedAreas) => Key::Sum,
+            (StepKind::Level, filter) => Key::Level { filter, groups },
         }
     }
 
@@ -47,16 +59,27 @@ impl TexturesKey {
     }
 }
 
-/// One pass of a filter: from a view of layers to views of single layers.
+/// What a pass between pictures makes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepKind {
+    /// A set of pictures, from the depths that were drawn.
+    Split(SliceSet),
+    /// The next level of a filter.
+    Level,
+}
+
+/// One pass between pictures: from a view of layers to views of single layers.
 #[derive(Debug)]
 pub struct Step {
+    /// What the pass makes.
+    pub kind: StepKind,
     /// The layers that are read.
     pub below: wgpu::BindGroup,
     /// The layers that are written, one for each group of slices.
     pub targets: Vec<wgpu::TextureView>,
     /// The number that the shader gets.
     pub instance: u32,
-    /// The level of N-buffers that is written; 0 for other filters, whose steps are all needed.
+    /// The level of N-buffers that is written; 0 for other passes, which are all needed.
     pub level: u32,
 }
 
@@ -67,197 +90,13 @@ pub struct SliceTextures {
     pub key: TexturesKey,
     /// The layers into which each picture is drawn.
     pub drawn: Vec<Vec<wgpu::TextureView>>,
-    /// The passes of the filter, in their order.
+    /// The passes between the drawing and the lookup, in their order.
     pub steps: Vec<Step>,
     /// The bind group 3 of the lookup.
     pub group: wgpu::BindGroup,
     /// The revision that the pictures hold.
     pub record: FaceRecord,
-    in_use: bool,
-}
-
-/// Makes the textures of a light.
-struct Maker<'a> {
-    context: &'a RenderContext,
-    layouts: &'a SliceLayouts,
-    key: TexturesKey,
-}
-
-impl Maker<'_> {
-    fn texture(&self, label: &str, format: wgpu::TextureFormat, layers: u32, mips: u32) -> wgpu::Texture {
-        self.context.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d {
-                width: self.key.side,
-                height: self.key.side,
-                depth_or_array_layers: layers,
-            },
-            mip_level_count: mips,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
-                | wgpu::TextureUsages::TEXTURE_BINDING
-                | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        })
-    }
-
-    fn view(&self, texture: &wgpu::Texture, first: u32, count: Option<u32>, mip: u32) -> wgpu::TextureView {
-        texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(if count.is_some() {
-                wgpu::TextureViewDimension::D2Array
-            } else {
-                wgpu::TextureViewDimension::D2
-            }),
-            base_array_layer: first,
-            array_layer_count: Some(count.unwrap_or(1)),
-            base_mip_level: mip,
-            mip_level_count: Some(1),
-            ..Default::default()
-        })
-    }
-
-    fn layers(&self, texture: &wgpu::Texture, first: u32, mip: u32) -> Vec<wgpu::TextureView> {
-        (first..first + self.key.groups)
-            .map(|layer| self.view(texture, layer, None, mip))
-            .collect()
-    }
-
-    fn below(&self, texture: &wgpu::Texture, first: u32, count: u32, mip: u32) -> wgpu::BindGroup {
-        let view = self.view(texture, first, Some(count), mip);
-        let views = [wgpu::BindingResource::TextureView(&view)];
-        bind_in_order(
-            &self.context.device,
-            "slice level below",
-            &self.layouts.below,
-            views,
-        )
-    }
-
-    /// The bind group of the lookup, with a sampler if the filter needs one.
-    fn lookup(&self, texture: &wgpu::Texture) -> wgpu::BindGroup {
-        let device = &self.context.device;
-        let view = texture.create_view(&wgpu::TextureViewDescriptor {
-            dimension: Some(wgpu::TextureViewDimension::D2Array),
-            ..Default::default()
-        });
-        let filter = match self.key.filter {
-            SliceFilter::SummedAreas => wgpu::FilterMode::Nearest,
-            SliceFilter::NBuffers | SliceFilter::Mipmaps => wgpu::FilterMode::Linear,
-        };
-        let is_mipmapped = self.key.filter == SliceFilter::Mipmaps;
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("slice pictures"),
-            mag_filter: filter,
-            min_filter: filter,
-            mipmap_filter: if is_mipmapped {
-                wgpu::MipmapFilterMode::Linear
-            } else {
-                wgpu::MipmapFilterMode::Nearest
-            },
-            anisotropy_clamp: if is_mipmapped { self.context.anisotropy } else { 1 },
-            ..Default::default()
-        });
-        let resources = [
-            wgpu::BindingResource::TextureView(&view),
-            wgpu::BindingResource::Sampler(&sampler),
-        ];
-        let layout = self.layouts.pictures(self.key.filter);
-        bind_in_order(device, "slice pictures", layout, resources)
-    }
-
-    /// Makes the textures. Each filter has its own arrangement of levels.
-    fn make(&self) -> SliceTextures {
-        let (drawn, steps, group) = match self.key.filter {
-            SliceFilter::NBuffers => self.n_buffers(),
-            SliceFilter::Mipmaps => self.mipmaps(),
-            SliceFilter::SummedAreas => self.summed_areas(),
-        };
-        SliceTextures {
-            key: self.key,
-            drawn,
-            steps,
-            group,
-            record: FaceRecord::default(),
-            in_use: true,
-        }
-    }
-
-    /// Levels are layers: those of a picture follow each other, and those of its groups within a level.
-    fn n_buffers(&self) -> (Vec<Vec<wgpu::TextureView>>, Vec<Step>, wgpu::BindGroup) {
-        let TexturesKey {
-            side, faces, groups, ..
-        } = self.key;
-        let levels = level_count(side);
-        let texture = self.texture("slice N-buffers", PICTURE_FORMAT, faces * groups * levels, 1);
-        let first = |face: u32, level: u32| (face * levels + level) * groups;
-        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
-        for face in 0..faces {
-            drawn.push(self.layers(&texture, first(face, 0), 0));
-            for level in 1..levels {
-                steps.push(Step {
-                    below: self.below(&texture, first(face, level - 1), groups, 0),
-                    targets: self.layers(&texture, first(face, level), 0),
-                    instance: 1 << (level - 1),
-                    level,
-                });
-            }
-        }
-        (drawn, steps, self.lookup(&texture))
-    }
-
-    fn mipmaps(&self) -> (Vec<Vec<wgpu::TextureView>>, Vec<Step>, wgpu::BindGroup) {
-        let TexturesKey {
-            side, faces, groups, ..
-        } = self.key;
-        let levels = level_count(side);
-        let texture = self.texture("slice mipmaps", PICTURE_FORMAT, faces * groups, levels);
-        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
-        for face in 0..faces {
-            drawn.push(self.layers(&texture, face * groups, 0));
-            for level in 1..levels {
-                steps.push(Step {
-                    below: self.below(&texture, face * groups, groups, level - 1),
-                    targets: self.layers(&texture, face * groups, level),
-                    instance: 0,
-                    level: 0,
-                });
-            }
-        }
-        (drawn, steps, self.lookup(&texture))
-    }
-
-    /// Two textures take turns. The number of passes is even, so the last one writes the second.
-    fn summed_areas(&self) -> (Vec<Vec<wgpu::TextureView>>, Vec<Step>, wgpu::BindGroup) {
-        let TexturesKey { faces, groups, .. } = self.key;
-        let layers = faces * groups;
-        let pictures = self.texture("slice pictures", PICTURE_FORMAT, layers, 1);
-        let sums =
-            ["slice sums", "slice sums, in turn"].map(|label| self.texture(label, SUM_FORMAT, layers, 1));
-        let drawn = (0..faces)
-            .map(|face| self.layers(&pictures, face * groups, 0))
-            .collect();
-        let mut steps = Vec::new();
-        let mut from = &pictures;
-        let mut turn = 0;
-        for is_down in [0, 1] {
-            for distance in self.key.sum_distances() {
-                let below = self.below(from, 0, layers, 0);
-                for layer in 0..layers {
-                    steps.push(Step {
-                        below: below.clone(),
-                        targets: vec![self.view(&sums[turn], layer, None, 0)],
-                        instance: distance | is_down << 16 | layer << 17,
-                        level: 0,
-                    });
-                }
-                from = &sums[turn];
-                turn = 1 - turn;
-            }
-        }
-        (drawn, steps, self.lookup(from))
-    }
+    pub(super) in_use: bool,
 }
 
 /// The pictures of all lights.

@@ -1,0 +1,261 @@
+//! Makes the textures of a light, and the passes that fill them.
+
+use super::pipelines::{PICTURE_FORMAT, SUM_FORMAT, SliceLayouts, SliceSet};
+use super::textures::{SliceTextures, Step, StepKind, TexturesKey};
+use crate::render::RenderContext;
+use crate::render::gpu::bind_groups::bind_in_order;
+use crate::techniques::maps::gpu::recorded::FaceRecord;
+use crate::techniques::occlusion_texture::component::SliceFilter;
+use crate::techniques::occlusion_texture::filter::level_count;
+
+/// Makes the textures of a light.
+pub(super) struct Maker<'a> {
+    pub context: &'a RenderContext,
+    pub layouts: &'a SliceLayouts,
+    pub key: TexturesKey,
+}
+
+/// One set of pictures and the passes that filter it.
+struct Filtered {
+    /// The layers of the first level of each picture.
+    drawn: Vec<Vec<wgpu::TextureView>>,
+    steps: Vec<Step>,
+    /// The texture that is looked up.
+    result: wgpu::Texture,
+}
+
+impl Maker<'_> {
+    fn texture(&self, label: &str, format: wgpu::TextureFormat, layers: u32, mips: u32) -> wgpu::Texture {
+        self.context.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: self.key.side,
+                height: self.key.side,
+                depth_or_array_layers: layers,
+            },
+            mip_level_count: mips,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        })
+    }
+
+    fn view(&self, texture: &wgpu::Texture, first: u32, count: Option<u32>, mip: u32) -> wgpu::TextureView {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(if count.is_some() {
+                wgpu::TextureViewDimension::D2Array
+            } else {
+                wgpu::TextureViewDimension::D2
+            }),
+            base_array_layer: first,
+            array_layer_count: Some(count.unwrap_or(1)),
+            base_mip_level: mip,
+            mip_level_count: Some(1),
+            ..Default::default()
+        })
+    }
+
+    fn layers(&self, texture: &wgpu::Texture, first: u32, mip: u32) -> Vec<wgpu::TextureView> {
+        (first..first + self.key.groups)
+            .map(|layer| self.view(texture, layer, None, mip))
+            .collect()
+    }
+
+    fn below(&self, texture: &wgpu::Texture, first: u32, count: u32, mip: u32) -> wgpu::BindGroup {
+        let view = self.view(texture, first, Some(count), mip);
+        let views = [wgpu::BindingResource::TextureView(&view)];
+        bind_in_order(
+            &self.context.device,
+            "slice level below",
+            &self.layouts.below,
+            views,
+        )
+    }
+
+    /// The bind group of the lookup in coverage, unions and depths, with a sampler if the filter needs one.
+    fn lookup(&self, textures: [&wgpu::Texture; 3]) -> wgpu::BindGroup {
+        let device = &self.context.device;
+        let [pictures, unions, depths] = textures.map(|texture| {
+            texture.create_view(&wgpu::TextureViewDescriptor {
+                dimension: Some(wgpu::TextureViewDimension::D2Array),
+                ..Default::default()
+            })
+        });
+        let filter = match self.key.filter {
+            SliceFilter::SummedAreas => wgpu::FilterMode::Nearest,
+            SliceFilter::NBuffers | SliceFilter::Mipmaps => wgpu::FilterMode::Linear,
+        };
+        let is_mipmapped = self.key.filter == SliceFilter::Mipmaps;
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("slice pictures"),
+            mag_filter: filter,
+            min_filter: filter,
+            mipmap_filter: if is_mipmapped {
+                wgpu::MipmapFilterMode::Linear
+            } else {
+                wgpu::MipmapFilterMode::Nearest
+            },
+            anisotropy_clamp: if is_mipmapped { self.context.anisotropy } else { 1 },
+            ..Default::default()
+        });
+        let resources = [
+            wgpu::BindingResource::TextureView(&pictures),
+            wgpu::BindingResource::Sampler(&sampler),
+            wgpu::BindingResource::TextureView(&unions),
+            wgpu::BindingResource::TextureView(&depths),
+        ];
+        let layout = self.layouts.pictures(self.key.filter);
+        bind_in_order(device, "slice pictures", layout, resources)
+    }
+
+    /// Makes the textures. Each filter has its own arrangement of levels.
+    pub fn make(&self) -> SliceTextures {
+        let TexturesKey {
+            faces,
+            groups,
+            filter,
+            is_split,
+            ..
+        } = self.key;
+        let scratch = (filter == SliceFilter::SummedAreas)
+            .then(|| self.texture("slice sums, in turn", SUM_FORMAT, faces * groups, 1));
+        let filtered = || match (filter, &scratch) {
+            (SliceFilter::SummedAreas, Some(scratch)) => self.summed_areas(scratch),
+            (SliceFilter::Mipmaps, _) => self.mipmaps(),
+            _ => self.n_buffers(),
+        };
+        let coverage = filtered();
+        let (mut drawn, mut steps) = (coverage.drawn, coverage.steps);
+        let pictures = coverage.result;
+        let (mut unions, mut depths) = (pictures.clone(), pictures.clone());
+        if is_split {
+            let all = self.texture("slice depths", PICTURE_FORMAT, faces * groups, 1);
+            let layers = (0..faces)
+                .map(|face| self.layers(&all, face * groups, 0))
+                .collect();
+            let covered = std::mem::replace(&mut drawn, layers);
+            let mut filters = std::mem::replace(&mut steps, self.split(&all, SliceSet::Coverage, &covered));
+            for (set, result) in [(SliceSet::Unions, &mut unions), (SliceSet::Depths, &mut depths)] {
+                let made = filtered();
+                steps.extend(self.split(&all, set, &made.drawn));
+                filters.extend(made.steps);
+                *result = made.result;
+            }
+            steps.extend(filters);
+        }
+        SliceTextures {
+            key: self.key,
+            drawn,
+            steps,
+            group: self.lookup([&pictures, &unions, &depths]),
+            record: FaceRecord::default(),
+            in_use: true,
+        }
+    }
+
+    /// The passes that make a set of pictures from depths.
+    fn split(&self, from: &wgpu::Texture, set: SliceSet, targets: &[Vec<wgpu::TextureView>]) -> Vec<Step> {
+        let groups = self.key.groups;
+        let step = |(face, targets): (usize, &Vec<wgpu::TextureView>)| Step {
+            kind: StepKind::Split(set),
+            below: self.below(from, face as u32 * groups, groups, 0),
+            targets: targets.clone(),
+            instance: 0,
+            level: 0,
+        };
+        targets.iter().enumerate().map(step).collect()
+    }
+
+    /// Levels are layers: those of a picture follow each other, and those of its groups within a level.
+    fn n_buffers(&self) -> Filtered {
+        let TexturesKey {
+            side, faces, groups, ..
+        } = self.key;
+        let levels = level_count(side);
+        let texture = self.texture("slice N-buffers", PICTURE_FORMAT, faces * groups * levels, 1);
+        let first = |face: u32, level: u32| (face * levels + level) * groups;
+        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
+        for face in 0..faces {
+            drawn.push(self.layers(&texture, first(face, 0), 0));
+            for level in 1..levels {
+                steps.push(Step {
+                    kind: StepKind::Level,
+                    below: self.below(&texture, first(face, level - 1), groups, 0),
+                    targets: self.layers(&texture, first(face, level), 0),
+                    instance: 1 << (level - 1),
+                    level,
+                });
+            }
+        }
+        Filtered {
+            drawn,
+            steps,
+            result: texture,
+        }
+    }
+
+    fn mipmaps(&self) -> Filtered {
+        let TexturesKey {
+            side, faces, groups, ..
+        } = self.key;
+        let levels = level_count(side);
+        let texture = self.texture("slice mipmaps", PICTURE_FORMAT, faces * groups, levels);
+        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
+        for face in 0..faces {
+            drawn.push(self.layers(&texture, face * groups, 0));
+            for level in 1..levels {
+                steps.push(Step {
+                    kind: StepKind::Level,
+                    below: self.below(&texture, face * groups, groups, level - 1),
+                    targets: self.layers(&texture, face * groups, level),
+                    instance: 0,
+                    level: 0,
+                });
+            }
+        }
+        Filtered {
+            drawn,
+            steps,
+            result: texture,
+        }
+    }
+
+    /// Two textures take turns. The number of passes is even, so the last one writes the second.
+    fn summed_areas(&self, scratch: &wgpu::Texture) -> Filtered {
+        let TexturesKey { faces, groups, .. } = self.key;
+        let layers = faces * groups;
+        let pictures = self.texture("slice pictures", PICTURE_FORMAT, layers, 1);
+        let sums = [scratch, &self.texture("slice sums", SUM_FORMAT, layers, 1)];
+        let drawn = (0..faces)
+            .map(|face| self.layers(&pictures, face * groups, 0))
+            .collect();
+        let mut steps = Vec::new();
+        let mut from = &pictures;
+        let mut turn = 0;
+        for is_down in [0, 1] {
+            for distance in self.key.sum_distances() {
+                let below = self.below(from, 0, layers, 0);
+                for layer in 0..layers {
+                    steps.push(Step {
+                        kind: StepKind::Level,
+                        below: below.clone(),
+                        targets: vec![self.view(sums[turn], layer, None, 0)],
+                        instance: distance | is_down << 16 | layer << 17,
+                        level: 0,
+                    });
+                }
+                from = sums[turn];
+                turn = 1 - turn;
+            }
+        }
+        Filtered {
+            result: from.clone(),
+            drawn,
+            steps,
+        }
+    }
+}
