@@ -189,6 +189,7 @@ impl Maps {
         for map in self.lights.iter().filter(|map| map.active) {
             let pixels = match (map.request.shape, map.request.resolution) {
                 (MapShape::Cascades, _) => pixels_of_texel(map, &map.range, scene.view),
+                (MapShape::Matrices, _) => 0.0, // the technique that made the faces knows their texels
                 (_, MapResolution::Auto { .. }) => map.needed / f64::from(map.resolution.max(1)),
                 (_, MapResolution::Fixed(_)) => 0.0, // as it was asked for
             };

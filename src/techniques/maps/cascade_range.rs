@@ -11,6 +11,10 @@ use crate::sets::{FrameLight, Objects, Projector, ViewData};
 /// Share of a pixel below which the length of a shadow does not matter.
 const VISIBLE_PIXELS: f64 = 0.5;
 
+/// Side of a pixel at view depth 1, metres, that counts at most. In pictures of a few pixels, each of them is as large as what
+/// the scene shows, and half of it would hide every shadow.
+const LARGEST_PIXEL: f64 = 1.0 / 32.0;
+
 /// Share by which the range ends beyond the last shadow. A box is hardly larger than the part of the view that it shows, and
 /// filters need room around a shadow. By eye.
 const ROOM: f64 = 0.25;
@@ -63,14 +67,15 @@ pub fn with_room(last: f64, softness: f64) -> f64 {
 }
 
 /// Returns the view depth beyond which no visible surface is shadowed by a caster of set S. Each caster moves along the
-/// light until it has left the bounds of the receivers. A shadow that is shorter than half a pixel does not count, so a
-/// ground that holds the receivers up, and shadows nothing below it, adds nothing, however large it is.
+/// light until it has left the bounds of the receivers. A shadow that is shorter than half a pixel does not count, and a pixel
+/// has at most the side [`LARGEST_PIXEL`]. So a ground that holds the receivers up, and shadows nothing below it, adds nothing,
+/// however large it is.
 pub fn last_shadow(light: &FrameLight, objects: &Objects, view: &ViewData) -> f64 {
     let projector = Projector::new(view);
     let gradient = projector.depth_gradient();
     let along = -light.point_world.truncate();
     let receivers = &light.region.receiver_bounds;
-    let pixel = pixel_metres(view);
+    let pixel = pixel_metres(view).min(LARGEST_PIXEL);
     let mut last = view.near;
     for index in light.sets.s.ones() {
         let (center, half) = objects.boxes.center_half(index);

@@ -299,7 +299,8 @@ pub struct Cascades {
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 4)))]
     pub count: u32,
     /// View depth in metres beyond which nothing is shadowed, greater than 0. Lower values give finer texels
-    /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long.
+    /// nearby. Default: infinite, which reaches as far as shadows are seen that are half a pixel long. In pictures of few
+    /// pixels, a pixel counts as at most 1.8° wide.
     #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 50.0))]
     pub distance: f32,
     /// Logarithmic share of the division of depth, 0 to 1. 0 makes equal parts of the view depth; 1 makes

@@ -10,6 +10,13 @@ use super::view_space::ViewSpace;
 use crate::geometry::Aabb;
 use crate::sets::{FrameLight, Objects, ViewData};
 
+/// Largest share of a caster's size that it is thick, for it to count as a ground. Grounds have large triangles close to the eye.
+const GROUND_THICKNESS: f64 = 1e-3;
+
+/// Largest ratio of w between the corners of a ground and what is near the eye. A rasterizer rounds w by a share of the
+/// greatest of a triangle, and with it the depth near the eye. Beyond 25,000, a ground of two triangles shadowed itself.
+const MOST_CORNER_RATIO: f64 = 8192.0;
+
 /// The input from which a light's faces are fitted.
 #[derive(Clone, Copy, Debug)]
 pub struct FitInput<'a> {
@@ -145,6 +152,18 @@ impl FitInput<'_> {
                 points.push(beside);
             }
         }
+    }
+
+    /// The greatest growth of w with which the corners of grounds round little.
+    pub(super) fn growth_of_grounds(&self, space: &ViewSpace) -> f64 {
+        let depth_row = space.from_axes.transpose().z_axis;
+        let mut farthest: f64 = 0.0;
+        self.for_each_caster(|center, half| {
+            if half.min_element() <= GROUND_THICKNESS * half.max_element() {
+                farthest = farthest.max(space.point(center).z.abs() + depth_row.abs().dot(half));
+            }
+        });
+        MOST_CORNER_RATIO / farthest
     }
 
     /// The greatest growth of w that the projection allows.

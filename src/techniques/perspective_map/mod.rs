@@ -24,6 +24,7 @@
 //! | `texels` | texels per pixel of the screen, at sample points |
 //! | `fit_input` | the casters and the points that a light's faces are fitted to |
 //! | `fit` | the faces of a light in this frame |
+//! | `reports` | what a user is told |
 //! | `place_face` | a picture as a face: its frame at the light, its homography, the depths of casters |
 //! | `grounds` | receivers whose shadows are blurred ([`BlurredGround`](crate::scene::BlurredGround)) |
 //! | `gpu` | the recorder (feature `render`) |
@@ -41,11 +42,13 @@
 //! **Quality.** No homography serves all views. With the light's direction across the view it is near the
 //! ideal; with the light ahead or behind, a near object and a far one share the middle of the picture: w cannot
 //! change along the light, so no matrix tells them apart, and the gain over a uniform map shrinks. Where it shrinks to less than
-//! 1 / 0.6, the faces of a cube with half the side take over: they do tell them apart. The slide is chosen by
+//! 1 / 0.6, or where texels stay much larger than pixels because the world reaches over kilometres, the faces of a cube with half
+//! the side take over if their texels are less than half as long: they do tell near and far apart. Texels that are large even
+//! so are reported. The slide is chosen by
 //! measuring the longer sides of texels on the screen, because long thin texels make edges coarse; a measure of their area
 //! doubled the error in a town. On `town_A`, `dungeon_A` and a plain of 4 km the nearest tenth of the pixels has 1.9 to 225
 //! times the texels of four cascades of the same total, and at least 4 times those of a uniform map at every angle of the
-//! light; the error is at most that of the cascades at 36 of 37 angles (`tests/gpu/perspective_map/quality.rs`, the ignored
+//! light; the error is at most that of the cascades at all 37 angles (`tests/gpu/perspective_map/quality.rs`, the ignored
 //! test).
 //!
 //! In 15 views of each of 39 models, 7 of 927,281 pixels are wrong: those farther than a texel of 1024² from an edge are
@@ -64,6 +67,11 @@
 //! their depth is that of the map. The picture is blurred along two directions in the plane of the ground, with taps at
 //! equal distances in metres, and looked up by all receivers of that ground. A ground that casts nothing hides the
 //! casters below it all the same. What is under an object that stands on the ground counts as dark.
+//!
+//! **Rounding.** Corners of casters round by a share of their w, and where w is small that is a larger share of depth. So w grows
+//! by 256 times at most from the nearest receiver to the farthest, by 1024 times where texels would otherwise be huge, and by
+//! 8192 times to the corners of a flat ground, whose triangles pass close by the eye. Over hills of 4 km and under a sun close
+//! above the horizon ahead, this leaves 0.7 % of the pixels wrong in a picture of 240 × 135; four cascades leave 0.5 %.
 //!
 //! **Swim.** The texels follow the view: when the view turns or moves, they fall elsewhere, and edges of
 //! shadows change by up to a texel. In a view of a plain of 4 km that turned by a third of a degree a frame,
@@ -87,6 +95,7 @@ pub(crate) mod parts;
 pub(crate) mod place_face;
 pub(crate) mod projection;
 pub(crate) mod receivers;
+pub(crate) mod reports;
 pub(crate) mod shadowed;
 pub(crate) mod smallest_cone;
 pub(crate) mod technique;

@@ -8,8 +8,9 @@ use super::fit::{Fit, Scratch, fit_faces};
 use super::fit_input::FitInput;
 #[cfg(feature = "render")]
 use super::gpu::{self, recorder::PerspectiveNode};
-use super::grounds::{BLUR_REACH, BlurredGrounds, LeftOut, collect_blurred_grounds};
+use super::grounds::{BLUR_REACH, BlurredGrounds, collect_blurred_grounds};
 use super::parts::{MeshParts, Receiver, collect_boxes};
+use super::reports;
 use crate::debug_lines::DebugLines;
 use crate::geometry::Aabb;
 #[cfg(feature = "render")]
@@ -129,6 +130,9 @@ impl FitScene<'_, '_> {
 /// more texels. Chosen so that usual fits have no more.
 const MOST_SIDE: f64 = 8.0;
 
+/// The side that takes the place of [`MOST_SIDE`] where the slide is set: it is then not measured, and may be far from the best.
+const MOST_SIDE_OF_SET: f64 = 2.0;
+
 /// Fits the faces of the lights that a [`PerspectiveMap`] shadows to what the view shows, and lists their
 /// requests.
 ///
@@ -188,7 +192,12 @@ pub fn request_perspective_maps(
         if let Some((fitted_faces, fit)) = &known.fitted {
             faces.clone_from(fitted_faces);
             maps.fits.push((index, *fit));
-            stretch = (fit.texel_side / MOST_SIDE).max(1.0);
+            let most = if settings.slide.is_some() {
+                MOST_SIDE_OF_SET
+            } else {
+                MOST_SIDE
+            };
+            stretch = (fit.texel_side / most).max(1.0);
             if fit.replaces_one {
                 request.resolution = request.resolution.halved();
             }
@@ -286,30 +295,7 @@ impl Technique for PerspectiveMap {
 
     fn report(world: &World, round: &mut Round) {
         systems::report::<Self>(world, round);
-        for &(entity, left_out) in &world.resource::<BlurredGrounds>().left_out {
-            let (code, why) = match left_out {
-                LeftOut::TooMany => (
-                    2,
-                    "four other grounds are blurred already. Remove the component from some, or put grounds into one plane",
-                ),
-                LeftOut::Radius => (3, "its radius must be finite and greater than 0"),
-            };
-            round.raise(Some(entity), code, || {
-                format!("The shadows of perspective maps are not blurred on this `BlurredGround`: {why}.")
-            });
-        }
-        let view = world.resource::<View>();
-        if !view.data.as_ref().is_some_and(|view| view.is_orthographic()) {
-            return;
-        }
-        let lights = &world.resource::<FrameLights>().lights;
-        for light in lights.iter().filter(|light| light.is_shadowed_by::<Self>()) {
-            round.raise(Some(light.entity), 1, || {
-                "The light's perspective map is a uniform one: the view is orthographic, and shows near and far \
-                 alike. A ShadowMap or OmniMap is kept from frame to frame and looks the same."
-                    .to_owned()
-            });
-        }
+        reports::report(world, &world.resource::<PerspectiveMaps>().fits, round);
     }
 
     fn debug_lines(world: &World, light: usize, out: &mut DebugLines) {

@@ -150,3 +150,12 @@ pub fn mean_texel_side(pictures: &[Rows], samples: &[Sample]) -> f64 {
     let sides = samples.iter().map(|sample| sample.texel_side(pictures));
     sides.sum::<f64>() / samples.len().max(1) as f64
 }
+
+/// Median of the longer sides of texels on the screen, in the same units: what half of the visible surfaces has at least.
+/// `sides` is working memory.
+pub fn median_texel_side(pictures: &[Rows], samples: &[Sample], sides: &mut Vec<f64>) -> f64 {
+    sides.clear();
+    sides.extend(samples.iter().map(|sample| sample.texel_side(pictures)));
+    sides.sort_unstable_by(f64::total_cmp);
+    sides.get(sides.len() / 2).copied().unwrap_or(0.0)
+}

@@ -209,3 +209,27 @@ fn what_stays_coarse_is_reported() {
         "{said:?}"
     );
 }
+
+/// A pixel is larger than the shadow, and its middle is in the shadow.
+#[test]
+fn pictures_of_few_pixels_show_shadows() {
+    for (size, vertical_fov) in [(1, 60_f32), (9, 150.0)] {
+        let eye = Vec3::new(0.0, 3.0, 5.0);
+        let mut stage = stage(UVec2::splat(size), vertical_fov.to_radians(), eye, Vec3::ZERO);
+        add(&mut stage, MeshData::plane(6.0), Transform::default());
+        let slab = MeshData::cuboid(Vec3::new(0.5, 0.05, 0.5));
+        add(&mut stage, slab, Transform::from_xyz(0.0, 1.0, 0.0));
+        stage
+            .add_renderer(strict_context(), RenderSettings::default())
+            .expect("shaders compose");
+        let sun = Transform::default().looking_to(Vec3::new(0.05, -1.0, 0.02), Vec3::X);
+        let light = Light::directional(Vec3::ONE, 1.0);
+        stage.spawn_light(light.clone(), sun, Some(ShadowMap::default()));
+        stage.spawn_light(light.clone(), sun, Some(PerspectiveMap::default()));
+        stage.spawn_light(light, sun, Some(Smoothie::default()));
+        let rendered = stage.render().expect("the frame renders");
+        let middle = (size * size / 2) as usize;
+        let seen: Vec<f32> = rendered.visibility.iter().map(|light| light[middle]).collect();
+        assert_eq!(seen, [0.0; 3], "{size} × {size} pixels");
+    }
+}

@@ -4,6 +4,7 @@
 mod bad_input;
 mod casters;
 mod contacts;
+mod far_worlds;
 mod fits;
 mod ground_channels;
 mod grounds;
