@@ -5,6 +5,7 @@ use std::sync::Arc;
 use antumbra::baking::{BakeError, BakeNote, BakeSettings, bake_intervals, bake_into};
 use antumbra::prelude::*;
 use antumbra::reports::Reports;
+use antumbra::scene::ShadowOrigin;
 use antumbra::techniques::occlusion_interval::IntervalScenes;
 use antumbra::techniques::{IntervalLibrary, TextureMemory};
 use bevy_ecs::prelude::*;
