@@ -354,7 +354,8 @@ mod tests {
             }
         };
         for (from, to, element) in [
-            ("\"version\": 1", "\"version\": 2", "version"),
+            ("\"version\": 2", "\"version\": 1", "version"),
+            ("\"casts\": true", "\"casts\": 7", "boolean"),
             ("interval maps", "cookies", "format"),
             ("\"size\": 4", "\"size\": 8", "size"),
             ("\"size\": 4", "\"size\": 99999", "size"),
