@@ -5,8 +5,8 @@ use glam::{DVec3, Vec3};
 use super::scene_box::SceneBox;
 use crate::geometry::{Aabb, Emitter};
 
-/// How deep any object may be sunk into a ground that shadows nothing, and how far it may fall short of everything lit on each
-/// side, as a share of the extent of everything lit. It is less than a slice, within which nothing is shadowed either.
+/// How thick a ground that shadows nothing may be, how deep any object may be sunk into it, and how far it may fall short of
+/// everything lit on each side, as a share of the extent of everything lit. It is less than a slice, within which nothing is shadowed either.
 const SUNK: f64 = 0.05;
 
 /// Objects that are narrower than this share of the ground, both ways, may be sunk into it by half of their own height: posts,
@@ -54,14 +54,15 @@ impl Lit<'_> {
         let own = &self.scene[caster].bounds;
         let sides = (0..3).flat_map(|axis| [(axis, false), (axis, true)]);
         sides.into_iter().any(|(axis, is_negative)| {
-            let [_, top] = span(own, axis, is_negative);
+            let [bottom, top] = span(own, axis, is_negative);
             let [lowest, highest] = span(&self.all, axis, is_negative);
             let slack = SUNK * (highest - lowest);
             let rounding = self.rounding_along(axis);
             if lowest >= top - rounding {
                 return self.shines_from_above(axis, is_negative, top + rounding);
             }
-            self.shines_from_above(axis, is_negative, top + slack)
+            bottom >= top - slack
+                && self.shines_from_above(axis, is_negative, top + slack)
                 && self.is_ground(caster, axis)
                 && self.is_nothing_behind(caster, (axis, is_negative), (top, slack), rounding)
         })
@@ -252,6 +253,9 @@ mod tests {
         };
         let tower = |x: f32, z: f32| scene_box(Vec3::new(x, 49.8, z), Vec3::new(1.0, 50.0, 1.0));
         assert_eq!(shadowless(&[slab, tower(1.0, 2.0)], &light), [true, false]);
+        // What shadows itself is no ground.
+        let boulder = scene_box(Vec3::ZERO, Vec3::ONE);
+        assert_eq!(shadowless(&[boulder], &light), [false]);
         // A post may be sunk by half of its height, wherever nothing lies below the ground.
         let post = |down: f32| scene_box(Vec3::new(3.0, 1.0 - down, 0.0), Vec3::new(0.1, 1.0, 0.1));
         assert_eq!(shadowless(&[ground(), post(0.9)], &light), [true, false]);

@@ -7,11 +7,13 @@
 //! | `pipelines` | pipelines and bind group layouts |
 //! | `textures` | the pictures of each light, with the levels of their filter |
 //! | `maker` | makes these textures, and lists the passes that fill them |
+//! | `texture_pool` | the textures that are in use |
 
 pub(crate) mod maker;
 pub(crate) mod passes;
 pub(crate) mod pipelines;
 pub(crate) mod recorder;
+mod texture_pool;
 pub(crate) mod textures;
 
 use crate::render::shaders::{ShaderFile, shader_files};

@@ -14,7 +14,8 @@ use std::sync::atomic::Ordering;
 use bevy_ecs::prelude::*;
 
 use super::pipelines::{FILES, Key, SliceLayouts, SliceSet, describe};
-use super::textures::{StepKind, TexturePool, TexturesKey};
+use super::texture_pool::TexturePool;
+use super::textures::{StepKind, TexturesKey};
 use crate::render::gpu::bind_groups::bind_in_order;
 use crate::render::gpu::buffers::GrowingBuffer;
 use crate::render::gpu::pipeline_cache::Variants;
