@@ -94,6 +94,7 @@ impl Material {
     }
 
     /// Whether a clearcoat takes part in the look of the surface.
+    #[cfg(feature = "render")]
     pub(crate) fn is_coated(&self) -> bool {
         self.clearcoat > 0.0 && !self.unlit
     }
