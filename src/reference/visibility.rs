@@ -148,7 +148,7 @@ fn sampled_visibility(
     random: SplitMix,
 ) -> f32 {
     let receiver = Some(hit.triangle);
-    // What blocked one sample is likely to block the next.
+    // The blocker of one sample is likely to block the next.
     let last_blocker = Cell::new(None);
     let sees = |sample: DVec3| {
         if !(hit.normal.dot(sample - hit.position) > 0.0) {

@@ -171,7 +171,7 @@ impl Texture {
     }
 }
 
-/// What of a mesh nobody can see because of its materials' alpha.
+/// The parts of a mesh that nobody can see because of its materials' alpha.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Hidden {
     /// Every submesh may be seen.
@@ -206,7 +206,7 @@ impl SceneMaterials {
         self.hidden(mesh, greatest_alpha) == Hidden::Everything
     }
 
-    /// What these materials hide of the mesh by their alpha. `greatest_alpha` returns that of a texture. A mesh of which
+    /// The parts of the mesh that these materials hide by their alpha. `greatest_alpha` returns that of a texture. A mesh of which
     /// nothing would be drawn is not hidden: it may stand for something else.
     pub(crate) fn hidden(
         &self,

@@ -63,7 +63,7 @@ fn covered(drawn: vec4f) -> vec4f {
     return select(vec4f(0.0), vec4f(1.0), drawn > vec4f(0.0));
 }
 
-// What each slice covers, from depths that were drawn.
+// The coverage of each slice, from depths that were drawn.
 @fragment
 fn cover(in: Corner) -> Targets {
     var out: array<vec4f, 4>;
@@ -84,7 +84,7 @@ fn deepen(in: Corner) -> Targets {
     return Targets(out[0], out[1], out[2], out[3]);
 }
 
-// What each slice and all slices before it cover together.
+// The coverage of each slice and all slices before it together.
 @fragment
 fn unite(in: Corner) -> Targets {
     var out: array<vec4f, 4>;

@@ -43,8 +43,7 @@ impl Default for ShadowTint {
 /// still shines from its own place. So a highlight can stay in the eyes of a character while the shadow moves off
 /// the face.
 ///
-/// Shadows of baked maps ([`OcclusionInterval`](crate::techniques::OcclusionInterval)) stay where they were baked, which is
-/// reported.
+/// Shadows of baked maps stay where they were baked, which is reported.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
     feature = "bevy",

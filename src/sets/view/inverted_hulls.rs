@@ -25,12 +25,12 @@ pub struct InvertedHulls {
     /// The casters that are left out wherever the camera is outside of their bounds, ascending by entity. The list of
     /// submeshes is empty for a caster that is left out as a whole.
     hulls: Vec<(Entity, Submeshes)>,
-    /// What of each mesh is inverted, by its address.
+    /// The inverted parts of each mesh, by its address.
     meshes: HashMap<usize, (Weak<MeshData>, Inverted)>,
     seen: Option<(u64, FaceCulling, CulledCasters)>,
 }
 
-/// What of a mesh is inverted, whatever its materials are.
+/// The inverted parts of a mesh, whatever its materials are.
 #[derive(Clone, Debug, Default)]
 struct Inverted {
     whole: bool,

@@ -81,7 +81,8 @@ impl MeshHashes {
     }
 }
 
-/// What surfaces are recognized by. Whether an object casts is asked for here, not of [`Objects`]: what a view culls is baked.
+/// The components by which surfaces are recognized. They say whether an object casts, because [`Objects`] leave out casters
+/// that a view culls, and those were baked.
 pub(super) type Meshes<'w, 's> = Query<
     'w,
     's,
