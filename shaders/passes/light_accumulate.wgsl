@@ -1,10 +1,11 @@
 // The radiance that one light adds to the surfaces of its set I.
 // Host    src/render/nodes/light_accumulate.rs
 // Groups  0 view, 1 light, 2 material; `masked` also 3 mask, `behind_front` 3 front depth
-#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, clearcoat, smooth_normal, shading_normal}
+#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
 #import antumbra::view::to_eye
-#import antumbra::light::{incidence, highlight_at}
-#import antumbra::brdf::{reflected_parts, coat_share, coated}
+#import antumbra::light::incidence
+#import antumbra::brdf::reflected_parts
+#import antumbra::coat::with_coat
 #import antumbra::conventions::RADIANCE_MAX
 #import antumbra::mask::visibility
 #import antumbra::front::is_front
@@ -38,18 +39,7 @@ fn lit(in: Fragment, front_facing: bool) -> vec4f {
         arriving.radius,
     );
     if COATED {
-        let coat = clearcoat(in);
-        let coat_normal = smooth_normal(in, front_facing);
-        parts = coated(
-            parts,
-            coat_share(coat.x, coat_normal, towards_eye),
-            coat.y,
-            coat_normal,
-            towards_eye,
-            highlight_at(in.position_relative, coat_normal, towards_eye),
-            arriving.highlight_irradiance,
-            arriving.radius,
-        );
+        parts = with_coat(parts, in, front_facing, towards_eye, arriving).parts;
     }
     let radiance = parts.diffuse + parts.specular;
     let alpha = select(1.0, color.a, BLENDED);

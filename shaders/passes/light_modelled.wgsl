@@ -2,11 +2,12 @@
 // shadows have a colour. It does the work of `light_accumulate` for such lights and objects.
 // Host    src/render/nodes/light_accumulate.rs
 // Groups  0 view, 1 light, 2 material; `masked` and `tinted` also 3 mask, `behind_front` 3 front depth
-#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, clearcoat, smooth_normal, shading_normal}
+#import antumbra::surface::{VertexIn, Fragment, surface_vertex, base_color, metallic_roughness, shading_normal}
 #import antumbra::view::{objects, to_eye}
-#import antumbra::light::{light, incidence_of, highlight_at}
+#import antumbra::light::{light, incidence_of}
 #import antumbra::light_shape::{light_position, shape_factor}
-#import antumbra::brdf::{reflected_parts, coat_share, coated}
+#import antumbra::brdf::reflected_parts
+#import antumbra::coat::with_coat
 #import antumbra::conventions::{PI, RADIANCE_MAX}
 #import antumbra::mask::visibility
 #import antumbra::factors::factors
@@ -74,19 +75,9 @@ fn lit(in: Weighted, front_facing: bool, seen: vec3f) -> vec4f {
     );
     var share = 0.0;
     if COATED {
-        let coat = clearcoat(surface);
-        let coat_normal = smooth_normal(surface, front_facing);
-        share = coat_share(coat.x, coat_normal, towards_eye);
-        answer = coated(
-            answer,
-            share,
-            coat.y,
-            coat_normal,
-            towards_eye,
-            highlight_at(in.position_relative, coat_normal, towards_eye),
-            arriving.highlight_irradiance,
-            arriving.radius,
-        );
+        let covered = with_coat(answer, surface, front_facing, towards_eye, arriving);
+        answer = covered.parts;
+        share = covered.share;
     }
     let emission = light.emission.rgb;
     let passing = 1.0 - light.weights.w * (1.0 - seen);

@@ -50,6 +50,7 @@ pub const FILES: &[ShaderFile] = shader_files![
     "common/light_shape.wgsl",
     "common/light_texture.wgsl",
     "common/light.wgsl",
+    "common/coat.wgsl",
     "common/mask.wgsl",
     "common/factors.wgsl",
     "common/front.wgsl",

@@ -60,7 +60,7 @@ fn masked_vertex(
     return Masked(flattened(place), place.z, uv, color);
 }
 
-// What is drawn in the channels of the slices that hold the depth. Slices that are filled too begin at `first`.
+// Values for the channels of the slices that hold the depth. Slices that are filled too begin at `first`.
 fn channels(depth: f32, first: vec4f, tops: vec4f, bottoms: vec4f) -> vec4f {
     var value = vec4f(1.0);
     if DEPTHS {

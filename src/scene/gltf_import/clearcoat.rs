@@ -6,7 +6,7 @@ use gltf::json::{Value, deserialize};
 /// The name of the extension.
 pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
 
-/// What the extension states.
+/// The coat that the extension states.
 #[derive(Default)]
 pub(super) struct Clearcoat {
     /// Share of the coat, as stated.

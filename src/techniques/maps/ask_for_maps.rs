@@ -6,8 +6,9 @@ use super::build_maps::Maps;
 use super::light_map::{LightMap, asker};
 use super::request::MapRequests;
 use super::settings::{MapError, MapReport, MapResolution, MapSettings};
-use crate::scene::{LeftOutSubmeshes, SceneMaterials, SceneMesh};
+use crate::scene::SceneMaterials;
 use crate::sets::{FrameLights, Objects, View, ViewData};
+use crate::techniques::shared::exchanged::Exchanged;
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
 
 impl Maps {
@@ -74,14 +75,7 @@ pub fn ask_for_maps(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
-    exchanged: Query<
-        Entity,
-        Or<(
-            Changed<SceneMesh>,
-            Changed<SceneMaterials>,
-            Changed<LeftOutSubmeshes>,
-        )>,
-    >,
+    exchanged: Query<Entity, Exchanged>,
     mut stripped: RemovedComponents<SceneMaterials>,
 ) {
     let maps = &mut *maps;

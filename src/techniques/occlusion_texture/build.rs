@@ -14,10 +14,11 @@ use super::light_slices::LightSlices;
 use super::scene_box::OwnBox;
 use super::shell::is_shell_around;
 use crate::scene::placement::Placement;
-use crate::scene::{AlphaMode, LeftOutSubmeshes, LocalBounds, SceneMaterials, SceneMesh};
+use crate::scene::{AlphaMode, LocalBounds, SceneMaterials};
 use crate::sets::{FrameLights, Objects};
 use crate::silhouettes::CasterEdges;
 use crate::techniques::registry::Technique;
+use crate::techniques::shared::exchanged::Exchanged;
 use crate::techniques::shared::texture_memory::{Storage, TextureMemory, TextureWant};
 
 /// Least resolution that a shortage of memory leaves, texels.
@@ -63,14 +64,7 @@ pub fn ask_for_slices(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     components: Query<&OcclusionTexture>,
-    exchanged: Query<
-        Entity,
-        Or<(
-            Changed<SceneMesh>,
-            Changed<SceneMaterials>,
-            Changed<LeftOutSubmeshes>,
-        )>,
-    >,
+    exchanged: Query<Entity, Exchanged>,
     casters: Query<(&CasterEdges, &GlobalTransform, Option<&SceneMaterials>)>,
     placed: Query<(&LocalBounds, Placement)>,
 ) {

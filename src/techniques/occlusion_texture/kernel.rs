@@ -174,7 +174,7 @@ pub fn measured_weight(plane: f32, thickness: f32, depth: f32) -> f32 {
     ((depth - plane - BEGINS * thickness) / fade).clamp(0.0, 1.0)
 }
 
-/// What the pictures show of one kernel: shares of its area.
+/// Shares of one kernel's area, as the pictures show it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {
     /// Share that casters of the slice cover.

@@ -2,7 +2,7 @@
 //! on the size of the light.
 //!
 //! ```text
-//! casters ──► slices parallel to the light ──► filter ──► a lookup for each slice between pixel and light ──► product
+//! casters ──► slices parallel to the light ──► filter ──► a lookup for each slice between pixel and light ──► combination
 //!             one drawing, a slice a channel    means over rectangles       kernel: the light as seen through the pixel
 //! ```
 //!
@@ -83,7 +83,7 @@
 //! | two slanted wings | 0.018 | 0.092 | 0.196 | 0.018 | 0.017 | 0.056 |
 //! | balls over hills | 0.021 | 0.026 | 0.033 | 0.021 | 0.014 | 0.049 |
 //!
-//! Of the paper's combinations the sum is the best where one surface passes through the slices, the product where many objects
+//! The sum is the best of the paper's combinations where one surface passes through the slices, the product where many objects
 //! overlap, and the maximum nowhere. Measured overlaps are as good as the best of them everywhere. Summed areas take 0.008 off
 //! the errors of a plate, and mipmaps add up to 0.010.
 //!

@@ -253,7 +253,7 @@ mod tests {
         };
         let tower = |x: f32, z: f32| scene_box(Vec3::new(x, 49.8, z), Vec3::new(1.0, 50.0, 1.0));
         assert_eq!(shadowless(&[slab, tower(1.0, 2.0)], &light), [true, false]);
-        // What shadows itself is no ground.
+        // A thick object shadows itself, so it is no ground.
         let boulder = scene_box(Vec3::ZERO, Vec3::ONE);
         assert_eq!(shadowless(&[boulder], &light), [false]);
         // A post may be sunk by half of its height, wherever nothing lies below the ground.

@@ -1,4 +1,4 @@
-//! What is reported of perspective maps.
+//! Reports about perspective maps.
 
 use bevy_ecs::prelude::*;
 

@@ -1,6 +1,7 @@
-//! Parts that several techniques share: extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines,
+//! Parts that several techniques share: changes that make pictures old, extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines,
 //! texels for debug views, and the memory for textures.
 
+pub(crate) mod exchanged;
 pub(crate) mod extrude;
 pub(crate) mod finite_reach;
 #[cfg(feature = "render")]

@@ -18,12 +18,12 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float
 /// The format of sums, which are whole numbers up to the square of the resolution.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// What a set of pictures shows, one picture for each slice.
+/// The contents of a set of pictures, one picture for each slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SliceSet {
-    /// What each slice covers.
+    /// Coverage of each slice.
     Coverage,
-    /// What each slice and all slices before it cover together.
+    /// Coverage of each slice and all slices before it together.
     Unions,
     /// Depths of casters below the top of their slice.
     Depths,

@@ -57,7 +57,7 @@ impl TexturesKey {
     }
 }
 
-/// What a pass between pictures makes.
+/// The kind of a pass between pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StepKind {
     /// A set of pictures, from the depths that were drawn.
@@ -69,7 +69,7 @@ pub enum StepKind {
 /// One pass between pictures: from a view of layers to views of single layers.
 #[derive(Debug)]
 pub struct Step {
-    /// What the pass makes.
+    /// The kind of the pass.
     pub kind: StepKind,
     /// The layers that are read.
     pub below: wgpu::BindGroup,

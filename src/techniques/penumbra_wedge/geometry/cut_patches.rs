@@ -46,7 +46,7 @@ pub struct CutSurface {
     outlines: Outlines,
 }
 
-/// What the surface is simplified for.
+/// The tolerances and limits to which the surface is simplified.
 #[derive(Clone, Copy, Debug)]
 pub struct CutLimits {
     /// Extent of the light, of which tolerances are a share; metres.
