@@ -1,5 +1,5 @@
-//! Parts that several techniques share: changes that make pictures old, extrusion, near caps, the reach of finite volumes, contours on the GPU, debug lines,
-//! texels for debug views, and the memory for textures.
+//! Parts that several techniques share: changes that make pictures old, extrusion, near caps, the reach of finite volumes,
+//! contours on the GPU, debug lines, texels for debug views, and the memory for textures.
 
 pub(crate) mod exchanged;
 pub(crate) mod extrude;
