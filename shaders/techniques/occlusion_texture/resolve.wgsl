@@ -212,52 +212,95 @@ fn add_measured(hidden: f32, weight: f32, own: f32, picture: Picture, kernel: Ke
     return add_overlapping(hidden, weight, own, above, united.x);
 }
 
+// Depth at which a slice ends.
+fn bottom_of(face: u32, slice: u32) -> f32 {
+    return light.faces[face].bottoms[slice / 4u][slice % 4u];
+}
+
+// Depth at which a slice begins.
+fn top_of(face: u32, slice: u32) -> f32 {
+    if slice == 0u {
+        return light.faces[face].depth.z;
+    }
+    return bottom_of(face, slice - 1u);
+}
+
+// A lookup in a slice's picture whose casters are taken to be at one depth.
+fn lookup_at(face: u32, slice: u32, plane: f32) -> Lookup {
+    let first = select(slice, max(slice, 1u) - 1u, CLOSE);
+    return Lookup(top_of(face, first), bottom_of(face, slice), plane, light.limits.z, light.half_up.w);
+}
+
+// The light as a receiver sees it through the plane of a lookup.
+fn kernel_at(face: u32, at: Lookup, receiver: vec3f) -> Kernel {
+    return slice_kernel(light.faces[face].projection, light.faces[face].depth, light.kernel, receiver, at.plane);
+}
+
+// The part of a kernel that does not show the receiver's own plane.
+fn cut_kernel(face: u32, at: Lookup, receiver: vec3f, normal: vec3f, kernel: Kernel) -> Kernel {
+    return over_own_plane(light.faces[face], at, receiver, normal, kernel);
+}
+
 // Share of the light that the slices of one picture hide, from the depths and overlaps of their casters.
 fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
-    let projection = light.faces[face].projection;
-    let depth = light.faces[face].depth;
     var hidden = 0.0;
-    var top = depth.z;
-    var before = top;                   // top of the slice before
     for (var slice = 0u; slice < SLICES; slice++) {
-        let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
+        let top = top_of(face, slice);
         if receiver.z <= top {
             break;
         }
-        let picture = Picture(face, slice / 4u, slice % 4u, COVERAGE);
-        let own_top = top;
-        let thickness = bottom - own_top;
-        let guess = 0.5 * (top + min(bottom, receiver.z));
-        var at = Lookup(select(top, before, CLOSE), bottom, guess, light.limits.z, light.half_up.w);
-        before = top;
-        top = bottom;
+        let bottom = bottom_of(face, slice);
+        let covered = Picture(face, slice / 4u, slice % 4u, COVERAGE);
+        let shown = Picture(face, slice / 4u, slice % 4u, DEPTHS);
         // Where the slice's casters are, around the kernel in the middle of the slice.
-        let middle = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
-        let around = over_own_plane(light.faces[face], at, receiver, normal, Kernel(middle.center, WIDER * middle.half));
-        let cover = mean_over(picture, around).x;
+        var at = lookup_at(face, slice, 0.5 * (top + min(bottom, receiver.z)));
+        let middle = kernel_at(face, at, receiver);
+        let around = cut_kernel(face, at, receiver, normal, Kernel(middle.center, WIDER * middle.half));
+        let cover = mean_over(covered, around).x;
         if cover <= 0.0 {
             continue;
         }
-        let shown = Picture(face, slice / 4u, slice % 4u, DEPTHS);
-        at.plane = mix(own_top, bottom, clamp(mean_over(shown, around).x / cover, 0.0, 1.0));
+        at.plane = mix(top, bottom, clamp(mean_over(shown, around).x / cover, 0.0, 1.0));
         if at.plane >= receiver.z {
             continue;
         }
-        var kernel = slice_kernel(projection, depth, light.kernel, receiver, at.plane);
+        var kernel = kernel_at(face, at, receiver);
         // In the receiver's slice, depths tell its own surface from others, unless the slice before fills it.
         if CLOSE || receiver.z > bottom {
-            kernel = over_own_plane(light.faces[face], at, receiver, normal, kernel);
+            kernel = cut_kernel(face, at, receiver, normal, kernel);
         }
-        let own = mean_over(picture, kernel).x;
+        let own = mean_over(covered, kernel).x;
         if own <= 0.0 {
             continue;
         }
         var weight = 1.0;
+        let thickness = bottom - top;
         if receiver.z < bottom + WHOLE * thickness {
-            let inside = mix(own_top, bottom, clamp(mean_over(shown, kernel).x / own, 0.0, 1.0));
+            let inside = mix(top, bottom, clamp(mean_over(shown, kernel).x / own, 0.0, 1.0));
             weight = slice_weight(inside + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
         }
-        hidden = add_measured(hidden, weight, own, picture, kernel);
+        hidden = add_measured(hidden, weight, own, covered, kernel);
+    }
+    return hidden;
+}
+
+// Share of the light that the slices of one picture hide, by the paper's combinations.
+fn combined_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
+    var hidden = 0.0;
+    for (var slice = 0u; slice < SLICES; slice++) {
+        let bottom = bottom_of(face, slice);
+        if receiver.z <= bottom {
+            break;
+        }
+        var behind = light.faces[face].depth.w;         // thickness of the slice behind
+        if slice + 1u < SLICES {
+            behind = bottom_of(face, slice + 1u) - bottom;
+        }
+        let weight = slice_weight(bottom, behind, receiver.z);
+        let at = lookup_at(face, slice, slice_plane(top_of(face, slice), bottom, weight));
+        let kernel = cut_kernel(face, at, receiver, normal, kernel_at(face, at, receiver));
+        let mean = mean_over(Picture(face, slice / 4u, slice % 4u, COVERAGE), kernel).x;
+        hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
     }
     return hidden;
 }
@@ -267,30 +310,7 @@ fn hidden_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
     if COMBINE == OVERLAP {
         return measured_share(face, receiver, normal);
     }
-    let projection = light.faces[face].projection;
-    let depth = light.faces[face].depth;
-    var hidden = 0.0;
-    var top = depth.z;
-    var before = top;                   // top of the slice before
-    for (var slice = 0u; slice < SLICES; slice++) {
-        let bottom = light.faces[face].bottoms[slice / 4u][slice % 4u];
-        if receiver.z <= bottom {
-            break;
-        }
-        let next = min(slice + 1u, SLICES - 1u);
-        let next_bottom = light.faces[face].bottoms[next / 4u][next % 4u];
-        let thickness = select(depth.w, next_bottom - bottom, slice + 1u < SLICES);
-        let weight = slice_weight(bottom, thickness, receiver.z);
-        let plane = slice_plane(top, bottom, weight);
-        let at = Lookup(select(top, before, CLOSE), bottom, plane, light.limits.z, light.half_up.w);
-        before = top;
-        top = bottom;
-        let whole = slice_kernel(projection, depth, light.kernel, receiver, plane);
-        let kernel = over_own_plane(light.faces[face], at, receiver, normal, whole);
-        let mean = mean_over(Picture(face, slice / 4u, slice % 4u, COVERAGE), kernel).x;
-        hidden = combine(COMBINE, hidden, clamp(weight * mean, 0.0, 1.0));
-    }
-    return hidden;
+    return combined_share(face, receiver, normal);
 }
 
 // Share of the light that is above the receiver's horizon, as if the light were as long in all directions as it is along
