@@ -1,6 +1,6 @@
 //! Whether the slices and texels of a light's pictures are too coarse for most of its casters.
 
-use super::face::Slices;
+use super::face::{SliceFace, Slices};
 use super::fit::SliceFaces;
 use super::framing::LightBox;
 use super::scene_box::SceneBox;
@@ -9,12 +9,15 @@ use super::scene_box::SceneBox;
 /// its receivers are. By eye.
 const THICK: f64 = 8.0;
 
+/// Depth of a caster as a share of its size from which on its shadow is missed. Panels that a light lies in have less.
+const SHALLOW: f64 = 1e-3;
+
 /// Pictures that are too coarse for at least half of their casters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coarse {
-    /// Number of casters that are too small for the picture that they are in.
+    /// Number of casters that are too small for every picture that they are in, or too near to the light.
     pub lost: usize,
-    /// Number of all casters, counted once for each picture that they are in.
+    /// Number of all casters before the light.
     pub casters: usize,
     /// Thickness of the thickest slice, metres.
     pub thickness: f64,
@@ -32,29 +35,42 @@ impl Coarse {
             thickness: 0.0,
             texel: 0.0,
         };
-        for face in faces.iter().filter(|face| face.slices != Slices::NONE) {
-            let slices = &face.slices;
-            let thickness = (slices.bottoms[slices.count - 1] - slices.top) / slices.count as f64;
-            coarse.thickness = coarse.thickness.max(thickness);
-            for caster in scene.iter().filter(|scene| scene.casts) {
+        for caster in scene.iter().filter(|scene| scene.casts) {
+            let (mut is_shown, mut is_fine) = (false, false);
+            for face in faces.iter().filter(|face| face.slices != Slices::NONE) {
                 let whole = LightBox::new(caster, face.origin, &face.axes);
+                let size = (whole.max - whole.min).max_element();
                 let shown = match faces.len() {
                     1 => Some(whole),
                     _ => whole.within_pyramid(face.divisor.y),
                 };
-                let Some(shown) = shown.filter(|shown| shown.max.z > slices.top) else {
+                let is_before = |shown: &LightBox| face.divisor.x == 0.0 || shown.max.z > SHALLOW * size;
+                let Some(shown) = shown.filter(is_before) else {
                     continue;
                 };
-                let depth = 0.5 * (shown.min.z.max(slices.top) + shown.max.z);
-                let across = 2.0 * (face.divisor.x * depth + face.divisor.y) / face.scale.min_element();
-                let texel = across / f64::from(resolution.max(1));
-                coarse.texel = coarse.texel.max(texel);
-                let size = (whole.max - whole.min).max_element();
-                coarse.casters += 1;
-                coarse.lost += usize::from(thickness > THICK * size || texel > size);
+                is_shown = true;
+                is_fine |= coarse.is_fine(face, &shown, size, resolution);
             }
+            coarse.casters += usize::from(is_shown);
+            coarse.lost += usize::from(is_shown && !is_fine);
         }
         (coarse.lost > 0 && 2 * coarse.lost >= coarse.casters).then_some(coarse)
+    }
+
+    /// Whether a picture is fine enough for a part of a caster that it shows. Slices begin behind casters that are much nearer
+    /// than others.
+    fn is_fine(&mut self, face: &SliceFace, shown: &LightBox, size: f64, resolution: u32) -> bool {
+        let slices = &face.slices;
+        let thickness = (slices.bottoms[slices.count - 1] - slices.top) / slices.count as f64;
+        self.thickness = self.thickness.max(thickness);
+        if shown.max.z <= slices.top {
+            return false;
+        }
+        let depth = 0.5 * (shown.min.z.max(slices.top) + shown.max.z);
+        let across = 2.0 * (face.divisor.x * depth + face.divisor.y) / face.scale.min_element();
+        let texel = across / f64::from(resolution.max(1));
+        self.texel = self.texel.max(texel);
+        thickness <= THICK * size && texel <= size
     }
 }
 
@@ -88,6 +104,12 @@ mod tests {
         let coarse = of(SceneBox::of_bounds(hills, true)).expect("it is coarse");
         assert_eq!((coarse.lost, coarse.casters), (1, 2));
         assert!(coarse.thickness > 10.0 && coarse.texel > 1.0, "{coarse:?}");
+        // The slices of mountains far away begin behind what is near.
+        let far = Aabb::around(Vec3::new(4e3, 0.0, 9e3), Vec3::new(1e3, 3e3, 1e3));
+        assert_eq!(
+            of(SceneBox::of_bounds(far, true)).map(|coarse| coarse.lost),
+            Some(1)
+        );
         let ground = Aabb::around(Vec3::ZERO, Vec3::new(3e5, 0.0, 3e5));
         assert_eq!(of(SceneBox::of_bounds(ground, false)), None);
     }

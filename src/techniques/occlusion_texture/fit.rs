@@ -9,6 +9,7 @@
 use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
+use super::axis::{CUBE, axis_of_one};
 use super::face::{SliceFace, Slices};
 use super::filter::MOST_TAPS;
 use super::framing::{Framing, LightBox};
@@ -49,9 +50,6 @@ const LEAST_RANGE: f64 = 0.02;
 /// gains nothing.
 const LARGEST: f64 = 2.0;
 
-/// Largest tangent of the directions to casters with which a sphere has one picture instead of six.
-const WIDEST: f64 = 4.0;
-
 /// Fits the pictures of a light to the objects that it reaches.
 pub fn fit_faces(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBox]) -> SliceFaces {
     match light.kind {
@@ -68,38 +66,6 @@ pub fn fit_faces(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBo
                 .collect(),
         },
     }
-}
-
-/// The directions of six pictures around a sphere.
-const CUBE: [DVec3; 6] = [
-    DVec3::NEG_Y,
-    DVec3::Y,
-    DVec3::X,
-    DVec3::NEG_X,
-    DVec3::Z,
-    DVec3::NEG_Z,
-];
-
-/// Returns the direction of the one picture that shows all casters of a sphere; `None` if they are all around it.
-fn axis_of_one(light: &SlicedLight, scene: &[SceneBox]) -> Option<DVec3> {
-    let radius = light.half.max_element();
-    let widest = |z: DVec3| {
-        let (x, y) = z.any_orthonormal_pair();
-        let mut widest: f64 = 0.0;
-        for caster in scene.iter().filter(|scene| scene.casts) {
-            let LightBox { min, max, .. } = LightBox::new(caster, light.origin, &[x, y, z]);
-            if min.z <= radius {
-                return f64::INFINITY;
-            }
-            let beside = min.truncate().abs().max(max.truncate().abs()).max_element();
-            widest = widest.max(beside / max.z.max(min.z));
-            widest = widest.max(beside / (2.0 * min.z)); // near casters may be a little wider
-        }
-        widest
-    };
-    let best = CUBE.into_iter().map(|z| (widest(z), z));
-    let (widest, z) = best.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-    (widest <= WIDEST).then_some(z)
 }
 
 /// The depths of the casters, with some slack; `None` without casters. `size` is that of the scene, metres.

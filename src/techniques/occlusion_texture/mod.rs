@@ -16,7 +16,7 @@
 //! | `sliced_light` | the part of a light that its pictures depend on |
 //! | `scene_box` | where an object stands |
 //! | `shadowless`, `shell` | casters that shadow nothing, such as a flat ground or a sky dome |
-//! | `fit`, `framing` | number, direction and size of the pictures |
+//! | `fit`, `axis`, `framing` | number, direction and size of the pictures |
 //! | `coarse` | whether the pictures are too coarse for most casters |
 //! | `face` | one picture: its projection and its slices |
 //! | `records` | records of pictures and lights, for the GPU |
@@ -24,9 +24,9 @@
 //! | `debug_lines` | the slices as lines |
 //! | `gpu` | the recorder (feature `render`) |
 //!
-//! **Lights.** A rectangle has one picture, drawn from behind it. A sphere has one picture if all casters lie to one side
-//! of it, else six; its kernel is a square as large as its disc, and slices do not match where two of the six pictures
-//! meet. A directional light has one picture along its rays; [`OcclusionTexture::angle_deg`] makes it soft. A light without
+//! **Lights.** A rectangle has one picture, drawn from behind it. A sphere has one picture towards its casters if they lie to
+//! one side of it and not all over that side, else six, which take six times the memory; its kernel is a square as large as its
+//! disc, and slices do not match where two of the six pictures meet. A directional light has one picture along its rays; [`OcclusionTexture::angle_deg`] makes it soft. A light without
 //! a size casts hard shadows, as wide as a texel. The picture that a light may show is not considered: shadows are those of
 //! its mean colour.
 //!
@@ -69,7 +69,8 @@
 //! kernels pass beside the wall's strip in the slice. More slices and [`OcclusionTexture::close_leaks`] mend most of that. All
 //! casters that the light reaches share one picture, so lights without a range spend their texels and slices
 //! on all casters of the scene. A report says so if most casters are lost for that. A ground, and a convex shell around
-//! everything lit, such as a sky dome or a room in one mesh, count neither as casters nor for the size of the slices.
+//! everything lit, such as a sky dome or a room in one mesh, count neither as casters nor for the size of the slices. Casters
+//! that are a hundred times as far from a rectangle or sphere as most others count for no size either, and may cast nothing.
 //!
 //! **Errors.** Root mean square errors of visibility under a square light of 1 m, 3 m above a ground, with 8 slices of 256²
 //! texels; without a shadow the errors are 0.15 to 0.35. `cargo test --all-features --test gpu
@@ -94,6 +95,7 @@
 //! Source: Eisemann & Décoret 2008, "Occlusion Textures for Plausible Soft Shadows". The paper packs slices and levels into
 //! a few textures, because its hardware could not index textures; here they are layers of an array.
 
+mod axis;
 pub(crate) mod build;
 pub(crate) mod casters;
 pub(crate) mod coarse;
