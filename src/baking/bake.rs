@@ -33,7 +33,8 @@ pub fn bake_intervals(
 }
 
 /// Bakes like [`bake_intervals`] and writes the maps into a folder. An interrupted bake is resumed. Maps in the folder that
-/// were baked from the same scene, path and settings are returned as they are.
+/// were baked from the same scene, path and settings are returned as they are. Waits while another bake, also of another
+/// process, writes into the folder.
 ///
 /// # Errors
 /// [`BakeError`] says what cannot be baked or written.
@@ -50,20 +51,30 @@ pub fn bake_into(
         file: file.clone(),
         error,
     };
-    if folder.join(MANIFEST).exists()
-        && let Ok(maps) = IntervalMaps::load(folder)
-        && maps.key == job.key
-    {
+    if let Some(maps) = finished(folder, job.key) {
         // It was left if the bake was interrupted between saving the maps and removing it.
         PartialFile::remove_left(&file).map_err(in_file)?;
         return Ok(job.bake_of(maps));
     }
     let (mut partial, known) = PartialFile::open(&file, job.key).map_err(in_file)?;
+    // Another bake may have written them while this one waited for its file.
+    if let Some(maps) = finished(folder, job.key) {
+        partial.remove().map_err(in_file)?;
+        return Ok(job.bake_of(maps));
+    }
     let batches = job.cast(known, |batch| partial.append(batch).map_err(in_file), progress)?;
     let bake = job.finish(&batches)?;
     bake.maps.save(folder)?;
     partial.remove().map_err(in_file)?;
     Ok(bake)
+}
+
+/// The maps in a folder, if they are whole and of the bake with this key.
+fn finished(folder: &Path, key: u64) -> Option<IntervalMaps> {
+    if !folder.join(MANIFEST).exists() {
+        return None;
+    }
+    IntervalMaps::load(folder).ok().filter(|maps| maps.key == key)
 }
 
 #[cfg(test)]
@@ -144,6 +155,20 @@ mod tests {
         assert_eq!(first.expect("progress").resumed, 3 * BATCH as u64);
         assert_eq!(timeless(resumed.maps), timeless(whole.maps));
         assert!(!folder.join(PARTIAL).exists());
+        std::fs::remove_dir_all(&folder).expect("it is removed");
+    }
+
+    /// Both bakes give the same maps, and no error.
+    #[test]
+    fn two_bakes_of_one_folder_at_once_end_well() {
+        let folder = std::env::temp_dir().join(format!("antumbra-{}-at-once", std::process::id()));
+        let bake = || bake_into(&folder, &mut world(), &path(), &settings(), |_| ());
+        std::thread::scope(|threads| {
+            let bakes = [threads.spawn(bake), threads.spawn(bake)];
+            let [first, second] = bakes.map(|bake| bake.join().expect("no panic").expect("it is baked"));
+            assert_eq!(timeless(first.maps), timeless(second.maps));
+        });
+        assert!(!folder.join(PARTIAL).exists() && IntervalMaps::load(&folder).is_ok());
         std::fs::remove_dir_all(&folder).expect("it is removed");
     }
 

@@ -12,7 +12,7 @@
 //! | `settings` | input and output of a bake |
 //! | `key` | the hash by which an interrupted bake and finished maps are recognized |
 //! | `surfaces` | what stands still in a world |
-//! | `unwrap`, `new_set`, `overlap`, `chart` | surfaces laid flat, and cut into charts |
+//! | `unwrap`, `own_set`, `new_set`, `overlap`, `chart` | surfaces laid flat, and cut into charts |
 //! | `texels` | the surface point that each texel stands for |
 //! | `trace` | the rays of a texel |
 //! | `pack` | charts on pages |
@@ -44,6 +44,7 @@ pub(crate) mod job;
 pub(crate) mod key;
 pub(crate) mod new_set;
 pub(crate) mod overlap;
+pub(crate) mod own_set;
 pub(crate) mod pack;
 pub(crate) mod partial;
 pub(crate) mod settings;

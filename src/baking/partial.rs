@@ -5,7 +5,7 @@
 //! cut off by the interruption is dropped.
 
 use std::fs::{File, OpenOptions};
-use std::io::{Read, Seek, SeekFrom, Write};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use crate::techniques::occlusion_interval::intervals::{Interval, Intervals};
@@ -37,7 +37,7 @@ pub struct PartialFile {
 
 impl PartialFile {
     /// Opens a file, and returns the batches that are whole. A file of another bake (another `key`), or with other content,
-    /// is emptied.
+    /// is emptied. Waits while another bake, of any process, has the file open.
     ///
     /// # Errors
     /// Message of the operating system.
@@ -45,12 +45,7 @@ impl PartialFile {
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder)?;
         }
-        let mut file = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path)?;
+        let mut file = open_alone(path)?;
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes)?;
         let header = header(key);
@@ -86,13 +81,15 @@ impl PartialFile {
         self.file.flush()
     }
 
-    /// Removes the file, once its bake is saved.
+    /// Removes the file, once its bake is saved. It may be gone already.
     ///
     /// # Errors
     /// Message of the operating system.
     pub fn remove(self) -> std::io::Result<()> {
-        drop(self.file);
-        std::fs::remove_file(self.path)
+        match std::fs::remove_file(self.path) {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
+            other => other,
+        }
     }
 
     /// Removes a file that was left beside finished maps, if it is the file of a bake.
@@ -104,6 +101,24 @@ impl PartialFile {
         match File::open(path).and_then(|mut file| file.read_exact(&mut magic)) {
             Ok(()) if magic == *MAGIC => std::fs::remove_file(path),
             _ => Ok(()),
+        }
+    }
+}
+
+/// Opens a file that no other bake has open, after waiting for those. It is made if it is missing.
+fn open_alone(path: &Path) -> std::io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).create(true).truncate(false);
+    loop {
+        let file = options.open(path)?;
+        match file.lock() {
+            // Not every file system knows locks.
+            Err(error) if error.kind() == ErrorKind::Unsupported => return Ok(file),
+            other => other?,
+        }
+        // The bake that had it may have ended and removed it.
+        if path.exists() {
+            return Ok(file);
         }
     }
 }
@@ -206,6 +221,24 @@ mod tests {
         assert_eq!(known, [batch(0), batch(1), batch(5)]);
         file.remove().expect("it is removed");
         assert!(!path.exists());
+    }
+
+    /// A second bake of a folder waits until the first one has ended, and finds a new file.
+    #[test]
+    fn two_bakes_of_one_folder_take_turns() {
+        let path = scratch("turns");
+        let (mut first, _) = PartialFile::open(&path, 7).expect("a new file");
+        std::thread::scope(|threads| {
+            let second = threads.spawn(|| PartialFile::open(&path, 7));
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            assert!(!second.is_finished(), "it waits");
+            first.append(&batch(0)).expect("it is written");
+            first.remove().expect("it is removed");
+            let (second, known) = second.join().expect("no panic").expect("a new file");
+            assert!(known.is_empty() && path.exists());
+            std::fs::remove_file(&path).expect("the file");
+            second.remove().expect("it is gone already");
+        });
     }
 
     #[test]

@@ -1,12 +1,9 @@
-//! Lays a surface flat: by its second texture coordinates if every place has coordinates of its own, else by a new set.
+//! Lays a surface flat: by its second texture coordinates if every place has coordinates of its own and enough texels along
+//! all axes, else by a new set.
 
-use std::collections::HashMap;
-
-use glam::{DVec3, Vec2};
-
-use super::chart::{Chart, Flat, FlatTriangle, charts_of};
+use super::chart::{Chart, Flat, charts_of};
 use super::new_set::{by_new_set, complete};
-use super::overlap::{BadCoordinates, bad_coordinates};
+use super::own_set::by_own_set;
 use super::surfaces::{Surface, SurfaceTriangle, area};
 
 /// Something about a surface that was laid flat.
@@ -18,6 +15,12 @@ pub enum UnwrapNote {
     /// The second texture coordinates are not used.
     #[error("triangle {0} has no area in the second texture coordinates, so a new set is used")]
     Degenerate(u32),
+    /// The second texture coordinates are not used.
+    #[error(
+        "triangle {0} has less than half of its texels along one axis in the second texture coordinates, which are \
+         stretched, so a new set is used"
+    )]
+    Stretched(u32),
     /// Triangles are left out.
     #[error(
         "{count} triangles have no area or are not finite, the first is triangle {first}; they are left out"
@@ -68,30 +71,22 @@ pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u
         let count = missing().count();
         notes.push(UnwrapNote::NoArea { count, first });
     }
-    let existing = surface.has_coordinates.then(|| {
-        let coordinates: Vec<_> = triangles
-            .iter()
-            .map(|triangle| triangle.map(|triangle| triangle.coordinates))
-            .collect();
-        bad_coordinates(&coordinates)
-    });
-    let flat = match existing {
-        Some(None) => by_coordinates(&triangles),
-        bad => {
-            notes.extend(bad.flatten().map(|bad| match bad {
-                BadCoordinates::Overlap(a, b) => UnwrapNote::Overlap(a, b),
-                BadCoordinates::Degenerate(triangle) => UnwrapNote::Degenerate(triangle),
-            }));
+    let own = surface
+        .has_coordinates
+        .then(|| by_own_set(index, &triangles, texels_per_metre, page_size));
+    let charts = match own {
+        Some(Ok(charts)) => charts,
+        other => {
+            notes.extend(other.and_then(Result::err));
             let mut flat = by_new_set(&triangles).unwrap_or_else(|error| {
                 notes.push(UnwrapNote::Single(error));
                 Flat::default()
             });
             flat.triangles.resize(triangles.len(), None);
             complete(&mut flat, &triangles);
-            flat
+            charts_of(index, &flat, texels_per_metre, page_size)
         }
     };
-    let charts = charts_of(index, &flat, texels_per_metre, page_size);
     notes.extend(note_of_missing(&triangles, &charts));
     Unwrapped { charts, notes }
 }
@@ -107,38 +102,13 @@ fn note_of_missing(triangles: &[Option<SurfaceTriangle>], charts: &[Chart]) -> O
     Some(UnwrapNote::NoChart { count, first })
 }
 
-/// The surface by its second texture coordinates. Triangles are connected where they share both ends of an edge in space
-/// and on the page.
-fn by_coordinates(triangles: &[Option<SurfaceTriangle>]) -> Flat {
-    let mut known: HashMap<([u64; 3], [u32; 2]), u32> = HashMap::new();
-    let mut id = |position: DVec3, coordinate: Vec2| {
-        let key = (
-            position.to_array().map(|value| (value + 0.0).to_bits()),
-            coordinate.to_array().map(|value| (value + 0.0).to_bits()),
-        );
-        let next = known.len() as u32;
-        *known.entry(key).or_insert(next)
-    };
-    let flat = |triangle: &Option<SurfaceTriangle>| {
-        let triangle = triangle.as_ref()?;
-        Some(FlatTriangle {
-            corners: triangle.coordinates.map(|corner| corner.as_dvec2()),
-            ids: [0, 1, 2].map(|at| id(triangle.corners[at], triangle.coordinates[at])),
-            normal: triangle.normal,
-            area: area(triangle),
-        })
-    };
-    Flat {
-        triangles: triangles.iter().map(flat).collect(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::baking::overlap::bad_coordinates;
     use crate::baking::surfaces::world_triangles;
     use crate::scene::MeshData;
-    use glam::{Affine3A, Vec3};
+    use glam::{Affine3A, Vec2, Vec3};
 
     fn surface(mesh: &MeshData) -> Surface {
         Surface {
@@ -234,6 +204,39 @@ mod tests {
         let unwrapped = unwrap(0, &surface(&mesh), 8.0, 512);
         assert_eq!(unwrapped.notes, [UnwrapNote::Degenerate(0)]);
         assert_eq!(all_triangles(&unwrapped).len(), 12);
+    }
+
+    /// Coordinates with too few texels along one axis are not used, whether they are stretched or sheared. Up to 4 times as long
+    /// along one axis as along the other, they are.
+    #[test]
+    fn stretched_coordinates_are_named_and_a_new_set_is_used() {
+        let stretched = |along: Vec2, across: Vec2| {
+            let mut mesh = MeshData::plane(2.0);
+            let place = |p: &Vec3| (along * p.x + across * p.z) * 0.1 + 0.5;
+            mesh.uv1 = mesh.positions.iter().map(place).collect();
+            let unwrapped = unwrap(0, &surface(&mesh), 8.0, 512);
+            assert!(all_triangles(&unwrapped).len() == 2 && unwrapped.charts.len() == 1);
+            (unwrapped.charts[0].size, unwrapped.notes)
+        };
+        // Padding is 2 texels on each side.
+        let size = glam::UVec2::splat(32 + 4);
+        for (along, across) in [
+            (Vec2::X, Vec2::Y * 4.2),
+            (Vec2::X * 250.0, Vec2::Y),
+            (Vec2::X, Vec2::new(3.0, 1.0)),
+        ] {
+            let (new, notes) = stretched(along, across);
+            assert!(
+                matches!(notes[..], [UnwrapNote::Stretched(_)]),
+                "{along} {across}: {notes:?}"
+            );
+            assert!(
+                new.cmpge(size).all() && new.element_product() < 2 * size.element_product(),
+                "{new}"
+            );
+        }
+        let (kept, notes) = stretched(Vec2::X, Vec2::Y * 3.8);
+        assert!(notes.is_empty() && kept.y > 3 * kept.x, "{kept} {notes:?}");
     }
 
     #[test]

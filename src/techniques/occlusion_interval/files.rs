@@ -54,6 +54,12 @@ pub(super) fn bytes_hash(bytes: &[u8]) -> String {
     hex(hash.value())
 }
 
+/// Names the file of an operating system's error.
+fn in_file(file: &Path) -> impl FnOnce(std::io::Error) -> MapsError {
+    let file = file.to_owned();
+    move |error| MapsError::File { file, error }
+}
+
 fn corner_bytes(corners: &[Corner]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(corners.len() * CORNER_BYTES);
     for corner in corners {
@@ -70,12 +76,8 @@ impl IntervalMaps {
     /// # Errors
     /// [`MapsError`] names the file.
     pub fn save(&self, folder: &Path) -> Result<(), MapsError> {
-        let in_file = |file: &Path| {
-            let file = file.to_owned();
-            move |error| MapsError::File { file, error }
-        };
         std::fs::create_dir_all(folder).map_err(in_file(folder))?;
-        remove_old(folder).map_err(in_file(folder))?;
+        remove_old(folder)?;
         for (page_index, page) in self.pages.iter().enumerate() {
             for (pair_index, pair) in page.pairs.iter().enumerate() {
                 for (edge, texels) in [("rise", &pair.rise), ("fall", &pair.fall)] {
@@ -146,15 +148,15 @@ impl IntervalMaps {
 }
 
 /// Removes the manifest of older maps, and their pictures. Only names that maps have are touched.
-fn remove_old(folder: &Path) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        let name = entry.file_name();
+fn remove_old(folder: &Path) -> Result<(), MapsError> {
+    for entry in std::fs::read_dir(folder).map_err(in_file(folder))? {
+        let entry = entry.map_err(in_file(folder))?;
+        let (file, name) = (entry.path(), entry.file_name());
         if name
             .to_str()
             .is_some_and(|name| name == MANIFEST || is_picture(name))
         {
-            std::fs::remove_file(entry.path())?;
+            std::fs::remove_file(&file).map_err(in_file(&file))?;
         }
     }
     Ok(())
@@ -295,6 +297,25 @@ mod tests {
         let mut expected: Vec<String> = own.into_iter().chain(users.map(str::to_owned)).collect();
         expected.sort();
         assert_eq!(names(), expected);
+    }
+
+    /// A folder in the place of a file is named, and so is the file that it stands for.
+    #[test]
+    fn folders_in_the_place_of_files_are_named() {
+        let scratch = Scratch::new("folders");
+        for name in [CORNERS, MANIFEST, "page0.pair0.rise.png", UNFINISHED] {
+            let file = scratch.0.join(name);
+            let _ = std::fs::remove_file(&file);
+            std::fs::create_dir(&file).expect("a folder");
+            if name != UNFINISHED {
+                let error = IntervalMaps::load(&scratch.0).expect_err("no file").to_string();
+                assert!(error.contains(name), "{name}: {error}");
+            }
+            let error = maps().save(&scratch.0).expect_err("no file").to_string();
+            assert!(error.contains(name), "{name}: {error}");
+            std::fs::remove_dir(&file).expect("it is removed");
+            maps().save(&scratch.0).expect("they are saved");
+        }
     }
 
     #[test]
