@@ -17,6 +17,8 @@ pub enum BadCoordinates {
     Overlap(u32, u32),
     /// A triangle with area in space has none, or is not finite.
     Degenerate(u32),
+    /// Coordinates are stretched: a triangle has too few texels along one axis, and so has too much of the surface.
+    Stretched(u32),
 }
 
 /// Looks for the first triangle without an area of its own. Triangles are given by the texture coordinates of their

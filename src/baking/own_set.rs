@@ -7,7 +7,6 @@ use glam::{DMat2, DVec2, DVec3, Vec2};
 use super::chart::{Chart, Flat, FlatTriangle, charts_of};
 use super::overlap::{BadCoordinates, bad_coordinates};
 use super::surfaces::{SurfaceTriangle, area};
-use super::unwrap::UnwrapNote;
 
 /// Least texels per metre along every axis, as a share of those asked for. Charts have as many as asked for in the mean, so this
 /// is met by coordinates that are up to 4 times as long along one axis as along the other.
@@ -19,25 +18,23 @@ const LARGEST_STRETCHED: f64 = 0.01;
 /// Lays a surface flat by its second texture coordinates and cuts it into charts.
 ///
 /// # Errors
-/// The note says why the coordinates cannot be used.
+/// [`BadCoordinates`] says why the coordinates cannot be used.
 pub(super) fn by_own_set(
     surface: u32,
     triangles: &[Option<SurfaceTriangle>],
     texels_per_metre: f32,
     page_size: u32,
-) -> Result<Vec<Chart>, UnwrapNote> {
+) -> Result<Vec<Chart>, BadCoordinates> {
     let coordinates: Vec<_> = triangles
         .iter()
         .map(|triangle| triangle.map(|triangle| triangle.coordinates))
         .collect();
-    match bad_coordinates(&coordinates) {
-        Some(BadCoordinates::Overlap(a, b)) => return Err(UnwrapNote::Overlap(a, b)),
-        Some(BadCoordinates::Degenerate(triangle)) => return Err(UnwrapNote::Degenerate(triangle)),
-        None => {}
+    if let Some(bad) = bad_coordinates(&coordinates) {
+        return Err(bad);
     }
     let charts = charts_of(surface, &by_coordinates(triangles), texels_per_metre, page_size);
     match stretched(&charts, triangles, texels_per_metre) {
-        Some(triangle) => Err(UnwrapNote::Stretched(triangle)),
+        Some(triangle) => Err(BadCoordinates::Stretched(triangle)),
         None => Ok(charts),
     }
 }

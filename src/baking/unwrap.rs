@@ -3,6 +3,7 @@
 
 use super::chart::{Chart, Flat, charts_of};
 use super::new_set::{by_new_set, complete};
+use super::overlap::BadCoordinates;
 use super::own_set::by_own_set;
 use super::surfaces::{Surface, SurfaceTriangle, area};
 
@@ -44,6 +45,16 @@ pub enum UnwrapNote {
     Single(String),
 }
 
+impl From<BadCoordinates> for UnwrapNote {
+    fn from(bad: BadCoordinates) -> Self {
+        match bad {
+            BadCoordinates::Overlap(a, b) => Self::Overlap(a, b),
+            BadCoordinates::Degenerate(triangle) => Self::Degenerate(triangle),
+            BadCoordinates::Stretched(triangle) => Self::Stretched(triangle),
+        }
+    }
+}
+
 /// A surface cut into charts.
 #[derive(Clone, Debug, Default)]
 pub struct Unwrapped {
@@ -77,7 +88,7 @@ pub fn unwrap(index: u32, surface: &Surface, texels_per_metre: f32, page_size: u
     let charts = match own {
         Some(Ok(charts)) => charts,
         other => {
-            notes.extend(other.and_then(Result::err));
+            notes.extend(other.and_then(Result::err).map(UnwrapNote::from));
             let mut flat = by_new_set(&triangles).unwrap_or_else(|error| {
                 notes.push(UnwrapNote::Single(error));
                 Flat::default()

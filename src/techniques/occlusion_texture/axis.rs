@@ -61,7 +61,7 @@ fn cost_along(axis: DVec3, light: &SlicedLight, scene: &[SceneBox], most: f64) -
     let radius = light.half.max_element();
     let (right, up) = axis.any_orthonormal_pair();
     let (mut top, mut bottom, mut widest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
-    let mut cost = FLAT;
+    let mut cost = FLAT; // without casters
     for caster in scene.iter().filter(|scene| scene.casts) {
         let [near, far] = caster.range(axis, light.origin);
         if near <= radius {
@@ -80,7 +80,7 @@ fn cost_along(axis: DVec3, light: &SlicedLight, scene: &[SceneBox], most: f64) -
             return None;
         }
     }
-    Some(cost)
+    (cost < most).then_some(cost)
 }
 
 #[cfg(test)]
@@ -109,7 +109,7 @@ mod tests {
         let post = |x: f32, z: f32| (Vec3::new(x, -1.1, z), Vec3::new(0.1, 0.4, 0.1));
         // A hanging lamp over its casters looks down.
         assert_eq!(
-            axis(&[plate(0.0, 0.0), plate(0.8, 0.3), post(-0.6, 0.2)]),
+            axis(&[plate(0.0, 0.0), plate(0.9, 0.0), plate(-0.9, 0.3)]),
             Some(DVec3::NEG_Y)
         );
         // Beside them, along the slope to them.

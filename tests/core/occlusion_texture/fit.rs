@@ -88,19 +88,19 @@ fn kernels_are_the_light_as_it_is_projected_through_the_receiver() {
     );
 }
 
-/// A small caster far above a wide ground has the picture for itself.
+/// A small caster far above a wide ground has the picture for itself. A sphere looks towards casters that are beside it.
 #[test]
 fn pictures_show_casters_and_the_kernels_that_touch_them_alone() {
-    let caster = SceneBox::of_bounds(
-        Aabb::around(Vec3::new(3.0, -4.0, 1.0), Vec3::new(0.2, 0.01, 0.1)),
-        true,
-    );
     let ground = SceneBox::of_bounds(Aabb::around(Vec3::NEG_Y * 8.0, Vec3::new(50.0, 0.0, 50.0)), false);
-    for (kind, half, kernel) in [
-        (SlicedKind::Rect, 0.5, 0.25),
-        (SlicedKind::Sphere, 0.2, 0.1 * 1.25),
-        (SlicedKind::Directional, 0.01, 0.04),
+    let beside = Vec3::new(3.0, -4.0, 1.0);
+    let below = Vec3::new(0.3, -4.0, 0.1);
+    for (kind, place, half, kernel) in [
+        (SlicedKind::Rect, beside, 0.5, 0.25),
+        (SlicedKind::Sphere, below, 0.2, 0.1),
+        (SlicedKind::Directional, beside, 0.01, 0.04),
     ] {
+        let bounds = Aabb::around(place, Vec3::new(0.2, 0.01, 0.1));
+        let caster = SceneBox::of_bounds(bounds, true);
         let faces = fit_faces(&light(kind, DVec2::splat(half)), &SETTINGS, &[caster, ground]);
         let face = &faces[0];
         let bottom = face.slices.bottoms[7];

@@ -85,6 +85,21 @@ pub fn boxes() -> Scene {
     }
 }
 
+/// Low boxes and a plate.
+pub fn low() -> Scene {
+    let cuboid = |half: Vec3, x, y, z| (MeshData::cuboid(half), at(x, y, z));
+    Scene {
+        name: "low boxes",
+        parts: vec![
+            ground(),
+            cuboid(Vec3::new(0.5, 0.05, 0.4), 0.0, 0.6, 0.0),
+            cuboid(Vec3::new(0.15, 0.3, 0.15), -0.6, 0.3, 0.5),
+            cuboid(Vec3::new(0.2, 0.25, 0.1), 0.3, 0.25, -0.7),
+        ],
+        eye: Vec3::new(1.5, 3.5, 3.0),
+    }
+}
+
 /// A trunk with many leaves.
 pub fn tree() -> Scene {
     let mut random = Random(5);

@@ -5,7 +5,7 @@ use antumbra::techniques::{OcclusionTexture, SliceCombination, SliceFilter};
 use glam::Vec3;
 
 use super::scenes::{
-    SUN_TANGENT, Scene, boxes, hills, lamp, plate, rendered, rmse, square, staged, tree, truth, wings,
+    SUN_TANGENT, Scene, boxes, hills, lamp, low, plate, rendered, rmse, square, staged, tree, truth, wings,
 };
 use crate::harness::strict_context;
 
@@ -58,6 +58,25 @@ fn shadows_of_all_kinds_of_light_are_near_the_truth() {
         let (errors, lit) = errors(&context, &plate(), kind, 144, &[settings]);
         println!("{kind:?}: {:.4}, without a shadow {lit:.4}", errors[0]);
         assert!(errors[0] < 0.03 && lit > 0.1, "{kind:?}: {}, {lit}", errors[0]);
+    }
+}
+
+/// A lamp beside low casters has one picture that looks down on them. In a picture that looks sideways, their plates are cut
+/// edge-on and lose most of their shadows: errors are above 0.1.
+#[test]
+fn lamps_beside_low_casters_see_them_from_above() {
+    let context = strict_context();
+    let mut stage = staged(&context, &low());
+    for place in [Vec3::new(2.0, 1.4, 0.2), Vec3::new(-1.9, 1.3, -0.8)] {
+        let (light, place) = lamp(LightKind::Sphere { radius: 0.15 }, place);
+        let entity = stage.spawn_light(light, place, Some(OcclusionTexture::default()));
+        let got = rendered(&mut stage);
+        let truth = truth(&mut stage, 64);
+        let (error, lit) = (rmse(&truth, &got), rmse(&truth, &vec![1.0; got.len()]));
+        println!("{error:.4}, without a shadow {lit:.4}");
+        assert!(error < 0.045 && lit > 0.25, "{error}, {lit}");
+        stage.world.despawn(entity);
+        stage.lights.clear();
     }
 }
 

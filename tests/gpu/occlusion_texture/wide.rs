@@ -10,7 +10,7 @@ use super::scenes::{SUN_TANGENT, Scene, lamp, rendered, rmse, square, staged, tr
 use crate::harness::strict_context;
 
 /// The error of a light's shadow of a box and a post on a ground, that without a shadow, and the reports.
-fn error(kind: LightKind, ground: f32, around: Option<MeshData>) -> (f64, f64, Vec<String>) {
+fn error(kind: LightKind, ground: f32, around: Vec<(MeshData, Transform)>) -> (f64, f64, Vec<String>) {
     let context = strict_context();
     let mut parts = vec![
         (MeshData::plane(ground), Transform::IDENTITY),
@@ -23,7 +23,7 @@ fn error(kind: LightKind, ground: f32, around: Option<MeshData>) -> (f64, f64, V
             Transform::from_xyz(-0.8, 0.7, 0.5),
         ),
     ];
-    parts.extend(around.map(|mesh| (mesh, Transform::IDENTITY)));
+    parts.extend(around);
     let scene = Scene {
         name: "a wide scene",
         parts,
@@ -53,18 +53,40 @@ fn error(kind: LightKind, ground: f32, around: Option<MeshData>) -> (f64, f64, V
 fn grounds_and_domes_of_kilometres_leave_shadows_as_they_are() {
     let sphere = LightKind::Sphere { radius: 0.3 };
     for kind in [square(0.6), sphere, LightKind::Directional] {
-        let (near, lit, _) = error(kind, 4.0, None);
+        let (near, lit, _) = error(kind, 4.0, vec![]);
         assert!(lit > 0.01 && near < 0.4 * lit, "{kind:?}: {near}, {lit}");
         for (ground, dome) in [(3e3, None), (1e4, None), (3e5, None), (50.0, Some(1e3))] {
             if dome.is_some() && kind == LightKind::Directional {
                 continue; // a dome shadows the sun
             }
-            let around = dome.map(|radius| MeshData::icosphere(radius, 2));
+            let dome_mesh = dome.map(|radius| (MeshData::icosphere(radius, 2), Transform::IDENTITY));
+            let around = dome_mesh.into_iter().collect();
             let (wide, lit, messages) = error(kind, ground, around);
             println!(
                 "{kind:?}, ground {ground}, dome {dome:?}: error {wide:.4}, {near:.4} near, {lit:.4} without"
             );
             assert!(wide < 1.25 * near + 0.003, "{kind:?}: {wide}, {near}");
+            assert_eq!(messages, [""; 0], "{kind:?}");
+        }
+    }
+}
+
+/// A mountain 6 km away with a ground below that of a lamp, or a moon, take neither slices nor texels from what is near.
+#[test]
+fn mountains_and_moons_leave_shadows_as_they_are() {
+    let mountain = (
+        MeshData::cuboid(Vec3::new(1428.0, 1000.0, 1428.0)),
+        Transform::from_xyz(-4166.0, -166.0, -6666.0),
+    );
+    let lower_ground = (MeshData::plane(1e4), Transform::from_xyz(0.0, -1.0, 0.0));
+    let moon = (MeshData::icosphere(2e4, 2), Transform::from_xyz(2e5, 1e5, -3e5));
+    for kind in [square(0.6), LightKind::Sphere { radius: 0.3 }] {
+        let (near, lit, _) = error(kind, 4.0, vec![]);
+        assert!(lit > 0.01 && near < 0.4 * lit, "{kind:?}: {near}, {lit}");
+        for far in [vec![mountain.clone(), lower_ground.clone()], vec![moon.clone()]] {
+            let (wide, lit, messages) = error(kind, 4.0, far);
+            println!("{kind:?}: error {wide:.4}, {near:.4} near, {lit:.4} without");
+            assert!(wide < 0.4 * lit, "{kind:?}: {wide}, {lit}");
             assert_eq!(messages, [""; 0], "{kind:?}");
         }
     }
@@ -79,11 +101,11 @@ fn surroundings_that_take_all_slices_are_reported() {
     indices.extend([0, 1, positions.len() as u32]);
     positions.push(Vec3::new(0.0, 300.0, 0.0));
     let pit = MeshData::from_triangles("pit", positions, indices);
-    let (_, _, messages) = error(square(0.6), 4.0, Some(pit));
+    let (_, _, messages) = error(square(0.6), 4.0, vec![(pit, Transform::IDENTITY)]);
     let told = messages
         .iter()
         .any(|text| text.contains("shadows are coarse") && text.contains("range"));
     assert!(told, "{messages:?}");
-    let (_, _, messages) = error(square(0.6), 4.0, None);
+    let (_, _, messages) = error(square(0.6), 4.0, vec![]);
     assert_eq!(messages, [""; 0]);
 }
