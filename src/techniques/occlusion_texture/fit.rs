@@ -46,9 +46,9 @@ const SLACK: f64 = 1e-4;
 const LEAST_RANGE: f64 = 0.02;
 
 /// Area of the texels, as a multiple of the smallest possible one, for which the centre of projection comes nearer to the
-/// light. Measured: 2 takes a quarter off the errors of boxes over each other and a fifth off those of slanted wings; more
-/// gains nothing.
-const LARGEST: f64 = 2.0;
+/// light. Measured on 121 lights in random scenes: 6 takes two fifths off the umbra that is lit under rectangles, compared with
+/// 2, and a fifth off their errors; twice as much gains little more.
+const LARGEST: f64 = 6.0;
 
 /// Fits the pictures of a light to the objects that it reaches.
 pub fn fit_faces(light: &SlicedLight, settings: &SliceSettings, scene: &[SceneBox]) -> SliceFaces {
