@@ -160,13 +160,13 @@ pub fn add_systems(schedule: &mut Schedule) {
     #[cfg(feature = "render")]
     {
         use crate::render::Renderer;
-        use crate::render::frame::prepare;
+        use crate::render::frame::{prepare, prepare_draws};
         schedule.add_systems(
             (
                 prepare::prepare_objects.after(sets::fit_view_depth),
                 crate::techniques::registry::recorders::add_recorders,
                 prepare::prepare_techniques,
-                prepare::prepare_draws,
+                prepare_draws::prepare_draws,
             )
                 .chain()
                 .run_if(resource_exists::<Renderer>)
@@ -175,7 +175,7 @@ pub fn add_systems(schedule: &mut Schedule) {
     }
     let collect = collect_reports.after(sets::fit_view_depth).in_set(prepare);
     #[cfg(feature = "render")]
-    let collect = collect.after(crate::render::frame::prepare::prepare_draws);
+    let collect = collect.after(crate::render::frame::prepare_draws::prepare_draws);
     schedule.add_systems(collect);
     schedule.add_systems(begin_times.after(TransformSystems::Propagate).before(update));
     for (index, set) in AntumbraSystems::ALL.into_iter().enumerate() {

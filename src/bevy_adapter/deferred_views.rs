@@ -16,7 +16,6 @@ use bevy::core_pipeline::prepass::{
     OpaqueNoLightmap3dBinKey,
 };
 use bevy::ecs::prelude::*;
-use bevy::ecs::system::SystemParam;
 use bevy::material::key::{ErasedMaterialPipelineKey, ErasedMeshPipelineKey};
 use bevy::material::{MaterialProperties, OpaqueRendererMethod, RenderPhaseType};
 use bevy::mesh::Mesh3d;
@@ -41,7 +40,7 @@ use bevy::render::view::{
 };
 
 use super::deferral::{Deferral, Forward};
-use super::forward_views::ForwardQueue;
+use super::forward_views::{ForwardQueue, ForwardResources};
 use super::mirror::Mirrors;
 
 /// The views whose opaque meshes this module moves to the deferred phases, now and in the frame before. It is
@@ -79,31 +78,64 @@ pub(super) fn collect_deferred_views(
     }
 }
 
-/// Bevy's resources about the meshes of the frame.
-#[derive(SystemParam)]
-pub(super) struct Meshes<'w> {
-    pub meshes: Res<'w, RenderAssets<RenderMesh>>,
-    pub materials: Res<'w, ErasedRenderAssets<PreparedMaterial>>,
-    pub instances: Res<'w, RenderMeshInstances>,
-    pub material_instances: Res<'w, RenderMaterialInstances>,
-    ranges: Res<'w, RenderVisibilityRanges>,
-    pub allocator: Res<'w, MeshAllocator>,
-    pub preprocessing: Res<'w, GpuPreprocessingSupport>,
-    view_keys: Res<'w, ViewKeyPrepassCache>,
-    dirty: Res<'w, DirtySpecializations>,
-    pending: Res<'w, PendingPrepassMeshMaterialQueues>,
+/// Bevy's resources about the meshes of the frame, in the order of [`Meshes`].
+///
+/// Parameters of systems are tuples in this module and its neighbours. For a struct, `SystemParam` derives bounds with which
+/// the compiler proves anew that all types of wgpu within are [`Send`]; that takes it seconds for each struct.
+pub(super) type MeshResources<'w> = (
+    Res<'w, RenderAssets<RenderMesh>>,
+    Res<'w, ErasedRenderAssets<PreparedMaterial>>,
+    Res<'w, RenderMeshInstances>,
+    Res<'w, RenderMaterialInstances>,
+    Res<'w, RenderVisibilityRanges>,
+    Res<'w, MeshAllocator>,
+    Res<'w, GpuPreprocessingSupport>,
+);
+
+/// What Bevy knows of the meshes of the frame.
+pub(super) struct Meshes<'a> {
+    pub meshes: &'a RenderAssets<RenderMesh>,
+    pub materials: &'a ErasedRenderAssets<PreparedMaterial>,
+    pub instances: &'a RenderMeshInstances,
+    pub material_instances: &'a RenderMaterialInstances,
+    ranges: &'a RenderVisibilityRanges,
+    pub allocator: &'a MeshAllocator,
+    pub preprocessing: &'a GpuPreprocessingSupport,
 }
 
-/// The phases of all views between which meshes are moved.
-#[derive(SystemParam)]
-pub(super) struct Phases<'w> {
-    opaque: ResMut<'w, ViewBinnedRenderPhases<Opaque3d>>,
-    masked: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3d>>,
-    opaque_prepass: ResMut<'w, ViewBinnedRenderPhases<Opaque3dPrepass>>,
-    masked_prepass: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dPrepass>>,
-    opaque_deferred: ResMut<'w, ViewBinnedRenderPhases<Opaque3dDeferred>>,
-    masked_deferred: ResMut<'w, ViewBinnedRenderPhases<AlphaMask3dDeferred>>,
+impl<'a> Meshes<'a> {
+    fn of(resources: &'a MeshResources) -> Self {
+        let (meshes, materials, instances, material_instances, ranges, allocator, preprocessing) = resources;
+        Self {
+            meshes,
+            materials,
+            instances,
+            material_instances,
+            ranges,
+            allocator,
+            preprocessing,
+        }
+    }
 }
+
+/// The meshes that Bevy has queued in this frame.
+type Queued<'w> = (
+    Res<'w, ViewKeyPrepassCache>,
+    Res<'w, DirtySpecializations>,
+    Res<'w, PendingPrepassMeshMaterialQueues>,
+);
+
+type Phase<'w, P> = ResMut<'w, ViewBinnedRenderPhases<P>>;
+
+/// The phases of all views between which meshes are moved, in the order of [`ViewPhases`].
+type Phases<'w> = (
+    Phase<'w, Opaque3d>,
+    Phase<'w, AlphaMask3d>,
+    Phase<'w, Opaque3dPrepass>,
+    Phase<'w, AlphaMask3dPrepass>,
+    Phase<'w, Opaque3dDeferred>,
+    Phase<'w, AlphaMask3dDeferred>,
+);
 
 /// The phases of one view between which meshes are moved.
 pub(super) struct ViewPhases<'a> {
@@ -115,26 +147,26 @@ pub(super) struct ViewPhases<'a> {
     masked_deferred: &'a mut BinnedRenderPhase<AlphaMask3dDeferred>,
 }
 
-impl Phases<'_> {
-    fn of(&mut self, view: RetainedViewEntity) -> Option<ViewPhases<'_>> {
-        Some(ViewPhases {
-            opaque: self.opaque.get_mut(&view)?,
-            masked: self.masked.get_mut(&view)?,
-            opaque_prepass: self.opaque_prepass.get_mut(&view)?,
-            masked_prepass: self.masked_prepass.get_mut(&view)?,
-            opaque_deferred: self.opaque_deferred.get_mut(&view)?,
-            masked_deferred: self.masked_deferred.get_mut(&view)?,
+impl<'a> ViewPhases<'a> {
+    fn of(view: RetainedViewEntity, all: &'a mut Phases) -> Option<Self> {
+        let (opaque, masked, opaque_prepass, masked_prepass, opaque_deferred, masked_deferred) = all;
+        Some(Self {
+            opaque: opaque.get_mut(&view)?,
+            masked: masked.get_mut(&view)?,
+            opaque_prepass: opaque_prepass.get_mut(&view)?,
+            masked_prepass: masked_prepass.get_mut(&view)?,
+            opaque_deferred: opaque_deferred.get_mut(&view)?,
+            masked_deferred: masked_deferred.get_mut(&view)?,
         })
     }
 }
 
 /// Resources that specialize the pipelines of Bevy's deferred prepass.
-#[derive(SystemParam)]
-pub(super) struct Pipelines<'w> {
-    cache: Res<'w, PipelineCache>,
-    prepass: Res<'w, PrepassPipeline>,
-    specialized: ResMut<'w, SpecializedMeshPipelines<PrepassPipelineSpecializer>>,
-}
+type Pipelines<'w> = (
+    Res<'w, PipelineCache>,
+    Res<'w, PrepassPipeline>,
+    ResMut<'w, SpecializedMeshPipelines<PrepassPipelineSpecializer>>,
+);
 
 /// Moves those meshes of marked views that are new or changed in this frame.
 ///
@@ -144,11 +176,14 @@ pub(super) fn queue_deferred(
     mut deferral: ResMut<Deferral>,
     mirrors: Res<Mirrors>,
     views: Query<(&ExtractedView, &MainEntity, &RenderVisibleEntities, &Msaa), CanBeDeferred>,
-    meshes: Meshes,
+    meshes: MeshResources,
+    (view_keys, dirty, pending): Queued,
     mut phases: Phases,
     mut pipelines: Pipelines,
-    mut forward: ForwardQueue,
+    mut forward: ForwardResources,
 ) {
+    let meshes = Meshes::of(&meshes);
+    let mut forward = ForwardQueue::of(&mut forward);
     for (extracted, camera, visible, msaa) in &views {
         let view = extracted.retained_view_entity;
         if !deferred.now.contains(&view) {
@@ -156,13 +191,13 @@ pub(super) fn queue_deferred(
         }
         let (Some(visible), Some(pending), Some(mut phases), Some(&view_key)) = (
             visible.get::<Mesh3d>(),
-            meshes.pending.get(&view),
-            phases.of(view),
-            meshes.view_keys.get(&view),
+            pending.get(&view),
+            ViewPhases::of(view, &mut phases),
+            view_keys.get(&view),
         ) else {
             continue;
         };
-        let queued = meshes.dirty.iter_to_queue(view, visible, &pending.prev_frame);
+        let queued = dirty.iter_to_queue(view, visible, &pending.prev_frame);
         for (&render_entity, &entity) in queued {
             forward.forget(view, entity);
             let stays = queue_mesh(
@@ -186,7 +221,7 @@ pub(super) fn queue_deferred(
                 forward.push(view, entity);
             }
         }
-        forward.queue(view, visible, &meshes, &mut phases, &pipelines.cache);
+        forward.queue(view, visible, &meshes, &mut phases, &pipelines.0);
     }
     forward.keep_views(|view| deferred.now.contains(view));
 }
@@ -304,8 +339,9 @@ fn specialize(
     material: &PreparedMaterial,
     pipelines: &mut Pipelines,
 ) -> Option<CachedRenderPipelineId> {
+    let (cache, prepass, specialized) = pipelines;
     let specializer = PrepassPipelineSpecializer {
-        pipeline: pipelines.prepass.clone(),
+        pipeline: prepass.clone(),
         properties: material.properties.clone(),
     };
     let key = ErasedMaterialPipelineKey {
@@ -313,8 +349,7 @@ fn specialize(
         mesh_key: ErasedMeshPipelineKey::new(key),
         material_key: material.properties.material_key.clone(),
     };
-    let specialized = &mut pipelines.specialized;
-    match specialized.specialize(&pipelines.cache, &specializer, key, &mesh.layout) {
+    match specialized.specialize(cache, &specializer, key, &mesh.layout) {
         Ok(pipeline) => Some(pipeline),
         Err(error) => {
             tracing::error!("a mesh stays forward: {error}");

@@ -11,7 +11,6 @@ use bevy::core_pipeline::core_3d::{AlphaMask3d, Opaque3d, Opaque3dBatchSetKey, O
 use bevy::core_pipeline::prepass::{OpaqueNoLightmap3dBatchSetKey, OpaqueNoLightmap3dBinKey};
 use bevy::ecs::prelude::*;
 use bevy::ecs::query::ROQueryItem;
-use bevy::ecs::system::SystemParam;
 use bevy::ecs::system::SystemParamItem;
 use bevy::ecs::system::lifetimeless::Read;
 use bevy::material::RenderPhaseType;
@@ -97,15 +96,24 @@ impl ForwardViews {
     }
 }
 
-/// Resources with which forward meshes get our pipelines.
-#[derive(SystemParam)]
-pub(super) struct ForwardQueue<'w> {
-    views: ResMut<'w, ForwardViews>,
-    shaders: ResMut<'w, ForwardShaders>,
-    specialized: Res<'w, SpecializedMaterialPipelineCache>,
-    opaque: Res<'w, DrawFunctions<Opaque3d>>,
-    masked: Res<'w, DrawFunctions<AlphaMask3d>>,
-    own: Res<'w, AntumbraPipelines>,
+/// Resources with which forward meshes get our pipelines, in the order of [`ForwardQueue`].
+pub(super) type ForwardResources<'w> = (
+    ResMut<'w, ForwardViews>,
+    ResMut<'w, ForwardShaders>,
+    Res<'w, SpecializedMaterialPipelineCache>,
+    Res<'w, DrawFunctions<Opaque3d>>,
+    Res<'w, DrawFunctions<AlphaMask3d>>,
+    Res<'w, AntumbraPipelines>,
+);
+
+/// Gives forward meshes our pipelines.
+pub(super) struct ForwardQueue<'a> {
+    views: &'a mut ForwardViews,
+    shaders: &'a mut ForwardShaders,
+    specialized: &'a SpecializedMaterialPipelineCache,
+    opaque: &'a DrawFunctions<Opaque3d>,
+    masked: &'a DrawFunctions<AlphaMask3d>,
+    own: &'a AntumbraPipelines,
 }
 
 /// Whether a mesh is drawn with our masks.
@@ -116,7 +124,19 @@ enum Progress {
     Waits,
 }
 
-impl ForwardQueue<'_> {
+impl<'a> ForwardQueue<'a> {
+    pub fn of(resources: &'a mut ForwardResources) -> Self {
+        let (views, shaders, specialized, opaque, masked, own) = resources;
+        Self {
+            views,
+            shaders,
+            specialized,
+            opaque,
+            masked,
+            own,
+        }
+    }
+
     /// Whether the device has room for the masks.
     pub fn is_supported(&self) -> bool {
         self.own.forward_layout.is_some()

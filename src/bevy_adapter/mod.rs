@@ -112,7 +112,7 @@
 //! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
 //! | `sync`, `sync_objects`, `sync_cells`, `sync_lights`, `sync_models`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
-//! | `prepare`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
+//! | `prepare`, `prepare_lights`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
 pub(crate) mod camera_warnings;
@@ -135,6 +135,7 @@ pub(crate) mod pass;
 pub(crate) mod pipelines;
 pub mod prelude;
 pub(crate) mod prepare;
+pub(crate) mod prepare_lights;
 pub(crate) mod projection;
 pub(crate) mod ranges;
 pub(crate) mod refused;

@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use bevy::asset::{AssetEvent, AssetId, Assets, VisitAssetDependencies};
 use bevy::ecs::prelude::*;
-use bevy::ecs::system::SystemParam;
 use bevy::ecs::world::EntityRef;
 use bevy::image::Image;
 use bevy::material::AlphaMode as BevyAlphaMode;
@@ -119,6 +118,15 @@ impl Surfaces {
     pub fn get(&self, material: Option<AssetId<StandardMaterial>>) -> Surface {
         let known = material.and_then(|material| self.known.get(&material));
         known.copied().unwrap_or(Surface::SeenThrough)
+    }
+
+    /// Gives the materials with cut-outs their textures on the device. A steady frame only compares ids.
+    pub(super) fn bind_cut_outs(&mut self, images: &RenderAssets<GpuImage>, gpu: &Gpu) {
+        for (&id, material) in &mut self.cut_outs {
+            if material.bind(images, gpu) {
+                self.renewed.push(id);
+            }
+        }
     }
 
     /// Whether a texture cuts holes with sharp edges into a material.
@@ -235,32 +243,6 @@ pub(super) fn collect_surfaces(
         for id in std::mem::take(&mut surfaces.unloaded) {
             if let Some(material) = materials.get(id) {
                 surfaces.look_at(id, material, &images);
-            }
-        }
-    }
-}
-
-/// The cut-outs of the game's materials, and Bevy's textures.
-#[derive(SystemParam)]
-pub(super) struct CutOutTextures<'w> {
-    surfaces: ResMut<'w, Surfaces>,
-    images: Res<'w, RenderAssets<GpuImage>>,
-}
-
-impl CutOutTextures<'_> {
-    /// Whether any material has a cut-out.
-    pub fn are_needed(&self) -> bool {
-        !self.surfaces.cut_outs.is_empty()
-    }
-
-    /// Gives the materials their textures on the device. A steady frame only compares ids.
-    pub fn bind(&mut self, gpu: &Gpu) {
-        let Surfaces {
-            cut_outs, renewed, ..
-        } = &mut *self.surfaces;
-        for (&id, material) in cut_outs {
-            if material.bind(&self.images, gpu) {
-                renewed.push(id);
             }
         }
     }

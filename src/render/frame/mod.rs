@@ -2,7 +2,8 @@
 //!
 //! | file | holds |
 //! | --- | --- |
-//! | `prepare` | the systems that fill the frame |
+//! | `prepare`, `prepare_draws` | the systems that fill the frame |
+//! | `resources` | targets and buffers that a frame needs |
 //! | `record` | the passes in their order: start reading here |
 //! | `record_lights` | the passes of one light |
 //! | `recording` | the encoder, targets and timers that all passes record with |
@@ -21,8 +22,10 @@ pub(crate) mod front_surfaces;
 pub(crate) mod hosted;
 pub(crate) mod pixel_measures;
 pub(crate) mod prepare;
+pub(crate) mod prepare_draws;
 pub(crate) mod record;
 pub(crate) mod record_lights;
 pub(crate) mod recording;
 pub(crate) mod required;
+pub(crate) mod resources;
 pub(crate) mod targets;

@@ -1,0 +1,94 @@
+//! Targets and buffers that a frame needs.
+
+use glam::UVec2;
+
+use super::frame_data::ActiveLight;
+use super::targets::{FrameTargets, MaskTargets, RadianceTarget};
+use crate::render::nodes::host_weights::HostWeights;
+use crate::render::nodes::light_function::StencilToMask;
+use crate::render::renderer::{Renderer, bind_lights, bind_view};
+use crate::render::{Gpu, RenderError};
+
+impl Renderer {
+    /// Makes the targets of a size, unless they are there.
+    pub(super) fn resize(&mut self, size: UVec2) -> Result<(), RenderError> {
+        let is_there = self.targets.as_ref().is_some_and(|targets| targets.size == size);
+        if is_there && self.radiance.is_none() == self.host.is_some() {
+            return Ok(());
+        }
+        self.targets = None;
+        self.radiance = None;
+        self.front = None;
+        self.masks = None;
+        if size.min_element() == 0 {
+            return Ok(()); // there is nothing to draw
+        }
+        let gpu = &self.gpu;
+        let targets = FrameTargets::new(&gpu.context, &gpu.layouts, "depth and stencil", size)?;
+        if self.host.is_none() {
+            let radiance = RadianceTarget::new(&gpu.context, size)?;
+            let tonemap_group = self.tonemap.bind(gpu, &radiance.view);
+            self.radiance = Some((radiance, tonemap_group));
+        }
+        self.targets = Some(targets);
+        Ok(())
+    }
+
+    /// Makes the targets of masks and of the front layer if a light of the frame needs them.
+    pub(super) fn require_targets(&mut self) -> Result<(), RenderError> {
+        let Some(targets) = &self.targets else {
+            return Ok(());
+        };
+        let Gpu { context, layouts, .. } = &*self.gpu;
+        if self.masks.is_none() && self.frame.lights.iter().any(ActiveLight::has_mask) {
+            self.masks = Some(MaskTargets::new(context, layouts, targets)?);
+        }
+        let mut lights = self.frame.lights.iter();
+        if let (Some(masks), true) = (&mut self.masks, lights.any(|light| light.is_tinted)) {
+            masks.require_factors(context, layouts)?;
+        }
+        if let (Some(masks), false) = (&mut self.masks, self.frame.weighted.is_empty()) {
+            masks.require_surface_weights(context)?;
+            if self.host_weights.is_none() {
+                self.host_weights = Some(HostWeights::new(&self.gpu)?);
+            }
+        }
+        if self.stencil_to_mask.is_none() && self.frame.lights.iter().any(ActiveLight::makes_mask_of_stencil)
+        {
+            self.stencil_to_mask = Some(StencilToMask::new(&self.gpu)?);
+        }
+        if self.front.is_none() && self.frame.has_front_layer() {
+            let label = "front depth and stencil";
+            self.front = Some(FrameTargets::new(context, layouts, label, targets.size)?);
+        }
+        Ok(())
+    }
+
+    /// Uploads the constants of all objects.
+    ///
+    /// # Errors
+    /// [`RenderError::Limit`] if the device cannot bind so many.
+    pub(super) fn write_objects(&mut self) -> Result<(), RenderError> {
+        let bytes: &[u8] = bytemuck::cast_slice(self.table.constants());
+        let limits = self.gpu.context.device.limits();
+        let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        if bytes.len() as u64 > limit {
+            return Err(RenderError::Limit {
+                what: "the list of all objects",
+                needed: bytes.len() as u64,
+                limit,
+            });
+        }
+        if self.objects.write(&self.gpu.context, bytes) {
+            self.view_group = bind_view(&self.gpu, &self.view_buffer, &self.objects.buffer);
+        }
+        Ok(())
+    }
+
+    /// Uploads the constants of all lights.
+    pub(super) fn write_lights(&mut self) {
+        if self.lights.write(&self.gpu.context) {
+            self.light_group = bind_lights(&self.gpu, &self.lights);
+        }
+    }
+}
