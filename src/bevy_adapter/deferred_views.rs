@@ -274,7 +274,7 @@ fn queue_mesh(
     let bin = OpaqueNoLightmap3dBinKey {
         asset_id: mesh.mesh_asset_id().into(),
     };
-    let kind = BinnedRenderPhaseType::mesh(mesh.should_batch(), &meshes.preprocessing);
+    let kind = BinnedRenderPhaseType::mesh(mesh.should_batch(), meshes.preprocessing);
     let both = (render_entity, entity);
     if is_masked {
         phases.masked.remove(entity);

@@ -207,7 +207,7 @@ impl<'a> ForwardQueue<'a> {
         let mesh = meshes.instances.render_mesh_queue_data(entity)?;
         let slabs = meshes.allocator.mesh_slabs(&mesh.mesh_asset_id())?;
         let material_bind_group_index = Some(material.binding.group.0);
-        let kind = BinnedRenderPhaseType::mesh(mesh.should_batch(), &meshes.preprocessing);
+        let kind = BinnedRenderPhaseType::mesh(mesh.should_batch(), meshes.preprocessing);
         let both = (Entity::PLACEHOLDER, entity);
         let index = mesh.current_uniform_index;
         let asset_id = mesh.mesh_asset_id().into();

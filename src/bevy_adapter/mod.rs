@@ -112,7 +112,7 @@
 //! | `ranges` | levels of detail |
 //! | `mirror`, `entity_map`, `techniques` | the scene of one camera, and the techniques that it knows |
 //! | `sync`, `sync_objects`, `sync_cells`, `sync_lights`, `sync_models`, `sync_settings`, `light_convert`, `projection` | copying of the game's changes to the mirrors |
-//! | `prepare`, `prepare_lights`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
+//! | `prepare`, `prepare_lights`, `draw_resources`, `view_state`, `view_groups`, `pipelines`, `pass` | the frame on the GPU |
 
 pub(crate) mod camera;
 pub(crate) mod camera_warnings;
@@ -120,6 +120,7 @@ pub(crate) mod cut_outs;
 pub(crate) mod deferral;
 pub(crate) mod deferred_views;
 pub(crate) mod diagnostics;
+pub(crate) mod draw_resources;
 pub(crate) mod entity_map;
 pub(crate) mod forward_masks;
 pub(crate) mod forward_shaders;

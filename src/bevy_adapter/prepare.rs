@@ -1,31 +1,29 @@
 //! Runs each view's frame on the CPU, and writes what the GPU needs to light the view.
 
-use std::sync::Arc;
-
 use bevy::camera::MainPassResolutionOverride;
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::ecs::prelude::*;
-use bevy::pbr::deferred::{DeferredLightingLayout, SkipDeferredLighting};
-use bevy::pbr::{MeshPipelineKey, ViewKeyCache};
+use bevy::pbr::MeshPipelineKey;
+use bevy::pbr::deferred::SkipDeferredLighting;
 use bevy::render::camera::{ExtractedCamera, TemporalJitter};
 use bevy::render::render_asset::RenderAssets;
-use bevy::render::render_resource::{BindGroup, CachedRenderPipelineId, PipelineCache};
-use bevy::render::renderer::{RenderAdapterInfo, RenderDevice, RenderQueue};
+use bevy::render::render_resource::CachedRenderPipelineId;
 use bevy::render::sync_world::MainEntity;
 use bevy::render::texture::GpuImage;
 use bevy::render::view::ExtractedView;
 use glam::UVec2;
 
-use super::forward_masks::{ForwardMasks, neutral};
+use super::draw_resources::{DrawResources, DrawnWith};
+use super::forward_masks::ForwardMasks;
 use super::forward_views::{ForwardGroup, ForwardViews};
 use super::mirror::{Mirror, Mirrors};
-use super::pipelines::{AntumbraPipelines, is_ready};
+use super::pipelines::is_ready;
 use super::prepare_lights::{BevyLights, prepare_lights};
 use super::projection::projection_of;
 use super::surfaces::Surfaces;
 use super::view_state::ViewState;
+use crate::render::Renderer;
 use crate::render::frame::hosted::HostView;
-use crate::render::{Gpu, RenderContext, RenderError, Renderer};
 use crate::scene::Camera;
 use crate::sets::ViewportSize;
 
@@ -35,79 +33,6 @@ use crate::sets::ViewportSize;
 pub struct AntumbraView {
     /// Pipeline of the base draw.
     pub base: CachedRenderPipelineId,
-}
-
-/// The resources with which views are drawn, in the order of [`DrawnWith`].
-type DrawResources<'w> = (
-    Res<'w, RenderDevice>,
-    Res<'w, RenderQueue>,
-    Res<'w, RenderAdapterInfo>,
-    Res<'w, PipelineCache>,
-    ResMut<'w, AntumbraPipelines>,
-    Res<'w, DeferredLightingLayout>,
-    Res<'w, ViewKeyCache>,
-);
-
-/// That with which views are drawn.
-pub(super) struct DrawnWith<'a> {
-    pub device: &'a RenderDevice,
-    pub queue: &'a RenderQueue,
-    adapter: &'a RenderAdapterInfo,
-    pub cache: &'a PipelineCache,
-    pub pipelines: &'a mut AntumbraPipelines,
-    pub bevy: &'a DeferredLightingLayout,
-    keys: &'a ViewKeyCache,
-}
-
-impl<'a> DrawnWith<'a> {
-    fn of(resources: &'a mut DrawResources) -> Self {
-        let (device, queue, adapter, cache, pipelines, bevy, keys) = resources;
-        Self {
-            device,
-            queue,
-            adapter,
-            cache,
-            pipelines,
-            bevy,
-            keys,
-        }
-    }
-
-    /// Returns the GPU resources that all views share. The first view makes them.
-    fn resident(&mut self) -> Result<Arc<Gpu>, RenderError> {
-        if let Some(gpu) = &self.pipelines.resident {
-            return Ok(gpu.clone());
-        }
-        let mut context = RenderContext::hosted(
-            self.device.wgpu_device().clone(),
-            (**self.queue.0).clone(),
-            format!("{} ({:?})", self.adapter.name, self.adapter.backend),
-        );
-        if self.adapter.device_type == wgpu::DeviceType::Cpu {
-            context.anisotropy = 1;
-        }
-        let gpu = Arc::new(Gpu::new(context)?);
-        self.pipelines.resident = Some(gpu.clone());
-        Ok(gpu)
-    }
-
-    /// Returns the bind group with which forward meshes of a view read masks; `None` if the device has no room
-    /// for it.
-    fn forward_group(&mut self, view: &mut ViewState, is_ready: bool) -> Option<BindGroup> {
-        let pipelines = &mut *self.pipelines;
-        if view.keeps_masks
-            && is_ready
-            && let (Some(managed), Some(layers)) =
-                (view.forward_managed.buffer(), view.forward_layers.buffer())
-        {
-            let masks = &mut view.forward;
-            return masks.group(&self.device, &self.cache, pipelines, managed, layers);
-        }
-        if pipelines.forward_neutral.is_none() {
-            pipelines.forward_neutral = neutral(&self.device, &self.cache, pipelines);
-        }
-        pipelines.forward_neutral.clone()
-    }
 }
 
 type ViewItem<'a> = (

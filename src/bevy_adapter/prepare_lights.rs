@@ -9,11 +9,11 @@ use bevy::render::render_resource::BufferUsages;
 use bytemuck::Zeroable;
 use glam::{Vec3, Vec4};
 
+use super::draw_resources::DrawnWith;
 use super::forward_masks::MAX_LAYERS;
 use super::light_convert::BevyLight;
 use super::mirror::{HostLight, Mirror};
 use super::pipelines::{LightPipelines, VisibilitySource, is_ready};
-use super::prepare::DrawnWith;
 use super::view_state::{DrawSlot, LightDraw, Managed, Unindexed};
 use crate::render::Renderer;
 use crate::sets::{FrameLight, FrameLights, Objects, VisibleSet};

@@ -109,6 +109,73 @@ impl Bvh {
             (near, node) = next;
         }
     }
+
+    /// Passes the slots of every leaf that a segment from `origin` to some point of the box may reach to `visit`, until that
+    /// returns `false`. Finds all leaves that [`walk`](Self::walk) finds for any such segment up to `t_max` of 1.
+    pub fn gather(&self, origin: DVec3, ends: [DVec3; 2], mut visit: impl FnMut(Range<usize>) -> bool) {
+        let Some(root) = self.nodes.first() else { return };
+        let fan = Fan::new(origin, ends, self.largest_coordinate);
+        let mut waiting: SmallVec<[&Node; 64]> = SmallVec::new();
+        waiting.push(root);
+        while let Some(node) = waiting.pop() {
+            if !fan.reaches(node) {
+                continue;
+            }
+            let first = node.first as usize;
+            if node.count == 0 {
+                waiting.extend([&self.nodes[first], &self.nodes[first + 1]]);
+            } else if !visit(first..first + node.count as usize) {
+                return;
+            }
+        }
+    }
+}
+
+/// The segments from a point to all points of a box, in the form that their slab test needs. At the share t of their way they are
+/// in a box whose sides are between t times `least` and t times `most` of the way from the point.
+struct Fan {
+    origin_low: DVec3,
+    origin_high: DVec3,
+    least: DVec3,
+    most: DVec3,
+}
+
+impl Fan {
+    fn new(origin: DVec3, [low, high]: [DVec3; 2], largest_coordinate: f64) -> Self {
+        let largest = [origin, low, high]
+            .into_iter()
+            .fold(largest_coordinate, |largest, p| {
+                largest.max(p.abs().max_element())
+            });
+        let growth = GROWTH * largest;
+        Self {
+            origin_low: origin - growth,
+            origin_high: origin + growth,
+            least: low - origin - growth,
+            most: high - origin + growth,
+        }
+    }
+
+    /// Whether some segment may meet the box. Along each axis, t · `least` must be at most the box's end, and t · `most` at least
+    /// its start; that leaves one range of t.
+    fn reaches(&self, node: &Node) -> bool {
+        let start = node.min.as_dvec3() - self.origin_high;
+        let end = node.max.as_dvec3() - self.origin_low;
+        let (mut from, mut to) = (0.0_f64, 1.0_f64);
+        for axis in 0..3 {
+            // The second is the first, mirrored.
+            for (speed, limit) in [(self.least[axis], end[axis]), (-self.most[axis], -start[axis])] {
+                if speed > 0.0 {
+                    to = to.min(limit / speed);
+                } else if speed < 0.0 {
+                    from = from.max(limit / speed);
+                } else if limit < 0.0 {
+                    return false;
+                }
+            }
+        }
+        from <= to * FAR_ROUNDING
+    }
 }
 
 /// The ray in the form that the slab test needs. The origin is split in two, moved apart by the growth of the
@@ -153,5 +220,79 @@ fn grown_box([a, b, c]: &[DVec3; 3]) -> BuildBox {
     BuildBox {
         min: min.into(),
         max: max.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point(reach: f64) -> impl Strategy<Value = DVec3> {
+        [-reach..reach, -reach..reach, -reach..reach].prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        /// What a segment meets is gathered for every box that holds its end, however flat the box is; and what is far from all
+        /// segments is not.
+        #[test]
+        fn gathering_finds_what_every_segment_finds(
+            corners in prop::collection::vec([point(2.0), point(2.0), point(2.0)], 1..40),
+            origin in point(3.0),
+            ends in [point(3.0), point(3.0)],
+            flat in 0..4usize,
+            shares in prop::collection::vec([0.0..=1.0, 0.0..=1.0, 0.0..=1.0], 20),
+        ) {
+            let triangles: Vec<[DVec3; 3]> = corners.iter().map(|[a, b, c]| [*a, *a + *b * 0.2, *a + *c * 0.2]).collect();
+            let (bvh, _) = Bvh::build(&triangles);
+            let (low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+            if flat < 3 {
+                high[flat] = low[flat];
+            }
+            let mut gathered = vec![false; triangles.len()];
+            bvh.gather(origin, [low, high], |slots| {
+                gathered[slots].fill(true);
+                true
+            });
+            for share in shares {
+                let end = low + (high - low) * DVec3::from_array(share);
+                let ray = Ray { origin, direction: end - origin };
+                bvh.walk(&ray, 1.0, |slots| {
+                    for slot in slots {
+                        assert!(gathered[slot], "slot {slot} of {}", triangles.len());
+                    }
+                    1.0
+                });
+            }
+        }
+    }
+
+    #[test]
+    fn gathering_leaves_out_what_no_segment_reaches() {
+        let far = |x: f64| {
+            [
+                DVec3::new(x, 0.0, 0.0),
+                DVec3::new(x, 0.1, 0.0),
+                DVec3::new(x, 0.0, 0.1),
+            ]
+        };
+        let triangles: Vec<_> = (-50..50).map(|step| far(f64::from(step) + 0.5)).collect();
+        let (bvh, _) = Bvh::build(&triangles);
+        let mut count = 0;
+        bvh.gather(
+            DVec3::ZERO,
+            [DVec3::new(4.0, -0.1, -0.1), DVec3::new(4.0, 0.1, 0.1)],
+            |slots| {
+                count += slots.len();
+                true
+            },
+        );
+        assert!((4..=6).contains(&count), "{count}");
+        let mut visits = 0;
+        bvh.gather(DVec3::ZERO, [DVec3::splat(-60.0), DVec3::splat(60.0)], |_| {
+            visits += 1;
+            false
+        });
+        assert_eq!(visits, 1);
     }
 }
