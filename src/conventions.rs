@@ -24,10 +24,12 @@ pub const DEPTH_INFINITY: f32 = 0.0;
 /// Largest finite radiance that the half floats of the radiance target can hold.
 pub const RADIANCE_MAX: f32 = 65504.0;
 
-/// Distance from a light within which surfaces do not block it, as a share of its reach. It is the default of
-/// [`LightClearance`](crate::sets::LightClearance) and of the near plane of maps, and the ray caster ends its rays
-/// there. It lies above the precision of `f32` positions (10⁻⁷ of their coordinates) and of editors (10⁻⁶).
-pub const LIGHT_CLEARANCE: f32 = 1e-5;
+/// Distance from a light within which surfaces do not block it, as a share of the size of its
+/// [`Surroundings`](crate::sets::Surroundings): the default of [`LightClearance`](crate::sets::LightClearance), which the
+/// ray caster uses too. It lies above the precision of `f32` positions (10⁻⁷ of their coordinates) and of editors
+/// (10⁻⁶), and leaves room between a lamp that is a hundredth of a millimetre behind a surface, which is free, and one
+/// that is a millimetre behind it in a room, which is not.
+pub const LIGHT_CLEARANCE: f32 = 4e-5;
 
 /// Stencil count of a surface point that no shadow volume covers.
 pub const STENCIL_LIT: u32 = 0;

@@ -14,7 +14,9 @@ use crate::sets::SeenInto;
 use crate::sets::report::report_sets;
 use crate::sets::view::seen_into;
 use crate::silhouettes::report::{RefusedCasters, report_buried_origins, report_casters};
-use crate::silhouettes::{BuriedOrigins, CasterMeshes, Silhouettes, buried, cache, casters};
+use crate::silhouettes::{
+    BuriedOrigins, CasterMeshes, CoincidentCasters, Silhouettes, buried, cache, casters, coincident,
+};
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
@@ -78,6 +80,7 @@ pub fn init_resources(world: &mut World) {
     world.init_resource::<seen_into::SeeThrough>();
     world.init_resource::<FaceCulling>();
     world.init_resource::<CasterMeshes>();
+    world.init_resource::<CoincidentCasters>();
     world.init_resource::<Silhouettes>();
     world.init_resource::<BuriedOrigins>();
     world.init_resource::<SetTimes>();
@@ -141,6 +144,7 @@ pub fn add_systems(schedule: &mut Schedule) {
         (
             casters::build_caster_edges,
             casters::update_posed_planes,
+            coincident::find_coincident_casters,
             cache::build_silhouettes,
             buried::find_buried_origins,
         )

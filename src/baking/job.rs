@@ -118,7 +118,7 @@ impl<'a> Job<'a> {
         let resumed: u64 = batches.iter().map(|batch| batch.texels.len() as u64).sum();
         let mut done = resumed.min(all);
         progress(BakeProgress { done, all, resumed });
-        let targets = Targets::new(self.path, self.settings.casts_for);
+        let targets = Targets::new(self.path, &self.scene.rays, self.settings.casts_for);
         let of_chart = |chart| texels_of(chart).into_iter().map(move |texel| (chart, texel));
         let mut waiting = self.charts.iter().flat_map(of_chart).skip(resumed as usize);
         loop {

@@ -13,8 +13,8 @@ enum Target {
     Dark,
     /// The light is this way.
     Towards(DVec3),
-    /// The light is here.
-    At(DVec3),
+    /// The light is here, and triangles nearer to it than the second number, metres, do not block it.
+    At(DVec3, f64),
 }
 
 /// The path of a light as targets of rays: the middle of each step.
@@ -38,14 +38,18 @@ pub struct RayOrigin {
 }
 
 impl Targets {
-    /// The targets of a path. `casts_for` is the mask of [`LightSelection`](crate::scene::LightSelection).
-    pub fn new(path: &LightPath, casts_for: u32) -> Self {
+    /// The targets of a path in the scene that blocks its rays. `casts_for` is the mask of
+    /// [`LightSelection`](crate::scene::LightSelection).
+    pub fn new(path: &LightPath, scene: &RayScene, casts_for: u32) -> Self {
         let target = |step: usize| {
             let time = middle_of(step);
             match path.at(time) {
                 _ if !path.shines(time) => Target::Dark,
                 PathPoint::Direction(direction) => Target::Towards(-direction.as_dvec3()),
-                PathPoint::Position(position) => Target::At(position.as_dvec3()),
+                PathPoint::Position(position) => {
+                    let position = position.as_dvec3();
+                    Target::At(position, scene.clearance(position, f64::INFINITY, casts_for))
+                }
             }
         };
         Self {
@@ -65,7 +69,7 @@ impl Targets {
             let towards = match *target {
                 Target::Dark => continue,
                 Target::Towards(towards) => towards,
-                Target::At(position) => position - origin.position,
+                Target::At(position, _) => position - origin.position,
             };
             if !origin.is_two_sided && origin.normal.dot(towards) <= 0.0 {
                 continue;
@@ -73,7 +77,9 @@ impl Targets {
             *rays += 1;
             let (from, triangle, casts_for) = (origin.position, origin.triangle, self.casts_for);
             let found = match *target {
-                Target::At(position) => scene.segment_blocker(from, position, triangle, casts_for, blocker),
+                Target::At(position, clearance) => {
+                    scene.segment_blocker(from, position, clearance, triangle, casts_for, blocker)
+                }
                 _ => scene.direction_blocker(from, towards, triangle, casts_for, blocker),
             };
             *seen = found.is_none();
@@ -117,7 +123,7 @@ mod tests {
             triangle: None,
         };
         let mut rays = 0;
-        let intervals = Targets::new(&path, u32::MAX).trace(&scene, &origin, &mut rays);
+        let intervals = Targets::new(&path, &scene, u32::MAX).trace(&scene, &origin, &mut rays);
         (intervals, rays)
     }
 
@@ -159,7 +165,7 @@ mod tests {
         };
         let scene = RayScene::from_triangles([]);
         assert!(
-            Targets::new(&path, u32::MAX)
+            Targets::new(&path, &scene, u32::MAX)
                 .trace(&scene, &origin, &mut 0)
                 .is_empty()
         );
@@ -168,7 +174,7 @@ mod tests {
     #[test]
     fn lights_at_positions_end_rays() {
         let path = LightPath::Positions(vec![Vec3::new(0.5, 0.5, 0.0), Vec3::new(3.0, 0.5, 0.0)]);
-        let far = 100.0;
+        let far = 5.0;
         let corner = |y: f64, z: f64| DVec3::new(1.0, y, z);
         let [a, b, c] = [corner(-far, -far), corner(far, -far), corner(0.0, far)];
         let scene = RayScene::from_triangles([[a, b, c]]);
@@ -178,7 +184,7 @@ mod tests {
             is_two_sided: false,
             triangle: None,
         };
-        let intervals = Targets::new(&path, u32::MAX).trace(&scene, &origin, &mut 0);
+        let intervals = Targets::new(&path, &scene, u32::MAX).trace(&scene, &origin, &mut 0);
         // The light passes through the wall after a fifth of the way.
         assert_eq!((intervals[0].rise, intervals[0].fall), (0, 50));
     }

@@ -18,9 +18,9 @@
 //!
 //! **What counts as truth.** A surface point sees a light sample if no blocking triangle crosses the segment
 //! between them. Blocking is two-sided. The receiving triangle does not block, nor does any triangle that the
-//! point touches (`contact` defines touching), nor a triangle at the light itself ([`LIGHT_END`]). A sample
-//! below the horizon of the surface is not seen. Alpha is ignored: masked and blended materials are seen and
-//! block as a whole.
+//! point touches (`contact` defines touching), nor a triangle that is nearer to the sample than the light's
+//! clearance ([`RayScene::clearance`]). A sample below the horizon of the surface is not seen. Alpha is ignored:
+//! masked and blended materials are seen and block as a whole.
 //!
 //! Nothing here panics. The work runs on the threads of the current `rayon` pool, and no result depends on
 //! their number.
@@ -44,5 +44,5 @@ pub use light_source::{LightShape, LightSource};
 pub use metrics::{HardError, SoftError, compare_hard, compare_soft, edge_band};
 pub use primary::{HitImage, PrimaryCulling, SurfaceHit, camera_rays, primary_hits, primary_hits_culled};
 pub use ray::{Ray, RayHit};
-pub use ray_scene::{LIGHT_END, MAX_COORDINATE, RayScene, SceneTriangle};
+pub use ray_scene::{MAX_COORDINATE, RayScene, SceneTriangle};
 pub use visibility::{VisibilityImage, hard_visibility, soft_visibility, soft_visibility_at};

@@ -6,16 +6,13 @@ use glam::DVec3;
 use super::bvh::Bvh;
 use super::contact::touches;
 use super::ray::{Ray, RayHit, ShearedRay};
-use crate::conventions::LIGHT_CLEARANCE;
+use crate::geometry::{Aabb, distance_to_triangle};
 use crate::scene::SelectionLayers;
+use crate::sets::{LightClearance, Surroundings};
 
 /// Largest coordinate of a triangle, metres. Triangles beyond it are dropped; below it the areas in the tree,
 /// which are `f32`, stay finite.
 pub const MAX_COORDINATE: f64 = 1e15;
-
-/// Share of the way to a positional light at which a shadow ray ends. So surfaces nearer to the light than
-/// [`LIGHT_CLEARANCE`] times the receiver's distance do not block it, as under every technique.
-pub const LIGHT_END: f64 = 1.0 - LIGHT_CLEARANCE as f64;
 
 /// A triangle in world space, and its roles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,7 +41,17 @@ pub struct SceneTriangle {
 pub struct RayScene {
     triangles: Vec<SceneTriangle>,
     bvh: Bvh,
+    objects: Vec<Bounds>,
     dropped_count: usize,
+}
+
+/// The bounds of one object's triangles.
+#[derive(Clone, Copy, Debug)]
+struct Bounds {
+    entity: Option<Entity>,
+    bounds: Aabb,
+    /// Layers on which it blocks light; 0 if it does not.
+    blocks_on: u32,
 }
 
 impl RayScene {
@@ -81,11 +88,13 @@ impl RayScene {
             })
             .collect();
         let corners: Vec<_> = triangles.iter().map(|triangle| triangle.corners).collect();
+        let objects = bounds_of(&triangles);
         let (bvh, order) = Bvh::build(&corners);
         triangles = order.iter().map(|&index| triangles[index as usize]).collect();
         Self {
             triangles,
             bvh,
+            objects,
             dropped_count,
         }
     }
@@ -136,7 +145,21 @@ impl RayScene {
         nearest
     }
 
-    /// Whether a triangle blocks the segment from the surface point to `light_world`.
+    /// The distance from a light within which triangles do not block it, metres: the default
+    /// [`LightClearance`], which holds under every technique. Triangles without an entity are one object. `range` is the
+    /// distance up to which the light reaches, metres.
+    pub fn clearance(&self, light_world: DVec3, range: f64, casts_for: u32) -> f64 {
+        let mut around = Surroundings::new(light_world, range);
+        for object in &self.objects {
+            if around.add(&object.bounds, object.blocks_on & casts_for != 0) {
+                break;
+            }
+        }
+        LightClearance::default().metres(&around)
+    }
+
+    /// Whether a triangle blocks the segment from the surface point to `light_world`. Triangles within the
+    /// [clearance](RayScene::clearance) of a light without a range do not.
     ///
     /// `receiver` is the triangle that the point lies on, if any. `casts_for` is the mask of
     /// [`LightSelection`](crate::scene::LightSelection).
@@ -151,7 +174,9 @@ impl RayScene {
             origin: surface,
             direction: light_world - surface,
         };
-        self.is_blocked(&ray, LIGHT_END, receiver, casts_for)
+        let clearance = self.clearance(light_world, f64::INFINITY, casts_for);
+        let end = End::At(light_world, clearance);
+        self.blocker(&ray, end, receiver, casts_for, None).is_some()
     }
 
     /// Whether a triangle blocks the half-line from the surface point along `towards_light`.
@@ -169,16 +194,18 @@ impl RayScene {
             origin: surface,
             direction: towards_light,
         };
-        self.is_blocked(&ray, f64::INFINITY, receiver, casts_for)
+        self.blocker(&ray, End::Never, receiver, casts_for, None)
+            .is_some()
     }
 
     /// A triangle that blocks the segment from the surface point to `light_world`, as in
-    /// [`RayScene::blocks_segment`]. `guess` is looked at first: it saves the search if it blocks again, as the blocker
-    /// of a neighbouring segment often does.
+    /// [`RayScene::blocks_segment`]. Triangles nearer to the light than `clearance`, metres, do not block. `guess` is
+    /// looked at first: it saves the search if it blocks again, as the blocker of a neighbouring segment often does.
     pub fn segment_blocker(
         &self,
         surface: DVec3,
         light_world: DVec3,
+        clearance: f64,
         receiver: Option<u32>,
         casts_for: u32,
         guess: Option<u32>,
@@ -187,7 +214,8 @@ impl RayScene {
             origin: surface,
             direction: light_world - surface,
         };
-        self.blocker(&ray, LIGHT_END, receiver, casts_for, guess)
+        let end = End::At(light_world, clearance);
+        self.blocker(&ray, end, receiver, casts_for, guess)
     }
 
     /// A triangle that blocks the half-line from the surface point along `towards_light`, as in
@@ -204,23 +232,28 @@ impl RayScene {
             origin: surface,
             direction: towards_light,
         };
-        self.blocker(&ray, f64::INFINITY, receiver, casts_for, guess)
+        self.blocker(&ray, End::Never, receiver, casts_for, guess)
     }
 
-    /// Whether a blocking triangle crosses the ray at `0 < t < t_max` without touching its origin.
-    fn is_blocked(&self, ray: &Ray, t_max: f64, receiver: Option<u32>, casts_for: u32) -> bool {
-        self.blocker(ray, t_max, receiver, casts_for, None).is_some()
-    }
-
+    /// A blocking triangle that crosses the ray before its end, without touching its origin and without being
+    /// nearer to the light than its clearance.
     fn blocker(
         &self,
         ray: &Ray,
-        t_max: f64,
+        end: End,
         receiver: Option<u32>,
         casts_for: u32,
         guess: Option<u32>,
     ) -> Option<u32> {
         let sheared = ShearedRay::new(ray);
+        let t_max = match end {
+            End::At(..) => 1.0,
+            End::Never => f64::INFINITY,
+        };
+        let is_clear = |corners: &[DVec3; 3]| match end {
+            End::At(light, clearance) => distance_to_triangle(light, *corners) <= clearance,
+            End::Never => false,
+        };
         let blocks = |slot: usize| {
             let triangle = &self.triangles[slot];
             triangle.blocks
@@ -230,6 +263,7 @@ impl RayScene {
                     .intersect(&triangle.corners)
                     .is_some_and(|(t, _)| t > 0.0 && t < t_max)
                 && !touches(&triangle.corners, ray.origin)
+                && !is_clear(&triangle.corners)
         };
         if let Some(guess) = guess
             && (guess as usize) < self.triangles.len()
@@ -248,4 +282,33 @@ impl RayScene {
         });
         blocker.map(|slot| slot as u32)
     }
+}
+
+/// Where a shadow ray ends.
+#[derive(Clone, Copy, Debug)]
+enum End {
+    /// At a light, at t = 1. Triangles nearer to it than the distance, metres, do not block.
+    At(DVec3, f64),
+    /// Nowhere.
+    Never,
+}
+
+/// The bounds of every object. Triangles of an object follow each other.
+fn bounds_of(triangles: &[SceneTriangle]) -> Vec<Bounds> {
+    let mut objects: Vec<Bounds> = Vec::new();
+    for triangle in triangles {
+        let of_triangle = Bounds {
+            entity: triangle.entity,
+            bounds: Aabb::from_points(triangle.corners.map(|corner| corner.as_vec3())),
+            blocks_on: if triangle.blocks { triangle.layers } else { 0 },
+        };
+        match objects.last_mut() {
+            Some(last) if last.entity == triangle.entity => {
+                last.bounds = last.bounds.union(of_triangle.bounds);
+                last.blocks_on |= of_triangle.blocks_on;
+            }
+            _ => objects.push(of_triangle),
+        }
+    }
+    objects
 }

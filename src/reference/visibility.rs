@@ -66,15 +66,13 @@ pub fn hard_visibility(scene: &RayScene, hits: &HitImage, light: &LightSource) -
         }
         shape => shape,
     };
+    let point = LightSource {
+        shape: point,
+        ..*light
+    };
+    let clearance = clearance_of(scene, &point);
     per_pixel(scene, hits, light, |_, hit| {
-        sampled_visibility(
-            scene,
-            hit,
-            &point,
-            light.selection.casts_for,
-            1,
-            SplitMix::new(0, 0),
-        )
+        sampled_visibility(scene, hit, &point, clearance, 1, SplitMix::new(0, 0))
     })
 }
 
@@ -91,8 +89,11 @@ pub fn soft_visibility(
     samples: u32,
     seed: u64,
 ) -> VisibilityImage {
+    let clearance = clearance_of(scene, light);
+    let side = strata_per_side(samples);
     per_pixel(scene, hits, light, |index, hit| {
-        soft_visibility_at(scene, hit, light, samples, seed, index as u64)
+        let random = SplitMix::new(seed, index as u64);
+        sampled_visibility(scene, hit, light, clearance, side, random)
     })
 }
 
@@ -108,7 +109,17 @@ pub fn soft_visibility_at(
 ) -> f32 {
     let side = strata_per_side(samples);
     let random = SplitMix::new(seed, stream);
-    sampled_visibility(scene, hit, &light.shape, light.selection.casts_for, side, random)
+    sampled_visibility(scene, hit, light, clearance_of(scene, light), side, random)
+}
+
+/// Distance from the light's centre within which triangles do not block it, metres; 0 for a directional light.
+fn clearance_of(scene: &RayScene, light: &LightSource) -> f64 {
+    let position = match light.shape {
+        LightShape::Directional { .. } => return 0.0,
+        LightShape::Point { position } | LightShape::Spot { position, .. } => position,
+        LightShape::Rect { center, .. } | LightShape::Sphere { center, .. } => center,
+    };
+    scene.clearance(position, light.range, light.selection.casts_for)
 }
 
 /// Evaluates the pixels that count. Surfaces that show no shadows of the light see the whole light.
@@ -142,12 +153,13 @@ fn per_pixel(
 fn sampled_visibility(
     scene: &RayScene,
     hit: &SurfaceHit,
-    shape: &LightShape,
-    casts_for: u32,
+    light: &LightSource,
+    clearance: f64,
     side: u32,
     random: SplitMix,
 ) -> f32 {
     let receiver = Some(hit.triangle);
+    let casts_for = light.selection.casts_for;
     // The blocker of one sample is likely to block the next.
     let last_blocker = Cell::new(None);
     let sees = |sample: DVec3| {
@@ -155,7 +167,7 @@ fn sampled_visibility(
             return false;
         }
         let guess = last_blocker.get();
-        let blocker = scene.segment_blocker(hit.position, sample, receiver, casts_for, guess);
+        let blocker = scene.segment_blocker(hit.position, sample, clearance, receiver, casts_for, guess);
         last_blocker.set(blocker.or(guess));
         blocker.is_none()
     };
@@ -165,7 +177,7 @@ fn sampled_visibility(
             .count();
         (seen as f64 / (f64::from(side) * f64::from(side))) as f32
     };
-    match *shape {
+    match light.shape {
         LightShape::Directional { towards } => {
             let seen = hit.normal.dot(towards) > 0.0
                 && !scene.blocks_direction(hit.position, towards, receiver, casts_for);

@@ -6,15 +6,18 @@ use bevy_ecs::prelude::*;
 use glam::{DMat4, DVec4, Vec4};
 
 use super::caster_shape::{CasterShape, CasterShapeItem};
+use super::coincident::CoincidentCasters;
 use super::grazed::{GrazingLight, find_grazed, take_out_of_contour};
 use super::light_silhouettes::{LightSilhouettes, Scratch, Silhouette, Silhouettes};
 use super::stacks::stacked_boxes;
 use super::{CapMode, classify, extract_contour};
 use crate::geometry::Aabb;
-use crate::sets::{FrameLight, FrameLights, LightClearance, NeededSilhouettes, Objects, SeenInto};
+use crate::sets::{FrameLight, FrameLights, NeededSilhouettes, Objects, SeenInto};
 
 /// Extracts the silhouettes that the technique of each light needs, of set S or of all casters that the light reaches
 /// ([`NeededSilhouettes`]), where they are not known yet or are stale.
+///
+/// Casters that coincide with another one of the light are left out ([`CoincidentCasters`]).
 ///
 /// Set: `BuildSilhouettes`. Reads [`FrameLights`], [`Objects`], [`SeenInto`]; writes [`Silhouettes`].
 ///
@@ -27,7 +30,7 @@ pub fn build_silhouettes(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     seen_into: Res<SeenInto>,
-    clearance: Res<LightClearance>,
+    coincident: Res<CoincidentCasters>,
     casters: Query<CasterShape>,
 ) {
     let Silhouettes {
@@ -53,23 +56,35 @@ pub fn build_silhouettes(
         let entry = &mut kept[at];
         entry.remap(&objects);
         let before = *extracted;
-        let shadowing = (needed == NeededSilhouettes::Shadowing).then(|| light.sets.s.ones());
+        let is_shadowing = needed == NeededSilhouettes::Shadowing;
+        let shadowing = is_shadowing.then(|| light.sets.s.ones());
         let reached = (needed == NeededSilhouettes::Reached).then(|| light.reached_casters(&objects));
         let needed = shadowing
             .into_iter()
             .flatten()
             .chain(reached.into_iter().flatten());
+        let reached = if is_shadowing {
+            &light.sets.s
+        } else {
+            &light.sets.l
+        };
         for object in needed {
+            if coincident
+                .stands_for(object)
+                .is_some_and(|kept| reached.contains(kept))
+            {
+                entry.forget(object);
+                continue;
+            }
             let entity = objects.entities[object];
             let Ok(caster) = casters.get(entity) else {
                 continue;
             };
             let bounds = objects.boxes.get(object);
-            let clearance = clearance.metres(light.point_world, light.light.range, &bounds);
-            let light_within = light_is_within(&bounds, light.point_world, clearance);
+            let light_within = light_is_within(&bounds, light.point_world, light.clearance);
             let pair = Pair {
                 light_world: light.point_world,
-                clearance,
+                clearance: if light_within { light.clearance } else { 0.0 },
                 light_within,
                 mode: cap_mode(light_within || seen_into.0.contains(object)),
                 may_have_moved: light.moved || objects.moved.contains(object),
@@ -99,7 +114,7 @@ pub fn build_silhouettes(
 /// One caster in one light, as far as its silhouette depends on them.
 struct Pair {
     light_world: DVec4,
-    /// Metres from the light within which surfaces do not block it.
+    /// Metres from the light within which surfaces do not block it; 0 if none of the caster's can be there.
     clearance: f64,
     light_within: bool,
     mode: CapMode,

@@ -30,6 +30,8 @@ pub struct CasterMesh {
     pub middle_of_shell: Option<Vec3>,
     /// Boxes of the pieces, local space, each with weight 1. Empty for a mesh of one piece.
     pub pieces: Vec<(Aabb, u32)>,
+    /// A number that is equal for meshes whose triangles are equal, and otherwise different but by chance.
+    pub fingerprint: u64,
 }
 
 /// The edge mesh of a caster, written by `build_caster_edges`.
@@ -88,12 +90,30 @@ impl CasterMesh {
         let pieces = piece_boxes(&edges, &mesh.positions);
         Ok(Self {
             pieces: pieces.into_iter().map(|aabb| (aabb, 1)).collect(),
+            fingerprint: fingerprint(&edges, &mesh.positions),
             edges,
             planes,
             shows_fronts_alone,
             middle_of_shell,
         })
     }
+}
+
+/// Hashes the corners of all triangles.
+fn fingerprint(edges: &EdgeMesh, positions: &[Vec3]) -> u64 {
+    let corners = edges.corners().iter().flatten();
+    let coordinates = corners.flat_map(|&corner| (positions[corner as usize] + 0.0).to_array());
+    mixed(coordinates.map(f32::to_bits))
+}
+
+/// Mixes numbers to one.
+pub(super) fn mixed(numbers: impl IntoIterator<Item = u32>) -> u64 {
+    // The odd part of the golden ratio times 2⁶⁴, as in Fibonacci hashing (Knuth, vol. 3, §6.4).
+    const FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+    numbers.into_iter().fold(FACTOR, |mix, number| {
+        let mix = (mix ^ u64::from(number)).wrapping_mul(FACTOR);
+        mix ^ (mix >> 29)
+    })
 }
 
 impl CasterMeshes {

@@ -3,11 +3,13 @@
 //! The plane of such a triangle contains the light, up to rounding. So it is chance which side faces the light. Its
 //! outline may surround the light, and pushed away from the light it covers half of space. Lamps flush with a ceiling and
 //! lights that an editor snapped to a wall are on surfaces. So one rule holds under every technique: **a surface nearer
-//! to a light than [`LightClearance`](crate::sets::LightClearance) does not block it.**
+//! to a light than its clearance ([`LightClearance`](crate::sets::LightClearance)) does not block it.** The clearance is one
+//! distance for each light, the same for all casters.
 //!
-//! Volumes and wedges leave out whole triangles ([`find_grazed`]). That gives the same shadows outside of a closed solid,
-//! because a segment that enters it through such a triangle leaves it through another one. Maps put their near plane at
-//! the clearance, and the ray caster ends its rays there. An occluder with such a triangle hides nothing from the light.
+//! Volumes, wedges and the ray caster leave out whole triangles ([`find_grazed`]). That gives the same shadows outside of a
+//! closed solid, because a segment that enters it through such a triangle leaves it through another one. Maps put their
+//! near plane at the clearance. So behind a surface at a share `s` of the clearance, a map also leaves dark what the light
+//! sees through it at less than an angle of asin `s`. An occluder with such a triangle hides nothing from the light.
 //!
 //! An area light has points on both sides of a surface on which it lies. Techniques that cast from its extent leave out
 //! nothing but what is nearer than the clearance to each point. So a light that a surface cuts lights by the part that is

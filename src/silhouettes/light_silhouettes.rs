@@ -27,7 +27,7 @@ pub struct Silhouette {
     pub light_local: Vec4,
     /// Which triangles stand for the caster.
     pub mode: CapMode,
-    /// Metres from the light within which surfaces do not block it.
+    /// Metres from the light within which surfaces do not block it; 0 if none of the caster's can be there.
     pub clearance: f64,
     /// Number of pieces of the caster that lie one behind the other, estimated from bounding boxes. Both sides of a
     /// piece count where all triangles are caps.

@@ -22,6 +22,7 @@
 //! | `loops` | the contour as closed loops |
 //! | `buried` | shadow origins that lie inside of casters |
 //! | `casters` | edge meshes of casters, planes of posed casters |
+//! | `coincident` | casters with the same triangles in the same place |
 //! | `light_silhouettes` | silhouettes by light and caster, in slots |
 //! | `cache` | the extraction of those that are not known yet or are stale |
 
@@ -30,6 +31,7 @@ pub(crate) mod cache;
 mod caps;
 pub(crate) mod caster_shape;
 pub(crate) mod casters;
+pub(crate) mod coincident;
 mod contour;
 mod edges;
 mod facing;
@@ -45,6 +47,7 @@ pub use buried::BuriedOrigins;
 pub use caps::{extract_caps, extract_contour};
 pub use caster_shape::{CasterShape, CasterShapeItem};
 pub use casters::{CasterEdges, CasterMesh, CasterMeshes, PosedPlanes, RefusedCaster};
+pub use coincident::CoincidentCasters;
 pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};

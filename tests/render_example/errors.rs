@@ -18,7 +18,7 @@ fn assert_refused(folder: &Path, what: &str, output: &Output, parts: &[&str]) {
 /// A change of the small shot, and what the line must name beside the shot file.
 type Spoilt = (&'static str, fn(&mut Value), &'static [&'static str]);
 
-const SPOILT: [Spoilt; 48] = [
+const SPOILT: [Spoilt; 49] = [
     (
         "a barn map without barn doors",
         |s| s["lights"][1]["barn_map"] = json!({}),
@@ -170,6 +170,15 @@ const SPOILT: [Spoilt; 48] = [
         &["lights[2]: angle_deg", "both"],
     ),
     (
+        "an angle of a light without a shadow",
+        |s| {
+            let light = s["lights"][2].as_object_mut().expect("a light");
+            light.remove("shadow");
+            light.insert("angle_deg".into(), json!(0.5));
+        },
+        &["lights[2]: angle_deg", "no shadow"],
+    ),
+    (
         "up along a long direction",
         |s| {
             s["lights"][3]["direction"] = json!([0, -1e30, 0]);
@@ -231,7 +240,7 @@ const SPOILT: [Spoilt; 48] = [
     (
         "crossed cones",
         |s| s["lights"][1]["inner_deg"] = json!(40),
-        &["lights[1]", "half-angles"],
+        &["lights[1]", "40.00° inside, 30.00° outside"],
     ),
     (
         "no direction",

@@ -138,7 +138,8 @@ pub enum ShotEmission {
     Directional {
         /// Direction in which the light shines; of any length.
         direction: [f32; 3],
-        /// Angle that the light covers in the sky, degrees, for techniques that have this setting.
+        /// Angle that the light covers in the sky, degrees, for techniques that have this setting. A light without
+        /// `shadow` must not have it.
         #[schemars(range(min = 0, max = 180))]
         angle_deg: Option<f32>,
         /// Colour, linear RGB, at least 0. Default: white.
@@ -298,7 +299,11 @@ impl ShotEmission {
                 intensity.or(Some(LUX)),
                 match (angle_deg, shadow) {
                     (Some(angle), Some(shadow)) => Some(shadow.with("angle_deg", angle)?),
-                    (_, shadow) => shadow,
+                    (Some(_), None) => {
+                        let advice = "add a shadow of a technique that has this setting, or leave it out";
+                        return Err(format!("angle_deg: the light has no shadow to soften; {advice}"));
+                    }
+                    (None, shadow) => shadow,
                 },
             ),
             Self::Rect {

@@ -6,6 +6,7 @@ use super::half_edges::{HalfEdge, edges_of, sorted_half_edges};
 use super::mesh::{Cluster, EdgeMesh, EdgeMeshReport, EdgeSide, InnerEdge, LaneSide};
 use super::order::{Item, cluster_order};
 use super::pieces::closed_triangles;
+use super::repeats::without_repeats;
 use super::{EdgeMeshError, weld::weld};
 use crate::conventions::CLUSTER_TRIANGLES;
 
@@ -30,7 +31,7 @@ impl EdgeMesh {
     /// gives the same mesh.
     ///
     /// Triangles that collapse in welding or have a position that is not finite are left out and counted
-    /// ([`EdgeMesh::report`]). Triangles without area but with distinct corners stay. An input without
+    /// ([`EdgeMesh::report`]), and so are the copies of a piece that is modelled several times in one place. Triangles without area but with distinct corners stay. An input without
     /// triangles gives an empty mesh.
     ///
     /// # Errors
@@ -41,9 +42,14 @@ impl EdgeMesh {
             vertex_count: input.positions.len(),
             ..Self::default()
         };
-        let (triangles, report) = welded_triangles(&input);
+        let (mut triangles, mut report) = welded_triangles(&input);
+        let mut half_edges = sorted_half_edges(&triangles);
+        if let Some(once) = without_repeats(&triangles, &half_edges) {
+            report.repeated_triangles = triangles.len() - once.len();
+            half_edges = sorted_half_edges(&once);
+            triangles = once;
+        }
         mesh.report = report;
-        let half_edges = sorted_half_edges(&triangles);
         let is_closed = closed_triangles(input.positions, &triangles, &half_edges);
         let slots = mesh.place_triangles(input.positions, &triangles, &is_closed);
         mesh.place_edges(&half_edges, &slots);

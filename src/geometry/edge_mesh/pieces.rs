@@ -22,14 +22,7 @@ pub(super) fn closed_triangles(
     triangles: &[[u32; 3]],
     half_edges: &[HalfEdge],
 ) -> Vec<bool> {
-    let mut parents: Vec<u32> = (0..triangles.len() as u32).collect();
-    for edge in edges_of(half_edges) {
-        for pair in edge.windows(2) {
-            let a = root(&mut parents, pair[0].triangle());
-            let b = root(&mut parents, pair[1].triangle());
-            parents[a.max(b) as usize] = a.min(b);
-        }
-    }
+    let mut parents = connected(triangles.len(), half_edges);
     let mut pieces = vec![Piece::default(); triangles.len()];
     for edge in edges_of(half_edges) {
         let reversed = edge.iter().filter(|half| half.is_reversed()).count();
@@ -74,8 +67,21 @@ impl Piece {
     }
 }
 
+/// Returns a forest of the triangles in which each tree is a piece. [`root`] finds the root of a tree.
+pub(super) fn connected(triangle_count: usize, half_edges: &[HalfEdge]) -> Vec<u32> {
+    let mut parents: Vec<u32> = (0..triangle_count as u32).collect();
+    for edge in edges_of(half_edges) {
+        for pair in edge.windows(2) {
+            let a = root(&mut parents, pair[0].triangle());
+            let b = root(&mut parents, pair[1].triangle());
+            parents[a.max(b) as usize] = a.min(b);
+        }
+    }
+    parents
+}
+
 /// The lowest triangle of the piece that `triangle` belongs to. Halves the path on the way (union-find).
-fn root(parents: &mut [u32], mut triangle: u32) -> u32 {
+pub(super) fn root(parents: &mut [u32], mut triangle: u32) -> u32 {
     while parents[triangle as usize] != triangle {
         let grandparent = parents[parents[triangle as usize] as usize];
         parents[triangle as usize] = grandparent;

@@ -265,15 +265,27 @@ fn json_lights<'a>(accessors: &Accessors<'a>) -> &'a [JsonLight] {
         .map_or(&[], |extension| &extension.lights)
 }
 
-/// All lights of `KHR_lights_punctual`. Intensities are kept as they are, in candela or lux.
+/// All lights of `KHR_lights_punctual`. Intensities are kept as they are, in candela or lux. An inner angle of a cone that
+/// is larger than the outer one becomes the outer one.
 pub(super) fn load_lights(accessors: &Accessors<'_>, report: &mut Report) -> Vec<Light> {
     let lights = json_lights(accessors).iter().enumerate().map(|(index, json)| {
         let spot = json.spot.as_ref();
         let kind = match json.type_ {
-            Checked::Valid(LightType::Spot) => LightKind::Spot {
-                inner_angle: spot.map_or(0.0, |spot| spot.inner_cone_angle),
-                outer_angle: spot.map_or(std::f32::consts::FRAC_PI_4, |spot| spot.outer_cone_angle),
-            },
+            Checked::Valid(LightType::Spot) => {
+                let inner_angle = spot.map_or(0.0, |spot| spot.inner_cone_angle);
+                let outer_angle = spot.map_or(std::f32::consts::FRAC_PI_4, |spot| spot.outer_cone_angle);
+                if inner_angle > outer_angle {
+                    let problem = format!(
+                        "its inner angle, {inner_angle}, is larger than its outer one, {outer_angle}, so the cone has a \
+                         sharp edge there"
+                    );
+                    report.add(SkipKind::LightValue, Element::Light(index), 1, problem);
+                }
+                LightKind::Spot {
+                    inner_angle: inner_angle.min(outer_angle),
+                    outer_angle,
+                }
+            }
             Checked::Valid(LightType::Directional) => LightKind::Directional,
             Checked::Valid(LightType::Point) | Checked::Invalid => LightKind::Point,
         };

@@ -107,6 +107,8 @@ pub enum SkipKind {
     Camera,
     /// A light whose numbers are not usable. It is loaded and lights nothing. Counts lights.
     Light,
+    /// A light's number that was out of range and was clamped. Counts lights.
+    LightValue,
     /// An animation channel that cannot be read or that targets no node. Counts channels.
     AnimationChannel,
     /// An extension in use that is neither supported nor required. Counts extensions.
@@ -130,6 +132,7 @@ impl fmt::Display for SkipKind {
             Self::MaterialValue => "material value",
             Self::Camera => "camera",
             Self::Light => "light",
+            Self::LightValue => "light value",
             Self::AnimationChannel => "animation channel",
             Self::Extension => "extension",
         })

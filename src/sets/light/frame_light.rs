@@ -54,6 +54,10 @@ pub struct FrameLight {
     /// Whether the light's place, shape, range or selection changed in this frame. Colour and intensity do
     /// not count, except when the light goes dark or lights up.
     pub moved: bool,
+    /// Distance from the light within which surfaces do not block it, metres
+    /// ([`LightClearance`](super::clearance::LightClearance)). It is 0 for a directional light, and is not known for a
+    /// light without a technique.
+    pub clearance: f64,
     /// The region of space that holds what the light lights and the casters that may shadow it.
     pub volume: LightVolume,
     /// Planes of barn doors that bound the same region, beside the volume.
@@ -131,6 +135,8 @@ pub(in crate::sets) struct LightProgress {
     pub stale: bool,
     /// Whether the set `reach`, or the place of one of its objects, may have changed in this frame.
     pub reach_written: bool,
+    /// The share for which the clearance was computed; NaN if it must be computed again.
+    pub clearance_share: f64,
     /// Generations of what I was last computed from; `None` before the first time.
     pub seen: Option<Seen>,
     /// Work that was done for the light in this frame.
@@ -241,6 +247,7 @@ impl FrameLight {
             textures: candidate.textures.clone(),
             technique: None,
             moved: true,
+            clearance: 0.0,
             volume: candidate.placed.volume,
             doors: candidate.placed.doors.clone(),
             lit: candidate.placed.lit,
@@ -250,6 +257,7 @@ impl FrameLight {
             progress: LightProgress {
                 stale: true,
                 reach_written: true,
+                clearance_share: f64::NAN,
                 seen: None,
                 work: LightWork::default(),
             },

@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 use bevy_tasks::ComputeTaskPool;
 
-use super::clearance::LightClearance;
 use super::frame_light::FrameLight;
 use super::frame_lights::FrameLights;
 use crate::geometry::Aabb;
@@ -49,7 +48,6 @@ struct Scene<'a> {
     occluders: &'a Occluders,
     cells: &'a Cells,
     settings: &'a OcclusionSettings,
-    clearance: LightClearance,
 }
 
 /// Everything that occlusion from a light depends on, apart from the light itself and motion.
@@ -58,7 +56,7 @@ struct Seen {
     occluders: u64,
     cells: u64,
     settings: OcclusionSettings,
-    clearance: LightClearance,
+    clearance: f64,
     wants_occlusion: bool,
 }
 
@@ -102,7 +100,7 @@ impl LightOcclusion {
 /// its depth buffers hide.
 ///
 /// Only casters of the light hide anything from it, and of these only such without a triangle in the light's clearance
-/// ([`LightClearance`]), because a technique lets light pass there. Only objects that are dark wherever the light does not
+/// ([`LightClearance`](super::clearance::LightClearance)), because a technique lets light pass there. Only objects that are dark wherever the light does not
 /// see them are left out: objects whose every surface shows shadows, and casters that are not drawn. Lights
 /// whose technique does not ask for it ([`Needs::light_occlusion`](super::technique::Needs)) see everything in
 /// their reach. Lights with an extent have no depth buffers;
@@ -121,7 +119,6 @@ pub fn collect_light_occlusion(
     occluders: Res<Occluders>,
     cells: Res<Cells>,
     settings: Res<OcclusionSettings>,
-    clearance: Res<LightClearance>,
 ) {
     let occlusion = &mut *occlusion;
     occlusion.follow(&frame);
@@ -130,7 +127,7 @@ pub fn collect_light_occlusion(
         occluders: occluders.generation,
         cells: cells.generation,
         settings: *settings,
-        clearance: *clearance,
+        clearance: light.clearance,
         // A light may light what it does not see: if its shadows are not black, or do not show there. Pictures of what it
         // sees are taken from where it shines, which need not be where its shadows come from.
         wants_occlusion: light.needs().light_occlusion
@@ -155,7 +152,6 @@ pub fn collect_light_occlusion(
         occluders: &occluders,
         cells: &cells,
         settings: &settings,
-        clearance: *clearance,
     };
     let chunks = frame.lights.chunks_mut(size).zip(lights.chunks_mut(size));
     tasks::for_each(
@@ -296,9 +292,7 @@ fn occluder_moved(
 /// Whether a triangle of an object is in the light's clearance, where it blocks nothing.
 fn is_in_clearance(light: &FrameLight, scene: &Scene, object: usize) -> bool {
     let bounds = scene.objects.boxes.get(object);
-    let clearance = scene
-        .clearance
-        .metres(light.point_world, light.light.range, &bounds);
+    let clearance = light.clearance;
     let point = light.point_world.truncate();
     let nearest = point.clamp(bounds.min.as_dvec3(), bounds.max.as_dvec3());
     clearance > 0.0

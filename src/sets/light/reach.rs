@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
+use super::clearance::{LightClearance, Surroundings};
 use super::frame_light::{FrameLight, LightScratch, Seen};
 use super::frame_lights::FrameLights;
 use crate::scene::tasks;
@@ -14,7 +15,8 @@ use crate::sets::work::SetWork;
 const PARALLEL: usize = 4096;
 
 /// Computes [`LightSets::reach`](super::frame_light::LightSets::reach) of every light: as a whole if the light or the layout changed, otherwise in
-/// words in which something moved. Lights are independent and are computed on all threads.
+/// words in which something moved. Also computes each light's clearance
+/// ([`LightClearance`]), which depends on what it reaches. Lights are independent and are computed on all threads.
 ///
 /// Set: `CollectSets`, after `collect_frame_lights` and `collect_visible_set`. Conservative. Cost: for each
 /// light the blocks of 4096 objects, then what the light touches; nothing in a frame at rest. Point lights
@@ -27,6 +29,7 @@ pub fn collect_light_sets(
     objects: Res<Objects>,
     view: Res<View>,
     visible: Res<VisibleSet>,
+    clearance: Res<LightClearance>,
 ) {
     let now = Seen {
         layout: objects.layout_generation,
@@ -41,7 +44,7 @@ pub fn collect_light_sets(
         .filter(|light| any_moved || light.moved || light.progress.seen != Some(now));
     let pairs = busy.count() * objects.boxes.words();
     each_light(lights, &mut work, pairs, |light| {
-        collect_reach(light, &objects, now, any_moved)
+        collect_reach(light, &objects, now, any_moved, *clearance)
     });
 }
 
@@ -72,8 +75,15 @@ pub(in crate::sets) fn each_light(
     }
 }
 
-/// Brings `reach` up to date, and marks the light as stale if I must be recomputed.
-fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved: bool) {
+/// Brings `reach` and the clearance up to date, and marks the light as stale if I must be recomputed.
+fn collect_reach(
+    light: &mut FrameLight,
+    objects: &Objects,
+    now: Seen,
+    any_moved: bool,
+    clearance: LightClearance,
+) {
+    let same_flags = light.progress.seen.map(|seen| seen.flags) == Some(now.flags);
     let new_layout = light.progress.seen.map(|seen| seen.layout) != Some(now.layout);
     let everything = light.moved || new_layout;
     light.progress.stale = everything || light.progress.seen != Some(now);
@@ -96,6 +106,30 @@ fn collect_reach(light: &mut FrameLight, objects: &Objects, now: Seen, any_moved
     if everything || any_moved {
         find(light, objects, everything);
     }
+    if light.progress.reach_written || !same_flags {
+        light.progress.clearance_share = f64::NAN;
+    }
+    // Lights without shadows need none.
+    if light.technique.is_some() && light.progress.clearance_share != clearance.share() {
+        light.progress.clearance_share = clearance.share();
+        light.clearance = clearance_of(light, objects, clearance);
+    }
+}
+
+/// Computes the clearance of a light. In a room it looks at few objects, otherwise at all that the light reaches.
+fn clearance_of(light: &FrameLight, objects: &Objects, clearance: LightClearance) -> f64 {
+    if light.point_world.w == 0.0 {
+        return 0.0;
+    }
+    let mut around = Surroundings::new(light.point_world.truncate(), f64::from(light.light.range));
+    for object in light.sets.reach.ones() {
+        let casts =
+            objects.casters.contains(object) && objects.layers[object] & light.selection.casts_for != 0;
+        if around.add(&objects.boxes.get(object), casts) {
+            break;
+        }
+    }
+    clearance.metres(&around)
 }
 
 fn find(light: &mut FrameLight, objects: &Objects, everything: bool) {

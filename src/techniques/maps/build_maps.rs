@@ -18,7 +18,7 @@ use super::members::{
 use super::movers::{Movers, Remap};
 use super::request::MapShape;
 use super::settings::{MapError, MapReport, MapResolution, MapSettings};
-use crate::sets::{FrameLights, LightClearance, Objects, View};
+use crate::sets::{FrameLights, Objects, View};
 use crate::techniques::shared::texture_memory::TextureMemory;
 
 /// Number of pixels along a side of a texel from which on a shadow is reported as coarse. An edge is then a staircase whose
@@ -109,16 +109,7 @@ impl Maps {
             }
             map.reach = farthest(light, map.casters.ones(), scene.objects);
             map.near = map.request.near.map_or_else(
-                || {
-                    near_plane(
-                        light,
-                        map.casters.ones(),
-                        scene.objects,
-                        map.reach,
-                        scene.near_share,
-                    )
-                    .metres
-                },
+                || near_plane(light, map.casters.ones(), scene.objects, map.reach).metres,
                 f64::from,
             );
             let place = match light.point_world.w {
@@ -256,7 +247,6 @@ pub fn build_maps(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
-    clearance: Res<LightClearance>,
 ) {
     let maps = &mut *maps;
     let Some(data) = &view.data else {
@@ -267,7 +257,6 @@ pub fn build_maps(
         objects: &objects,
         view: data,
         view_generation: view.generation,
-        near_share: clearance.share().max(1e-7), // a perspective needs some near plane
     };
     maps.collect_candidates(&scene, &lights);
     maps.take_in(settings.face_updates);

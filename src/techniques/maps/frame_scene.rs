@@ -11,9 +11,6 @@ pub struct Scene<'a> {
     pub view: &'a ViewData,
     /// Generation of the view. It changes when the view changes, so that cascades are drawn again.
     pub view_generation: u64,
-    /// Clearance around a light as a share of distances. Depth is floating point and reversed, so a near plane close to the
-    /// light costs no precision.
-    pub near_share: f64,
 }
 
 /// Returns the side of a pixel, metres: at view depth 1, or at any depth of an orthographic view.

@@ -68,8 +68,8 @@ pub(super) struct FaceKey {
     pub direction: DVec3,
     /// Reach of the map, metres.
     pub reach: f64,
-    /// Share of a distance within which surfaces do not block the light.
-    pub near_share: f64,
+    /// Distance within which surfaces do not block the light, metres.
+    pub clearance: f64,
     /// Generation of the view, for cascades; number of changes of faces that were handed over.
     pub view: u64,
     /// What the light asked for.
@@ -207,7 +207,7 @@ impl LightMap {
             point_world: light.point_world,
             direction: light.direction.as_dvec3(),
             reach,
-            near_share: scene.near_share,
+            clearance: light.clearance,
             view: match self.request.shape {
                 MapShape::Spot | MapShape::Cube => 0,
                 MapShape::Cascades => scene.view_generation,

@@ -12,8 +12,9 @@ use super::light_map::LightMap;
 use super::movers::Movers;
 use super::request::{Beside, MapFaces, MapShape};
 use super::settings::MapFilter;
+use crate::conventions::LIGHT_CLEARANCE;
 use crate::geometry::Aabb;
-use crate::sets::{CLEARANCE_REACH, FrameLight, LightVolume, Objects};
+use crate::sets::{FrameLight, LightVolume, Objects};
 
 /// Fills the casters of a light's map: all that the light reaches if the map is kept, else the set S. Returns
 /// whether they changed.
@@ -78,50 +79,46 @@ pub struct NearPlane {
     pub most: f64,
 }
 
-/// Returns the distance of the near plane: that of the light's clearance from the surfaces that it may be on, and
-/// nearer than any other caster. `share` is the clearance as a share of distance ([`LightClearance`]).
+/// Share of the reach at which the near plane is where no caster is near. Reversed depth in floating point loses nothing by
+/// a near plane close to the light.
+const NEAR_SHARE: f64 = 0.25 * LIGHT_CLEARANCE as f64;
+
+/// Least distance of the near plane, as a share of that where no caster is near.
+const LEAST_NEAR: f64 = 1e-6;
+
+/// Returns the distance of the near plane: the light's [clearance](FrameLight::clearance) where it may be on a surface, or
+/// else nearer than any caster.
 ///
-/// A light may be on a surface of each caster whose box it touches. The result is `share` of the reach or, where that is
-/// too much, as many halves of it as needed: reversed depth in floating point then changes by a power of two, without any
-/// rounding, and a map shows the same.
-///
-/// [`LightClearance`]: crate::sets::LightClearance
+/// A light may be on a surface of each caster whose box it touches. Elsewhere the result is a share of the reach or, where
+/// that is too much, as many halves of it as needed: reversed depth in floating point then changes by a power of two,
+/// without any rounding, and a map shows the same.
 pub fn near_plane(
     light: &FrameLight,
     casters: impl Iterator<Item = usize>,
     objects: &Objects,
     reach: f64,
-    share: f64,
 ) -> NearPlane {
-    let whole = share * reach;
+    let whole = NEAR_SHARE * reach;
     let point = light.point_world.truncate();
-    let (mut touched, mut nearest): (f64, f64) = (0.0, f64::INFINITY);
+    let (mut touches, mut nearest) = (false, f64::INFINITY);
     for index in casters {
         let (center, half) = objects.boxes.center_half(index);
         let offset = (center - point).abs();
-        let clearance = share * (offset + half).length().min(reach).min(CLEARANCE_REACH);
         let distance = (offset - half).max(DVec3::ZERO).length();
-        if distance <= clearance {
-            touched = touched.max(clearance);
+        if distance <= light.clearance {
+            touches = true;
         } else {
             nearest = nearest.min(0.5 * distance);
         }
     }
-    // Coordinates are rounded to `f32`; a surface is not placed more exactly than that.
-    let rounding = 4e-7 * point.abs().max_element();
-    let wanted = if touched > 0.0 { touched } else { nearest };
-    let wanted = wanted.max(rounding).max(1e-6 * whole);
-    let metres = if wanted >= whole {
-        whole
-    } else {
-        whole * (wanted / whole).log2().floor().exp2()
-    };
-    let most = if touched > 0.0 {
-        nearest.max(metres)
-    } else {
-        metres
-    };
-    NearPlane { metres, most }
+    let least = LEAST_NEAR * whole; // a perspective needs some near plane
+    if touches {
+        let metres = light.clearance.max(least);
+        let most = nearest.max(metres);
+        return NearPlane { metres, most };
+    }
+    let metres = whole * (nearest.max(least) / whole).log2().floor().min(0.0).exp2();
+    NearPlane { metres, most: metres }
 }
 
 /// Distance, metres, within which corners of casters are placed exactly enough.

@@ -13,7 +13,7 @@ use super::wedges::{LightWedges, PartWedges, PenumbraWedges};
 use crate::geometry::Aabb;
 use crate::scene::placement::Placement;
 use crate::sets::light::depth_bounds::shadow_depth_range;
-use crate::sets::{DepthReach, FrameLight, FrameLights, LightClearance, Objects, View, ViewData};
+use crate::sets::{DepthReach, FrameLight, FrameLights, Objects, View, ViewData};
 use crate::silhouettes::cache::light_is_within;
 use crate::silhouettes::{CasterShape, CasterShapeItem, KEPT_FRAMES, Silhouette, Silhouettes};
 use crate::techniques::shared::extrude::{TO_INFINITY, volume_corners};
@@ -39,7 +39,6 @@ pub fn build_penumbra_wedges(
     view: Res<View>,
     silhouettes: Res<Silhouettes>,
     near_caps: NearCaps,
-    clearance: Res<LightClearance>,
     components: Query<(&PenumbraWedge, Option<&EmitterTexture>)>,
     casters: Query<CasterShape>,
     places: Query<Placement>,
@@ -62,7 +61,6 @@ pub fn build_penumbra_wedges(
         objects: &objects,
         depth_reach: &depth_reach,
         near_caps: &near_caps,
-        clearance: &clearance,
     };
     let mut rebuilt = false;
     for (index, light) in lights.lights.iter().enumerate() {
@@ -119,7 +117,6 @@ struct Context<'a, 'w> {
     objects: &'a Objects,
     depth_reach: &'a DepthReach,
     near_caps: &'a NearCaps<'w>,
-    clearance: &'a LightClearance,
 }
 
 /// One part of one light.
@@ -204,7 +201,6 @@ impl PenumbraWedges {
             return false; // beyond all that receives the light
         };
         let point = part.part.point_world;
-        let metres = context.clearance.metres(point, light.light.range, &bounds);
         let key = ChunkKey {
             revision: silhouette.revision,
             light_from_local: light_from_local.as_mat4(),
@@ -212,8 +208,8 @@ impl PenumbraWedges {
             bounds: settings.bounds,
             by_patch: settings.overlap == Overlap::Paper,
             silhouette: settings.used_silhouette(),
-            touches: light_is_within(&bounds, point, cutting_distance(part.part.shape, metres))
-                .then_some(metres),
+            touches: light_is_within(&bounds, point, cutting_distance(part.part.shape, light.clearance))
+                .then_some(light.clearance),
         };
         let chunks = chunks_of(&mut self.kept, light.entity, self.frame);
         let at = chunks

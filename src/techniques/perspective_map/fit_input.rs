@@ -32,8 +32,6 @@ pub struct FitInput<'a> {
     pub boxes: &'a [Aabb],
     /// Distance to which the blur of grounds reaches beyond what is seen, metres.
     pub blur_metres: f64,
-    /// Clearance of lights at a position from the surfaces that they may be on, as a share of distance.
-    pub near_share: f64,
     /// Whether a cube's faces replaced one picture in the frame before.
     pub replaced_one: bool,
 }

@@ -100,7 +100,7 @@ fn near_distance(input: &FitInput, homography: &DMat3) -> f64 {
     }
     let (light, objects) = (input.light, input.objects);
     let reach = farthest(light, input.casters(), objects);
-    let near = near_plane(light, input.casters(), objects, reach, input.near_share);
+    let near = near_plane(light, input.casters(), objects, reach);
     if near.most > near.metres {
         near_of_mean(homography, near.metres, near.most)
     } else {

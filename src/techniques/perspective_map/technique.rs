@@ -19,7 +19,7 @@ use crate::render::shaders::ShaderFile;
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
 use crate::scene::{Light, LightKind, SceneMesh};
-use crate::sets::{FrameLight, FrameLights, LightClearance, Needs, Objects, View, VisibleParts};
+use crate::sets::{FrameLight, FrameLights, Needs, Objects, View, VisibleParts};
 use crate::silhouettes::KEPT_FRAMES;
 use crate::techniques::maps::request::{LightRequest, MapFaces, MapRequests, MapSystems};
 use crate::techniques::maps::{self, systems};
@@ -56,7 +56,7 @@ struct Known {
 struct Input {
     settings: PerspectiveMap,
     blur_metres: f64,
-    near_share: f64,
+    clearance: f64,
 }
 
 impl Known {
@@ -109,7 +109,6 @@ pub struct FitScene<'w, 's> {
     lights: Res<'w, FrameLights>,
     objects: Res<'w, Objects>,
     view: Res<'w, View>,
-    clearance: Res<'w, LightClearance>,
     grounds: Res<'w, BlurredGrounds>,
     visible: Res<'w, VisibleParts>,
     meshes: Query<'w, 's, Receiver>,
@@ -170,7 +169,7 @@ pub fn request_perspective_maps(
         let input = Input {
             settings,
             blur_metres: scene.blur_metres(light),
-            near_share: scene.clearance.share().max(1e-7), // a perspective needs some near plane
+            clearance: light.clearance,
         };
         request.pictures = input.blur_metres > 0.0;
         request.cached &= !request.pictures;
@@ -246,7 +245,6 @@ fn fit_light(
         objects: &scene.objects,
         settings: &input.settings,
         blur_metres: input.blur_metres,
-        near_share: input.near_share,
         replaced_one,
     };
     fit_faces(&input, &mut maps.scratch)

@@ -39,9 +39,9 @@ pub struct ShadowMap {
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
     /// Distance from a spot light, metres, within which nothing casts; at least 1e-9 and less than the
-    /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): at most a
-    /// hundred-thousandth of the range, and less as far as a caster is nearer. Depth is reversed floating
-    /// point, so a small value costs no precision.
+    /// range. Raise it to ignore casters close to the light, such as a lamp's shade. Default (`None`): the light's
+    /// clearance where it may be on a surface, else at most a hundred-thousandth of the range, and less as far
+    /// as a caster is nearer. Depth is reversed floating point, so a small value costs no precision.
     #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]
     pub near: Option<f32>,
     /// Keeps the map from frame to frame and draws only the faces that changed. This takes 4 bytes a texel

@@ -46,8 +46,9 @@ pub struct Smoothie {
     /// How a surface is kept from shadowing itself. The default needs no setting.
     pub bias: MapBias,
     /// Distance from the light, metres, within which nothing casts; at least 1e-9 and less than the range. Raise it to
-    /// ignore casters close to the light, such as a lamp's shade. Directional lights ignore it. Default (`None`): at
-    /// most a hundred-thousandth of the range, and less as far as a caster is nearer.
+    /// ignore casters close to the light, such as a lamp's shade. Directional lights ignore it. Default (`None`): the
+    /// light's clearance where it may be on a surface, else at most a hundred-thousandth of the range, and less as far
+    /// as a caster is nearer.
     #[cfg_attr(feature = "schema", schemars(range(min = 0), example = 0.05))]
     pub near: Option<f32>,
     /// Keeps map and smoothies from frame to frame and draws only the faces that changed. This takes 8 bytes a texel and

@@ -155,16 +155,17 @@ fn a_triangle_at_the_light_does_not_block_it_and_one_before_it_does() {
     let floor = [DVec3::ZERO, DVec3::Z, DVec3::X];
     let at = |height: f64| {
         [
-            DVec3::new(-9.0, height, -9.0),
-            DVec3::new(0.0, height, 30.0),
-            DVec3::new(30.0, height, 0.0),
+            DVec3::new(-2.0, height, -2.0),
+            DVec3::new(0.0, height, 5.0),
+            DVec3::new(5.0, height, 0.0),
         ]
     };
     let point = DVec3::new(0.2, 0.0, 0.2);
     for (height, blocked) in [
         (2.0, false),
         (2.0 - 1e-8, false), // nearer to the light than its clearance
-        (2.0 - 1e-4, true),
+        (2.0 - 1e-5, false),
+        (2.0 - 1e-3, true),
         (1.0, true),
         (1e-6, true),
         (2.1, false),

@@ -32,6 +32,7 @@ fn scenes_lights_and_cameras_are_spawned_in_node_order() {
     lights
         .push(json!({"type": "spot", "range": 7.0, "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.2}}));
     lights.push(json!({"type": "directional", "color": [1.0, 0.5, 0.25]}));
+    lights.push(json!({"type": "spot", "spot": {"innerConeAngle": 0.5, "outerConeAngle": 0.3}}));
     let gltf = builder.load();
     assert_eq!(gltf.report.count(SkipKind::Camera), 1);
     assert_eq!(gltf.cameras[1], Some(Camera::orthographic(2.0, 0.0, 10.0, 2.0)));
@@ -43,6 +44,19 @@ fn scenes_lights_and_cameras_are_spawned_in_node_order() {
     };
     assert_eq!((gltf.lights[1].kind, gltf.lights[1].range), (spot, 7.0));
     assert_eq!(gltf.lights[2], Light::directional(Vec3::new(1.0, 0.5, 0.25), 1.0));
+    // Crossed angles make a cone with a sharp edge instead of a light that is skipped.
+    let sharp = LightKind::Spot {
+        inner_angle: 0.3,
+        outer_angle: 0.3,
+    };
+    assert_eq!(gltf.lights[3].kind, sharp);
+    assert!(gltf.lights[3].validate().is_ok());
+    let report = gltf.report.to_string();
+    assert_eq!(gltf.report.count(SkipKind::LightValue), 1, "{report}");
+    assert!(
+        report.contains("inner angle, 0.5, is larger than its outer one, 0.3"),
+        "{report}"
+    );
 
     let (mut world, mut schedule) = frame();
     let first = spawn_scene(&mut world, &gltf, None).unwrap();

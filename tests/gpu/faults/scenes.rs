@@ -70,10 +70,10 @@ pub fn lamp(stage: &mut Stage, kind: LightKind, at: Vec3, range: f32) -> Entity 
 /// The techniques that draw hard shadows of a lamp, by name.
 pub const HARD: [&str; 3] = ["stencil", "stencil to infinity", "wedges"];
 
-/// Gives the light a technique of [`HARD`], and takes others away.
+/// Gives the light a technique of [`HARD`] or a map, and takes others away.
 pub fn set_technique(stage: &mut Stage, light: Entity, name: &str) {
     let mut entity = stage.world.entity_mut(light);
-    entity.remove::<(StencilVolume, PenumbraWedge, OmniMap)>();
+    entity.remove::<(StencilVolume, PenumbraWedge, OmniMap, PerspectiveMap, Smoothie)>();
     match name {
         "stencil" => entity.insert(StencilVolume::default()),
         "stencil to infinity" => entity.insert(StencilVolume {
@@ -81,6 +81,8 @@ pub fn set_technique(stage: &mut Stage, light: Entity, name: &str) {
             extent: Extent::Infinite,
         }),
         "wedges" => entity.insert(PenumbraWedge::default()),
+        "perspective" => entity.insert(PerspectiveMap::default()),
+        "smoothie" => entity.insert(Smoothie::default()),
         _ => entity.insert(OmniMap::default()),
     };
 }

@@ -3,6 +3,7 @@
 mod bad_input;
 mod buffers;
 mod counting;
+mod culling;
 mod flicker;
 mod models;
 mod overlap;
@@ -10,6 +11,7 @@ mod properties;
 mod scenes;
 mod tables;
 mod texture;
+mod twice;
 
 use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
