@@ -78,8 +78,8 @@ fn change_value(document: &mut Value, random: &mut Rng) {
             let extremes = [0.0, -1.0, 1.0, 0.5, 255.0, 65535.0, 4294967295.0, 1e30, -1e30, 1e-30];
             *value = match random.u32(0..4) {
                 0 => json!(before + 1.0),
-                1 => json!(before as i64 - 1),
-                2 => json!(before as i64 * 2),
+                1 => json!((before as i64).saturating_sub(1)),
+                2 => json!((before as i64).saturating_mul(2)),
                 _ => json!(extremes[random.usize(0..extremes.len())]),
             };
         }

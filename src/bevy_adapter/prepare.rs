@@ -21,7 +21,6 @@ use super::pipelines::is_ready;
 use super::prepare_lights::{BevyLights, prepare_lights};
 use super::projection::projection_of;
 use super::surfaces::Surfaces;
-use super::view_state::ViewState;
 use crate::render::Renderer;
 use crate::render::frame::hosted::HostView;
 use crate::scene::Camera;

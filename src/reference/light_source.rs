@@ -74,6 +74,23 @@ pub enum LightShape {
     },
 }
 
+impl LightShape {
+    /// The smallest and the largest corner of a box around the points that are sampled; `None` if there is one point, or none.
+    pub(super) fn bounds(&self) -> Option<[DVec3; 2]> {
+        let (center, half) = match *self {
+            Self::Rect {
+                center,
+                half_right,
+                half_up,
+                ..
+            } => (center, half_right.abs() + half_up.abs()),
+            Self::Sphere { center, radius } => (center, DVec3::splat(radius)),
+            Self::Point { .. } | Self::Spot { .. } | Self::Directional { .. } => return None,
+        };
+        Some([center - half, center + half])
+    }
+}
+
 impl LightSource {
     /// The light at its transform. Scale is ignored.
     ///

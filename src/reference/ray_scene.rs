@@ -2,6 +2,7 @@
 
 use bevy_ecs::entity::Entity;
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use super::bvh::Bvh;
 use super::contact::touches;
@@ -218,6 +219,61 @@ impl RayScene {
         self.blocker(&ray, end, receiver, casts_for, guess)
     }
 
+    /// The triangles that may block segments from the surface point to points of a box, its smallest and largest corner. One
+    /// search for all segments of a pixel mostly finds few, or none.
+    pub(super) fn suspects(
+        &self,
+        surface: DVec3,
+        ends: [DVec3; 2],
+        receiver: Option<u32>,
+        casts_for: u32,
+    ) -> Suspects {
+        let mut few = SmallVec::new();
+        let mut is_many = false;
+        self.bvh.gather(surface, ends, |slots| {
+            for slot in slots.filter(|&slot| self.may_block(slot, surface, receiver, casts_for)) {
+                if few.len() == FEW {
+                    is_many = true;
+                    return false;
+                }
+                few.push(slot as u32);
+            }
+            true
+        });
+        if is_many {
+            Suspects::Many
+        } else {
+            Suspects::Few(few)
+        }
+    }
+
+    /// As [`RayScene::segment_blocker`], for a segment to a point of the box whose `suspects` these are.
+    pub(super) fn blocker_among(
+        &self,
+        suspects: &Suspects,
+        surface: DVec3,
+        light_world: DVec3,
+        clearance: f64,
+        receiver: Option<u32>,
+        casts_for: u32,
+        guess: Option<u32>,
+    ) -> Option<u32> {
+        let Suspects::Few(few) = suspects else {
+            return self.segment_blocker(surface, light_world, clearance, receiver, casts_for, guess);
+        };
+        if few.is_empty() {
+            return None;
+        }
+        let ray = Ray {
+            origin: surface,
+            direction: light_world - surface,
+        };
+        let sheared = ShearedRay::new(&ray);
+        let end = End::At(light_world, clearance);
+        let blocks = |slot: &u32| self.crosses(*slot as usize, &sheared, end);
+        guess.filter(blocks).or_else(|| few.iter().copied().find(blocks))
+    }
+
     /// A triangle that blocks the half-line from the surface point along `towards_light`, as in
     /// [`RayScene::blocks_direction`]. `guess` is looked at first.
     pub fn direction_blocker(
@@ -246,24 +302,8 @@ impl RayScene {
         guess: Option<u32>,
     ) -> Option<u32> {
         let sheared = ShearedRay::new(ray);
-        let t_max = match end {
-            End::At(..) => 1.0,
-            End::Never => f64::INFINITY,
-        };
-        let is_clear = |corners: &[DVec3; 3]| match end {
-            End::At(light, clearance) => distance_to_triangle(light, *corners) <= clearance,
-            End::Never => false,
-        };
         let blocks = |slot: usize| {
-            let triangle = &self.triangles[slot];
-            triangle.blocks
-                && triangle.layers & casts_for != 0
-                && receiver != Some(slot as u32)
-                && sheared
-                    .intersect(&triangle.corners)
-                    .is_some_and(|(t, _)| t > 0.0 && t < t_max)
-                && !touches(&triangle.corners, ray.origin)
-                && !is_clear(&triangle.corners)
+            self.crosses(slot, &sheared, end) && self.may_block(slot, ray.origin, receiver, casts_for)
         };
         if let Some(guess) = guess
             && (guess as usize) < self.triangles.len()
@@ -272,6 +312,7 @@ impl RayScene {
             return Some(guess);
         }
         let mut blocker = None;
+        let t_max = end.t_max();
         self.bvh.walk(ray, t_max, |slots| {
             blocker = slots.into_iter().find(|&slot| blocks(slot));
             if blocker.is_some() {
@@ -282,7 +323,39 @@ impl RayScene {
         });
         blocker.map(|slot| slot as u32)
     }
+
+    /// Whether a triangle blocks light that comes to a surface point, wherever it comes from.
+    fn may_block(&self, slot: usize, surface: DVec3, receiver: Option<u32>, casts_for: u32) -> bool {
+        let triangle = &self.triangles[slot];
+        triangle.blocks
+            && triangle.layers & casts_for != 0
+            && receiver != Some(slot as u32)
+            && !touches(&triangle.corners, surface)
+    }
+
+    /// Whether a triangle crosses a ray before its end, and is not nearer to the light than its clearance.
+    fn crosses(&self, slot: usize, ray: &ShearedRay, end: End) -> bool {
+        let corners = &self.triangles[slot].corners;
+        let hit = ray.intersect(corners);
+        hit.is_some_and(|(t, _)| t > 0.0 && t < end.t_max())
+            && match end {
+                End::At(light, clearance) => distance_to_triangle(light, *corners) > clearance,
+                End::Never => true,
+            }
+    }
 }
+
+/// Triangles that may block some segments.
+#[derive(Debug)]
+pub(super) enum Suspects {
+    /// No others can.
+    Few(SmallVec<[u32; FEW]>),
+    /// They are so many that a search for each segment is faster than a look at all.
+    Many,
+}
+
+/// Largest number of [`Suspects::Few`].
+const FEW: usize = 24;
 
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug)]
@@ -291,6 +364,16 @@ enum End {
     At(DVec3, f64),
     /// Nowhere.
     Never,
+}
+
+impl End {
+    /// Parameter of the ray before which triangles block.
+    fn t_max(self) -> f64 {
+        match self {
+            End::At(..) => 1.0,
+            End::Never => f64::INFINITY,
+        }
+    }
 }
 
 /// The bounds of every object. Triangles of an object follow each other.

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::error::ReferenceError;
 use super::light_source::{LightShape, LightSource};
 use super::primary::{HitImage, SurfaceHit};
-use super::ray_scene::RayScene;
+use super::ray_scene::{RayScene, Suspects};
 use super::sampling::{SplitMix, strata_per_side, stratified};
 
 /// Visibility of a light at every pixel: 1 where the surface sees the whole light, 0 where it sees none of
@@ -162,12 +162,17 @@ fn sampled_visibility(
     let casts_for = light.selection.casts_for;
     // The blocker of one sample is likely to block the next.
     let last_blocker = Cell::new(None);
+    let suspects = match light.shape.bounds() {
+        Some(ends) if side > 1 => scene.suspects(hit.position, ends, receiver, casts_for),
+        _ => Suspects::Many,
+    };
     let sees = |sample: DVec3| {
         if !(hit.normal.dot(sample - hit.position) > 0.0) {
             return false;
         }
         let guess = last_blocker.get();
-        let blocker = scene.segment_blocker(hit.position, sample, clearance, receiver, casts_for, guess);
+        let from = hit.position;
+        let blocker = scene.blocker_among(&suspects, from, sample, clearance, receiver, casts_for, guess);
         last_blocker.set(blocker.or(guess));
         blocker.is_none()
     };

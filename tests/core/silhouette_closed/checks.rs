@@ -23,7 +23,10 @@ pub struct Cast {
 }
 
 pub fn cast(soup: &Soup, light: Vec4) -> Cast {
-    let mesh = soup.build();
+    cast_of(soup.build(), soup, light)
+}
+
+fn cast_of(mesh: EdgeMesh, soup: &Soup, light: Vec4) -> Cast {
     let mut planes = FacingPlanes::default();
     compute_planes(&mesh, &soup.positions, &mut planes);
     let mut bits = FacingBits::default();
@@ -51,7 +54,7 @@ pub fn slots(mesh: &EdgeMesh) -> impl Iterator<Item = (usize, [u32; 3])> + '_ {
 }
 
 /// Whether each triangle (by slot) is of a closed piece that is wound outward: flood fill over a hash map of edges.
-pub fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, bool> {
+fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, bool> {
     let mut at_edge: HashMap<[u32; 2], Vec<(usize, i32)>> = HashMap::new();
     for (slot, [a, b, c]) in slots(mesh) {
         for (a, b) in [(a, b), (b, c), (c, a)] {
@@ -98,8 +101,11 @@ pub fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, boo
 }
 
 /// Sum of signs over a hash map, with each cap triangle turned to face the light.
-pub fn contour_by_brute_force(cast: &Cast, soup: &Soup, mode: CapMode) -> BTreeMap<[u32; 2], usize> {
-    let closed = closed_by_brute_force(&cast.mesh, soup);
+fn contour_by_brute_force(
+    cast: &Cast,
+    closed: &HashMap<usize, bool>,
+    mode: CapMode,
+) -> BTreeMap<[u32; 2], usize> {
     let mut sums: HashMap<[u32; 2], i32> = HashMap::new();
     for (slot, [a, b, c]) in slots(&cast.mesh) {
         let is_facing = cast.bits.is_facing(slot);
@@ -148,7 +154,19 @@ pub fn assert_loops(edge_vertices: &[[u32; 2]]) {
 
 /// All that must hold for any mesh and light.
 pub fn assert_holds(soup: &Soup, light: Vec4) {
-    let cast = cast(soup, light);
+    assert_holds_under(soup, [light]);
+}
+
+/// All that must hold for any mesh and each of the lights.
+pub fn assert_holds_under(soup: &Soup, lights: impl IntoIterator<Item = Vec4>) {
+    let mesh = soup.build();
+    let closed = closed_by_brute_force(&mesh, soup);
+    for light in lights {
+        assert_cast_holds(&cast_of(mesh.clone(), soup, light), &closed, soup, light);
+    }
+}
+
+fn assert_cast_holds(cast: &Cast, closed: &HashMap<usize, bool>, soup: &Soup, light: Vec4) {
     let mut planes = FacingPlanes::default();
     compute_posed_planes(&cast.mesh, &soup.positions, &mut planes);
     let mut bits = FacingBits::default();
@@ -167,7 +185,7 @@ pub fn assert_holds(soup: &Soup, light: Vec4) {
         );
         assert_eq!(
             counted(edge_vertices.iter().copied()),
-            contour_by_brute_force(&cast, soup, mode)
+            contour_by_brute_force(cast, closed, mode)
         );
         assert_loops(&edge_vertices);
     }
