@@ -23,6 +23,11 @@ pub fn mutate(data: &mut [u8], size: usize, max_size: usize, seed: u32) -> usize
 
 /// Returns a changed GLB; `None` if the bytes are no GLB with a JSON document.
 fn mutant_of(bytes: &[u8], random: &mut Rng) -> Option<Vec<u8>> {
+    // The crate subtracts the size of the header from this length without looking at it.
+    let length = u32::from_le_bytes(bytes.get(8..12)?.try_into().ok()?);
+    if length < 12 {
+        return None;
+    }
     let glb = Glb::from_slice(bytes).ok()?;
     let mut document: Value = serde_json::from_slice(&glb.json).ok()?;
     let mut binary = glb.bin.map(Cow::into_owned);
