@@ -16,7 +16,7 @@ mod models;
 mod shapes;
 mod volume;
 
-use checks::{MODES, assert_holds, assert_holds_under, cast, counted, edge_bits, icosphere, slots};
+use checks::{MODES, assert_holds, cast, counted, edge_bits, icosphere, slots};
 use shapes::{Soup, light_of, light_seeds, shuffled, soups};
 use volume::{Corner, is_crossed, unbalanced_edge, volume, winding};
 
@@ -335,7 +335,7 @@ fn models_hold() {
             boundary += mesh.boundary_vertices().len();
             irregular += mesh.irregular_vertices().len();
             let light = |seed| light_of(&soup.positions, &soup.indices, (seed, 5, [2.0, 3.0, -1.0]));
-            assert_holds_under(&soup, (0..7).map(light));
+            checks::assert_holds_under(&soup, (0..7).map(light));
             mesh_count += 1;
         }
         println!(
