@@ -11,7 +11,7 @@ use glam::Vec3;
 use super::support::stage::Stage;
 
 /// Number of frames of which a time is the median.
-pub const RUNS: usize = 5;
+pub const RUNS: usize = 3;
 
 /// Distance by which a moving light moves from frame to frame, metres, and angle by which it turns, radians: too small to
 /// be seen, and enough for everything that depends on the light to be made again.
