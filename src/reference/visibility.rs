@@ -208,3 +208,49 @@ fn sampled_visibility(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::LightSelection;
+    use proptest::prelude::*;
+
+    fn point(reach: f64) -> impl Strategy<Value = DVec3> {
+        [-reach..reach, -reach..reach, -reach..reach].prop_map(DVec3::from_array)
+    }
+
+    proptest! {
+        /// Looking once for the triangles that may block a pixel's rays gives what a search for each ray gives, for few triangles
+        /// and for many.
+        #[test]
+        fn one_search_sees_what_a_search_for_each_ray_sees(
+            triangles in prop::collection::vec([point(2.0), point(1.0), point(1.0)], 0..80),
+            surface in point(1.0),
+            center in point(4.0),
+            half in 0.01..1.5,
+            is_sphere in any::<bool>(),
+        ) {
+            let corners = triangles.iter().map(|[a, b, c]| [*a, *a + *b, *a + *c]);
+            let scene = RayScene::from_triangles(corners);
+            let shape = if is_sphere {
+                LightShape::Sphere { center, radius: half }
+            } else {
+                LightShape::Rect {
+                    center,
+                    half_right: DVec3::new(half, 0.0, 0.1),
+                    half_up: DVec3::new(0.0, 0.3 * half, 0.0),
+                    direction: DVec3::NEG_Z,
+                }
+            };
+            let Some([low, high]) = shape.bounds() else { unreachable!() };
+            let selection = LightSelection::default();
+            let suspects = scene.suspects(surface, [low, high], None, selection.casts_for);
+            for [u, v] in stratified(4, SplitMix::new(1, 2)) {
+                let sample = low + (high - low) * DVec3::new(u, v, u * v);
+                let searched = scene.segment_blocker(surface, sample, 1e-4, None, selection.casts_for, None);
+                let known = scene.blocker_among(&suspects, surface, sample, 1e-4, None, selection.casts_for, None);
+                prop_assert_eq!(searched.is_some(), known.is_some(), "{} of {:?}", sample, suspects);
+            }
+        }
+    }
+}
