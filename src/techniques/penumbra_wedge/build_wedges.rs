@@ -52,6 +52,7 @@ pub fn build_penumbra_wedges(
     std::mem::swap(&mut out.scratch.layout, &mut out.scratch.last_layout);
     out.scratch.layout.clear();
     let Some(view) = &view.data else {
+        out.assemble(!out.casters.is_empty()); // else the next frame without casters would draw those of the last one
         return;
     };
     let near = &view.near_corners;

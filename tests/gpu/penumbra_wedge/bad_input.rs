@@ -3,8 +3,9 @@
 use antumbra::insides::records::WedgeCaster;
 use antumbra::prelude::*;
 use antumbra::techniques::PenumbraWedges;
+use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
-use glam::Vec3;
+use glam::{UVec2, Vec3};
 
 use super::scenes::{Lit, ground, largest_difference, light, lit, rect, rendered, spawn, sphere, with};
 use crate::harness::strict_context;
@@ -91,6 +92,41 @@ fn degenerate_and_many_edges_do_no_harm() {
     for kind in [rect(0.6, 0.4), sphere(0.3)] {
         shines(&context, "leaves", kind, Vec3::new(0.5, 4.0, 0.3), leaves.clone());
     }
+}
+
+/// In the first frame after one without a view, no caster is left: what was drawn before is not drawn again.
+#[test]
+fn casters_that_go_while_nothing_is_seen_are_forgotten() {
+    let mut stage = ground(&strict_context(), Vec3::new(2.5, 3.0, 4.5), Vec3::ZERO);
+    let cube = spawn(
+        &mut stage,
+        MeshData::cuboid(Vec3::splat(0.5)),
+        Transform::from_xyz(0.0, 1.0, 0.0),
+    );
+    light(
+        &mut stage,
+        &Lit {
+            kind: rect(0.6, 0.4),
+            from: Vec3::new(0.5, 4.0, 0.3),
+            to: Vec3::ZERO,
+            wedge: PenumbraWedge::default(),
+        },
+    );
+    let darkest = |stage: &mut _| rendered(stage, 0).values().iter().copied().fold(1.0, f32::min);
+    assert!(darkest(&mut stage) < 0.1);
+    let size = std::mem::replace(
+        &mut *stage.world.resource_mut::<ViewportSize>(),
+        ViewportSize(UVec2::ZERO),
+    );
+    stage.schedule.run(&mut stage.world);
+    stage.world.despawn(cube);
+    let mut casters = stage.world.query_filtered::<Entity, With<ShadowCaster>>();
+    let ground: Vec<_> = casters.iter(&stage.world).collect();
+    for entity in ground {
+        stage.world.entity_mut(entity).remove::<ShadowCaster>();
+    }
+    stage.world.insert_resource(size);
+    assert!(darkest(&mut stage) > 0.99);
 }
 
 /// Thousands of triangles apart from one another.
