@@ -70,7 +70,7 @@ fn stretched(charts: &[Chart], triangles: &[Option<SurfaceTriangle>], texels_per
     let (mut all, mut coarse) = (0.0, 0.0);
     let (mut worst, mut least) = (None, LEAST_DENSITY);
     for chart in charts {
-        // What a small page takes from a chart has a note of its own.
+        // A chart that is larger than a page is made coarser, which another note says.
         let wanted = f64::from(chart.coarser.unwrap_or(texels_per_metre));
         for flat in &chart.triangles {
             let Some(triangle) = triangles.get(flat.triangle as usize).and_then(Option::as_ref) else {

@@ -92,7 +92,7 @@ pub(super) type MeshResources<'w> = (
     Res<'w, GpuPreprocessingSupport>,
 );
 
-/// What Bevy knows of the meshes of the frame.
+/// The meshes of the frame, with their materials and buffers, as Bevy holds them.
 pub(super) struct Meshes<'a> {
     pub meshes: &'a RenderAssets<RenderMesh>,
     pub materials: &'a ErasedRenderAssets<PreparedMaterial>,

@@ -1,4 +1,4 @@
-//! What views are drawn with: the device, Bevy's pipelines and our own.
+//! The device and the pipelines, Bevy's and our own, that draw the views.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub(super) type DrawResources<'w> = (
     Res<'w, ViewKeyCache>,
 );
 
-/// That with which views are drawn.
+/// The device and the pipelines that draw the views.
 pub(super) struct DrawnWith<'a> {
     pub device: &'a RenderDevice,
     pub queue: &'a RenderQueue,

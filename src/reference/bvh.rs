@@ -224,17 +224,24 @@ fn grown_box([a, b, c]: &[DVec3; 3]) -> BuildBox {
 }
 
 #[cfg(test)]
+pub(super) mod random {
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    /// Points of a cube around the origin, whose side is twice `reach`.
+    pub fn point(reach: f64) -> impl Strategy<Value = DVec3> {
+        [-reach..reach, -reach..reach, -reach..reach].prop_map(DVec3::from_array)
+    }
+}
+
+#[cfg(test)]
 mod tests {
+    use super::random::point;
     use super::*;
     use proptest::prelude::*;
 
-    fn point(reach: f64) -> impl Strategy<Value = DVec3> {
-        [-reach..reach, -reach..reach, -reach..reach].prop_map(DVec3::from_array)
-    }
-
     proptest! {
-        /// What a segment meets is gathered for every box that holds its end, however flat the box is; and what is far from all
-        /// segments is not.
+        /// Every leaf that a segment meets is gathered for a box that holds the segment's end, also for a flat box.
         #[test]
         fn gathering_finds_what_every_segment_finds(
             corners in prop::collection::vec([point(2.0), point(2.0), point(2.0)], 1..40),

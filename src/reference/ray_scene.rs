@@ -160,7 +160,8 @@ impl RayScene {
     }
 
     /// Whether a triangle blocks the segment from the surface point to `light_world`. Triangles within the
-    /// [clearance](RayScene::clearance) of a light without a range do not.
+    /// [clearance](RayScene::clearance) of a light without a range do not. The clearance is computed for each call, in
+    /// O(objects); [`RayScene::segment_blocker`] takes one that is known.
     ///
     /// `receiver` is the triangle that the point lies on, if any. `casts_for` is the mask of
     /// [`LightSelection`](crate::scene::LightSelection).

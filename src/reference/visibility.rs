@@ -212,12 +212,9 @@ fn sampled_visibility(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::reference::bvh::random::point;
     use crate::scene::LightSelection;
     use proptest::prelude::*;
-
-    fn point(reach: f64) -> impl Strategy<Value = DVec3> {
-        [-reach..reach, -reach..reach, -reach..reach].prop_map(DVec3::from_array)
-    }
 
     proptest! {
         /// Looking once for the triangles that may block a pixel's rays gives what a search for each ray gives, for few triangles

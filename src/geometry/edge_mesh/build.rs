@@ -31,8 +31,8 @@ impl EdgeMesh {
     /// gives the same mesh.
     ///
     /// Triangles that collapse in welding or have a position that is not finite are left out and counted
-    /// ([`EdgeMesh::report`]), and so are the copies of a piece that is modelled several times in one place. Triangles without area but with distinct corners stay. An input without
-    /// triangles gives an empty mesh.
+    /// ([`EdgeMesh::report`]), and so are the copies of a piece that is modelled several times in one place.
+    /// Triangles without area but with distinct corners stay. An input without triangles gives an empty mesh.
     ///
     /// # Errors
     /// [`EdgeMeshError`] if the input is not a mesh.

@@ -45,7 +45,7 @@ pub(super) fn without_repeats(triangles: &[[u32; 3]], half_edges: &[HalfEdge]) -
     any.then(|| left().map(|(corners, _)| *corners).collect())
 }
 
-/// The same triangle with its lowest corner first.
+/// Turns a triangle so that its lowest corner is the first. Its winding stays the same.
 fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a < b && a < c {
         [a, b, c]

@@ -138,7 +138,7 @@ mod tests {
         assert!(clearance(f64::INFINITY, &[(0.0, 0.005), (0.01, 0.02)]) < 1e-5);
     }
 
-    /// What is far away does not widen the clearance of a room, and nothing makes it centimetres.
+    /// Distant objects do not widen the clearance of a room. It never reaches a centimetre.
     #[test]
     fn the_far_does_not_widen_the_clearance() {
         let room = clearance(f64::INFINITY, &[(0.0, 3.0)]);

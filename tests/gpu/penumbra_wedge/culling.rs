@@ -43,7 +43,7 @@ fn counting_shader() -> String {
         .fold(start, |text, (function, body)| with_body(&text, function, body))
 }
 
-/// Of the fragments that wedges cover, culling by depth saves a third, and by stencil all but a ninth: 3664, 2332 and 400.
+/// Wedges cover 3664 fragments. Culling by depth leaves 2332 of them, and culling by stencil leaves 400.
 #[test]
 fn culling_saves_most_of_the_pixels_that_wedges_cover() {
     let context = strict_context();
