@@ -16,6 +16,9 @@ use glam::UVec2;
 /// Share by which the memory may grow after the first fifth of the frames.
 const ALLOWED_GROWTH: f64 = 0.01;
 
+/// Number of frames without objects after which nothing is kept of those that were there.
+const REST: u64 = 200;
+
 #[derive(Parser)]
 struct Arguments {
     /// Number of frames.
@@ -38,26 +41,24 @@ fn main() -> Result<(), Box<dyn Error>> {
         || pollster::block_on(RenderContext::headless(RequestedFeatures::default())).expect("an adapter");
     let mut soak = Soak::new(size, seed, device)?;
     let (settled, tenth) = (frames / 5, (frames / 10).max(1));
-    // The highest memory of a tenth: what a frame allocates follows the scene, which grows and shrinks.
-    let (mut highest, mut first) = (0, None);
+    // Frames take as much memory as their scene needs, so it is compared where the scene is empty.
+    let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
+    let (mut highest, mut first, mut last) = (0, None, 0);
     for frame in 1..=frames {
         soak.step()?;
         highest = highest.max(memory());
         if frame % tenth == 0 {
-            println!(
-                "frame {frame}: at most {:.1} MiB",
-                highest as f64 / f64::from(1 << 20)
-            );
-            if frame > settled && first.is_none() {
-                first = Some(highest);
-            }
-            if frame < frames {
-                highest = 0;
+            soak.clear(REST)?;
+            last = memory();
+            let (most, left) = (mib(highest), mib(last));
+            println!("frame {frame}: at most {most:.1} MiB so far, {left:.1} MiB without objects");
+            if frame >= settled {
+                first.get_or_insert(last);
             }
         }
     }
-    let first = first.unwrap_or(highest);
-    let growth = highest as f64 / first.max(1) as f64 - 1.0;
+    let first = first.unwrap_or(last);
+    let growth = last as f64 / first.max(1) as f64 - 1.0;
     println!(
         "{} frames with a picture, {} devices lost, memory grew by {:.2} %",
         soak.drawn,
