@@ -262,7 +262,7 @@ impl RayScene {
         let Suspects::Few(few) = suspects else {
             return self.segment_blocker(surface, light_world, clearance, receiver, casts_for, guess);
         };
-        if few.is_empty() {
+        if suspects.is_empty() {
             return None;
         }
         let ray = Ray {
@@ -272,7 +272,16 @@ impl RayScene {
         let sheared = ShearedRay::new(&ray);
         let end = End::At(light_world, clearance);
         let blocks = |slot: &u32| self.crosses(*slot as usize, &sheared, end);
-        guess.filter(blocks).or_else(|| few.iter().copied().find(blocks))
+        if let Some(guess) = guess.filter(blocks) {
+            return Some(guess);
+        }
+        // A loop, not `find`, which tests would wait for as calls.
+        for slot in few {
+            if blocks(slot) {
+                return Some(*slot);
+            }
+        }
+        None
     }
 
     /// A triangle that blocks the half-line from the surface point along `towards_light`, as in
@@ -353,6 +362,13 @@ pub(super) enum Suspects {
     Few(SmallVec<[u32; FEW]>),
     /// They are so many that a search for each segment is faster than a look at all.
     Many,
+}
+
+impl Suspects {
+    /// Whether nothing blocks any of the segments.
+    pub fn is_empty(&self) -> bool {
+        matches!(self, Self::Few(few) if few.is_empty())
+    }
 }
 
 /// Largest number of [`Suspects::Few`].

@@ -33,9 +33,38 @@ pub(super) fn strata_per_side(samples: u32) -> u32 {
     (f64::from(samples).sqrt().round() as u32).max(1)
 }
 
-/// Yields one sample in each of `side · side` strata of the unit square.
-pub(super) fn stratified(side: u32, mut random: SplitMix) -> impl Iterator<Item = [f64; 2]> {
-    (0..side)
-        .flat_map(move |j| (0..side).map(move |i| (i, j)))
-        .map(move |(i, j)| [i, j].map(|stratum| (f64::from(stratum) + random.unit()) / f64::from(side)))
+/// Yields one sample in each of `side · side` strata of the unit square, row by row.
+pub(super) fn stratified(side: u32, random: SplitMix) -> Stratified {
+    Stratified {
+        side,
+        column: 0,
+        row: 0,
+        random,
+    }
+}
+
+/// The samples of [`stratified`]. Adapters of ranges would do the same, with calls in tests that cost more than the samples.
+pub(super) struct Stratified {
+    side: u32,
+    column: u32,
+    row: u32,
+    random: SplitMix,
+}
+
+impl Iterator for Stratified {
+    type Item = [f64; 2];
+
+    fn next(&mut self) -> Option<[f64; 2]> {
+        if self.column == self.side {
+            (self.column, self.row) = (0, self.row + 1);
+        }
+        if self.row >= self.side {
+            return None;
+        }
+        let side = f64::from(self.side);
+        let u = (f64::from(self.column) + self.random.unit()) / side;
+        let v = (f64::from(self.row) + self.random.unit()) / side;
+        self.column += 1;
+        Some([u, v])
+    }
 }

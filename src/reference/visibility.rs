@@ -1,7 +1,5 @@
 //! Visibility of a light at every pixel.
 
-use std::cell::Cell;
-
 use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
@@ -160,27 +158,24 @@ fn sampled_visibility(
 ) -> f32 {
     let receiver = Some(hit.triangle);
     let casts_for = light.selection.casts_for;
+    let mut suspects = Suspects::Many;
+    if let Some(ends) = light.shape.bounds().filter(|_| side > 1) {
+        suspects = scene.suspects(hit.position, ends, receiver, casts_for);
+        // Most pixels see all of the light, and need no samples.
+        if suspects.is_empty() && is_above_horizon(hit, ends) {
+            return 1.0;
+        }
+    }
     // The blocker of one sample is likely to block the next.
-    let last_blocker = Cell::new(None);
-    let suspects = match light.shape.bounds() {
-        Some(ends) if side > 1 => scene.suspects(hit.position, ends, receiver, casts_for),
-        _ => Suspects::Many,
-    };
-    let sees = |sample: DVec3| {
+    let mut last_blocker = None;
+    let mut sees = |sample: DVec3| {
         if !(hit.normal.dot(sample - hit.position) > 0.0) {
             return false;
         }
-        let guess = last_blocker.get();
-        let from = hit.position;
+        let (from, guess) = (hit.position, last_blocker);
         let blocker = scene.blocker_among(&suspects, from, sample, clearance, receiver, casts_for, guess);
-        last_blocker.set(blocker.or(guess));
+        last_blocker = blocker.or(guess);
         blocker.is_none()
-    };
-    let share_seen = |sample: &dyn Fn([f64; 2]) -> DVec3| {
-        let seen = stratified(side, random.clone())
-            .filter(|&uv| sees(sample(uv)))
-            .count();
-        (seen as f64 / (f64::from(side) * f64::from(side))) as f32
     };
     match light.shape {
         LightShape::Directional { towards } => {
@@ -196,17 +191,36 @@ fn sampled_visibility(
             half_right,
             half_up,
             ..
-        } => share_seen(&|[u, v]| center + half_right * (2.0 * u - 1.0) + half_up * (2.0 * v - 1.0)),
+        } => share_seen(side, random, |[u, v]| {
+            sees(center + half_right * (2.0 * u - 1.0) + half_up * (2.0 * v - 1.0))
+        }),
         LightShape::Sphere { center, radius } => {
             let towards = (center - hit.position).normalize_or(hit.normal);
             let (right, up) = towards.any_orthonormal_pair();
-            share_seen(&|[u, v]| {
+            share_seen(side, random, |[u, v]| {
                 // The square root gives the strata equal areas.
                 let (sin, cos) = (v * std::f64::consts::TAU).sin_cos();
-                center + (right * cos + up * sin) * (u.sqrt() * radius)
+                sees(center + (right * cos + up * sin) * (u.sqrt() * radius))
             })
         }
     }
+}
+
+/// Share of the samples of the unit square for which `sees` returns true.
+fn share_seen(side: u32, random: SplitMix, mut sees: impl FnMut([f64; 2]) -> bool) -> f32 {
+    let mut seen = 0;
+    for sample in stratified(side, random) {
+        seen += u32::from(sees(sample));
+    }
+    (f64::from(seen) / (f64::from(side) * f64::from(side))) as f32
+}
+
+/// Whether all of a box, given by its smallest and largest corner, is above the tangent plane of the surface, by more than
+/// the rounding of a sample.
+fn is_above_horizon(hit: &SurfaceHit, [low, high]: [DVec3; 2]) -> bool {
+    let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
+    let least = hit.normal.dot(center - hit.position) - hit.normal.abs().dot(half);
+    least > 1e-9 * (center - hit.position).length()
 }
 
 #[cfg(test)]
@@ -217,6 +231,37 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
+        /// The share of a rectangle that is seen is that of samples which are all drawn and searched for, whether something
+        /// may block it or nothing, above the surface's horizon, below and across.
+        #[test]
+        fn shortcuts_change_no_share(
+            triangles in prop::collection::vec([point(2.0), point(1.0), point(1.0)], 0..6),
+            surface in point(1.0),
+            normal in point(1.0),
+            center in point(4.0),
+            half in 0.01..1.5,
+        ) {
+            prop_assume!(normal.length() > 0.1);
+            let corners = triangles.iter().map(|[a, b, c]| [*a, *a + *b, *a + *c]);
+            let scene = RayScene::from_triangles(corners);
+            let hit = SurfaceHit { position: surface, normal: normal.normalize(), triangle: u32::MAX, distance: 1.0, view_depth: 1.0 };
+            let (half_right, half_up) = (DVec3::new(half, 0.0, 0.1), DVec3::new(0.0, 0.3 * half, 0.0));
+            let light = LightSource {
+                shape: LightShape::Rect { center, half_right, half_up, direction: DVec3::NEG_Z },
+                range: f64::INFINITY,
+                selection: LightSelection::default(),
+            };
+            let random = SplitMix::new(1, 2);
+            let got = sampled_visibility(&scene, &hit, &light, 1e-4, 4, random.clone());
+            let seen = stratified(4, random).filter(|[u, v]| {
+                let sample = center + half_right * (2.0 * u - 1.0) + half_up * (2.0 * v - 1.0);
+                let casts_for = light.selection.casts_for;
+                hit.normal.dot(sample - surface) > 0.0
+                    && scene.segment_blocker(surface, sample, 1e-4, None, casts_for, None).is_none()
+            });
+            prop_assert_eq!(got, seen.count() as f32 / 16.0);
+        }
+
         /// Looking once for the triangles that may block a pixel's rays gives what a search for each ray gives, for few triangles
         /// and for many.
         #[test]

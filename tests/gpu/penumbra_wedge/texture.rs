@@ -97,6 +97,7 @@ fn colored_truth(stage: &mut Stage, texture: &LightTexture, frame: usize) -> Vec
     let size = world.resource::<ViewportSize>().0;
     let hits = primary_hits(&scene, camera, view, size).unwrap();
     let place = *world.get::<GlobalTransform>(stage.lights[0]).unwrap();
+    let clearance = scene.clearance(place.translation().as_dvec3(), f64::INFINITY, u32::MAX);
     let side = 24;
     hits.hits
         .iter()
@@ -104,11 +105,14 @@ fn colored_truth(stage: &mut Stage, texture: &LightTexture, frame: usize) -> Vec
             let hit = hit.as_ref().filter(|hit| hit.position.y < 0.01)?;
             let mut seen = Vec3::ZERO;
             let mut count = 0;
+            let mut blocker = None;
             for i in 0..side * side {
                 let at =
                     Vec2::new((i % side) as f32 + 0.5, (i / side) as f32 + 0.5) * (2.0 / side as f32) - 1.0;
                 let point = place.transform_point((at * 0.45).extend(0.0)).as_dvec3();
-                if !scene.blocks_segment(hit.position, point, Some(hit.triangle), u32::MAX) {
+                let receiver = Some(hit.triangle);
+                blocker = scene.segment_blocker(hit.position, point, clearance, receiver, u32::MAX, blocker);
+                if blocker.is_none() {
                     seen += texture.texel(frame, at);
                     count += 1;
                 }
