@@ -19,7 +19,7 @@ impl Rooms {
     fn new() -> Self {
         let mut app = harness::antumbra();
         let world = app.world_mut();
-        let camera = harness::marked_camera(world, Vec3::new(2.0, 1.0, 9.0));
+        let camera = harness::unseen_camera(world, Vec3::new(2.0, 1.0, 9.0));
         let [left, right] = [0.0, 4.0].map(|x| {
             let cell = Cell {
                 half_size: Vec3::splat(2.0),

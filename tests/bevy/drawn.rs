@@ -88,10 +88,11 @@ fn a_level_out_of_range_is_as_if_it_were_not_there() {
 
 #[test]
 fn meshes_that_a_scale_turns_hide_no_near_caps() {
+    let (app, camera) = room();
+    let mut game = Game::start(app);
     // A mask that cuts nothing: it is drawn alike, and its caps are always drawn.
-    let draw = |masked: bool, scale: Vec3| {
-        let (mut app, camera) = room();
-        let world = app.world_mut();
+    let mut draw = |masked: bool, scale: Vec3| {
+        let world = game.world();
         let masked = if masked {
             AlphaMode::Mask(0.0)
         } else {
@@ -107,11 +108,12 @@ fn meshes_that_a_scale_turns_hide_no_near_caps() {
         let at = Transform::from_xyz(0.0, 1.0, 0.0);
         let cube = harness::add_mesh(world, Cuboid::new(1.2, 1.0, 1.2), at);
         world.entity_mut(cube).insert(material);
-        let mut game = Game::start(app);
         game.run(3);
         // The scale changes at runtime.
         game.world().get_mut::<Transform>(cube).unwrap().scale = scale;
-        game.run(2).settled(camera)
+        let picture = game.run(2).settled(camera);
+        game.world().despawn(cube);
+        picture
     };
     for scale in [Vec3::new(-1.0, 1.0, 1.0), Vec3::NEG_ONE] {
         let (opaque, masked) = (draw(false, scale), draw(true, scale));

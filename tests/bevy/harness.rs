@@ -56,7 +56,11 @@ pub fn antumbra() -> App {
 
 /// What every camera of the tests has.
 pub fn camera(world: &mut World, transform: Transform) -> Entity {
-    let target = target(world, SIZE);
+    sized_camera(world, SIZE, transform)
+}
+
+fn sized_camera(world: &mut World, size: UVec2, transform: Transform) -> Entity {
+    let target = target(world, size);
     world
         .spawn((
             Camera3d::default(),
@@ -71,12 +75,20 @@ pub fn camera(world: &mut World, transform: Transform) -> Entity {
 
 /// A camera of ours that looks at the origin.
 pub fn marked_camera(world: &mut World, eye: Vec3) -> Entity {
-    let camera = camera(
-        world,
-        Transform::from_translation(eye).looking_at(Vec3::ZERO, Vec3::Y),
-    );
+    let camera = camera(world, from(eye));
     world.entity_mut(camera).insert(AntumbraCamera);
     camera
+}
+
+/// The same with a picture of a few pixels, which takes less time to draw, where a test looks at no picture.
+pub fn unseen_camera(world: &mut World, eye: Vec3) -> Entity {
+    let camera = sized_camera(world, SIZE / 8, from(eye));
+    world.entity_mut(camera).insert(AntumbraCamera);
+    camera
+}
+
+fn from(eye: Vec3) -> Transform {
+    Transform::from_translation(eye).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
 /// An object of some material.
@@ -138,17 +150,34 @@ impl Game {
         frames::render_world(&mut self.apps)
     }
 
-    /// What a camera sees once two frames in a row are the same: Bevy's clusters grow over frames.
+    /// Despawns cameras, lights and meshes, so that another scene can take their place. Shaders and pipelines stay.
+    pub fn clear(&mut self) -> &mut Self {
+        let world = self.world();
+        let mut placed = world.query_filtered::<Entity, (With<Transform>, Without<ChildOf>)>();
+        for entity in placed.iter(world).collect::<Vec<_>>() {
+            world.despawn(entity);
+        }
+        self
+    }
+
+    /// What a camera sees once its picture stays the same: Bevy's clusters grow over frames.
     pub fn settled(&mut self, camera: Entity) -> Picture {
-        let mut last = self.radiance(camera);
+        let [picture] = self.all_settled([camera]);
+        picture
+    }
+
+    /// What cameras see once the pictures of all of them stay the same.
+    pub fn all_settled<const N: usize>(&mut self, cameras: [Entity; N]) -> [Picture; N] {
+        let mut last = cameras.map(|camera| self.radiance(camera));
         for _ in 0..30 {
-            let next = self.run(3).radiance(camera);
+            self.run(3);
+            let next = cameras.map(|camera| self.radiance(camera));
             if next == last {
                 return next;
             }
             last = next;
         }
-        panic!("the picture never settles");
+        panic!("the pictures never settle");
     }
 
     /// Linear radiance that a camera sees.

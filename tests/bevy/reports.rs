@@ -23,7 +23,7 @@ fn game(scene: &str) -> (Game, [Entity; 2]) {
     listen();
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let cameras = [EYE, EYE + Vec3::X].map(|eye| harness::marked_camera(world, eye));
+    let cameras = [EYE, EYE + Vec3::X].map(|eye| harness::unseen_camera(world, eye));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     let floor = harness::add_mesh(world, floor, Transform::default());
     let light = harness::add_light(world);

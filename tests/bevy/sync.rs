@@ -187,7 +187,7 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
 fn what_changed_makes_the_same_mirror_as_everything() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::marked_camera(world, Vec3::new(0.0, 6.0, 9.0));
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 6.0, 9.0));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
         meshes.add(Cuboid::new(1.0, 1.0, 1.0)),
@@ -246,7 +246,7 @@ fn what_changed_makes_the_same_mirror_as_everything() {
 fn a_steady_frame_changes_nothing() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::marked_camera(world, Vec3::new(0.0, 6.0, 9.0));
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 6.0, 9.0));
     harness::add_mesh(world, Cuboid::new(1.0, 1.0, 1.0), Transform::default());
     harness::add_light(world);
     let mut game = Game::start(app);
@@ -279,7 +279,7 @@ fn a_steady_frame_changes_nothing() {
 fn casters_are_among_bevys() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
         meshes.add(Cuboid::new(1.0, 1.0, 1.0)),

@@ -77,13 +77,14 @@ fn a_camera_with_prepasses_and_msaa_shares_the_target_of_a_marked_one() {
         mark(world, late);
         let mut game = Game::start(app);
         game.run(3);
-        let pictures = rights.map(|camera| {
-            let picture = game.settled(camera);
+        let [first, second] = rights;
+        let [first, second, of_left, of_late] = game.all_settled([first, second, left, late]);
+        let pictures = [first, second].map(|picture| {
             let rows = picture.texels.chunks(harness::SIZE.x as usize);
             let right = rows.flat_map(|row| row[harness::SIZE.x as usize / 2..].to_vec());
             right.collect::<Vec<_>>()
         });
-        (pictures, [left, late].map(|camera| game.settled(camera)))
+        (pictures, [of_left, of_late])
     };
     let (ours, marked) = right_halves(harness::antumbra(), true);
     let (bevys, _) = right_halves(harness::headless(), false);
@@ -108,7 +109,7 @@ fn an_upscalers_part_of_the_target_has_light_and_shadows() {
     game.render_world()
         .entity_mut(view)
         .insert(MainPassResolutionOverride(HALF));
-    let (whole, small) = (game.run(2).settled(whole), game.settled(small));
+    let [whole, small] = game.run(2).all_settled([whole, small]);
     whole.save("upscaled");
     small.save("upscaled_small");
     let rows = whole.texels.chunks(whole.size.x as usize).take(HALF.y as usize);
