@@ -17,8 +17,8 @@ struct Rooms {
 
 impl Rooms {
     fn new() -> Self {
-        let mut app = harness::antumbra();
-        let world = app.world_mut();
+        let mut game = harness::game();
+        let world = game.world();
         let camera = harness::unseen_camera(world, Vec3::new(2.0, 1.0, 9.0));
         let [left, right] = [0.0, 4.0].map(|x| {
             let cell = Cell {
@@ -39,7 +39,6 @@ impl Rooms {
             StencilVolume::default(),
             Transform::default(),
         ));
-        let mut game = Game::start(app);
         game.run(4);
         Self {
             game,

@@ -133,9 +133,7 @@ fn visibility(shadowed: &Picture, lit: &Picture) -> Vec<f32> {
 
 #[test]
 fn forward_and_deferred_meshes_show_the_same_shadows() {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let mut game = Game::start(app);
+    let mut game = harness::dark_game();
     let mut of_technique = |technique: fn(&mut EntityWorldMut)| {
         let world = game.clear().world();
         let camera = harness::marked_camera(world, EYE);
@@ -270,9 +268,7 @@ fn forward_meshes_show_shape_cookie_and_tint_of_a_light() {
             ..Cookie::new(image)
         },
     );
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let mut game = Game::start(app);
+    let mut game = harness::dark_game();
     let [plain, _] = modelled(&mut game, ());
     let check = |name: &str, [forward, deferred]: [Picture; 2]| {
         forward.save(name);

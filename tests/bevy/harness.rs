@@ -1,5 +1,7 @@
 //! A headless game, and what its cameras see.
 
+use std::sync::Mutex;
+
 use bevy::app::SubApps;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -30,21 +32,29 @@ pub fn antumbra_first(more: impl FnOnce(&mut App)) -> App {
 }
 
 fn complete(mut app: App) -> App {
-    app.insert_resource(GlobalAmbientLight {
-        brightness: 50.0,
-        ..default()
-    });
+    app.insert_resource(ambient());
     // Validation and other errors of the device fail the test.
     app.insert_resource(RenderErrorHandler(|error, _, _| panic!("{error:?}")));
     app
 }
 
+fn ambient() -> GlobalAmbientLight {
+    GlobalAmbientLight {
+        brightness: 50.0,
+        ..default()
+    }
+}
+
 fn at_once(mut app: App) -> App {
-    app.insert_resource(AntumbraSettings {
+    app.insert_resource(settings());
+    app
+}
+
+fn settings() -> AntumbraSettings {
+    AntumbraSettings {
         immediate_triangles: usize::MAX,
         ..default()
-    });
-    app
+    }
 }
 
 /// The same, with ours. Meshes are ready in the frame in which they appear.
@@ -117,9 +127,45 @@ pub fn matte(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
     )
 }
 
+/// Games for [`game`] that no test uses now.
+static RESTING: Mutex<Vec<SubApps>> = Mutex::new(Vec::new());
+
+/// A running game of [`antumbra`] with an empty scene. Starting a game takes seconds, so this one may have shown the scenes
+/// of other tests before. A test that adds plugins, or changes resources other than the ambient light and the settings,
+/// starts its own with [`Game::start`].
+pub fn game() -> Game {
+    let resting = RESTING.lock().unwrap().pop();
+    let mut game = match resting {
+        Some(apps) => Game { apps, rests: false },
+        None => Game::start(antumbra()),
+    };
+    game.rests = true;
+    game.world().insert_resource(ambient());
+    game.world().insert_resource(settings());
+    game
+}
+
+/// The same without ambient light.
+pub fn dark_game() -> Game {
+    let mut game = game();
+    game.world().insert_resource(GlobalAmbientLight::NONE);
+    game
+}
+
 /// A game that runs.
 pub struct Game {
     pub apps: SubApps,
+    /// Whether another test may have it after this one.
+    rests: bool,
+}
+
+impl Drop for Game {
+    fn drop(&mut self) {
+        if self.rests && !std::thread::panicking() {
+            self.clear().run(2);
+            RESTING.lock().unwrap().push(std::mem::take(&mut self.apps));
+        }
+    }
 }
 
 impl Game {
@@ -129,7 +175,13 @@ impl Game {
         app.cleanup();
         Self {
             apps: std::mem::take(app.sub_apps_mut()),
+            rests: false,
         }
+    }
+
+    /// Keeps the game from other tests, because this one breaks it for good.
+    pub fn spoil(&mut self) {
+        self.rests = false;
     }
 
     /// Runs frames.

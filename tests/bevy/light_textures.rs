@@ -13,16 +13,12 @@ struct Floor {
 }
 
 fn floor() -> Floor {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = harness::dark_game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 5.0, 0.01));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());
-    Floor {
-        game: Game::start(app),
-        camera,
-    }
+    Floor { game, camera }
 }
 
 impl Floor {
@@ -132,8 +128,8 @@ fn a_profile_dims_the_light_of_bevy_by_direction() {
 
 #[test]
 fn textures_may_come_change_and_go() {
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
+    let mut game = harness::game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     harness::add_mesh(
         world,
@@ -141,7 +137,6 @@ fn textures_may_come_change_and_go() {
         Transform::default(),
     );
     let light = harness::add_light(world);
-    let mut game = Game::start(app);
     let plain = game.run(5).settled(camera);
     let images = [image(1, &[Vec3::X]), image(1, &[Vec3::Y])];
     for channel in [0, 1, 0] {

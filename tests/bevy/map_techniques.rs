@@ -5,7 +5,7 @@ use antumbra::techniques::maps::MapResolution;
 use antumbra::techniques::{Smoothie, SmoothieWidth};
 use bevy::prelude::*;
 
-use crate::harness::{Game, Picture, add_mesh, antumbra, marked_camera};
+use crate::harness::{Game, Picture, add_mesh, dark_game, marked_camera};
 
 /// A plate over a floor under a spot light.
 struct Plate {
@@ -16,9 +16,8 @@ struct Plate {
 }
 
 fn plate() -> Plate {
-    let mut app = antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = dark_game();
+    let world = game.world();
     let camera = marked_camera(world, Vec3::new(0.4, 5.0, 1.2));
     let floor = Plane3d::default().mesh().size(6.0, 6.0);
     let floor = add_mesh(world, floor, Transform::IDENTITY);
@@ -36,7 +35,7 @@ fn plate() -> Plate {
     let place = Transform::from_xyz(1.2, 4.0, 0.6).looking_at(Vec3::ZERO, Vec3::Y);
     let light = world.spawn((light, place)).id();
     Plate {
-        game: Game::start(app),
+        game,
         camera,
         floor,
         light,

@@ -56,10 +56,8 @@ pub struct ModelGame {
 
 impl ModelGame {
     pub fn new() -> Self {
-        let mut app = harness::antumbra();
-        app.insert_resource(GlobalAmbientLight::NONE);
         Self {
-            game: Game::start(app),
+            game: harness::dark_game(),
             camera: Entity::PLACEHOLDER,
         }
     }

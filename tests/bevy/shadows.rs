@@ -239,10 +239,19 @@ fn every_technique_shadows_bevys_lights_as_our_own() {
     let outcomes = [
         // The picture of our own is of the share that is seen of the whole light; what shades, here and there, of the share
         // of what is above the surface's horizon. They differ where the light sets.
-        (0.01, soft((&mut game, &mut model), 0, Some(rect), PenumbraWedge::default())),
+        (
+            0.01,
+            soft((&mut game, &mut model), 0, Some(rect), PenumbraWedge::default()),
+        ),
         (0.002, soft((&mut game, &mut model), 0, None, OmniMap::default())),
-        (0.002, soft((&mut game, &mut model), 1, None, ShadowMap::default())),
-        (0.002, soft((&mut game, &mut model), 2, None, StencilVolume::default())),
+        (
+            0.002,
+            soft((&mut game, &mut model), 1, None, ShadowMap::default()),
+        ),
+        (
+            0.002,
+            soft((&mut game, &mut model), 2, None, StencilVolume::default()),
+        ),
     ];
     for (limit, (wrong, pixels)) in outcomes {
         assert!(wrong < limit && pixels > 500, "{wrong} of {pixels}");
@@ -251,9 +260,8 @@ fn every_technique_shadows_bevys_lights_as_our_own() {
 
 #[test]
 fn what_receives_no_shadow_is_lit() {
-    let mut app = crate::harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = crate::harness::dark_game();
+    let world = game.world();
     let camera = crate::harness::marked_camera(world, Vec3::new(0.0, 6.0, 0.1));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let floor = meshes.add(Plane3d::default().mesh().size(3.0, 3.0));
@@ -284,7 +292,6 @@ fn what_receives_no_shadow_is_lit() {
         StencilVolume::default(),
         Transform::from_xyz(0.0, 4.0, 0.0),
     ));
-    let mut game = crate::harness::Game::start(app);
     let picture = game.run(5).settled(camera);
     picture.save("not_receiver");
     let size = picture.size;

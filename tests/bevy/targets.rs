@@ -11,8 +11,7 @@ use crate::harness::{self, Game, Picture};
 
 const HALF: UVec2 = UVec2::new(64, 36);
 
-fn scene(app: &mut App) {
-    let world = app.world_mut();
+fn scene(world: &mut World) {
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());
     harness::add_mesh(
@@ -58,8 +57,8 @@ fn with_prepasses(world: &mut World, target: &RenderTarget) -> Entity {
 #[test]
 fn a_camera_with_prepasses_and_msaa_shares_the_target_of_a_marked_one() {
     let right_halves = |mut app: App, marked: bool| {
-        scene(&mut app);
         let world = app.world_mut();
+        scene(world);
         let mark = |world: &mut World, camera: Entity| {
             if marked {
                 world.entity_mut(camera).insert(AntumbraCamera);
@@ -95,14 +94,13 @@ fn a_camera_with_prepasses_and_msaa_shares_the_target_of_a_marked_one() {
 
 #[test]
 fn an_upscalers_part_of_the_target_has_light_and_shadows() {
-    let mut app = harness::antumbra();
-    scene(&mut app);
-    let world = app.world_mut();
+    let mut game = harness::game();
+    let world = game.world();
+    scene(world);
     let whole = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let small = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let target = harness::target(world, HALF);
     world.entity_mut(small).insert(target);
-    let mut game = Game::start(app);
     game.run(2);
     // Upscalers insert it in the render world.
     let view = game.world().get::<RenderEntity>(whole).expect("a view").id();
