@@ -10,9 +10,9 @@ use bevy::prelude::*;
 use crate::harness::{self, Game};
 use crate::setup::{listen, warnings};
 
-fn game() -> (App, Entity) {
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
+fn game() -> (Game, Entity) {
+    let mut game = harness::game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     harness::add_mesh(
         world,
@@ -20,7 +20,7 @@ fn game() -> (App, Entity) {
         Transform::default(),
     );
     harness::add_light(world);
-    (app, camera)
+    (game, camera)
 }
 
 fn add(world: &mut World, mesh: Mesh) -> Entity {
@@ -36,8 +36,8 @@ fn casters(game: &mut Game, camera: Entity) -> usize {
 #[test]
 fn meshes_that_cannot_cast_are_told_of_and_lit() {
     listen();
-    let (mut app, camera) = game();
-    let world = app.world_mut();
+    let (mut game, camera) = game();
+    let world = game.world();
     let usage = RenderAssetUsages::default();
     let positions = || {
         vec![
@@ -61,7 +61,6 @@ fn meshes_that_cannot_cast_are_told_of_and_lit() {
     let mut gone = Mesh::from(Cuboid::new(0.5, 0.5, 0.5));
     gone.asset_usage = RenderAssetUsages::RENDER_WORLD;
     add(world, gone);
-    let mut game = Game::start(app);
     game.run(4);
     assert!(game.radiance(camera).mean() > 0.0);
     let refused = game.render_world().resource::<RefusedMeshes>().count();
@@ -78,10 +77,9 @@ fn meshes_that_cannot_cast_are_told_of_and_lit() {
 
 #[test]
 fn meshes_replaced_every_frame_are_followed() {
-    let (mut app, camera) = game();
-    let world = app.world_mut();
+    let (mut game, camera) = game();
+    let world = game.world();
     let object = add(world, Cuboid::new(1.0, 1.0, 1.0).into());
-    let mut game = Game::start(app);
     game.run(2);
     for frame in 0..8 {
         let world = game.world();
@@ -103,10 +101,9 @@ fn meshes_replaced_every_frame_are_followed() {
 
 #[test]
 fn lights_come_and_go_every_frame_and_two_thousand_are_managed() {
-    let (mut app, camera) = game();
-    let world = app.world_mut();
+    let (mut game, camera) = game();
+    let world = game.world();
     add(world, Cuboid::new(1.0, 1.0, 1.0).into());
-    let mut game = Game::start(app);
     game.run(2);
     for frame in 0..6 {
         let light = game.world().spawn((
@@ -151,13 +148,12 @@ fn lights_come_and_go_every_frame_and_two_thousand_are_managed() {
 
 #[test]
 fn cameras_without_the_marker_are_bevys() {
-    let (mut app, _) = game();
-    let world = app.world_mut();
+    let (mut game, _) = game();
+    let world = game.world();
     let plain = harness::camera(
         world,
         Transform::from_xyz(0.0, 3.0, 6.0).looking_at(Vec3::ZERO, Vec3::Y),
     );
-    let mut game = Game::start(app);
     game.run(4);
     assert!(game.render_world().resource::<Mirrors>().get(plain).is_none());
     assert!(game.radiance(plain).mean() > 0.0, "and its lights shine");

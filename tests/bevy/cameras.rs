@@ -163,7 +163,7 @@ fn of_bevy() -> [Picture; 3] {
     let right = half(world, "bevy right", &target, true);
     let mut game = Game::start(app);
     game.run(3);
-    [with, without, right].map(|camera| game.settled(camera))
+    game.all_settled([with, without, right])
 }
 
 #[test]
@@ -194,16 +194,16 @@ fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
     let bevy = of_bevy();
 
     // Cameras of Bevy's see what they see without us.
-    for (camera, bevy) in [(with, &bevy[0]), (without, &bevy[1]), (late, &bevy[0])] {
-        assert_eq!(game.settled(camera).difference(bevy).channels, 0);
+    let [of_with, of_without, of_late, of_right, marked] =
+        game.all_settled([with, without, late, right, spawned]);
+    for (picture, bevy) in [(of_with, &bevy[0]), (of_without, &bevy[1]), (of_late, &bevy[0])] {
+        assert_eq!(picture.difference(bevy).channels, 0);
     }
-    let picture = game.settled(right);
     assert!(
-        right_half(&picture) == right_half(&bevy[2]),
+        right_half(&of_right) == right_half(&bevy[2]),
         "the right half is not Bevy's"
     );
     // Ours have shadows from the second frame on, on what is masked too.
-    let marked = game.settled(spawned);
     for picture in [&first, &marked] {
         for point in [SHADOWED, SHADOWED_MASK] {
             let lit = texel(&mut game, spawned, &bevy[1], point)[1];
@@ -246,8 +246,8 @@ fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
         game.world().entity_mut(camera).insert(AntumbraCamera);
     }
     game.run(2);
-    for camera in [spawned, without] {
-        assert_eq!(game.settled(camera).difference(&marked).channels, 0);
+    for picture in game.all_settled([spawned, without]) {
+        assert_eq!(picture.difference(&marked).channels, 0);
     }
     // In and out within a frame.
     let mut camera = game.world().entity_mut(spawned);
@@ -265,8 +265,10 @@ fn the_marker_comes_and_goes_and_other_cameras_are_bevys() {
         .remove::<(DepthPrepass, DeferredPrepass)>();
     game.world().entity_mut(without).insert(Msaa::Sample4);
     game.run(2);
+    for picture in game.all_settled([late, without]) {
+        assert_eq!(picture.difference(&marked).channels, 0);
+    }
     for camera in [late, without] {
-        assert_eq!(game.settled(camera).difference(&marked).channels, 0);
         assert_eq!(game.world().get::<Msaa>(camera), Some(&Msaa::Off));
     }
     // With the marker they go.

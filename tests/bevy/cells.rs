@@ -17,9 +17,9 @@ struct Rooms {
 
 impl Rooms {
     fn new() -> Self {
-        let mut app = harness::antumbra();
-        let world = app.world_mut();
-        let camera = harness::marked_camera(world, Vec3::new(2.0, 1.0, 9.0));
+        let mut game = harness::game();
+        let world = game.world();
+        let camera = harness::unseen_camera(world, Vec3::new(2.0, 1.0, 9.0));
         let [left, right] = [0.0, 4.0].map(|x| {
             let cell = Cell {
                 half_size: Vec3::splat(2.0),
@@ -39,7 +39,6 @@ impl Rooms {
             StencilVolume::default(),
             Transform::default(),
         ));
-        let mut game = Game::start(app);
         game.run(4);
         Self {
             game,

@@ -43,9 +43,8 @@ struct Scene {
 impl Scene {
     /// A card 2 m wide, 1 m above the floor and out of view, under a light 4 m above the floor.
     fn new(technique: impl Bundle) -> Self {
-        let mut app = harness::antumbra();
-        app.insert_resource(GlobalAmbientLight::NONE);
-        let world = app.world_mut();
+        let mut game = harness::dark_game();
+        let world = game.world();
         let camera = harness::marked_camera(world, Vec3::new(0.0, 0.9, 1.6));
         let floor = Plane3d::default().mesh().size(8.0, 8.0);
         harness::add_mesh(world, floor, Transform::default());
@@ -69,7 +68,6 @@ impl Scene {
         };
         let place = Transform::from_xyz(0.0, 4.0, 0.0);
         let light = world.spawn((light, technique, place)).id();
-        let mut game = Game::start(app);
         game.run(3);
         Self {
             game,

@@ -17,8 +17,8 @@ use crate::harness::{self, Game};
 const FAR: f32 = 100.0;
 
 fn game(orthographic: bool) -> (Game, Entity) {
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
+    let mut game = harness::game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(1.0, 3.0, 6.0));
     if orthographic {
         world
@@ -40,7 +40,6 @@ fn game(orthographic: bool) -> (Game, Entity) {
         harness::add_mesh(world, mesh, place);
     }
     harness::add_light(world);
-    let mut game = Game::start(app);
     game.run(4).settled(camera);
     (game, camera)
 }

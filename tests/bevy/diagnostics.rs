@@ -14,7 +14,7 @@ fn game(cameras: usize, more: impl FnOnce(&mut App)) -> Game {
     more(&mut app);
     let world = app.world_mut();
     for camera in 0..cameras {
-        harness::marked_camera(world, EYE + Vec3::X * camera as f32);
+        harness::unseen_camera(world, EYE + Vec3::X * camera as f32);
     }
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());

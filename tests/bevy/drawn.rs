@@ -13,16 +13,20 @@ use bevy::render::render_resource::{Extent3d, TextureDimension, TextureFormat};
 
 use crate::harness::{self, Game};
 
+/// A dark game with the scene of [`furnish`].
+fn room() -> (Game, Entity) {
+    let mut game = harness::dark_game();
+    let camera = furnish(game.world());
+    (game, camera)
+}
+
 /// A floor, a light at the side, and a camera that sees both shadow and caster.
-fn room() -> (App, Entity) {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+fn furnish(world: &mut World) -> Entity {
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let floor = Plane3d::default().mesh().size(12.0, 12.0);
     harness::add_mesh(world, floor, Transform::default());
     harness::add_light(world);
-    (app, camera)
+    camera
 }
 
 fn add_material(world: &mut World, material: StandardMaterial) -> MeshMaterial3d<StandardMaterial> {
@@ -32,12 +36,11 @@ fn add_material(world: &mut World, material: StandardMaterial) -> MeshMaterial3d
 
 #[test]
 fn a_level_out_of_range_is_as_if_it_were_not_there() {
-    let (mut app, camera) = room();
-    let world = app.world_mut();
+    let (mut game, camera) = room();
+    let world = game.world();
     let at = Transform::from_xyz(0.0, 1.0, 0.0);
     let fine = harness::add_mesh(world, Sphere::new(0.5), at);
     let coarse = harness::add_mesh(world, Cuboid::new(1.6, 1.2, 1.6), at);
-    let mut game = Game::start(app);
     game.run(3);
     // Each alone, by visibility, near and far.
     let far = Transform::from_xyz(0.0, 6.0, 12.0).looking_at(Vec3::ZERO, Vec3::Y);
@@ -88,10 +91,10 @@ fn a_level_out_of_range_is_as_if_it_were_not_there() {
 
 #[test]
 fn meshes_that_a_scale_turns_hide_no_near_caps() {
+    let (mut game, camera) = room();
     // A mask that cuts nothing: it is drawn alike, and its caps are always drawn.
-    let draw = |masked: bool, scale: Vec3| {
-        let (mut app, camera) = room();
-        let world = app.world_mut();
+    let mut draw = |masked: bool, scale: Vec3| {
+        let world = game.world();
         let masked = if masked {
             AlphaMode::Mask(0.0)
         } else {
@@ -107,11 +110,12 @@ fn meshes_that_a_scale_turns_hide_no_near_caps() {
         let at = Transform::from_xyz(0.0, 1.0, 0.0);
         let cube = harness::add_mesh(world, Cuboid::new(1.2, 1.0, 1.2), at);
         world.entity_mut(cube).insert(material);
-        let mut game = Game::start(app);
         game.run(3);
         // The scale changes at runtime.
         game.world().get_mut::<Transform>(cube).unwrap().scale = scale;
-        game.run(2).settled(camera)
+        let picture = game.run(2).settled(camera);
+        game.world().despawn(cube);
+        picture
     };
     for scale in [Vec3::new(-1.0, 1.0, 1.0), Vec3::NEG_ONE] {
         let (opaque, masked) = (draw(false, scale), draw(true, scale));
@@ -128,8 +132,8 @@ fn meshes_that_a_scale_turns_hide_no_near_caps() {
 
 #[test]
 fn materials_that_draw_nothing_cast_nothing() {
-    let (mut app, camera) = room();
-    let world = app.world_mut();
+    let (mut game, camera) = room();
+    let world = game.world();
     let texture = world.resource::<Assets<Image>>().reserve_handle();
     let unloaded = add_material(
         world,
@@ -146,7 +150,6 @@ fn materials_that_draw_nothing_cast_nothing() {
             ..default()
         },
     );
-    let mut game = Game::start(app);
     let empty = game.run(3).settled(camera);
     let world = game.world();
     let at = |x: f32| Transform::from_xyz(x, 1.0, 0.0);
@@ -189,7 +192,8 @@ fn materials_that_draw_nothing_cast_nothing() {
 
 #[test]
 fn settings_of_the_game_reach_each_camera() {
-    let (mut app, camera) = room();
+    let mut app = harness::antumbra();
+    let camera = furnish(app.world_mut());
     app.insert_resource(LightClearance(0.001));
     let mut game = Game::start(app);
     game.run(2);

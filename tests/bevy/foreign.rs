@@ -42,15 +42,13 @@ fn a_technique_of_somebody_else_joins_the_frame() {
 
 #[test]
 fn techniques_come_go_and_meet_while_the_game_runs() {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = harness::dark_game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());
     harness::add_mesh(world, Sphere::new(0.6), Transform::from_xyz(0.0, 1.0, 0.0));
     let light = harness::add_light(world);
-    let mut game = Game::start(app);
     let volumes = game.run(5).settled(camera);
     let reports = |game: &mut Game| {
         let mirrors = game.render_world().resource::<Mirrors>();

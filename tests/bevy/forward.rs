@@ -133,10 +133,9 @@ fn visibility(shadowed: &Picture, lit: &Picture) -> Vec<f32> {
 
 #[test]
 fn forward_and_deferred_meshes_show_the_same_shadows() {
-    let of_technique = |technique: fn(&mut EntityWorldMut)| {
-        let mut app = harness::antumbra();
-        app.insert_resource(GlobalAmbientLight::NONE);
-        let world = app.world_mut();
+    let mut game = harness::dark_game();
+    let mut of_technique = |technique: fn(&mut EntityWorldMut)| {
+        let world = game.clear().world();
         let camera = harness::marked_camera(world, EYE);
         let material = forward(world);
         let plane = || Plane3d::default().mesh().size(6.0, 6.0);
@@ -154,8 +153,7 @@ fn forward_and_deferred_meshes_show_the_same_shadows() {
             ..default()
         };
         technique(&mut world.spawn((light, Transform::from_xyz(1.0, 4.0, 1.0))));
-        let mut game = Game::start(app);
-        game.run(5);
+        game.run(4);
         let mut seen = |floor: Entity, hidden: Entity| {
             game.world().entity_mut(floor).insert(Visibility::Inherited);
             game.world().entity_mut(hidden).insert(Visibility::Hidden);
@@ -203,10 +201,8 @@ fn forward_and_deferred_meshes_show_the_same_shadows() {
 }
 
 /// What forward and deferred floors show of a light with a model, below a cube that casts.
-fn modelled(parts: impl Bundle) -> [Picture; 2] {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+fn modelled(game: &mut Game, parts: impl Bundle) -> [Picture; 2] {
+    let world = game.clear().world();
     let camera = harness::marked_camera(world, EYE);
     let mut matte = StandardMaterial {
         perceptual_roughness: 1.0,
@@ -242,8 +238,6 @@ fn modelled(parts: impl Bundle) -> [Picture; 2] {
     };
     let at = Transform::from_xyz(1.0, 4.0, 1.0).looking_at(Vec3::ZERO, Vec3::Z);
     world.spawn((spot, at, StencilVolume::default(), parts));
-    let mut game = Game::start(app);
-    game.run(5);
     floors.map(|floor| {
         game.world().entity_mut(floor).insert(Visibility::Inherited);
         let picture = game.run(4).settled(camera);
@@ -274,7 +268,8 @@ fn forward_meshes_show_shape_cookie_and_tint_of_a_light() {
             ..Cookie::new(image)
         },
     );
-    let [plain, _] = modelled(());
+    let mut game = harness::dark_game();
+    let [plain, _] = modelled(&mut game, ());
     let check = |name: &str, [forward, deferred]: [Picture; 2]| {
         forward.save(name);
         let brightest = plain
@@ -295,8 +290,8 @@ fn forward_meshes_show_shape_cookie_and_tint_of_a_light() {
         );
         forward
     };
-    let shaped = check("forward_shaped", modelled(model.clone()));
-    let tinted = check("forward_tinted", modelled((model, tint)));
+    let shaped = check("forward_shaped", modelled(&mut game, model.clone()));
+    let tinted = check("forward_tinted", modelled(&mut game, (model, tint)));
     // In the shadow, within the shape.
     let filled = shaped.texels.iter().zip(&tinted.texels);
     let filled = filled.filter(|(a, b)| f32::from(a[0]) == 0.0 && f32::from(b[0]) > 0.0);

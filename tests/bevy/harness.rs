@@ -1,5 +1,7 @@
 //! A headless game, and what its cameras see.
 
+use std::sync::Mutex;
+
 use bevy::app::SubApps;
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -30,21 +32,29 @@ pub fn antumbra_first(more: impl FnOnce(&mut App)) -> App {
 }
 
 fn complete(mut app: App) -> App {
-    app.insert_resource(GlobalAmbientLight {
-        brightness: 50.0,
-        ..default()
-    });
+    app.insert_resource(ambient());
     // Validation and other errors of the device fail the test.
     app.insert_resource(RenderErrorHandler(|error, _, _| panic!("{error:?}")));
     app
 }
 
+fn ambient() -> GlobalAmbientLight {
+    GlobalAmbientLight {
+        brightness: 50.0,
+        ..default()
+    }
+}
+
 fn at_once(mut app: App) -> App {
-    app.insert_resource(AntumbraSettings {
+    app.insert_resource(settings());
+    app
+}
+
+fn settings() -> AntumbraSettings {
+    AntumbraSettings {
         immediate_triangles: usize::MAX,
         ..default()
-    });
-    app
+    }
 }
 
 /// The same, with ours. Meshes are ready in the frame in which they appear.
@@ -56,7 +66,11 @@ pub fn antumbra() -> App {
 
 /// What every camera of the tests has.
 pub fn camera(world: &mut World, transform: Transform) -> Entity {
-    let target = target(world, SIZE);
+    sized_camera(world, SIZE, transform)
+}
+
+fn sized_camera(world: &mut World, size: UVec2, transform: Transform) -> Entity {
+    let target = target(world, size);
     world
         .spawn((
             Camera3d::default(),
@@ -71,12 +85,20 @@ pub fn camera(world: &mut World, transform: Transform) -> Entity {
 
 /// A camera of ours that looks at the origin.
 pub fn marked_camera(world: &mut World, eye: Vec3) -> Entity {
-    let camera = camera(
-        world,
-        Transform::from_translation(eye).looking_at(Vec3::ZERO, Vec3::Y),
-    );
+    let camera = camera(world, from(eye));
     world.entity_mut(camera).insert(AntumbraCamera);
     camera
+}
+
+/// The same with a picture of a few pixels, which takes less time to draw, where a test looks at no picture.
+pub fn unseen_camera(world: &mut World, eye: Vec3) -> Entity {
+    let camera = sized_camera(world, SIZE / 8, from(eye));
+    world.entity_mut(camera).insert(AntumbraCamera);
+    camera
+}
+
+fn from(eye: Vec3) -> Transform {
+    Transform::from_translation(eye).looking_at(Vec3::ZERO, Vec3::Y)
 }
 
 /// An object of some material.
@@ -105,9 +127,45 @@ pub fn matte(world: &mut World) -> MeshMaterial3d<StandardMaterial> {
     )
 }
 
+/// Games for [`game`] that no test uses now.
+static RESTING: Mutex<Vec<SubApps>> = Mutex::new(Vec::new());
+
+/// A running game of [`antumbra`] with an empty scene. Starting a game takes seconds, so this one may have shown the scenes
+/// of other tests before. A test that adds plugins, or changes resources other than the ambient light and the settings,
+/// starts its own with [`Game::start`].
+pub fn game() -> Game {
+    let resting = RESTING.lock().unwrap().pop();
+    let mut game = match resting {
+        Some(apps) => Game { apps, rests: false },
+        None => Game::start(antumbra()),
+    };
+    game.rests = true;
+    game.world().insert_resource(ambient());
+    game.world().insert_resource(settings());
+    game
+}
+
+/// The same without ambient light.
+pub fn dark_game() -> Game {
+    let mut game = game();
+    game.world().insert_resource(GlobalAmbientLight::NONE);
+    game
+}
+
 /// A game that runs.
 pub struct Game {
     pub apps: SubApps,
+    /// Whether another test may have it after this one.
+    rests: bool,
+}
+
+impl Drop for Game {
+    fn drop(&mut self) {
+        if self.rests && !std::thread::panicking() {
+            self.clear().run(2);
+            RESTING.lock().unwrap().push(std::mem::take(&mut self.apps));
+        }
+    }
 }
 
 impl Game {
@@ -117,7 +175,13 @@ impl Game {
         app.cleanup();
         Self {
             apps: std::mem::take(app.sub_apps_mut()),
+            rests: false,
         }
+    }
+
+    /// Keeps the game from other tests, because this one breaks it for good.
+    pub fn spoil(&mut self) {
+        self.rests = false;
     }
 
     /// Runs frames.
@@ -138,17 +202,34 @@ impl Game {
         frames::render_world(&mut self.apps)
     }
 
-    /// What a camera sees once two frames in a row are the same: Bevy's clusters grow over frames.
+    /// Despawns cameras, lights and meshes, so that another scene can take their place. Shaders and pipelines stay.
+    pub fn clear(&mut self) -> &mut Self {
+        let world = self.world();
+        let mut placed = world.query_filtered::<Entity, (With<Transform>, Without<ChildOf>)>();
+        for entity in placed.iter(world).collect::<Vec<_>>() {
+            world.despawn(entity);
+        }
+        self
+    }
+
+    /// What a camera sees once its picture stays the same: Bevy's clusters grow over frames.
     pub fn settled(&mut self, camera: Entity) -> Picture {
-        let mut last = self.radiance(camera);
+        let [picture] = self.all_settled([camera]);
+        picture
+    }
+
+    /// What cameras see once the pictures of all of them stay the same.
+    pub fn all_settled<const N: usize>(&mut self, cameras: [Entity; N]) -> [Picture; N] {
+        let mut last = cameras.map(|camera| self.radiance(camera));
         for _ in 0..30 {
-            let next = self.run(3).radiance(camera);
+            self.run(3);
+            let next = cameras.map(|camera| self.radiance(camera));
             if next == last {
                 return next;
             }
             last = next;
         }
-        panic!("the picture never settles");
+        panic!("the pictures never settle");
     }
 
     /// Linear radiance that a camera sees.

@@ -10,8 +10,7 @@ use bevy::render::settings::RenderCreation;
 
 use crate::harness::{self, Game};
 
-fn scene(app: &mut App) -> Entity {
-    let world = app.world_mut();
+fn scene(world: &mut World) -> Entity {
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());
@@ -41,7 +40,7 @@ fn assert_shows_shadows(game: &mut Game, camera: Entity, picture: &harness::Pict
 #[test]
 fn a_lost_device_is_survived() {
     let mut app = harness::antumbra();
-    let camera = scene(&mut app);
+    let camera = scene(app.world_mut());
     app.insert_resource(RenderErrorHandler(|_, _, _| {
         RenderErrorPolicy::Recover(RenderCreation::default())
     }));
@@ -60,9 +59,8 @@ fn a_lost_device_is_survived() {
 
 #[test]
 fn cameras_come_late_and_go() {
-    let mut app = harness::antumbra();
-    let camera = scene(&mut app);
-    let mut game = Game::start(app);
+    let mut game = harness::game();
+    let camera = scene(game.world());
     let first = game.run(5).settled(camera);
     let place = *game.world().get::<Transform>(camera).unwrap();
     let late = harness::camera(game.world(), place);
@@ -93,7 +91,7 @@ fn meshes_are_made_ready_on_other_threads() {
         immediate_triangles: 0,
         ..default()
     });
-    let camera = scene(&mut app);
+    let camera = scene(app.world_mut());
     let mut game = Game::start(app);
     let (mut frames, mut most) = (0, 0);
     loop {
@@ -110,9 +108,8 @@ fn meshes_are_made_ready_on_other_threads() {
     }
     assert!(most > 0, "no mesh was made ready in the background");
     let background = game.run(3).settled(camera);
-    let mut app = harness::antumbra();
-    let camera = scene(&mut app);
-    let mut game = Game::start(app);
+    let mut game = harness::game();
+    let camera = scene(game.world());
     let immediate = game.run(5).settled(camera);
     assert_eq!(background.difference(&immediate).channels, 0);
     assert_shows_shadows(&mut game, camera, &immediate);
@@ -120,9 +117,8 @@ fn meshes_are_made_ready_on_other_threads() {
 
 #[test]
 fn a_target_may_shrink_to_nothing_and_grow_again() {
-    let mut app = harness::antumbra();
-    let camera = scene(&mut app);
-    let mut game = Game::start(app);
+    let mut game = harness::game();
+    let camera = scene(game.world());
     let before = game.run(5).settled(camera);
     // As of a window that is minimized.
     for size in [
@@ -149,9 +145,8 @@ fn a_target_may_shrink_to_nothing_and_grow_again() {
 
 #[test]
 fn a_camera_that_rests_keeps_nothing_of_what_comes_and_goes() {
-    let mut app = harness::antumbra();
-    let camera = scene(&mut app);
-    let mut game = Game::start(app);
+    let mut game = harness::game();
+    let camera = scene(game.world());
     let before = game.run(5).settled(camera);
     game.world()
         .get_mut::<Camera>(camera)
@@ -178,13 +173,12 @@ fn bounds_that_a_game_gives_count_beside_those_of_the_mesh() {
     use bevy::camera::primitives::Aabb;
     use bevy::camera::visibility::NoAutoAabb;
 
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
+    let mut game = harness::game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let water = Plane3d::default().mesh().size(4.0, 4.0);
     let water = harness::add_mesh(world, water, Transform::from_xyz(0.0, 1.0, 0.0));
     harness::add_light(world);
-    let mut game = Game::start(app);
     let height = |game: &mut Game| {
         game.run(3);
         let mirrors = game.render_world().resource::<Mirrors>();

@@ -17,11 +17,12 @@ pub struct Lit {
 pub const LIGHT: Vec3 = Vec3::new(1.0, 3.0, 0.5);
 
 pub fn lit(ambient: bool) -> Lit {
-    let mut app = harness::antumbra();
-    if !ambient {
-        app.insert_resource(GlobalAmbientLight::NONE);
-    }
-    let world = app.world_mut();
+    let mut game = if ambient {
+        harness::game()
+    } else {
+        harness::dark_game()
+    };
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.5, 4.5));
     let layers = RenderLayers::from_layers(&[0, 1, 2]);
     world.entity_mut(camera).insert(layers.clone());
@@ -42,7 +43,7 @@ pub fn lit(ambient: bool) -> Lit {
     let place = Transform::from_translation(LIGHT).looking_at(Vec3::new(0.0, 0.0, 0.2), Vec3::Z);
     let light = world.spawn((light, StencilVolume::default(), place, layers)).id();
     Lit {
-        game: Game::start(app),
+        game,
         camera,
         light,
         cube,

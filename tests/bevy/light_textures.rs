@@ -7,27 +7,41 @@ use bevy::prelude::*;
 use crate::harness::{self, Game, Picture};
 
 /// A floor below a spot light that shines straight down: light's +X is the world's +X.
-fn game(shadow: usize, textures: impl Bundle) -> Picture {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+struct Floor {
+    game: Game,
+    camera: Entity,
+}
+
+fn floor() -> Floor {
+    let mut game = harness::dark_game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 5.0, 0.01));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());
-    let spot = SpotLight {
-        intensity: 500_000.0,
-        outer_angle: 0.9,
-        inner_angle: 0.8,
-        ..default()
-    };
-    let place = Transform::from_xyz(0.0, 3.0, 0.0).looking_to(Vec3::NEG_Y, Vec3::NEG_Z);
-    let mut light = world.spawn((spot, place, textures));
-    match shadow {
-        0 => {}
-        1 => drop(light.insert(StencilVolume::default())),
-        _ => drop(light.insert(ShadowMap::default())),
+    Floor { game, camera }
+}
+
+impl Floor {
+    /// What the camera sees of a new light: with no shadow, of volumes, or of a map.
+    fn lit_by(&mut self, shadow: usize, textures: impl Bundle) -> Picture {
+        let spot = SpotLight {
+            intensity: 500_000.0,
+            outer_angle: 0.9,
+            inner_angle: 0.8,
+            ..default()
+        };
+        let place = Transform::from_xyz(0.0, 3.0, 0.0).looking_to(Vec3::NEG_Y, Vec3::NEG_Z);
+        let mut light = self.game.world().spawn((spot, place, textures));
+        match shadow {
+            0 => {}
+            1 => drop(light.insert(StencilVolume::default())),
+            _ => drop(light.insert(ShadowMap::default())),
+        }
+        let light = light.id();
+        let picture = self.game.run(4).settled(self.camera);
+        self.game.world().despawn(light);
+        picture
     }
-    Game::start(app).run(5).settled(camera)
 }
 
 fn image(width: u32, texels: &[Vec3]) -> std::sync::Arc<CookieImage> {
@@ -42,10 +56,11 @@ fn color(picture: &Picture, x: u32, y: u32) -> Vec3 {
 #[test]
 fn a_picture_colours_the_light_of_bevy() {
     let share = Vec3::new(0.25, 0.5, 1.0);
-    let plain = game(1, ());
+    let mut floor = floor();
+    let plain = floor.lit_by(1, ());
     let (mut lit, size) = (0, plain.size);
     for shadow in 0..3 {
-        let colored = game(shadow, Cookie::new(image(1, &[share])));
+        let colored = floor.lit_by(shadow, Cookie::new(image(1, &[share])));
         for (x, y) in (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))) {
             let (plain, colored) = (color(&plain, x, y), color(&colored, x, y));
             let expected = plain * share;
@@ -62,13 +77,14 @@ fn a_picture_colours_the_light_of_bevy() {
 
 #[test]
 fn a_picture_lies_as_seen_from_the_light() {
-    let plain = game(1, ());
+    let mut floor = floor();
+    let plain = floor.lit_by(1, ());
     let cookie = Cookie {
         size: 0.4,
         wrap: [TextureWrap::Clamp; 2],
         ..Cookie::new(image(2, &[Vec3::X, Vec3::Y]))
     };
-    let halves = game(1, cookie);
+    let halves = floor.lit_by(1, cookie);
     let (size, mut lit) = (halves.size, 0);
     for y in 0..size.y {
         // The picture's texels meet below the light, a few pixels wide.
@@ -91,8 +107,9 @@ fn a_picture_lies_as_seen_from_the_light() {
 fn a_profile_dims_the_light_of_bevy_by_direction() {
     let text = "IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 1 1 2 0 0 0\n1 1 1\n0 30 90\n0\n100 50 10\n";
     let profile = LightProfile::from_ies(text).expect("the file is read");
-    let plain = game(2, ());
-    let shaped = game(2, profile.clone());
+    let mut floor = floor();
+    let plain = floor.lit_by(2, ());
+    let shaped = floor.lit_by(2, profile.clone());
     let below = UVec2::new(plain.size.x / 2, plain.size.y / 2);
     let ratio = |x: u32| color(&shaped, x, below.y).x / color(&plain, x, below.y).x;
     assert!((ratio(below.x) - 1.0).abs() < 0.02, "{}", ratio(below.x));
@@ -111,8 +128,8 @@ fn a_profile_dims_the_light_of_bevy_by_direction() {
 
 #[test]
 fn textures_may_come_change_and_go() {
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
+    let mut game = harness::game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     harness::add_mesh(
         world,
@@ -120,7 +137,6 @@ fn textures_may_come_change_and_go() {
         Transform::default(),
     );
     let light = harness::add_light(world);
-    let mut game = Game::start(app);
     let plain = game.run(5).settled(camera);
     let images = [image(1, &[Vec3::X]), image(1, &[Vec3::Y])];
     for channel in [0, 1, 0] {

@@ -5,19 +5,22 @@ use antumbra::techniques::maps::MapResolution;
 use antumbra::techniques::{Smoothie, SmoothieWidth};
 use bevy::prelude::*;
 
-use crate::harness::{Game, Picture, add_mesh, antumbra, marked_camera};
+use crate::harness::{Game, Picture, add_mesh, dark_game, marked_camera};
 
-/// A plate over a floor under a spot light with a technique. Returns the game, its camera and the floor.
-fn game(technique: Option<impl Bundle>, radius: Option<f32>) -> (Game, Entity, Entity) {
-    let mut app = antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+/// A plate over a floor under a spot light.
+struct Plate {
+    game: Game,
+    camera: Entity,
+    floor: Entity,
+    light: Entity,
+}
+
+fn plate() -> Plate {
+    let mut game = dark_game();
+    let world = game.world();
     let camera = marked_camera(world, Vec3::new(0.4, 5.0, 1.2));
     let floor = Plane3d::default().mesh().size(6.0, 6.0);
     let floor = add_mesh(world, floor, Transform::IDENTITY);
-    if let Some(radius) = radius {
-        world.entity_mut(floor).insert(BlurredGround { radius });
-    }
     add_mesh(
         world,
         Cuboid::new(1.2, 0.05, 1.0),
@@ -31,15 +34,25 @@ fn game(technique: Option<impl Bundle>, radius: Option<f32>) -> (Game, Entity, E
     };
     let place = Transform::from_xyz(1.2, 4.0, 0.6).looking_at(Vec3::ZERO, Vec3::Y);
     let light = world.spawn((light, place)).id();
-    if let Some(technique) = technique {
-        world.entity_mut(light).insert(technique);
+    Plate {
+        game,
+        camera,
+        floor,
+        light,
     }
-    (Game::start(app), camera, floor)
 }
 
-fn picture(technique: Option<impl Bundle>, radius: Option<f32>) -> Picture {
-    let (mut game, camera, _) = game(technique, radius);
-    game.run(5).settled(camera)
+impl Plate {
+    /// What the camera sees once everything is ready.
+    fn picture(&mut self) -> Picture {
+        self.game.run(3).settled(self.camera)
+    }
+
+    /// What it sees after parts were inserted into the light.
+    fn with(&mut self, parts: impl Bundle) -> Picture {
+        self.game.world().entity_mut(self.light).insert(parts);
+        self.picture()
+    }
 }
 
 /// Numbers of pixels that see none of the light, and of those that see a part.
@@ -66,16 +79,16 @@ fn perspective_maps_shadow_a_game_and_blur_its_ground() {
         resolution: MapResolution::Fixed(512),
         ..default()
     };
-    let lit = picture(None::<PerspectiveMap>, None);
-    let (mut game, camera, floor) = game(Some(map), None);
-    let sharp = dark_and_soft(&game.run(5).settled(camera), &lit);
+    let mut plate = plate();
+    let lit = plate.picture();
+    let sharp = dark_and_soft(&plate.with(map), &lit);
     // The component may come and go.
-    game.world()
-        .entity_mut(floor)
-        .insert(BlurredGround { radius: 0.15 });
-    let blurred = dark_and_soft(&game.run(3).settled(camera), &lit);
-    game.world().entity_mut(floor).remove::<BlurredGround>();
-    let again = dark_and_soft(&game.run(3).settled(camera), &lit);
+    let floor = plate.floor;
+    let blur = BlurredGround { radius: 0.15 };
+    plate.game.world().entity_mut(floor).insert(blur);
+    let blurred = dark_and_soft(&plate.picture(), &lit);
+    plate.game.world().entity_mut(floor).remove::<BlurredGround>();
+    let again = dark_and_soft(&plate.picture(), &lit);
     println!("dark and soft: {sharp:?}, blurred {blurred:?}, again {again:?}");
     assert!(sharp[0] > 100 && sharp[1] < sharp[0] / 2, "{sharp:?}");
     assert!(blurred[1] > 3 * sharp[1] && blurred[1] > 150, "{blurred:?}");
@@ -85,7 +98,8 @@ fn perspective_maps_shadow_a_game_and_blur_its_ground() {
 #[test]
 fn smoothies_soften_the_shadows_of_a_game_around_the_same_umbra() {
     let resolution = MapResolution::Fixed(512);
-    let lit = picture(None::<Smoothie>, None);
+    let mut plate = plate();
+    let lit = plate.picture();
     let plain = ShadowMap {
         resolution,
         ..default()
@@ -95,8 +109,10 @@ fn smoothies_soften_the_shadows_of_a_game_around_the_same_umbra() {
         width: SmoothieWidth::Metres(0.5),
         ..default()
     };
-    let plain = dark_and_soft(&picture(Some(plain), None), &lit);
-    let soft = dark_and_soft(&picture(Some(smoothie), None), &lit);
+    let plain = dark_and_soft(&plate.with(plain), &lit);
+    let light = plate.light;
+    plate.game.world().entity_mut(light).remove::<ShadowMap>();
+    let soft = dark_and_soft(&plate.with(smoothie), &lit);
     println!("dark and soft: plain {plain:?}, smoothies {soft:?}");
     assert!(
         plain[0] > 100 && soft[0].abs_diff(plain[0]) < plain[0] / 8,

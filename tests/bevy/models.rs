@@ -48,18 +48,25 @@ pub fn mesh(data: &MeshData) -> Mesh {
     mesh
 }
 
-/// A game that shows what a stage shows, in the camera's and the light's place, without ambient light.
+/// A game without ambient light that shows what a stage shows, one stage after the other.
 pub struct ModelGame {
-    pub game: Game,
-    pub camera: Entity,
+    game: Game,
+    camera: Entity,
 }
 
 impl ModelGame {
-    pub fn new(stage: &mut Stage, technique: impl Bundle) -> Self {
-        let mut app = harness::antumbra();
-        app.insert_resource(GlobalAmbientLight::NONE);
+    pub fn new() -> Self {
+        Self {
+            game: harness::dark_game(),
+            camera: Entity::PLACEHOLDER,
+        }
+    }
+
+    /// Puts the scene of a stage in the place of the last one, with the camera and the first light where the stage has
+    /// them.
+    pub fn show(&mut self, stage: &mut Stage, technique: impl Bundle) -> &mut Self {
         let size = stage.world.resource::<antumbra::sets::ViewportSize>().0;
-        let world = app.world_mut();
+        let world = self.game.clear().world();
         let material = world
             .resource_mut::<Assets<StandardMaterial>>()
             .add(StandardMaterial {
@@ -133,7 +140,7 @@ impl ModelGame {
             },
             Transform::from(at),
         ));
-        let camera = camera.id();
+        self.camera = camera.id();
         let (light, at) = {
             let light = stage.world.entity(stage.lights[0]);
             (
@@ -146,9 +153,8 @@ impl ModelGame {
         world
             .spawn((Transform::from(at), technique))
             .insert_light(&light, distance);
-        let mut game = Game::start(app);
-        game.run(5);
-        Self { game, camera }
+        self.game.run(5);
+        self
     }
 
     /// Whether anything blocks light.

@@ -21,9 +21,9 @@ const EYE: Vec3 = Vec3::new(0.0, 3.0, 6.0);
 /// A game with two cameras, of which each has a mirror; nothing of it wrong. All names begin with `scene`.
 fn game(scene: &str) -> (Game, [Entity; 2]) {
     listen();
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
-    let cameras = [EYE, EYE + Vec3::X].map(|eye| harness::marked_camera(world, eye));
+    let mut game = harness::game();
+    let world = game.world();
+    let cameras = [EYE, EYE + Vec3::X].map(|eye| harness::unseen_camera(world, eye));
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     let floor = harness::add_mesh(world, floor, Transform::default());
     let light = harness::add_light(world);
@@ -32,7 +32,6 @@ fn game(scene: &str) -> (Game, [Entity; 2]) {
             .entity_mut(entity)
             .insert(Name::new(format!("{scene} {part}")));
     }
-    let mut game = Game::start(app);
     game.run(3);
     (game, cameras)
 }
@@ -234,6 +233,7 @@ fn views_that_show_no_shadows_are_logged() {
     assert_eq!(standing(&mut game), 0);
 
     // Of all, and of nobody.
+    game.spoil();
     for camera in cameras {
         let mirrors = game.render_world().resource::<Mirrors>();
         let world = &mirrors.get(camera).unwrap().world;

@@ -15,13 +15,13 @@ struct Floors {
 }
 
 fn floors(ours: bool) -> Floors {
-    let mut app = if ours {
-        harness::antumbra()
+    let mut game = if ours {
+        harness::game()
     } else {
-        harness::headless()
+        Game::start(harness::headless())
     };
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let world = game.world();
+    world.insert_resource(GlobalAmbientLight::NONE);
     let camera = harness::camera(
         world,
         Transform::from_xyz(0.0, 6.0, 0.1).looking_at(Vec3::ZERO, Vec3::Y),
@@ -55,11 +55,7 @@ fn floors(ours: bool) -> Floors {
         Transform::from_xyz(0.0, 4.0, 0.0),
     ));
     let light = light.id();
-    Floors {
-        game: Game::start(app),
-        camera,
-        light,
-    }
+    Floors { game, camera, light }
 }
 
 /// Mean of the left and of the right half.

@@ -68,9 +68,7 @@ struct Games([Option<Game>; 2]);
 impl Games {
     fn picture(&mut self, scene: Scene) -> Picture {
         let game = self.0[usize::from(scene.ours)].get_or_insert_with(|| start(scene.ours));
-        let world = game.world();
-        clear(world);
-        let camera = fill(world, scene);
+        let camera = fill(game.clear().world(), scene);
         game.run(4).settled(camera)
     }
 }
@@ -83,14 +81,6 @@ fn start(ours: bool) -> Game {
     };
     app.insert_resource(DefaultOpaqueRendererMethod::deferred());
     Game::start(app)
-}
-
-/// Despawns cameras, lights and meshes.
-fn clear(world: &mut World) {
-    let mut placed = world.query_filtered::<Entity, (With<Transform>, Without<ChildOf>)>();
-    for entity in placed.iter(world).collect::<Vec<_>>() {
-        world.despawn(entity);
-    }
 }
 
 /// Spawns a scene, and returns its first camera.

@@ -43,7 +43,7 @@ impl Outcome {
     }
 }
 
-fn compare(path: &std::path::Path, case: usize, orthographic: bool) -> Outcome {
+fn compare(game: &mut ModelGame, path: &std::path::Path, case: usize, orthographic: bool) -> Outcome {
     let context = strict_context();
     let mut model = ModelStage::new(path, &context, SIZE).expect("triangles");
     let (mut label, mut case) = model.cases().swap_remove(case);
@@ -54,18 +54,17 @@ fn compare(path: &std::path::Path, case: usize, orthographic: bool) -> Outcome {
     }
     model.set(&case, StencilVolume::default());
     let name = path.file_stem().unwrap().to_string_lossy();
-    compare_stage(&mut model.stage, &format!("{name} {label}"))
+    compare_stage(game, &mut model.stage, &format!("{name} {label}"))
 }
 
 /// The first light of a stage that stands ready, with shadow volumes: alone, in a game, and in truth.
-fn compare_stage(stage: &mut Stage, name: &str) -> Outcome {
+fn compare_stage(game: &mut ModelGame, stage: &mut Stage, name: &str) -> Outcome {
     let standalone = stage
         .render()
         .expect("the frame renders")
         .visibility
         .swap_remove(0);
-    let mut game = ModelGame::new(stage, StencilVolume::default());
-    let shadowed = game.picture();
+    let shadowed = game.show(stage, StencilVolume::default()).picture();
     let lit = game.set_casting(false).picture();
     lit.save(&format!("shadows_{name}_lit"));
     shadowed.save(&format!("shadows_{name}"));
@@ -101,17 +100,19 @@ fn compare_stage(stage: &mut Stage, name: &str) -> Outcome {
 #[test]
 #[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn stencil_shadows_equal_the_standalone_mask_and_the_truth() {
+    let mut game = ModelGame::new();
     for (name, case) in SCENES {
-        compare(&model(name), case, false).check();
+        compare(&mut game, &model(name), case, false).check();
     }
 }
 
 #[test]
 #[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn orthographic_cameras_show_the_shadows_of_truth() {
+    let mut game = ModelGame::new();
     // A point, a spot and a directional light, outside of the picture and inside.
     for (scene, case) in [(0, 0), (0, 2), (0, 9), (1, 9), (2, 1)] {
-        compare(&model(SCENES[scene].0), case, true).check();
+        compare(&mut game, &model(SCENES[scene].0), case, true).check();
     }
 }
 
@@ -164,9 +165,10 @@ fn morphing(weight: f32) -> Stage {
 
 #[test]
 fn morphed_meshes_cast_the_shadow_of_their_shape() {
+    let mut game = ModelGame::new();
     let mut shadowed = Vec::new();
     for weight in [0.0, 0.4, 1.0] {
-        let outcome = compare_stage(&mut morphing(weight), &format!("morphed by {weight}"));
+        let outcome = compare_stage(&mut game, &mut morphing(weight), &format!("morphed by {weight}"));
         outcome.check();
         shadowed.push(outcome.shadowed);
     }
@@ -180,13 +182,11 @@ const SCENES: [(&str, usize); 3] = [("many_cubes.glb", 0), ("interior.glb", 9), 
 
 /// Share of pixels whose visibility in Bevy is not the standalone one, and the pixels. `technique` may change the light.
 fn soft(
-    path: &std::path::Path,
+    (game, model): (&mut ModelGame, &mut ModelStage),
     case: usize,
     kind: Option<LightKind>,
     technique: impl Bundle + Clone,
 ) -> (f64, usize) {
-    let context = strict_context();
-    let mut model = ModelStage::new(path, &context, SIZE).expect("triangles");
     let (label, mut case) = model.cases().swap_remove(case);
     if let Some(kind) = kind {
         case.light.kind = kind;
@@ -199,8 +199,7 @@ fn soft(
         .expect("the frame renders")
         .visibility
         .swap_remove(0);
-    let mut game = ModelGame::new(&mut model.stage, technique.clone());
-    let shadowed = game.picture();
+    let shadowed = game.show(&mut model.stage, technique.clone()).picture();
     let lit = game.set_casting(false).picture();
     let got = visibility(&shadowed, &lit);
     let name = std::any::type_name_of_val(&technique)
@@ -231,7 +230,8 @@ fn soft(
 #[test]
 #[ignore = "needs all models: ANTUMBRA_MODELS"]
 fn every_technique_shadows_bevys_lights_as_our_own() {
-    let path = model("many_cubes.glb");
+    let mut model = ModelStage::new(&model("many_cubes.glb"), &strict_context(), SIZE).expect("triangles");
+    let mut game = ModelGame::new();
     let rect = LightKind::Rect {
         width: 2.0,
         height: 1.0,
@@ -239,10 +239,19 @@ fn every_technique_shadows_bevys_lights_as_our_own() {
     let outcomes = [
         // The picture of our own is of the share that is seen of the whole light; what shades, here and there, of the share
         // of what is above the surface's horizon. They differ where the light sets.
-        (0.01, soft(&path, 0, Some(rect), PenumbraWedge::default())),
-        (0.002, soft(&path, 0, None, OmniMap::default())),
-        (0.002, soft(&path, 1, None, ShadowMap::default())),
-        (0.002, soft(&path, 2, None, StencilVolume::default())),
+        (
+            0.01,
+            soft((&mut game, &mut model), 0, Some(rect), PenumbraWedge::default()),
+        ),
+        (0.002, soft((&mut game, &mut model), 0, None, OmniMap::default())),
+        (
+            0.002,
+            soft((&mut game, &mut model), 1, None, ShadowMap::default()),
+        ),
+        (
+            0.002,
+            soft((&mut game, &mut model), 2, None, StencilVolume::default()),
+        ),
     ];
     for (limit, (wrong, pixels)) in outcomes {
         assert!(wrong < limit && pixels > 500, "{wrong} of {pixels}");
@@ -251,9 +260,8 @@ fn every_technique_shadows_bevys_lights_as_our_own() {
 
 #[test]
 fn what_receives_no_shadow_is_lit() {
-    let mut app = crate::harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = crate::harness::dark_game();
+    let world = game.world();
     let camera = crate::harness::marked_camera(world, Vec3::new(0.0, 6.0, 0.1));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let floor = meshes.add(Plane3d::default().mesh().size(3.0, 3.0));
@@ -284,7 +292,6 @@ fn what_receives_no_shadow_is_lit() {
         StencilVolume::default(),
         Transform::from_xyz(0.0, 4.0, 0.0),
     ));
-    let mut game = crate::harness::Game::start(app);
     let picture = game.run(5).settled(camera);
     picture.save("not_receiver");
     let size = picture.size;

@@ -185,9 +185,9 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
 
 #[test]
 fn what_changed_makes_the_same_mirror_as_everything() {
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
-    let camera = harness::marked_camera(world, Vec3::new(0.0, 6.0, 9.0));
+    let mut game = harness::game();
+    let world = game.world();
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 6.0, 9.0));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
         meshes.add(Cuboid::new(1.0, 1.0, 1.0)),
@@ -206,7 +206,6 @@ fn what_changed_makes_the_same_mirror_as_everything() {
     for _ in 0..6 {
         spawn_light(world, &mut edited, &mut random);
     }
-    let mut game = Game::start(app);
     game.run(2);
     let (mut steps, mut different) = (0, EntityHashSet::default());
     let mut last = Vec::new();
@@ -244,12 +243,11 @@ fn what_changed_makes_the_same_mirror_as_everything() {
 
 #[test]
 fn a_steady_frame_changes_nothing() {
-    let mut app = harness::antumbra();
-    let world = app.world_mut();
-    let camera = harness::marked_camera(world, Vec3::new(0.0, 6.0, 9.0));
+    let mut game = harness::game();
+    let world = game.world();
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 6.0, 9.0));
     harness::add_mesh(world, Cuboid::new(1.0, 1.0, 1.0), Transform::default());
     harness::add_light(world);
-    let mut game = Game::start(app);
     game.run(4);
     let mut mirrors = game.render_world().resource_mut::<Mirrors>();
     let mirror = mirrors.get_mut(camera).unwrap();
@@ -279,7 +277,7 @@ fn a_steady_frame_changes_nothing() {
 fn casters_are_among_bevys() {
     let mut app = harness::antumbra();
     let world = app.world_mut();
-    let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
+    let camera = harness::unseen_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     let meshes = vec![
         meshes.add(Cuboid::new(1.0, 1.0, 1.0)),

@@ -11,8 +11,7 @@ use crate::harness::{self, Game, Picture};
 
 const HALF: UVec2 = UVec2::new(64, 36);
 
-fn scene(app: &mut App) {
-    let world = app.world_mut();
+fn scene(world: &mut World) {
     let floor = Plane3d::default().mesh().size(8.0, 8.0);
     harness::add_mesh(world, floor, Transform::default());
     harness::add_mesh(
@@ -58,8 +57,8 @@ fn with_prepasses(world: &mut World, target: &RenderTarget) -> Entity {
 #[test]
 fn a_camera_with_prepasses_and_msaa_shares_the_target_of_a_marked_one() {
     let right_halves = |mut app: App, marked: bool| {
-        scene(&mut app);
         let world = app.world_mut();
+        scene(world);
         let mark = |world: &mut World, camera: Entity| {
             if marked {
                 world.entity_mut(camera).insert(AntumbraCamera);
@@ -77,13 +76,14 @@ fn a_camera_with_prepasses_and_msaa_shares_the_target_of_a_marked_one() {
         mark(world, late);
         let mut game = Game::start(app);
         game.run(3);
-        let pictures = rights.map(|camera| {
-            let picture = game.settled(camera);
+        let [first, second] = rights;
+        let [first, second, of_left, of_late] = game.all_settled([first, second, left, late]);
+        let pictures = [first, second].map(|picture| {
             let rows = picture.texels.chunks(harness::SIZE.x as usize);
             let right = rows.flat_map(|row| row[harness::SIZE.x as usize / 2..].to_vec());
             right.collect::<Vec<_>>()
         });
-        (pictures, [left, late].map(|camera| game.settled(camera)))
+        (pictures, [of_left, of_late])
     };
     let (ours, marked) = right_halves(harness::antumbra(), true);
     let (bevys, _) = right_halves(harness::headless(), false);
@@ -94,21 +94,20 @@ fn a_camera_with_prepasses_and_msaa_shares_the_target_of_a_marked_one() {
 
 #[test]
 fn an_upscalers_part_of_the_target_has_light_and_shadows() {
-    let mut app = harness::antumbra();
-    scene(&mut app);
-    let world = app.world_mut();
+    let mut game = harness::game();
+    let world = game.world();
+    scene(world);
     let whole = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let small = harness::marked_camera(world, Vec3::new(0.0, 3.0, 6.0));
     let target = harness::target(world, HALF);
     world.entity_mut(small).insert(target);
-    let mut game = Game::start(app);
     game.run(2);
     // Upscalers insert it in the render world.
     let view = game.world().get::<RenderEntity>(whole).expect("a view").id();
     game.render_world()
         .entity_mut(view)
         .insert(MainPassResolutionOverride(HALF));
-    let (whole, small) = (game.run(2).settled(whole), game.settled(small));
+    let [whole, small] = game.run(2).all_settled([whole, small]);
     whole.save("upscaled");
     small.save("upscaled_small");
     let rows = whole.texels.chunks(whole.size.x as usize).take(HALF.y as usize);

@@ -11,10 +11,9 @@ use bevy::prelude::*;
 use crate::harness::{self, Game, Picture};
 
 /// A floor under a sharp cone, and a camera.
-fn room() -> (App, Entity) {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+fn room() -> (Game, Entity) {
+    let mut game = harness::dark_game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 5.0));
     let floor = Plane3d::default().mesh().size(12.0, 12.0);
     harness::add_mesh(world, floor, Transform::default());
@@ -26,7 +25,7 @@ fn room() -> (App, Entity) {
     };
     let place = Transform::from_xyz(1.0, 5.0, 1.0).looking_at(Vec3::ZERO, Vec3::Y);
     world.spawn((cone, StencilVolume::default(), place));
-    (app, camera)
+    (game, camera)
 }
 
 /// Pixels that are darker than in another picture.
@@ -60,8 +59,7 @@ fn skinned(world: &mut World, scale: Vec3) -> Entity {
 
 #[test]
 fn scales_of_zero_cast_what_bevy_draws() {
-    let (app, camera) = room();
-    let mut game = Game::start(app);
+    let (mut game, camera) = room();
     let empty = game.run(3).settled(camera);
     let lit = empty
         .texels
@@ -116,9 +114,8 @@ fn scales_of_zero_cast_what_bevy_draws() {
 
 #[test]
 fn rectangles_cast_with_the_size_that_bevy_shades() {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = harness::dark_game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 3.0, 5.0));
     let floor = Plane3d::default().mesh().size(12.0, 12.0);
     harness::add_mesh(world, floor, Transform::default());
@@ -137,7 +134,6 @@ fn rectangles_cast_with_the_size_that_bevy_shades() {
     let light = world
         .spawn((panel(1.5, 0.5), PenumbraWedge::default(), place))
         .id();
-    let mut game = Game::start(app);
     let sized = game.run(3).settled(camera);
     game.world().entity_mut(light).insert(panel(0.5, 0.25));
     let small = game.run(2).settled(camera);
@@ -157,9 +153,8 @@ fn rectangles_cast_with_the_size_that_bevy_shades() {
 /// Two panels at one place that shine to opposite sides, as a panel that shines to both sides is made.
 #[test]
 fn panels_at_one_place_are_told_apart() {
-    let mut app = harness::antumbra();
-    app.insert_resource(GlobalAmbientLight::NONE);
-    let world = app.world_mut();
+    let mut game = harness::dark_game();
+    let world = game.world();
     let camera = harness::marked_camera(world, Vec3::new(0.0, 0.5, 6.0));
     for side in [-1.0, 1.0] {
         let wall = Cuboid::new(0.1, 4.0, 4.0);
@@ -175,7 +170,6 @@ fn panels_at_one_place_are_told_apart() {
             .spawn((panel, PenumbraWedge::default(), place(towards)))
             .id()
     });
-    let mut game = Game::start(app);
     let both = game.run(3).settled(camera);
     // Without techniques, Bevy draws the panels.
     for light in lights {
