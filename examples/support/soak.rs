@@ -100,12 +100,17 @@ impl Soak {
         (0..frames).try_for_each(|_| self.stage.draw())
     }
 
+    /// The device that draws now.
+    pub fn context(&self) -> &RenderContext {
+        self.stage.world.resource::<Renderer>().context()
+    }
+
     /// Loses the device and goes on with another.
     ///
     /// # Errors
     /// Something that the new device refuses.
     pub fn lose_the_device(&mut self) -> Result<(), RenderError> {
-        self.stage.world.resource::<Renderer>().context().device.destroy();
+        self.context().device.destroy();
         // The frame that meets the loss draws nothing and fails.
         let _ = self.stage.draw();
         self.lost += 1;
