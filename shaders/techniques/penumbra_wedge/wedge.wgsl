@@ -332,7 +332,7 @@ fn cut_coverage(in: Corner, receiver: Receiver, position_light: vec3f) -> Layers
         return NOTHING;
     }
     let corners = array<vec3f, 4>(in.start_light, in.end_light, in.third_light, in.fourth_light);
-    let polygon = cut_polygon(position_light, height, corners, IS_SPHERE);
+    let polygon = cut_polygon(position_light, height, in.side, corners, in.other_side.y, IS_SPHERE);
     if polygon.count < 3u {
         return NOTHING;
     }

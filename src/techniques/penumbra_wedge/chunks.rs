@@ -326,14 +326,14 @@ impl Chunk {
     /// Appends the records of the polygons that cut the light, as a patch of their own.
     fn push_cuts(&mut self, seen: &SeenCaster<'_, '_, '_>, scratch: &ChunkScratch) {
         let ChunkScratch { bits, cuts, .. } = scratch;
-        if cuts.polygons.is_empty() {
+        let Some(clearance) = self.key.touches.filter(|_| !cuts.polygons.is_empty()) else {
             return;
-        }
+        };
         let first = self.wedges.len();
         self.wedges.extend(cuts.polygons.iter().map(|polygon| {
             let patch = &cuts.patches[polygon.patch as usize];
             let front = Vec4::from(seen.plane_light(patch.slot, bits)).truncate();
-            cut_record(polygon, patch, front)
+            cut_record(polygon, patch, front, clearance)
         }));
         let end = self.caps.len();
         self.patches.push(ChunkPatch {
