@@ -5,7 +5,8 @@
 
 #import antumbra::conventions::PI
 #import antumbra::coverage::{Seen, LEAST_WAY, border_place, clip_range, place_on_rect, place_on_disc, project_to_rect, disc_frame}
-#import antumbra::wedge_light::{light, Maths, Places, Sampling, Sides, behind, places_between, unit_line}
+#import antumbra::light_places::{Places, Sampling, Sides, places_between, unit_line}
+#import antumbra::wedge_light::{light, Maths, behind}
 
 // A polygon of homogeneous places on the light. It may cross itself: its area counts with its sign.
 struct Polygon {
