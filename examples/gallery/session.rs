@@ -157,7 +157,7 @@ impl Session<'_> {
     fn truth_picture(&mut self, shot: &PageShot, scene: &RayScene) -> Result<String, String> {
         let (bench, page) = (self.bench, self.page);
         bench.look(page, &mut self.shown, shot, bench.large())?;
-        let large = truth::picture(&mut self.shown.stage, scene, shot.exposure)
+        let large = truth::picture(&mut self.shown.stage, scene)
             .map_err(|error| format!("page {}: {error}", page.name))?;
         let (size, pixels) = panels::halve(bench.large(), &large);
         let file = file_name(page, shot, "truth", PANELS[0]);

@@ -1,13 +1,15 @@
 //! Ray-cast visibility of the lights of a stage, and the picture that the renderer would draw with it.
 
+use std::sync::Arc;
+
 use antumbra::prelude::*;
 use antumbra::reference::{
     HitImage, LightSource, RayScene, VisibilityImage, hard_visibility, primary_hits, soft_visibility,
 };
+use antumbra::techniques::Settings;
 use bevy_transform::prelude::GlobalTransform;
 
-use super::cost::{isolate, restore};
-use super::panels;
+use super::support::given::{GivenPicture, GivenVisibility, opaque_alone};
 use super::support::stage::{Stage, one_line};
 use super::way::shadow;
 
@@ -72,35 +74,36 @@ pub fn has_size(light: &Light) -> bool {
     }
 }
 
-/// Draws the picture that the renderer would draw with ray-cast visibility: the frame without lights, and what each light
-/// adds to it without shadows, multiplied by the light's visibility. Removes the techniques from the lights.
+/// Draws the picture that the renderer would draw with ray-cast visibility. Opaque surfaces have their own shadows, behind
+/// glass too. Of blended surfaces, only the nearest at a pixel has shadows, as in every frame. Removes the techniques from
+/// the lights.
 ///
 /// # Errors
 /// Something that the device refuses, or a camera that sees nothing.
-pub fn picture(stage: &mut Stage, scene: &RayScene, exposure: f32) -> Result<Vec<u8>, String> {
-    let failed = |error: antumbra::render::RenderError| one_line(&error);
+pub fn picture(stage: &mut Stage, scene: &RayScene) -> Result<Vec<u8>, String> {
+    stage.schedule.run(&mut stage.world);
+    let nearest = given(of_lights(stage, scene, PICTURE_SAMPLES)?);
+    let opaque = match opaque_alone(&stage.world, scene) {
+        Some(scene) => given(of_lights(stage, &scene, PICTURE_SAMPLES)?),
+        None => vec![None; nearest.len()],
+    };
+    for (light, (nearest, opaque)) in stage
+        .lights
+        .clone()
+        .into_iter()
+        .zip(nearest.into_iter().zip(opaque))
+    {
+        let settings = Settings::of(GivenVisibility { nearest, opaque });
+        shadow(stage, light, Some(&settings));
+    }
+    let rendered = stage.render().map_err(|error| one_line(&error))?;
     for light in stage.lights.clone() {
         shadow(stage, light, None);
     }
-    stage.schedule.run(&mut stage.world);
-    let truth = of_lights(stage, scene, PICTURE_SAMPLES)?;
-    // Beyond the last light all are off.
-    let taken = isolate(stage, stage.lights.len());
-    let dark = stage.render().map_err(failed)?.radiance;
-    restore(stage, taken);
-    let mut sum = dark.clone();
-    for (light, truth) in truth.iter().enumerate() {
-        let Some(truth) = truth else { continue };
-        let others = isolate(stage, light);
-        let alone = stage.render().map_err(failed)?.radiance;
-        restore(stage, others);
-        // A surface that faces away from the light does not count, and gets none of it.
-        let seen = truth.image.values().iter().map(|seen| seen.max(0.0));
-        for (pixel, seen) in seen.enumerate().filter(|(_, seen)| *seen > 0.0) {
-            for channel in 4 * pixel..4 * pixel + 3 {
-                sum[channel] += (alone[channel] - dark[channel]) * seen;
-            }
-        }
-    }
-    Ok(panels::tonemapped(&sum, exposure))
+    Ok(rendered.picture)
+}
+
+fn given(truths: Vec<Option<Truth>>) -> Vec<Option<Arc<GivenPicture>>> {
+    let of_light = |truth: Option<Truth>| Some(Arc::new(GivenPicture::of(&truth?.image)));
+    truths.into_iter().map(of_light).collect()
 }

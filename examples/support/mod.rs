@@ -3,6 +3,8 @@
 #![cfg(all(feature = "render", feature = "gltf"))]
 #![allow(missing_docs, reason = "names of a shot file are explained by the guide")]
 
+#[cfg(feature = "reference")]
+pub mod given;
 pub mod model;
 pub mod picture;
 pub mod shadow;

@@ -4,8 +4,9 @@
 #define_import_path antumbra::cut_surface
 
 #import antumbra::conventions::PI
-#import antumbra::coverage::{Seen, LEAST_WAY, border_place, clip_range, place_on_rect, place_on_disc, project_to_rect}
-#import antumbra::wedge_light::{light, Maths, Places, Sampling, Sides, behind, places_between, unit_line}
+#import antumbra::coverage::{Seen, LEAST_WAY, border_place, clip_range, place_on_rect, place_on_disc, project_to_rect, disc_frame}
+#import antumbra::light_places::{Places, Sampling, Sides, places_between, unit_line}
+#import antumbra::wedge_light::{light, Maths, behind}
 
 // A polygon of homogeneous places on the light. It may cross itself: its area counts with its sign.
 struct Polygon {
@@ -14,7 +15,7 @@ struct Polygon {
     turn: f32,                      // 1: what turns counter-clockwise hides; −1: what turns clockwise does
 }
 
-// Four corners, and one more for each of the three lines that cut them.
+// Four corners, and one more for each of the four lines that cut them.
 const MOST_CORNERS: u32 = 8u;
 
 // Clips a polygon to where a linear function is not negative.
@@ -40,9 +41,10 @@ fn clip_polygon(polygon: Polygon, plane: vec4f) -> Polygon {
 }
 
 // The part of a polygon between a receiver and the light, as the receiver sees it on the light; without corners if it lies
-// beside the light. `height` is the receiver's distance from the polygon's plane, about whose normal the polygon turns
-// counter-clockwise.
-fn cut_polygon(p: vec3f, height: f32, corners: array<vec3f, 4>, is_sphere: bool) -> Polygon {
+// beside the light. The polygon turns counter-clockwise about the normal of its plane, and `height` is the receiver's
+// distance from the plane. Points of the light that are behind the plane by less than `clearance`, metres, are not hidden:
+// otherwise a surface in which the light nearly lies would hide whatever rounding puts behind it.
+fn cut_polygon(p: vec3f, height: f32, plane: vec4f, corners: array<vec3f, 4>, clearance: f32, is_sphere: bool) -> Polygon {
     var polygon: Polygon;
     polygon.count = select(0u, 4u, is_sphere || p.z < 0.0);
     polygon.turn = select(-1.0, 1.0, height < 0.0);
@@ -55,6 +57,13 @@ fn cut_polygon(p: vec3f, height: f32, corners: array<vec3f, 4>, is_sphere: bool)
         }
     }
     polygon = clip_polygon(clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY)), vec4f(0.0, 0.0, -1.0, 1.0));
+    if clearance > 0.0 {
+        let frame = disc_frame(p);
+        let on_disc = vec2f(dot(plane.xyz, frame.across), dot(plane.xyz, frame.up));
+        let tilt = select(plane.xy, on_disc, is_sphere) * light.half_size;
+        let behind_plane = vec3f(tilt, plane.w) * polygon.turn;
+        polygon = clip_polygon(polygon, vec4f(behind_plane - vec3f(0.0, 0.0, clearance), 0.0));
+    }
     if is_beside(polygon) {
         polygon.count = 0u;
     }

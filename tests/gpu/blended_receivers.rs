@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::harness::support::given::{GivenPicture, GivenVisibility, opaque_alone};
 use crate::harness::support::stage::{Rendered, Stage};
-use crate::harness::{judge, strict_context};
+use crate::harness::{judge, strict_context, truth};
 use antumbra::prelude::*;
 use antumbra::reference::RayScene;
 use antumbra::techniques::{Settings, Techniques};
@@ -210,4 +211,55 @@ fn glass_that_is_no_receiver_stays_lit() {
     let scene = RayScene::from_world(&mut stage.world);
     let error = judge(&stage, &scene, 0, &rendered.visibility[0]);
     assert_eq!(error.wrong_inner, 0, "{error:?}");
+}
+
+/// Draws the frame of shadow volumes, and the frame with ray-cast visibility. Returns the number of pixels whose green differs
+/// clearly. With `one`, surfaces behind glass get the visibility of the glass.
+fn differs_from_truth(panes: &[f32], one: bool) -> usize {
+    let mut stage = stage(panes, Panes { cast: false, ..WHOLE });
+    for place in [Vec3::new(0.3, 4.0, 0.2), Vec3::new(-2.0, 3.0, 1.0)] {
+        light(&mut stage, place, true);
+    }
+    let frame = render(&mut stage);
+    let scene = RayScene::from_world(&mut stage.world);
+    let opaque = opaque_alone(&stage.world, &scene);
+    assert_eq!(opaque.is_some(), !panes.is_empty());
+    for (index, light) in stage.lights.clone().into_iter().enumerate() {
+        let given = |scene: &RayScene| Some(Arc::new(GivenPicture::of(&truth(&stage, scene, index))));
+        let given = GivenVisibility {
+            nearest: given(&scene),
+            opaque: opaque.as_ref().filter(|_| !one).and_then(given),
+        };
+        stage.world.entity_mut(light).remove::<StencilVolume>();
+        stage.shadow(light, &Settings::of(given));
+    }
+    let given = render(&mut stage);
+    let pixels = frame.radiance.chunks_exact(4).zip(given.radiance.chunks_exact(4));
+    pixels
+        .filter(|(a, b)| (a[1] - b[1]).abs() > 0.02 * (a[1] + b[1]))
+        .count()
+}
+
+/// The ray-cast truth as a picture keeps to the rules of the frame: opaque surfaces have their own shadows behind glass, the
+/// nearest glass has its own, and glass behind it has none.
+#[test]
+fn pictures_with_given_visibility_shade_glass_as_shadow_volumes_do() {
+    // A pane above the lamps turns its dark side to the view, or hides nothing.
+    for panes in [
+        &[][..],
+        &[1.0],
+        &[0.5, 1.2],
+        &[0.3, 0.6, 1.2],
+        &[4.4],
+        &[4.4, 0.5],
+    ] {
+        let wrong = differs_from_truth(panes, false);
+        println!("{panes:?}: {wrong} pixels");
+        assert!(wrong < 8, "{panes:?}: {wrong} pixels");
+    }
+    let wrong = differs_from_truth(&[1.0], true);
+    assert!(
+        wrong > 100,
+        "the floor has the shadows of the glass: {wrong} pixels"
+    );
 }

@@ -413,6 +413,13 @@ fn mirrored_constants() -> Vec<Constant> {
         &[("RADIX", f64::from(mirrored::RADIX))],
     );
     of(
+        "common/wedge_sums.wgsl",
+        &[
+            ("FACING", f64::from(silhouette_layers::FACING)),
+            ("AVERTED", f64::from(silhouette_layers::AVERTED)),
+        ],
+    );
+    of(
         "techniques/penumbra_wedge/wedge.wgsl",
         &[
             ("HARD", f64::from(records::HARD)),
@@ -424,8 +431,6 @@ fn mirrored_constants() -> Vec<Constant> {
             ("CUT", f64::from(records::CUT)),
             ("LAYERS_SHIFT", f64::from(records::LAYERS_SHIFT)),
             ("SOFT_LAYERS_SHIFT", f64::from(records::SOFT_LAYERS_SHIFT)),
-            ("FACING", f64::from(silhouette_layers::FACING)),
-            ("AVERTED", f64::from(silhouette_layers::AVERTED)),
             ("END", f64::from(mirrored::END)),
             ("FAR_START", f64::from(mirrored::FAR_START)),
             ("FAR_END", f64::from(mirrored::FAR_END)),

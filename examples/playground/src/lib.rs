@@ -8,7 +8,6 @@ pub mod bevy_code;
 pub mod command;
 pub mod compare;
 pub mod document;
-pub mod given;
 pub mod handles;
 pub mod history;
 pub mod measures;

@@ -12,6 +12,7 @@ use antumbra::schedule::SetTimes;
 use antumbra::sets::View;
 use antumbra::techniques::penumbra_wedge::EmitterTexture;
 use antumbra::techniques::{Techniques, add_row};
+use antumbra_stage::given::{GivenPicture, GivenVisibility};
 use antumbra_stage::picture::light_texture;
 use antumbra_stage::shot::{LightParts, ShotGround, ShotModel};
 use antumbra_stage::stage::{Stage, blur_grounds, one_line};
@@ -21,7 +22,6 @@ use glam::{UVec2, Vec3};
 use serde_json::{Map, Value};
 
 use crate::document::{Document, LightDoc, Pose, Side};
-use crate::given::{GivenPicture, GivenVisibility};
 use crate::measures::{Measured, Pixels};
 use crate::target::Target;
 
@@ -251,7 +251,10 @@ impl SideStage {
     /// Gives the lights the visibility of the truth.
     pub fn give(&mut self, pictures: &[Option<Arc<GivenPicture>>]) {
         for (&light, picture) in self.stage.lights.iter().zip(pictures) {
-            let given = GivenVisibility(picture.clone());
+            let given = GivenVisibility {
+                nearest: picture.clone(),
+                opaque: None,
+            };
             if self.stage.world.get::<GivenVisibility>(light) != Some(&given)
                 && let Ok(mut light) = self.stage.world.get_entity_mut(light)
             {

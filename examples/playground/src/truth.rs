@@ -8,10 +8,9 @@ use antumbra::prelude::*;
 use antumbra::reference::{
     HitImage, LightShape, LightSource, RayScene, VisibilityImage, primary_hits, soft_visibility,
 };
+use antumbra_stage::given::GivenPicture;
 use bevy_transform::prelude::GlobalTransform;
 use glam::UVec2;
-
-use crate::given::GivenPicture;
 
 /// Samples on an area light of the first pass and of all others.
 const PASS: [u32; 2] = [4, 16];
@@ -225,7 +224,10 @@ fn trace(job: &Job, newest: &AtomicU64, slot: &Slot) {
             samples = job.samples;
         }
         let lights: Vec<_> = sums.iter().map(|sum| sum.as_ref().and_then(Sum::mean)).collect();
-        let pictures = lights.iter().map(|light| light.as_deref().map(picture)).collect();
+        let pictures = lights
+            .iter()
+            .map(|light| light.as_deref().map(GivenPicture::of).map(Arc::new))
+            .collect();
         let answer = Answer {
             samples,
             lights,
@@ -280,19 +282,6 @@ impl Sum {
         let values = self.values.iter().map(|sum| sum / self.weight).collect();
         VisibilityImage::new(self.size, values).ok().map(Arc::new)
     }
-}
-
-/// Returns the visibility as texels. Pixels that do not count are lit: the light pass leaves them dark by itself.
-fn picture(image: &VisibilityImage) -> Arc<GivenPicture> {
-    let texels = image.values().iter().flat_map(|&value| {
-        let value = if value.is_nan() { 1.0 } else { value };
-        let half = half::f16::from_f32(value.clamp(0.0, 1.0)).to_le_bytes();
-        [half[0], half[1]].repeat(4)
-    });
-    Arc::new(GivenPicture {
-        size: image.size(),
-        texels: texels.collect(),
-    })
 }
 
 #[cfg(test)]

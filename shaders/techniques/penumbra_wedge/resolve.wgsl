@@ -3,7 +3,9 @@
 // Host    src/techniques/penumbra_wedge/gpu/recorder.rs
 // Groups  0 view, 1 receiver, 2 wedges, 3 the visibility buffer
 #import antumbra::receiver::receiver_at
-#import antumbra::wedge_light::{light, Maths, seat, seat_at, above, Places, Sampling, places_above, PLACE_STEPS, HARD_SHADOW, DEEP_HARD_SHADOW, SPLIT_STEPS}
+#import antumbra::light_places::{Places, Sampling, places_above, PLACE_STEPS}
+#import antumbra::wedge_light::{light, Maths, seat, seat_at, above}
+#import antumbra::wedge_sums::{HARD_SHADOW, DEEP_HARD_SHADOW, SPLIT_STEPS}
 
 @group(3) @binding(0) var facing_sums: texture_2d<f32>;         // with IS_SPLIT: the bytes that were added
 @group(3) @binding(1) var facing_second: texture_2d<f32>;       // with IS_SPLIT: bytes that were subtracted; with IS_DENSE: further places

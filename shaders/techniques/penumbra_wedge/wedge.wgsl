@@ -6,7 +6,10 @@
 #import antumbra::view::{objects, clip_position}
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::cut_surface::{cut_polygon, polygon_share, polygon_places}
-#import antumbra::wedge_light::{light, Maths, in_light, in_plane, direction_in_light, seat, see, misses, above, covered, places_behind, Sampling, HARD_SHADOW, DEEP_HARD_SHADOW, PLACE_STEPS, SPLIT_STEPS}
+#import antumbra::light_places::{Sampling, places_behind, PLACE_STEPS}
+#import antumbra::wedge_faces::{faces, foot_of}
+#import antumbra::wedge_light::{light, Maths, in_light, in_plane, seat, see, misses, above, covered}
+#import antumbra::wedge_sums::{Layers, Targets, Value, Split, NOTHING, DIGITS, HARD_SHADOW, DEEP_HARD_SHADOW, doubled_less, is_nothing, layered, scaled, split, times}
 
 struct WedgeCaster {                // mirror: techniques::penumbra_wedge::geometry::records::WedgeCaster
     light_local: vec4f,             // w = 1: a position; w = 0: xyz points towards the light
@@ -45,10 +48,6 @@ const CLOSED: u32 = 512u;           // mirror: techniques::penumbra_wedge::geome
 const CUT: u32 = 1024u;             // mirror: techniques::penumbra_wedge::geometry::records::CUT
 const LAYERS_SHIFT: u32 = 3u;       // mirror: techniques::penumbra_wedge::geometry::records::LAYERS_SHIFT
 const SOFT_LAYERS_SHIFT: u32 = 5u;  // mirror: techniques::penumbra_wedge::geometry::records::SOFT_LAYERS_SHIFT
-
-// Bits of layers.
-const FACING: u32 = 1u;             // mirror: techniques::penumbra_wedge::geometry::silhouette_layers::FACING
-const AVERTED: u32 = 2u;            // mirror: techniques::penumbra_wedge::geometry::silhouette_layers::AVERTED
 
 // Vertices of a wedge after its start, and the number of rim points of a half.
 const END: u32 = 1u;                // mirror: techniques::penumbra_wedge::geometry::topology::END
@@ -192,10 +191,6 @@ fn far_cap(@location(0) position_local: vec3f, @builtin(instance_index) instance
     return far_position(casters[instance], position_local);
 }
 
-// Layout of sampled sums: the first channel holds the share and the count of hard shadows. Each other channel
-// holds three places as digits of −128 to 127 steps, within the 24 bits of a float.
-const DIGITS: vec3f = vec3f(1.0, 256.0, 65536.0);
-
 // Value of a whole hard shadow: a count in sampled sums, otherwise the share of the part above the horizon.
 fn whole(pixel: vec2f) -> vec4f {
     if IS_SAMPLED {
@@ -209,81 +204,12 @@ fn rounded(share: vec4f) -> vec4f {
     return round(clamp(share, vec4f(0.0), vec4f(1.0)) * STEPS) / STEPS;
 }
 
-// A receiver's position relative to the planes of triangles.
-struct Foot {
-    p: vec3f,
-    normal: vec3f,                  // of the receiver's own triangle, light space
-    rounding: f32,                  // distance below which a point counts as in a plane
-}
-
-fn foot_of(receiver: Receiver, p: vec3f) -> Foot {
-    const ROUNDING: f32 = 4e-6;
-    return Foot(p, direction_in_light(receiver.normal), ROUNDING * (length(receiver.position) + length(p)));
-}
-
-// Share of the light's extent by which its centre is clear of a plane.
-const CLEAR: f32 = 0.1;
-// Cosine of the angle within which two normals count as parallel.
-const PARALLEL: f32 = 0.9999;
-
-// For each layer, whether the triangle beside an edge has its front towards the light that is seen through
-// it. A plane of 0 means that there is no triangle; it stands for a non-facing triangle in the facing layer,
-// and a facing one in the averted.
-//
-// The receiver's own triangle, and any triangle in its plane, hides nothing from the receiver. If the light's
-// centre is behind the plane, the hard shadow counts the triangle, so it counts here too, as seen from the
-// centre. If the centre is clearly in front of the plane, the triangle belongs to no layer. In between, the
-// hard shadow's faces pass so close to the receiver that they may be counted, so the triangle counts as seen
-// from the centre again.
-fn faces(plane: vec4f, foot: Foot) -> vec2f {
-    let value = dot(plane.xyz, foot.p) + plane.w;
-    let cosine = dot(plane.xyz, foot.normal);
-    let is_own = abs(cosine) > PARALLEL && abs(value) < foot.rounding;
-    let is_clear = cosine * plane.w > CLEAR * max(light.half_size.x, light.half_size.y);
-    let from_center = vec2f(select(0.0, 1.0, plane.w > 0.0));
-    let seen = select(vec2f(select(0.0, 1.0, value < 0.0)), from_center, is_own);
-    let is_none = all(plane == vec4f(0.0));
-    return select(seen, vec2f(0.0, 1.0), is_none || (is_own && (is_clear || plane.w == 0.0)));
-}
-
-// A value in the facing and in the averted layer.
-struct Layers {
-    facing: Value,
-    averted: Value,
-}
-
-// The numbers that a fragment adds to the sums of a layer.
-struct Value {
-    sums: vec4f,
-    more: vec4f,                    // further places; 0 unless dense
-}
-
-// The targets of sums. Without dense sums there are up to two: facing, averted. With dense sums there are up to four:
-// facing and its further places, averted and its further places. Casters whose layers are the same have the first half.
-struct Targets {
-    @location(0) a: vec4f,
-    @location(1) b: vec4f,
-    @location(2) c: vec4f,
-    @location(3) d: vec4f,
-}
-
 fn targets(value: Layers) -> Targets {
     if IS_DENSE {
         return Targets(value.facing.sums, value.facing.more, value.averted.sums, value.averted.more);
     }
     return Targets(value.facing.sums, value.averted.sums, vec4f(0.0), vec4f(0.0));
 }
-
-fn times(value: Value, factor: f32) -> Value {
-    return Value(value.sums * factor, value.more * factor);
-}
-
-fn layered(value: vec4f, layers: u32) -> Layers {
-    let both = Value(value, vec4f(0.0));
-    return Layers(times(both, f32(layers & FACING)), times(both, f32((layers & AVERTED) >> 1u)));
-}
-
-const NOTHING = Layers();
 
 // Coverage of an edge at the surface that the pixel shows: the share of the part behind the edge, with the
 // places if sampled, times the multiplicity with which the edge is a silhouette edge from there.
@@ -332,7 +258,7 @@ fn cut_coverage(in: Corner, receiver: Receiver, position_light: vec3f) -> Layers
         return NOTHING;
     }
     let corners = array<vec3f, 4>(in.start_light, in.end_light, in.third_light, in.fourth_light);
-    let polygon = cut_polygon(position_light, height, corners, IS_SPHERE);
+    let polygon = cut_polygon(position_light, height, in.side, corners, in.other_side.y, IS_SPHERE);
     if polygon.count < 3u {
         return NOTHING;
     }
@@ -360,10 +286,6 @@ fn separator_value(in: Corner, front_facing: bool) -> Layers {
     return scaled(sum, FACE_SIGN * select(1.0, -1.0, front_facing));
 }
 
-fn doubled_less(soft: Value, hard: Value) -> Value {
-    return Value(2.0 * soft.sums - hard.sums, 2.0 * soft.more);
-}
-
 fn is_left_out(in: Corner) -> bool {
     return (in.flags & CUT) != 0u && !DRAWS_CUTS;
 }
@@ -374,15 +296,6 @@ fn hard_value(in: Corner, front_facing: bool) -> Layers {
 
 fn cap_value(position: vec4f, front_facing: bool) -> Layers {
     return layered(whole(position.xy) * select(-1.0, 1.0, front_facing), CAP_LAYERS);
-}
-
-fn scaled(value: Layers, factor: f32) -> Layers {
-    return Layers(times(value.facing, factor), times(value.averted, factor));
-}
-
-fn is_nothing(value: Layers) -> bool {
-    let facing = all(value.facing.sums == vec4f(0.0)) && all(value.facing.more == vec4f(0.0));
-    return facing && all(value.averted.sums == vec4f(0.0)) && all(value.averted.more == vec4f(0.0));
 }
 
 // Discards fragments that add nothing, which saves the blending.
@@ -420,26 +333,6 @@ fn half(in: Corner) -> Targets {
 @fragment
 fn cap(@builtin(position) position: vec4f, @builtin(front_facing) front_facing: bool) -> Targets {
     return targets(cap_value(position, front_facing));
-}
-
-// Twelve bits over four bytes, three in each; the upper five bits of a byte are for carries. What is added
-// and what is subtracted are in separate textures.
-struct Split {
-    @location(0) facing_added: vec4f,
-    @location(1) facing_subtracted: vec4f,
-    @location(2) averted_added: vec4f,
-    @location(3) averted_subtracted: vec4f,
-}
-
-fn digits(value: f32) -> vec4f {
-    let steps = u32(round(max(value, 0.0) * SPLIT_STEPS));
-    return vec4f(vec4u(steps >> 9u, (steps >> 6u) & 7u, (steps >> 3u) & 7u, steps & 7u)) / 255.0;
-}
-
-fn split(value: Layers) -> Split {
-    let facing = value.facing.sums.r;
-    let averted = value.averted.sums.r;
-    return Split(digits(facing), digits(-facing), digits(averted), digits(-averted));
 }
 
 @fragment

@@ -3,11 +3,12 @@
 use bevy_ecs::prelude::*;
 use glam::DVec3;
 
-use super::chunks::{Chunk, ChunkKey, SeenCaster, chunks_of, light_from_local};
+use super::chunks::{Chunk, ChunkKey, chunks_of};
 use super::component::{Overlap, PenumbraWedge, WedgeCulling};
 use super::geometry::cut::cutting_distance;
 use super::light_parts::{LightPart, PartShape, push_parts};
 use super::part_patches::Placed;
+use super::seen_caster::{SeenCaster, light_from_local};
 use super::tables::texture::EmitterTexture;
 use super::wedges::{LightWedges, PartWedges, PenumbraWedges};
 use crate::geometry::Aabb;

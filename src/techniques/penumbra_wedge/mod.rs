@@ -93,6 +93,7 @@ pub(crate) mod gpu;
 pub(crate) mod light_parts;
 mod overflow;
 mod part_patches;
+mod seen_caster;
 pub(crate) mod tables;
 pub(crate) mod technique;
 pub(crate) mod wedges;

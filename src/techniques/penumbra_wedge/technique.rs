@@ -125,6 +125,9 @@ impl Technique for PenumbraWedge {
     const SHADERS: &'static [ShaderFile] = shader_files![
         "common/coverage.wgsl",
         "common/wedge_light.wgsl",
+        "common/light_places.wgsl",
+        "common/wedge_faces.wgsl",
+        "common/wedge_sums.wgsl",
         "common/cut_surface.wgsl",
         "techniques/penumbra_wedge/wedge.wgsl",
         "techniques/penumbra_wedge/resolve.wgsl",

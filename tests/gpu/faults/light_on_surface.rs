@@ -13,24 +13,8 @@ use antumbra::silhouettes::{
 use bevy_transform::prelude::Transform;
 use glam::{DMat4, DVec3, Vec3};
 
+use super::placements::{Random, on_triangle};
 use super::scenes::{HARD, dark, draw, error_of, lamp, object, set_technique, stage};
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self, half: f64) -> DVec3 {
-        DVec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * (2.0 * half)
-    }
-}
 
 /// Closed, open and tessellated surfaces.
 fn meshes() -> Vec<MeshData> {
@@ -56,23 +40,6 @@ const HEIGHTS: [(f64, bool); 11] = [
     (0.1, false),
     (-0.1, false),
 ];
-
-/// The lamp's place, whether it is on a corner, an edge or inside of a triangle of the mesh.
-fn place(random: &mut Random, corners: [DVec3; 3], height: f64) -> DVec3 {
-    let [a, b, c] = corners;
-    let (mut u, mut v) = (random.unit(), random.unit());
-    match (random.unit() * 6.0) as u32 {
-        0 => (u, v) = (0.0, 0.0),
-        1 => v = 0.0,
-        2 => (u, v) = (0.5, 0.5),
-        _ if u + v > 1.0 => (u, v) = (1.0 - u, 1.0 - v),
-        _ => {}
-    }
-    let normal = (b - a).cross(c - a).normalize();
-    (a + (b - a) * u + (c - a) * v + normal * height)
-        .as_vec3()
-        .as_dvec3()
-}
 
 /// The volume's boundary: what its caps leave, each directed edge with how often.
 fn borders(contour: &Contour) -> BTreeMap<[u32; 2], i32> {
@@ -116,7 +83,7 @@ fn a_thousand_lights_on_above_and_below_surfaces_are_blocked_by_the_rest() {
         .unwrap();
         let triangles: Vec<[DVec3; 3]> = edges.corners().iter().map(|corners| corners.map(at)).collect();
         let chosen = triangles[(random.unit() * triangles.len() as f64) as usize];
-        let light = place(&mut random, chosen, height);
+        let light = on_triangle(&mut random, chosen, height);
         let whole = RayScene::from_triangles(triangles.iter().copied());
         let clearance = whole.clearance(light, 20.0, u32::MAX);
         assert!(clearance > 1.5e-4 && clearance < 7e-4, "{clearance}");

@@ -1,9 +1,11 @@
 //! Faults that other test suites and bug reports found. Each test covers all cases of its fault.
 
+mod area_placements;
 mod leftovers;
 mod light_cut;
 mod light_cut_finely;
 mod light_on_surface;
+mod placements;
 mod regions;
 mod savings;
 mod scenes;

@@ -147,8 +147,9 @@ fn in_light(corners: [u32; 3], positions: &[Vec3], light_from_local: &DMat4) -> 
 }
 
 /// Makes the record of a polygon that cuts the light. `front` is a vector on the side of the front of the mesh, light
-/// space. The polygon turns counter-clockwise about the plane of the record, whose normal is on that side.
-pub fn cut_record(polygon: &CutPolygon, patch: &Patch, front: Vec3) -> Wedge {
+/// space. `clearance` is the distance from the light within which surfaces block nothing, metres; a patch that is curved
+/// by more than that has none, so that its polygons agree at their common edges. The polygon turns counter-clockwise about the plane of the record, whose normal is on that side.
+pub fn cut_record(polygon: &CutPolygon, patch: &Patch, front: Vec3, clearance: f64) -> Wedge {
     let mut corners = polygon.corners.map(|corner| corner.as_vec3());
     let mut plane = patch.normal.extend(patch.offset).as_vec4();
     if plane.truncate().dot(front) < 0.0 {
@@ -160,7 +161,15 @@ pub fn cut_record(polygon: &CutPolygon, patch: &Patch, front: Vec3) -> Wedge {
         start_light: start.to_array(),
         end_light: end.to_array(),
         flags: SOFT | CUT | 3 << SOFT_LAYERS_SHIFT,
-        sides: [plane.to_array(), [patch.tolerance as f32, 0.0, 0.0, 0.0]],
+        sides: [
+            plane.to_array(),
+            [
+                patch.tolerance as f32,
+                (clearance - patch.tolerance).max(0.0) as f32,
+                0.0,
+                0.0,
+            ],
+        ],
         ..Wedge::default()
     };
     record.rims[0] = third.extend(0.0).to_array();

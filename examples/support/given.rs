@@ -1,9 +1,10 @@
-//! Visibility that is given as a picture, as a technique: the ray-traced truth is shaded by the same light pass as
+//! Visibility that is given as pictures, as a technique: the ray-traced truth is shaded by the same light pass as
 //! everything that it judges.
 
 use std::sync::Arc;
 
 use antumbra::prelude::*;
+use antumbra::reference::{RayScene, SceneTriangle, VisibilityImage};
 use antumbra::render::{
     Gpu, Leaves, PrepareInput, RecordInput, Recorder, RenderError, Resolve, ResolveInput, create_target,
 };
@@ -20,18 +21,64 @@ pub struct GivenPicture {
     pub texels: Vec<u8>,
 }
 
-/// Gives a light the visibility of a picture. Without a picture the light is seen everywhere.
+impl GivenPicture {
+    /// Returns ray-cast visibility as a picture. Pixels that do not count are lit, because the light pass leaves them dark
+    /// by itself.
+    pub fn of(image: &VisibilityImage) -> Self {
+        let texels = image.values().iter().flat_map(|&value| {
+            let value = if value.is_nan() { 1.0 } else { value };
+            let half = half::f16::from_f32(value.clamp(0.0, 1.0)).to_le_bytes();
+            [half[0], half[1]].repeat(4)
+        });
+        Self {
+            size: image.size(),
+            texels: texels.collect(),
+        }
+    }
+}
+
+/// Gives a light the visibility of pictures.
 #[derive(Component, Clone, Debug, Default)]
-pub struct GivenVisibility(pub Option<Arc<GivenPicture>>);
+pub struct GivenVisibility {
+    /// Visibility of the nearest surface of each pixel, opaque or blended. Without a picture the light is seen everywhere.
+    pub nearest: Option<Arc<GivenPicture>>,
+    /// Visibility of the nearest opaque surface of each pixel. Without a picture it is that of the nearest surface, so a
+    /// surface behind glass has the shadows of the glass.
+    pub opaque: Option<Arc<GivenPicture>>,
+}
 
 impl PartialEq for GivenVisibility {
     fn eq(&self, other: &Self) -> bool {
-        match (&self.0, &other.0) {
+        let are_equal = |a: &Option<Arc<GivenPicture>>, b: &Option<Arc<GivenPicture>>| match (a, b) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (None, None) => true,
             _ => false,
-        }
+        };
+        are_equal(&self.nearest, &other.nearest) && are_equal(&self.opaque, &other.opaque)
     }
+}
+
+/// Returns the scene with blended surfaces that the camera does not see. They block light as before. `None` if there are no
+/// blended surfaces.
+pub fn opaque_alone(world: &World, scene: &RayScene) -> Option<RayScene> {
+    let is_blended = |triangle: &SceneTriangle| {
+        let object = triangle.entity?;
+        let mesh = &world.get::<SceneMesh>(object)?.0;
+        let mut submeshes = mesh.submeshes.iter();
+        let submesh = submeshes.position(|submesh| {
+            let first = submesh.first_index / 3;
+            (first..first + submesh.index_count / 3).contains(&triangle.source_index)
+        })?;
+        let material = world.get::<SceneMaterials>(object)?.0.get(submesh)?;
+        Some(material.alpha_mode == AlphaMode::Blend)
+    };
+    let seen = scene.triangles().iter().map(|triangle| SceneTriangle {
+        is_primary: triangle.is_primary && is_blended(triangle) != Some(true),
+        ..*triangle
+    });
+    let seen: Vec<_> = seen.collect();
+    let has_blended = seen.iter().zip(scene.triangles()).any(|(a, b)| a != b);
+    has_blended.then(|| RayScene::from_scene_triangles(seen))
 }
 
 impl Technique for GivenVisibility {
@@ -51,12 +98,13 @@ pub struct GivenRecorder {
     pictures: Vec<Held>,
 }
 
-/// A picture on the GPU.
+/// The pictures of a light on the GPU.
 struct Held {
     light: usize,
     entity: Entity,
     source: GivenVisibility,
-    texture: Option<wgpu::Texture>,
+    nearest: Option<wgpu::Texture>,
+    opaque: Option<wgpu::Texture>,
 }
 
 impl Recorder for GivenRecorder {
@@ -72,15 +120,18 @@ impl Recorder for GivenRecorder {
             let held = before
                 .iter()
                 .position(|held| held.entity == frame.entity && held.source == *source);
-            let texture = match held {
-                Some(at) => before.swap_remove(at).texture,
-                None => upload(input, source)?,
-            };
-            self.pictures.push(Held {
-                light,
-                entity: frame.entity,
-                source: source.clone(),
-                texture,
+            self.pictures.push(match held {
+                Some(at) => Held {
+                    light,
+                    ..before.swap_remove(at)
+                },
+                None => Held {
+                    light,
+                    entity: frame.entity,
+                    source: source.clone(),
+                    nearest: upload(input, source.nearest.as_deref())?,
+                    opaque: upload(input, source.opaque.as_deref())?,
+                },
             });
         }
         Ok(())
@@ -98,8 +149,11 @@ impl Recorder for GivenRecorder {
     }
 }
 
-fn upload(input: &PrepareInput, source: &GivenVisibility) -> Result<Option<wgpu::Texture>, RenderError> {
-    let Some(picture) = &source.0 else {
+fn upload(
+    input: &PrepareInput,
+    picture: Option<&GivenPicture>,
+) -> Result<Option<wgpu::Texture>, RenderError> {
+    let Some(picture) = picture else {
         return Ok(None);
     };
     let format = wgpu::TextureFormat::Rgba16Float; // that of the mask
@@ -120,7 +174,12 @@ fn upload(input: &PrepareInput, source: &GivenVisibility) -> Result<Option<wgpu:
 impl Resolve for GivenRecorder {
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
         let held = self.pictures.iter().find(|held| held.light == light);
-        let texture = held.and_then(|held| held.texture.as_ref());
+        // Only the front layer of blended surfaces selects the casters that matter.
+        let is_front = input.record.casters.is_some();
+        let texture = held.and_then(|held| match &held.opaque {
+            Some(opaque) if !is_front => Some(opaque),
+            _ => held.nearest.as_ref(),
+        });
         let mask = &input.masks.mask;
         match texture.filter(|texture| texture.size() == mask.size()) {
             Some(texture) => {
