@@ -294,7 +294,7 @@ fn for_each_place(
 
 /// Wedges light by the part of the light that is outside, and volumes by its centre.
 ///
-/// One receiver in 2,500 is off by more than a tenth, all of them under rectangles whose centre lies in the plane of a wall of
+/// One receiver in 2,500 is off by more than a tenth, most of them under rectangles whose centre lies in the plane of a wall of
 /// the room, at its edge.
 #[test]
 fn a_thousand_area_lights_in_on_and_beside_surfaces_light_as_rays_do() {

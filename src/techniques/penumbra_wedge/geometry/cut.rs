@@ -148,7 +148,8 @@ fn in_light(corners: [u32; 3], positions: &[Vec3], light_from_local: &DMat4) -> 
 
 /// Makes the record of a polygon that cuts the light. `front` is a vector on the side of the front of the mesh, light
 /// space. `clearance` is the distance from the light within which surfaces block nothing, metres; a patch that is curved
-/// by more than that has none, so that its polygons agree at their common edges. The polygon turns counter-clockwise about the plane of the record, whose normal is on that side.
+/// by more than that has none, so that its polygons agree at their common edges. The polygon turns counter-clockwise about
+/// the plane of the record, whose normal is on that side.
 pub fn cut_record(polygon: &CutPolygon, patch: &Patch, front: Vec3, clearance: f64) -> Wedge {
     let mut corners = polygon.corners.map(|corner| corner.as_vec3());
     let mut plane = patch.normal.extend(patch.offset).as_vec4();
