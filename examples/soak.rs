@@ -1,6 +1,6 @@
 //! A scene that changes in every frame, for thousands of frames: objects and lights come and go, techniques, meshes and
-//! materials are swapped, targets shrink to nothing, the device is lost. Prints the memory that is in use, and fails if it
-//! grows.
+//! materials are swapped, targets shrink to nothing, the device is lost. Prints the memory that is in use. The second half of
+//! the frames repeats the first, and it fails if more memory is in use after it.
 //!
 //! ```sh
 //! cargo run --release --example soak -- --frames 10000
@@ -19,7 +19,7 @@ use glam::UVec2;
 #[global_allocator]
 static HEAP: Cap<std::alloc::System> = Cap::new(std::alloc::System, usize::MAX);
 
-/// Share by which the memory of an empty scene on a new device may grow after the first fifth of the frames.
+/// Share by which the memory of an empty scene on a new device may grow while the first half of the frames is repeated.
 const ALLOWED_GROWTH: f64 = 0.01;
 
 /// Number of frames without objects after which nothing is kept of those that were there.
@@ -47,15 +47,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device =
         || pollster::block_on(RenderContext::headless(RequestedFeatures::default())).expect("an adapter");
     let mut soak = Soak::new(size, seed, device)?;
-    let (settled, tenth) = (frames / 5, (frames / 10).max(1));
+    let (half, tenth) = ((frames / 2).max(1), (frames / 10).max(1));
     // Frames take as much memory as their scene needs, and a device keeps the largest buffers and all pipelines that its
-    // scenes needed. Memory is therefore compared where the scene is empty and the device is new.
+    // scenes needed. Memory is therefore compared where the scene is empty and the device is new. Lists keep the length that
+    // the largest scene so far needed, so the same scenes are repeated.
     let mib = |bytes: usize| bytes as f64 / f64::from(1 << 20);
-    let (mut highest, mut first, mut last) = (0, None, 0);
+    let (mut highest, mut at_half, mut last) = (0, None, 0);
     for frame in 1..=frames {
         soak.step()?;
         highest = highest.max(memory(&soak));
-        if frame % tenth == 0 {
+        if frame % tenth == 0 || frame == half {
             soak.clear(REST)?;
             soak.lose_the_device()?;
             soak.clear(REST)?;
@@ -65,13 +66,14 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!(
                 "frame {frame}: at most {most:.2} MiB so far, {left:.2} MiB in an empty scene, process {process:.0} MiB"
             );
-            if frame >= settled {
-                first.get_or_insert(last);
-            }
+        }
+        if frame == half {
+            at_half = Some(last);
+            soak.repeat();
         }
     }
-    let first = first.unwrap_or(last);
-    let growth = last as f64 / first.max(1) as f64 - 1.0;
+    let at_half = at_half.unwrap_or(last);
+    let growth = last as f64 / at_half.max(1) as f64 - 1.0;
     println!(
         "{} frames with a picture, {} devices lost, memory grew by {:.2} %",
         soak.drawn,

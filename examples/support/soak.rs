@@ -24,6 +24,7 @@ pub struct Soak {
     pub stage: Stage,
     size: UVec2,
     device: Box<dyn Fn() -> RenderContext>,
+    seed: u64,
     random: Rng,
     frame: u64,
     objects: Vec<Entity>,
@@ -57,6 +58,7 @@ impl Soak {
             stage,
             size,
             device: Box::new(device),
+            seed,
             random: Rng::with_seed(seed),
             frame: 0,
             objects: Vec::new(),
@@ -98,6 +100,11 @@ impl Soak {
         }
         self.stage.world.insert_resource(ViewportSize(self.size));
         (0..frames).try_for_each(|_| self.stage.draw())
+    }
+
+    /// What happens from now on is what happened from the first frame on.
+    pub fn repeat(&mut self) {
+        self.random = Rng::with_seed(self.seed);
     }
 
     /// The device that draws now.
