@@ -1,6 +1,6 @@
 //! A scene that changes in every frame, for thousands of frames: objects and lights come and go, techniques, meshes and
 //! materials are swapped, targets shrink to nothing, the device is lost. Prints the memory that is in use. The second half of
-//! the frames repeats the first, and it fails if more memory is in use after it.
+//! the frames repeats the first, and the example fails if more memory is in use afterwards.
 //!
 //! ```sh
 //! cargo run --release --example soak -- --frames 10000
