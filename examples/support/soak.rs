@@ -102,7 +102,7 @@ impl Soak {
         (0..frames).try_for_each(|_| self.stage.draw())
     }
 
-    /// What happens from now on is what happened from the first frame on.
+    /// Starts the random changes again: the next frames make the same ones as the first.
     pub fn repeat(&mut self) {
         self.random = Rng::with_seed(self.seed);
     }

@@ -36,6 +36,7 @@ mod primary;
 mod ray;
 mod ray_scene;
 mod sampling;
+mod suspects;
 mod visibility;
 
 pub use difference_image::{DifferenceImage, difference_image};

@@ -7,6 +7,7 @@ use smallvec::SmallVec;
 use super::bvh::Bvh;
 use super::contact::touches;
 use super::ray::{Ray, RayHit, ShearedRay};
+use super::suspects::{FEW, Suspects};
 use crate::geometry::{Aabb, distance_to_triangle};
 use crate::scene::SelectionLayers;
 use crate::sets::{LightClearance, Surroundings};
@@ -354,25 +355,6 @@ impl RayScene {
             }
     }
 }
-
-/// Triangles that may block some segments.
-#[derive(Debug)]
-pub(super) enum Suspects {
-    /// No others can.
-    Few(SmallVec<[u32; FEW]>),
-    /// They are so many that a search for each segment is faster than a look at all.
-    Many,
-}
-
-impl Suspects {
-    /// Whether nothing blocks any of the segments.
-    pub fn is_empty(&self) -> bool {
-        matches!(self, Self::Few(few) if few.is_empty())
-    }
-}
-
-/// Largest number of [`Suspects::Few`].
-const FEW: usize = 24;
 
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug)]

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use super::error::ReferenceError;
 use super::light_source::{LightShape, LightSource};
 use super::primary::{HitImage, SurfaceHit};
-use super::ray_scene::{RayScene, Suspects};
+use super::ray_scene::RayScene;
 use super::sampling::{SplitMix, strata_per_side, stratified};
+use super::suspects::Suspects;
 
 /// Visibility of a light at every pixel: 1 where the surface sees the whole light, 0 where it sees none of
 /// it, NaN where the pixel does not count.

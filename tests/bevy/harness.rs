@@ -90,7 +90,7 @@ pub fn marked_camera(world: &mut World, eye: Vec3) -> Entity {
     camera
 }
 
-/// The same with a picture of a few pixels, which takes less time to draw, where a test looks at no picture.
+/// A camera of ours like [`marked_camera`] with a picture of a few pixels, for tests that look at no picture.
 pub fn unseen_camera(world: &mut World, eye: Vec3) -> Entity {
     let camera = sized_camera(world, SIZE / 8, from(eye));
     world.entity_mut(camera).insert(AntumbraCamera);
@@ -145,7 +145,7 @@ pub fn game() -> Game {
     game
 }
 
-/// The same without ambient light.
+/// A running game like [`game`] without ambient light.
 pub fn dark_game() -> Game {
     let mut game = game();
     game.world().insert_resource(GlobalAmbientLight::NONE);
@@ -212,13 +212,13 @@ impl Game {
         self
     }
 
-    /// What a camera sees once its picture stays the same: Bevy's clusters grow over frames.
+    /// Returns what a camera sees once its picture stays the same. Bevy's clusters grow over frames.
     pub fn settled(&mut self, camera: Entity) -> Picture {
         let [picture] = self.all_settled([camera]);
         picture
     }
 
-    /// What cameras see once the pictures of all of them stay the same.
+    /// Returns what cameras see once the pictures of all of them stay the same.
     pub fn all_settled<const N: usize>(&mut self, cameras: [Entity; N]) -> [Picture; N] {
         let mut last = cameras.map(|camera| self.radiance(camera));
         for _ in 0..30 {
