@@ -217,7 +217,7 @@ fn share_seen(side: u32, random: SplitMix, mut sees: impl FnMut([f64; 2]) -> boo
 }
 
 /// Whether all of a box, given by its smallest and largest corner, is above the tangent plane of the surface, by more than
-/// the rounding of a sample.
+/// the rounding of a sample. The margin is a million times the rounding of `f64`, so a sample near the plane is always drawn.
 fn is_above_horizon(hit: &SurfaceHit, [low, high]: [DVec3; 2]) -> bool {
     let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
     let least = hit.normal.dot(center - hit.position) - hit.normal.abs().dot(half);

@@ -22,7 +22,7 @@ fn floor() -> Floor {
 }
 
 impl Floor {
-    /// What the camera sees of a new light: with no shadow, of volumes, or of a map.
+    /// Returns what the camera sees of a new light: with no shadow, of volumes, or of a map.
     fn lit_by(&mut self, shadow: usize, textures: impl Bundle) -> Picture {
         let spot = SpotLight {
             intensity: 500_000.0,

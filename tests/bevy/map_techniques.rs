@@ -43,12 +43,12 @@ fn plate() -> Plate {
 }
 
 impl Plate {
-    /// What the camera sees once everything is ready.
+    /// Returns what the camera sees once everything is ready.
     fn picture(&mut self) -> Picture {
         self.game.run(3).settled(self.camera)
     }
 
-    /// What it sees after parts were inserted into the light.
+    /// Returns what the camera sees after parts were inserted into the light.
     fn with(&mut self, parts: impl Bundle) -> Picture {
         self.game.world().entity_mut(self.light).insert(parts);
         self.picture()

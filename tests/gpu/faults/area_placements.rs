@@ -143,7 +143,7 @@ impl Site {
         entity.insert(Transform::from_translation(placement.at).with_rotation(placement.turn));
     }
 
-    /// What the pixels show, and what is seen a hundredth of a pixel beside them. Pixels beside which another triangle is
+    /// Returns what the pixels show, and what is seen a hundredth of a pixel beside them. Pixels beside which another triangle is
     /// seen are left out: the rasterizer may show that one.
     fn receivers(&self) -> Receivers {
         let world = &self.stage.world;
