@@ -217,7 +217,7 @@ fn share_seen(side: u32, random: SplitMix, mut sees: impl FnMut([f64; 2]) -> boo
 }
 
 /// Whether all of a box, given by its smallest and largest corner, is above the tangent plane of the surface, by more than
-/// the rounding of a sample. The margin is a million times the rounding of `f64`, so a sample near the plane is always drawn.
+/// the rounding of a sample. The margin is some million times the rounding of `f64`, so a sample near the plane is always drawn.
 fn is_above_horizon(hit: &SurfaceHit, [low, high]: [DVec3; 2]) -> bool {
     let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
     let least = hit.normal.dot(center - hit.position) - hit.normal.abs().dot(half);
@@ -245,7 +245,13 @@ mod tests {
             prop_assume!(normal.length() > 0.1);
             let corners = triangles.iter().map(|[a, b, c]| [*a, *a + *b, *a + *c]);
             let scene = RayScene::from_triangles(corners);
-            let hit = SurfaceHit { position: surface, normal: normal.normalize(), triangle: u32::MAX, distance: 1.0, view_depth: 1.0 };
+            let hit = SurfaceHit {
+                position: surface,
+                normal: normal.normalize(),
+                triangle: u32::MAX,
+                distance: 1.0,
+                view_depth: 1.0,
+            };
             let (half_right, half_up) = (DVec3::new(half, 0.0, 0.1), DVec3::new(0.0, 0.3 * half, 0.0));
             let light = LightSource {
                 shape: LightShape::Rect { center, half_right, half_up, direction: DVec3::NEG_Z },
