@@ -54,7 +54,7 @@ fn bake(arguments: &Arguments) -> Result<(), String> {
     } else {
         FaceCulling::None
     });
-    stage.schedule.run(&mut stage.world);
+    stage.run();
     let mut baked: Vec<Baked> = Vec::new();
     for index in 0..stage.lights.len() {
         let light = stage.lights[index];

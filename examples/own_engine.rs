@@ -52,6 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Do this every frame: run the systems, record into the engine's own encoder, and submit.
     schedule.run(&mut world);
+    world.clear_trackers(); // after all schedules of the frame
     let mut renderer = world.resource_mut::<Renderer>();
     if let Some(failure) = renderer.take_failure() {
         return Err(failure.into());

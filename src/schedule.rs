@@ -20,6 +20,7 @@ use crate::silhouettes::{
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
+use crate::uncleared::report_uncleared;
 
 /// The stages of a frame as system sets, chained in this order. Each set says what is true after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -107,6 +108,7 @@ pub fn init_resources(world: &mut World) {
 ///
 /// let mut schedule = standalone_schedule();
 /// schedule.run(&mut world); // once a frame
+/// world.clear_trackers(); // after all schedules of the frame
 /// assert!(world.resource::<antumbra::sets::View>().data.is_some());
 /// ```
 pub fn standalone_schedule() -> Schedule {
@@ -202,6 +204,7 @@ pub fn collect_reports(world: &mut World, casters: &mut RefusedCasters) {
         let reports = reports.bypass_change_detection();
         #[cfg(feature = "gltf")]
         crate::scene::gltf_import::report_imports(world, reports);
+        report_uncleared(world, reports);
         report_sets(world, reports);
         casters.update_archetypes(world);
         report_casters(world, casters, reports);

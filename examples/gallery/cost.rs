@@ -52,7 +52,7 @@ fn quotient(with: f64, without: f64) -> Option<f64> {
 pub fn steady_cpu_ms(stage: &mut Stage) -> Vec<f64> {
     let mut by_set = vec![Vec::with_capacity(RUNS); AntumbraSystems::ALL.len()];
     for _ in 0..RUNS {
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let times = stage.world.resource::<SetTimes>().durations;
         for (values, time) in by_set.iter_mut().zip(times) {
             values.push(time.as_secs_f64() * 1e3);

@@ -152,7 +152,7 @@ fn stage(size: UVec2) -> Stage {
         let mesh = MeshData::cuboid(Vec3::new(0.28, 0.02, 0.02));
         spawn(mesh, wood, leaning * at(0.0, 0.2 + 0.27 * rung as f32, 0.0));
     }
-    stage.schedule.run(&mut stage.world);
+    stage.run();
     stage
 }
 
@@ -166,7 +166,7 @@ fn truth(
 ) -> Result<Vec<u8>, String> {
     let failed = |error: antumbra::render::RenderError| one_line(&error);
     // Without the technique the light keeps its place.
-    stage.schedule.run(&mut stage.world);
+    stage.run();
     stage.world.entity_mut(light).remove::<OcclusionInterval>();
     let lit = stage.render().map_err(failed)?.radiance;
     let hits = surfaces(stage, scene)?;

@@ -128,7 +128,7 @@ impl Workbench {
         added.map_err(|error| in_page(page, &error))?;
         // Of the scene, that is: what techniques report is among the results.
         let stage = &mut shown.stage;
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         stats::print_new_reports(&format!("page {}", page.name), stage);
         Ok(shown)
     }

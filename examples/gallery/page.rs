@@ -172,7 +172,7 @@ impl Page {
             stage.spawn_light(named.light.clone(), named.transform, None::<()>);
             light_names.push(named.name.to_owned());
         }
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let triangle_count = stage
             .world
             .query::<&SceneMesh>()

@@ -126,7 +126,7 @@ impl Session<'_> {
             None => None,
         };
         let stage = &mut self.shown.stage;
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let truths = truth::of_lights(stage, scene, SAMPLES)?;
         let Some(Truth { image, is_soft }) = &truths[light] else {
             return Err(format!("page {}: light {} cannot shine", page.name, shot.light));

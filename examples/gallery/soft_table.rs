@@ -316,7 +316,7 @@ impl Subject {
             .looking_at(bounds.center(), Vec3::Y);
         let entity = stage.camera;
         stage.world.entity_mut(entity).insert((camera, view));
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let scene = RayScene::from_world(&mut stage.world);
         let light = Transform::from_translation(at(Vec3::new(0.5, 1.0, 0.35), LIGHT.1))
             .looking_at(bounds.center(), Vec3::Z);
@@ -354,7 +354,7 @@ impl Subject {
 
     fn truth(&mut self) -> Result<VisibilityImage, String> {
         self.spawn(self.kind(), self.light, None::<PenumbraWedge>);
-        self.stage.schedule.run(&mut self.stage.world);
+        self.stage.run();
         let world = &self.stage.world;
         let (Some(camera), Some(transform)) = (
             world.get::<Camera>(self.stage.camera),

@@ -81,7 +81,7 @@ pub fn has_size(light: &Light) -> bool {
 /// # Errors
 /// Something that the device refuses, or a camera that sees nothing.
 pub fn picture(stage: &mut Stage, scene: &RayScene) -> Result<Vec<u8>, String> {
-    stage.schedule.run(&mut stage.world);
+    stage.run();
     let nearest = given(of_lights(stage, scene, PICTURE_SAMPLES)?);
     let opaque = match opaque_alone(&stage.world, scene) {
         Some(scene) => given(of_lights(stage, &scene, PICTURE_SAMPLES)?),

@@ -47,7 +47,7 @@ impl Model {
             stage.world.entity_mut(camera).remove::<Camera>();
         }
         make_alpha_solid(&mut stage);
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let bounds = stage.scene_bounds();
         if bounds.is_empty() {
             return Ok(None);
@@ -60,7 +60,7 @@ impl Model {
             (ShadowCaster, ShadowReceiver),
             Transform::from_translation(bounds.center().with_y(bounds.min.y - 0.01 * radius)),
         ));
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         Ok(Some(Self {
             stage,
             bounds,

@@ -266,12 +266,18 @@ impl Stage {
             .collect()
     }
 
+    /// Runs the systems of a frame.
+    pub fn run(&mut self) {
+        self.schedule.run(&mut self.world);
+        self.world.clear_trackers();
+    }
+
     /// Runs and draws a frame, and reads back all of its pictures.
     ///
     /// # Errors
     /// Something that the device refuses.
     pub fn render(&mut self) -> Result<Rendered, RenderError> {
-        self.schedule.run(&mut self.world);
+        self.run();
         let indices = self.light_indices();
         let light_count = self.world.resource::<FrameLights>().lights.len();
         let size = self.world.resource::<ViewportSize>().0;
@@ -336,7 +342,7 @@ impl Stage {
     /// # Errors
     /// Something that the device refuses.
     pub fn draw(&mut self) -> Result<(), RenderError> {
-        self.schedule.run(&mut self.world);
+        self.run();
         let mut renderer = self.world.resource_mut::<Renderer>();
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);
@@ -368,7 +374,7 @@ impl Stage {
     /// # Errors
     /// Something that the device refuses.
     pub fn time_passes(&mut self) -> Result<Vec<PassTime>, RenderError> {
-        self.schedule.run(&mut self.world);
+        self.run();
         let mut renderer = self.world.resource_mut::<Renderer>();
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);

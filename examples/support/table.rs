@@ -109,7 +109,7 @@ impl Walked {
             stage.shadow_by_default(light);
             stage.lights.push(light);
         }
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let bounds = stage.scene_bounds();
         let views = walk(&RayScene::from_world(&mut stage.world), bounds, frames);
         stage
@@ -138,7 +138,7 @@ impl Walked {
     /// Something that the device refuses.
     pub fn count(&mut self, frame: usize) -> Result<Batches, RenderError> {
         self.set_view(frame);
-        self.stage.schedule.run(&mut self.stage.world);
+        self.stage.run();
         let mut renderer = self.stage.world.resource_mut::<Renderer>();
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);

@@ -177,7 +177,7 @@ impl Judged {
     /// # Errors
     /// One line, if the view cannot be used.
     pub fn new(mut stage: Stage) -> Result<Self, String> {
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let rays = RayScene::from_world(&mut stage.world);
         let camera = stage.world.get::<Camera>(stage.camera).ok_or("no camera")?;
         let transform = stage
@@ -221,7 +221,7 @@ impl Judged {
             let (sum, count) = errors.fold((0.0, 0), |(sum, count), error| (sum + error, count + 1));
             rmse = (sum / f64::from(count.max(1))).sqrt();
         } else {
-            stage.schedule.run(&mut stage.world);
+            stage.run();
         }
         let towards = -direction.as_dvec3();
         Ok((texels(stage, &self.hits, &self.lines, towards), rmse))

@@ -128,7 +128,7 @@ pub fn write(walked: &mut Walked, frame: usize, light: Option<usize>, path: &Pat
     walked.set_row(&rows()[4]);
     walked.set_view(frame);
     let stage = &mut walked.stage;
-    stage.schedule.run(&mut stage.world);
+    stage.run();
     let bounds = stage.scene_bounds();
     let indices = stage.light_indices();
     let world = &stage.world;

@@ -465,3 +465,25 @@ fn the_order_of_spawning_does_not_show() {
     assert_eq!(of(false), of(true));
     assert_eq!(of(false).len(), 6);
 }
+
+/// A host that clears its world's trackers has no report; one that does not is told after a thousand frames.
+#[test]
+fn worlds_that_keep_every_removal_are_reported() {
+    let mut scene = Scene::new();
+    for _ in 0..1100 {
+        assert!(scene.frame().is_empty());
+        scene.world.clear_trackers();
+    }
+    let told: Vec<_> = (0..1100).flat_map(|_| scene.frame()).collect();
+    let [report] = &told[..] else {
+        panic!("{told:#?}");
+    };
+    assert_eq!((report.topic, report.entity), ("world", None));
+    assert!(report.message.contains("clear_trackers"), "{}", report.message);
+    assert_eq!(scene.standing(), 1);
+    // The world keeps removals for one more call.
+    scene.world.clear_trackers();
+    scene.world.clear_trackers();
+    assert!(scene.frame().is_empty());
+    assert_eq!(scene.standing(), 0);
+}

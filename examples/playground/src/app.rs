@@ -249,7 +249,7 @@ impl App {
         let spawned = antumbra::scene::gltf_import::spawn_scene(&mut stage.world, loaded, None)
             .map_err(|error| one_line(&error))?;
         blur_grounds(&mut stage.world, (loaded, &spawned), &document.blurred_grounds)?;
-        stage.schedule.run(&mut stage.world);
+        stage.run();
         let bounds = stage.scene_bounds();
         let (center, radius) = if bounds.is_empty() {
             (Vec3::ZERO, 1.0)

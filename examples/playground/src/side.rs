@@ -269,7 +269,7 @@ impl SideStage {
     /// # Errors
     /// Something that the device refuses.
     pub fn draw(&mut self, target: &Target, judged: Option<usize>) -> Result<Option<Vec<f32>>, RenderError> {
-        self.stage.schedule.run(&mut self.stage.world);
+        self.stage.run();
         let mut renderer = self.stage.world.resource_mut::<Renderer>();
         if let Some(failure) = renderer.take_failure() {
             return Err(failure);
