@@ -80,17 +80,20 @@ test-docs: ## API documentation, no warning allowed
 # Tests of `gpu` that draw models for longer than their shaders are compiled. LLVM's optimizations make them faster.
 DRAW_LONG := maps::dungeon occlusion_pictures orthographic::models perspective_map::models reference_match stencil_identity
 
+# Runs the commands of its input three at a time, and shows what each prints when it ends. Most tests use one core, or wait.
+THREE_AT_A_TIME := xargs -P 3 -I{} $(SHELL) -c 'echo "+ {}"; \
+	printed=$$({} 2>&1) && status=0 || status=$$?; printf "%s\n" "+ {}" "$$printed"; exit $$status'
+
 # In parts: with --include-ignored, snippets that are no programs would be run too. The first command builds the examples
-# that tests run. The tests with Bevy use one core for most of their time, so the others run beside them.
+# that tests run. The longest part is first.
 test-all: ## all tests and doc tests
 	cargo test $(BOTH) --no-run
-	mkdir -p target; cargo test $(BOTH) --test bevy -- $(ALL_MODELS) >target/test-bevy.log 2>&1 & bevy=$$!; \
-	cargo test $(BOTH) --lib --bins $(addprefix --test ,$(TESTS)) -- $(ALL_MODELS) || failed=1; \
-	GALLIVM_PERF= cargo test $(BOTH) --test gpu -- $(DRAW_LONG) $(ALL_MODELS) || failed=1; \
-	cargo test $(BOTH) --test gpu -- $(addprefix --skip ,$(DRAW_LONG)) $(ALL_MODELS) || failed=1; \
-	wait $$bevy || failed=1; \
-	cat target/test-bevy.log; exit $${failed:-0}
-	cargo test $(FEATURES) --doc
+	{ echo "cargo test $(BOTH) --test bevy -- $(ALL_MODELS)"; \
+	echo "cargo test $(BOTH) --lib --bins $(addprefix --test ,$(TESTS)) -- $(ALL_MODELS)"; \
+	echo "cargo test $(BOTH) --test gpu -- $(addprefix --skip ,$(DRAW_LONG)) $(ALL_MODELS)"; \
+	echo "GALLIVM_PERF= cargo test $(BOTH) --test gpu -- $(DRAW_LONG) $(ALL_MODELS)"; \
+	echo "cargo test $(FEATURES) --doc"; \
+	} | $(THREE_AT_A_TIME)
 
 # Runs the commands of its input two at a time: while shaders are compiled for one, which takes one core, the other goes on.
 TWO_AT_A_TIME := xargs -P 2 -I{} $(SHELL) -c 'set -x; {}'

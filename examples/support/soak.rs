@@ -24,7 +24,6 @@ pub struct Soak {
     pub stage: Stage,
     size: UVec2,
     device: Box<dyn Fn() -> RenderContext>,
-    seed: u64,
     random: Rng,
     frame: u64,
     objects: Vec<Entity>,
@@ -58,7 +57,6 @@ impl Soak {
             stage,
             size,
             device: Box::new(device),
-            seed,
             random: Rng::with_seed(seed),
             frame: 0,
             objects: Vec::new(),
@@ -100,11 +98,6 @@ impl Soak {
         }
         self.stage.world.insert_resource(ViewportSize(self.size));
         (0..frames).try_for_each(|_| self.stage.draw())
-    }
-
-    /// Starts the random changes again: the next frames make the same ones as the first.
-    pub fn repeat(&mut self) {
-        self.random = Rng::with_seed(self.seed);
     }
 
     /// The device that draws now.

@@ -40,7 +40,11 @@ fn cut_between(a: vec3f, b: vec3f) -> Seen {
     let w = vec2f(a.z, b.z);
     var range = clip_range(vec2f(0.0, 1.0), w - LEAST_WAY);
     range = clip_range(range, 1.0 - w);
-    return Seen(mix(a, b, range.x), mix(a, b, range.y), range.x < range.y);
+    var seen = Seen(mix(a, b, range.x), mix(a, b, range.y), range.x < range.y);
+    // Where one end is far nearer to the cut than the other, rounding leaves it beyond the cut.
+    seen.first.z = max(seen.first.z, LEAST_WAY);
+    seen.last.z = max(seen.last.z, LEAST_WAY);
+    return seen;
 }
 
 // Projects the edge from `p`. With w the share of the way from `p` to the light's plane, an edge point

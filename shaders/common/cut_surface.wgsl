@@ -29,7 +29,8 @@ fn clip_polygon(polygon: Polygon, plane: vec4f) -> Polygon {
         let at_last = dot(plane.xyz, last) + plane.w;
         let at_next = dot(plane.xyz, next) + plane.w;
         if (at_last >= 0.0) != (at_next >= 0.0) && kept.count < MOST_CORNERS {
-            kept.corners[kept.count] = mix(last, next, at_last / (at_last - at_next));
+            // `mix` would leave a corner where it is, beyond the line, if the other one is 1e7 times farther from it.
+            kept.corners[kept.count] = (last * at_next - next * at_last) / (at_next - at_last);
             kept.count += 1u;
         }
         if at_next >= 0.0 && kept.count < MOST_CORNERS {
@@ -56,7 +57,12 @@ fn cut_polygon(p: vec3f, height: f32, plane: vec4f, corners: array<vec3f, 4>, cl
             polygon.corners[i] = place_on_rect(p, points[i], light.half_size);
         }
     }
-    polygon = clip_polygon(clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY)), vec4f(0.0, 0.0, -1.0, 1.0));
+    polygon = clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY));
+    for (var i = 0u; i < polygon.count; i++) {
+        // Rounding leaves corners beyond the line: the shares of the way reach thousands for a receiver close to the light's plane.
+        polygon.corners[i].z = max(polygon.corners[i].z, LEAST_WAY);
+    }
+    polygon = clip_polygon(polygon, vec4f(0.0, 0.0, -1.0, 1.0));
     if clearance > 0.0 {
         let frame = disc_frame(p);
         let on_disc = vec2f(dot(plane.xyz, frame.across), dot(plane.xyz, frame.up));

@@ -293,9 +293,6 @@ fn for_each_place(
 }
 
 /// Wedges light by the part of the light that is outside, and volumes by its centre.
-///
-/// One receiver in 2,500 is off by more than a tenth, most of them under rectangles whose centre lies in the plane of a wall of
-/// the room, at its edge.
 #[test]
 fn a_thousand_area_lights_in_on_and_beside_surfaces_light_as_rays_do() {
     let [mut soft, mut hard, mut without] = [(); 3].map(|()| Tally::default());
@@ -330,8 +327,8 @@ fn a_thousand_area_lights_in_on_and_beside_surfaces_light_as_rays_do() {
     soft.print("wedges");
     hard.print("volumes");
     assert!(soft.receivers > 20_000 && soft.partly > 10_000);
-    assert!(soft.mean() < 0.0047, "{}", soft.mean());
-    assert!(soft.large.len() < 16, "{:#?}", soft.large);
+    assert!(soft.mean() < 0.0044, "{}", soft.mean());
+    assert!(soft.large.len() < 3, "{:#?}", soft.large);
     assert_eq!(left_out, 0);
     assert!(hard.large.len() < 4, "{:#?}", hard.large);
     // The visibility of the centre is no answer for an area that is cut.
