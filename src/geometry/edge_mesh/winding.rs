@@ -5,6 +5,10 @@ use glam::{DMat3, DVec2, DVec3, Vec3};
 /// The greatest number of tests for each triangle. A mesh that needs more counts as inside out somewhere.
 const TESTS_PER_TRIANGLE: usize = 512;
 
+/// The greatest mean number of the grid's cells that list a triangle. Triangles that are as large as the mesh, such as those of a
+/// fan, would otherwise be in as many cells as there are triangles.
+const CELLS_PER_TRIANGLE: usize = 64;
+
 /// Whether no point has a negative winding number. Then every ray from outside meets a front first. The signed volume would
 /// show this for a ball, but not for a mesh that is partly inside out.
 ///
@@ -87,11 +91,12 @@ impl Grid {
             starts: Vec::new(),
             triangles: Vec::new(),
         };
-        let mut entries: Vec<(u32, u32)> = Vec::new();
+        while grid.side > 1 && grid.entry_count(corners) > CELLS_PER_TRIANGLE * corners.len() {
+            grid.side /= 2;
+        }
+        let mut entries: Vec<(u32, u32)> = Vec::with_capacity(grid.entry_count(corners));
         for (triangle, corners) in corners.iter().enumerate() {
-            let flat = corners.map(DVec3::truncate);
-            let low = grid.cell(flat[0].min(flat[1]).min(flat[2]));
-            let high = grid.cell(flat[0].max(flat[1]).max(flat[2]));
+            let [low, high] = grid.cells_of(corners);
             for y in low.1..=high.1 {
                 entries.extend((low.0..=high.0).map(|x| ((y * grid.side + x) as u32, triangle as u32)));
             }
@@ -106,6 +111,21 @@ impl Grid {
         }
         grid.triangles = entries.into_iter().map(|(_, triangle)| triangle).collect();
         grid
+    }
+
+    /// The first and the last cell of a triangle, column and row.
+    fn cells_of(&self, corners: &[DVec3; 3]) -> [(usize, usize); 2] {
+        let [a, b, c] = corners.map(DVec3::truncate);
+        [self.cell(a.min(b).min(c)), self.cell(a.max(b).max(c))]
+    }
+
+    /// The number of pairs of a triangle and a cell that lists it.
+    fn entry_count(&self, corners: &[[DVec3; 3]]) -> usize {
+        let cells = |corners| {
+            let [low, high] = self.cells_of(corners);
+            (high.0 - low.0 + 1) * (high.1 - low.1 + 1)
+        };
+        corners.iter().map(cells).sum()
     }
 
     fn cell(&self, at: DVec2) -> (usize, usize) {
@@ -176,6 +196,24 @@ mod tests {
             !boxes(&[(Vec3::ZERO, 1.0, false), (Vec3::X, 0.5, true)]),
             "a dent that sticks out"
         );
+    }
+
+    #[test]
+    fn the_grid_is_bounded_where_all_triangles_are_large() {
+        let count = 20_000;
+        let rim = |i: usize| {
+            let (y, x) = (std::f64::consts::TAU * i as f64 / count as f64).sin_cos();
+            DVec3::new(x, y, 0.1 * x)
+        };
+        let fan: Vec<[DVec3; 3]> = (0..count).map(|i| [DVec3::ZERO, rim(i), rim(i + 1)]).collect();
+        let grid = Grid::new(&fan);
+        assert!(grid.triangles.len() <= CELLS_PER_TRIANGLE * count && grid.side > 8);
+        // Triangles of the size of cells leave the grid as fine as it is.
+        let fine: Vec<[DVec3; 3]> = (0..count)
+            .map(|i| DVec3::new((i % 141) as f64, (i / 141) as f64, 0.0))
+            .map(|at| [at, at + DVec3::X, at + DVec3::Y])
+            .collect();
+        assert_eq!(Grid::new(&fine).side, 142);
     }
 
     #[test]
