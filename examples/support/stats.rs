@@ -164,7 +164,11 @@ pub fn print_new_reports(what: &str, stage: &mut Stage) {
     let mut reports = std::mem::take(&mut *stage.world.resource_mut::<Reports>());
     for report in reports.drain_new() {
         let subject = subject(stage, report).map_or_else(String::new, |subject| format!("{subject}: "));
-        eprintln!("{what}: {subject}{}", report.message);
+        // Names may hold line breaks.
+        eprintln!(
+            "{}",
+            format!("{what}: {subject}{}", report.message).replace(['\n', '\r'], " ")
+        );
     }
     stage.world.insert_resource(reports);
 }

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::super::shadow::ShotShadow;
 use super::camera::{check_place, frame, unit};
-use super::model::ShotModel;
+use super::model::{KEYS, ShotModel};
 use super::path::ShotPath;
 
 /// A light of a shot.
@@ -33,7 +33,14 @@ impl TryFrom<Map<String, Value>> for ShotLight {
     fn try_from(mut light: Map<String, Value>) -> Result<Self, String> {
         let model = ShotModel::take(&mut light)?;
         let path = ShotPath::take(&mut light)?;
-        let emission = ShotEmission::deserialize(Value::Object(light)).map_err(|error| error.to_string())?;
+        let emission = ShotEmission::deserialize(Value::Object(light)).map_err(|error| {
+            let error = error.to_string();
+            if error.starts_with("unknown field") {
+                // serde knows the keys of the kind alone.
+                return format!("{error}, `path`, `{}`", KEYS.join("`, `"));
+            }
+            error
+        })?;
         Ok(Self {
             emission,
             model,

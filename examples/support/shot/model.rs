@@ -52,7 +52,7 @@ pub struct ShotModel {
 }
 
 /// The keys of a [`ShotModel`].
-const KEYS: [&str; 14] = [
+pub const KEYS: [&str; 14] = [
     "shape",
     "barn_map",
     "distance",

@@ -38,8 +38,10 @@ pub(super) fn parse<'a>(
             source,
         },
     })?;
-    let needed = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
-    if !is_version_2(needed) {
+    // A file of a later minor version can be read as 2.0, unless it says that it needs more.
+    let least = root.asset.min_version.as_ref();
+    let needed = least.unwrap_or(&root.asset.version);
+    if !is_version_2(needed) || least.is_some_and(|least| least != "2.0") {
         return Err(GltfError::Version {
             file: file.to_owned(),
             version: needed.clone(),

@@ -35,7 +35,7 @@ pub enum GltfError {
         source: gltf::json::Error,
     },
     /// The file is not glTF 2.
-    #[error("{}: glTF version {} is not supported, 2 is (asset version {version:?})", file.display(), major(version))]
+    #[error("{}: glTF version {} is not supported, 2.0 is (asset version {version:?})", file.display(), shown(version))]
     Version {
         /// Path of the glTF file.
         file: PathBuf,
@@ -114,8 +114,12 @@ fn before(path: &str) -> String {
     }
 }
 
-fn major(version: &str) -> &str {
-    version.split('.').next().unwrap_or(version)
+/// The major version, or all of a later minor version.
+fn shown(version: &str) -> &str {
+    match version.split('.').next() {
+        Some(major) if major != "2" => major,
+        _ => version,
+    }
 }
 
 fn missing(cargo_feature: Option<&str>) -> String {

@@ -108,6 +108,7 @@ fn other_versions_are_named() {
         (r#"{"meshes": {"m": {}}}"#, "1"),
         (r#"{"asset": {"version": "3.0"}, "meshes": {}}"#, "3"),
         (r#"{"asset": {"version": "1.0"}}"#, "1"),
+        (r#"{"asset": {"version": "2.9", "minVersion": "2.9"}}"#, "2.9"),
     ] {
         let error = load_text(text).unwrap_err();
         assert!(matches!(error, GltfError::Version { .. }), "{text}: {error}");
@@ -121,6 +122,9 @@ fn other_versions_are_named() {
     // Version 2 as a number is meant well.
     load_text(r#"{"asset": {"version": 2.0}}"#).unwrap();
     load_text(r#"{"asset": {"version": 2}}"#).unwrap();
+    // A later minor version that 2.0 can read.
+    load_text(r#"{"asset": {"version": "2.9", "minVersion": "2.0"}}"#).unwrap();
+    load_text(r#"{"asset": {"version": "2.9"}}"#).unwrap();
 }
 
 #[test]

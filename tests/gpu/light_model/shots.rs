@@ -123,7 +123,7 @@ fn what_is_wrong_is_named() {
         ),
         (
             json!({"shadow_colour": [0, 0, 0]}),
-            ["lights[0]", "unknown field", "shadow_colour"],
+            ["lights[0]", "unknown field `shadow_colour`", "`shadow_color`"],
         ),
     ] {
         let line = shot(light(keys)).expect_err("it is wrong");
