@@ -86,7 +86,6 @@ pub mod schedule;
 pub mod sets;
 pub mod silhouettes;
 pub mod techniques;
-mod uncleared;
 
 /// The snippets of the README, compiled and run as doc tests.
 #[cfg(all(doctest, feature = "render", feature = "gltf"))]

@@ -8,6 +8,7 @@ use bevy_transform::systems::{mark_dirty_trees, propagate_parent_transforms, syn
 use bevy_transform::{StaticTransformOptimizations, TransformSystems};
 
 use crate::reports::Reports;
+use crate::scene::uncleared::report_uncleared;
 use crate::scene::{FaceCulling, bounds, pose};
 use crate::sets;
 use crate::sets::SeenInto;
@@ -20,7 +21,6 @@ use crate::silhouettes::{
 use crate::techniques::registry::report::report_techniques;
 use crate::techniques::shared::texture_memory::{self, TextureMemory, report::report_texture_memory};
 use crate::techniques::{TechniqueSystems, Techniques, choose_techniques};
-use crate::uncleared::report_uncleared;
 
 /// The stages of a frame as system sets, chained in this order. Each set says what is true after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]

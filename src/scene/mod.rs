@@ -44,6 +44,7 @@ mod pose_components;
 #[cfg(any(feature = "gltf", feature = "render"))]
 pub(crate) mod srgb;
 pub(crate) mod tasks;
+pub(crate) mod uncleared;
 
 pub use animation::{AnimationClip, AnimationClips, SceneNodes, apply_animation};
 pub use bounds::{update_local_bounds, update_world_bounds};
