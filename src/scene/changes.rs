@@ -3,6 +3,9 @@
 use bevy_ecs::change_detection::{MAX_CHANGE_AGE, Tick};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
+use bevy_ecs::system::SystemParam;
+
+use super::{SceneMaterials, SceneMesh};
 
 /// Number of rows that one mask covers.
 const BLOCK: usize = u64::BITS as usize;
@@ -77,6 +80,22 @@ pub(crate) fn any_changed<T: Component, F: ArchetypeFilter>(query: &Query<Ref<'s
         let since = Since::new(table.last_run_tick(), table.this_run_tick());
         since.any(table.changed_ticks_slice())
     })
+}
+
+/// The meshes and materials of all objects.
+///
+/// Asked each frame, so the ticks are compared table by table: the filter `Or<(Changed<_>, Changed<_>)>` takes six times as long.
+#[derive(SystemParam)]
+pub struct Appearances<'w, 's> {
+    meshes: Query<'w, 's, Ref<'static, SceneMesh>>,
+    materials: Query<'w, 's, Ref<'static, SceneMaterials>>,
+}
+
+impl Appearances<'_, '_> {
+    /// Whether a mesh or a list of materials was added or exchanged since the system last ran.
+    pub fn any_changed(&self) -> bool {
+        any_changed(&self.meshes) || any_changed(&self.materials)
+    }
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use crate::render::pools::gpu_types;
 use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
 use crate::render::renderer::Renderer;
+use crate::scene::changes::Appearances;
 use crate::scene::placement::Placement;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh, SurfaceWeights};
 use crate::sets::{FrameLights, Objects, View, ViewData, ViewportSize};
@@ -23,7 +24,7 @@ pub fn prepare_objects(
     view: Res<View>,
     viewport: Res<ViewportSize>,
     appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
-    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    appearances: Appearances,
     posed: Query<(Entity, Ref<PosedMesh>)>,
     places: Query<Placement>,
     (weights, weights_changed): (Query<&SurfaceWeights>, Query<(), Changed<SurfaceWeights>>),
@@ -36,9 +37,8 @@ pub fn prepare_objects(
         return;
     }
     let missed = std::mem::take(&mut renderer.has_missed_changes);
-    let rebuilt = missed
-        || renderer.table_generation != Some(objects.flags_generation)
-        || exchanged.iter().next().is_some();
+    let rebuilt =
+        missed || renderer.table_generation != Some(objects.flags_generation) || appearances.any_changed();
     if rebuilt {
         renderer.table.rebuild(
             &renderer.gpu,

@@ -6,6 +6,7 @@ use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
 
+use crate::scene::changes::Appearances;
 use crate::scene::material::Hidden;
 use crate::scene::{ObjectChurn, SceneMaterials, SceneMesh, Submeshes, Texture, WorldBounds};
 
@@ -53,10 +54,10 @@ pub fn find_invisible_objects(
     mut found: ResMut<InvisibleObjects>,
     mut churn: ResMut<ObjectChurn>,
     objects: Query<(Entity, &SceneMesh, &SceneMaterials), With<WorldBounds>>,
-    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    appearances: Appearances,
 ) {
     let found = &mut *found;
-    if found.seen == Some(churn.0) && exchanged.is_empty() {
+    if found.seen == Some(churn.0) && !appearances.any_changed() {
         return;
     }
     found.alphas.retain(|_, (texture, _)| texture.strong_count() > 0);

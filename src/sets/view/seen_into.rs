@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
 use crate::geometry::Aabb;
+use crate::scene::changes::Appearances;
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::index::objects::resize;
 use crate::sets::{Objects, Touch, View};
@@ -33,11 +34,11 @@ pub fn collect_seen_into(
     objects: Res<Objects>,
     view: Res<View>,
     appearance: Query<(&SceneMesh, &SceneMaterials)>,
-    exchanged: Query<(), Or<(Changed<SceneMesh>, Changed<SceneMaterials>)>>,
+    appearances: Appearances,
     mut last_view: Local<Option<u64>>,
 ) {
     let generation = Some((objects.layout_generation, objects.flags_generation));
-    let rebuilt = see_through.generation != generation || !exchanged.is_empty();
+    let rebuilt = see_through.generation != generation || appearances.any_changed();
     if !rebuilt && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
         return; // no input changed
     }
