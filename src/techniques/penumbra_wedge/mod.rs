@@ -46,8 +46,9 @@
 //! The RMSE of the visibility over the penumbra is 0.002 to 0.003 for a box or a ball, coarse or fine, under a square, wide or
 //! round light. The table is of 37 models and scenes under a light of 0.5 m at 4 m: the RMSE over the penumbra, and the share
 //! of the time of a frame with 64 accumulated hard shadows (medians, on a software driver). It was measured with nine
-//! places on the light. There are 21 now, and a second target holds their sums; errors and times on these models have
-//! not been measured again.
+//! places on the light. There are 21 now, and a second target holds their sums. With them, the whole light's mean is 0.010, its
+//! worst is 0.024 and its time is 0.16, on 40 models and without the compiler's optimizations; split lights have not been
+//! measured again.
 //!
 //! | way | mean RMSE | worst RMSE | time |
 //! | --- | --- | --- | --- |
