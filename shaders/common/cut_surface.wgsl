@@ -59,7 +59,8 @@ fn cut_polygon(p: vec3f, height: f32, plane: vec4f, corners: array<vec3f, 4>, cl
     }
     polygon = clip_polygon(polygon, vec4f(0.0, 0.0, 1.0, -LEAST_WAY));
     for (var i = 0u; i < polygon.count; i++) {
-        // Rounding leaves corners beyond the line: the shares of the way reach thousands for a receiver close to the light's plane.
+        // Rounding leaves corners beyond the line, because the shares of the way reach thousands for a receiver close to the
+        // light's plane.
         polygon.corners[i].z = max(polygon.corners[i].z, LEAST_WAY);
     }
     polygon = clip_polygon(polygon, vec4f(0.0, 0.0, -1.0, 1.0));

@@ -84,7 +84,8 @@ pub(crate) fn any_changed<T: Component, F: ArchetypeFilter>(query: &Query<Ref<'s
 
 /// The meshes and materials of all objects.
 ///
-/// Asked each frame, so the ticks are compared table by table: the filter `Or<(Changed<_>, Changed<_>)>` takes several times as long.
+/// Asked each frame, so the ticks are compared table by table. The filter `Or<(Changed<_>, Changed<_>)>` takes several times as
+/// long.
 #[derive(SystemParam)]
 pub struct Appearances<'w, 's> {
     meshes: Query<'w, 's, Ref<'static, SceneMesh>>,
