@@ -85,7 +85,7 @@ THREE_AT_A_TIME := xargs -P 3 -I{} $(SHELL) -c 'echo "+ {}"; \
 	printed=$$({} 2>&1) && status=0 || status=$$?; printf "%s\n" "+ {}" "$$printed"; exit $$status'
 
 # In parts: with --include-ignored, snippets that are no programs would be run too. The first command builds the examples
-# that tests run. The longest part is first.
+# that tests run. The three longest parts are first.
 test-all: ## all tests and doc tests
 	cargo test $(BOTH) --no-run
 	{ echo "cargo test $(BOTH) --test bevy -- $(ALL_MODELS)"; \

@@ -12,7 +12,7 @@ use super::occluder_mesh::{OccluderMesh, OccluderMeshes};
 use super::raster::Sides;
 use super::settings::OcclusionSettings;
 use crate::geometry::{Aabb, distance_to_triangle};
-use crate::scene::changes::any_changed;
+use crate::scene::changes::{Appearances, any_changed};
 use crate::scene::{
     AlphaMode, FaceCulling, LeftOutSubmeshes, Occluder, PosedMesh, SceneMaterials, SceneMesh,
 };
@@ -60,8 +60,7 @@ pub struct OccluderParts<'w, 's> {
             Has<PosedMesh>,
         ),
     >,
-    mesh_refs: Query<'w, 's, Ref<'static, SceneMesh>>,
-    material_refs: Query<'w, 's, Ref<'static, SceneMaterials>>,
+    appearances: Appearances<'w, 's>,
     occluders: Query<'w, 's, Ref<'static, Occluder>>,
     posed: Query<'w, 's, (), With<PosedMesh>>,
     transforms: Query<'w, 's, &'static GlobalTransform>,
@@ -70,7 +69,7 @@ pub struct OccluderParts<'w, 's> {
 impl OccluderParts<'_, '_> {
     /// Whether a mesh, a material or an occluder was replaced.
     fn exchanged(&self) -> bool {
-        any_changed(&self.mesh_refs) || any_changed(&self.material_refs) || any_changed(&self.occluders)
+        self.appearances.any_changed() || any_changed(&self.occluders)
     }
 }
 
