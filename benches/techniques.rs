@@ -3,7 +3,7 @@
 //! size by 64 lights with hard shadows, spread over it.
 //!
 //! ```sh
-//! cargo bench --bench techniques -- [--short] [--size 640x360] [--lights 1,9,64] [--models FOLDER] [SCENE.glb …]
+//! cargo bench --bench techniques -- [--short] [--size 640x360] [--lights 1,9,64] [--repetitions 9] [--models FOLDER] [SCENE.glb …]
 //! ```
 //!
 //! A time is wall clock from the start of the frame to the end of the GPU's work, and the median of the repetitions. The
@@ -38,6 +38,9 @@ struct Arguments {
     /// Numbers of lights, each with a column.
     #[arg(long, value_delimiter = ',', default_values_t = [1, 9, 64])]
     lights: Vec<usize>,
+    /// Number of measured frames of each row; their median is printed.
+    #[arg(long, default_value_t = 9, value_parser = clap::value_parser!(u16).range(1..))]
+    repetitions: u16,
     /// Folder that has the scenes, at any depth.
     #[arg(long, default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/models"))]
     models: PathBuf,
@@ -74,7 +77,7 @@ fn main() {
         width.parse().expect("width in pixels"),
         height.parse().expect("height in pixels"),
     );
-    let repetitions = if arguments.short { 1 } else { 9 };
+    let repetitions = if arguments.short { 1 } else { arguments.repetitions };
     let counts = if arguments.short {
         &[2][..]
     } else {
@@ -177,7 +180,7 @@ fn ways(stage: &mut Stage, kind: LightKind) -> Vec<Way> {
     ways
 }
 
-fn measure(model: &mut Model, kind: LightKind, counts: &[usize], repetitions: usize) {
+fn measure(model: &mut Model, kind: LightKind, counts: &[usize], repetitions: u16) {
     let ways = ways(&mut model.stage, kind);
     for &count in counts {
         let mut times = vec![Vec::new(); ways.len()];

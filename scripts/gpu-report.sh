@@ -57,16 +57,25 @@ run() {
         printf '# Frames at 1920×1080, by technique\n\n'
         local scene
         for scene in $scenes; do
-            block 80 "$bin/techniques" --size 1920x1080 --models "$packed/models" "$scene"
+            block 110 "$bin/techniques" --size 1920x1080 --repetitions 3 --models "$packed/models" "$scene"
         done
         printf '# Bevy'"'"'s maps beside ours\n\n'
-        block 120 "$bin/bevy_compare" --headless --scene "$packed/models/interior.glb" --out "$out/bevy_compare" --size 1920x1080
+        block 90 "$bin/bevy_compare" --headless --scene "$packed/models/interior.glb" --out "$out/bevy_compare" --size 1920x1080 \
+            --lights 1,9,64 --frames 9
         printf '# Pictures beside those of the other device\n\n```\n'
+        local name option
         for shot in $shots; do
-            local name
             name=$(basename "$shot" .json)
-            timeout 20 "$bin/render" "examples/shots/$shot" --out "$out/shots/$name" --against "$packed/here/$name" 2>&1 ||
-                printf '%s: ended with %s\n' "$name" "$?"
+            for option in --baseline ""; do
+                # shellcheck disable=SC2086
+                timeout 20 "$bin/render" "examples/shots/$shot" --out "$out/shots/$name" --against "$packed/here/$name" $option 2>&1 ||
+                    printf '%s: ended with %s\n' "$name" "$?"
+            done
+        done
+        printf '```\n\n# Milliseconds of the passes of these first frames\n\n```\n'
+        for shot in $shots; do
+            printf '%s\n' "$shot"
+            sed -n '/"[cg]pu_ms"/,/}/p' "$out/shots/$(basename "$shot" .json)/stats.json"
         done
         printf '```\n'
     } >"$out/report.md"
