@@ -2,9 +2,10 @@
 
 use bevy_ecs::change_detection::{ContiguousMut, Tick};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use bevy_transform::prelude::GlobalTransform;
 
-use super::changes::{Since, bits};
+use super::changes::{Since, any_changed, bits};
 use super::placement::placed;
 use super::{ExtraBounds, LocalBounds, PosedMesh, SceneMesh, Skin, WorldBounds, tasks};
 use crate::geometry::Aabb;
@@ -12,8 +13,9 @@ use crate::geometry::Aabb;
 /// Recomputes [`LocalBounds`] of meshes that were added, replaced or posed, or got other [`ExtraBounds`].
 ///
 /// Set: `UpdateBounds`, after [`pose_meshes`](super::pose_meshes). A mesh that is not posed yet has the
-/// bounds of its rest pose. Cost: the vertices of changed meshes.
+/// bounds of its rest pose. Cost: the vertices of changed meshes; at rest columns of change ticks are read.
 pub fn update_local_bounds(
+    shapes: Shapes,
     mut changed: ParamSet<(
         Query<Measured, Or<(Changed<SceneMesh>, Changed<PosedMesh>, Changed<ExtraBounds>)>>,
         Query<Measured>,
@@ -25,12 +27,28 @@ pub fn update_local_bounds(
     for mut bounds in &mut without_mesh {
         bounds.set_if_neq(LocalBounds::default());
     }
-    changed.p0().iter_mut().for_each(measure);
+    if shapes.any_changed() {
+        changed.p0().iter_mut().for_each(measure);
+    }
     let mut all = changed.p1();
     for entity in without_extra.read() {
         if let Ok(object) = all.get_mut(entity) {
             measure(object);
         }
+    }
+}
+
+/// Everything by which local bounds are measured.
+#[derive(SystemParam)]
+pub struct Shapes<'w, 's> {
+    meshes: Query<'w, 's, Ref<'static, SceneMesh>>,
+    posed: Query<'w, 's, Ref<'static, PosedMesh>>,
+    extra: Query<'w, 's, Ref<'static, ExtraBounds>>,
+}
+
+impl Shapes<'_, '_> {
+    fn any_changed(&self) -> bool {
+        any_changed(&self.meshes) || any_changed(&self.posed) || any_changed(&self.extra)
     }
 }
 

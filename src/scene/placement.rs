@@ -44,8 +44,9 @@ impl PlacementItem<'_, '_> {
     /// The matrix of [`affine`](Self::affine), but without the thickness of a flat object.
     pub fn exact_affine(&self) -> Option<Affine3A> {
         let affine = self.affine()?;
-        let is_flat = !self.is_skinned && flattened(&self.transform.affine()).is_some();
-        Some(if is_flat { self.transform.affine() } else { affine })
+        let own = self.transform.affine();
+        let is_flat = !self.is_skinned && !is_thick(&own) && flattened(&own).is_some();
+        Some(if is_flat { own } else { affine })
     }
 }
 
@@ -55,6 +56,9 @@ pub fn placed(transform: &GlobalTransform, is_skinned: bool) -> Option<Affine3A>
     if !affine.is_finite() {
         return None;
     }
+    if is_thick(&affine) {
+        return Some(affine);
+    }
     let plate = flattened(&affine);
     if plate.is_none() && has_volume(&affine) {
         return Some(affine);
@@ -63,6 +67,15 @@ pub fn placed(transform: &GlobalTransform, is_skinned: bool) -> Option<Affine3A>
         return Some(Affine3A::from_translation(affine.translation.into()));
     }
     plate
+}
+
+/// Whether a transform is far from flat, as most are. The test is cheap: `f32` rounds the volume by some 10⁻⁶ of the longest
+/// axis cubed.
+fn is_thick(affine: &Affine3A) -> bool {
+    let m = &affine.matrix3;
+    let longest = m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length());
+    let volume = m.determinant().abs();
+    volume > 1e-3 * (longest * longest * longest) && volume.is_finite()
 }
 
 /// Whether the volume of the transformed unit cube is neither 0 nor infinite in `f32`.
@@ -137,6 +150,27 @@ mod tests {
             let transform = Transform::from_rotation(turned).with_scale(scale);
             assert_eq!(of(transform), Some(GlobalTransform::from(transform).affine()));
         }
+    }
+
+    /// The cheap test and the exact one agree on transforms of all sizes and thicknesses.
+    #[test]
+    fn thick_ones_are_never_flat() {
+        let turned = Quat::from_euler(glam::EulerRot::XYZ, 0.3, 1.1, -0.4);
+        let mut found = [0; 2];
+        for size in -20..=20 {
+            for thickness in -10..=0 {
+                let scale = Vec3::new(1.0, -0.7, 10f32.powi(thickness)) * 10f32.powi(size);
+                let transform = Transform::from_rotation(turned).with_scale(scale);
+                let affine = GlobalTransform::from(transform).affine();
+                let is_thick = is_thick(&affine);
+                found[usize::from(is_thick)] += 1;
+                assert!(
+                    !is_thick || (flattened(&affine).is_none() && has_volume(&affine)),
+                    "{scale}"
+                );
+            }
+        }
+        assert!(found[0] > 100 && found[1] > 50, "{found:?}");
     }
 
     #[test]

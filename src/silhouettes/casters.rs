@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use glam::Vec3;
 
 use super::stacks::piece_boxes;
@@ -13,6 +14,7 @@ use super::{FacingPlanes, compute_planes, compute_posed_planes};
 use crate::geometry::Aabb;
 use crate::geometry::convex_shell::middle_of_shell;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshError, EdgeMeshInput, is_outside_out};
+use crate::scene::changes::any_changed;
 use crate::scene::{LeftOutSubmeshes, MeshData, PosedMesh, SceneMesh, ShadowCaster, Submeshes};
 
 /// Edges and planes that all casters with one mesh share, as far as they leave out the same submeshes.
@@ -203,12 +205,27 @@ fn pose_keys(mesh: &MeshData) -> Option<Vec<u32>> {
     Some(keys.collect())
 }
 
+/// Everything that a caster's edge mesh is built from.
+#[derive(SystemParam)]
+pub struct CasterSources<'w, 's> {
+    casters: Query<'w, 's, Ref<'static, ShadowCaster>>,
+    meshes: Query<'w, 's, Ref<'static, SceneMesh>, With<ShadowCaster>>,
+    left_out: Query<'w, 's, Ref<'static, LeftOutSubmeshes>>,
+}
+
+impl CasterSources<'_, '_> {
+    fn any_changed(&self) -> bool {
+        any_changed(&self.casters) || any_changed(&self.meshes) || any_changed(&self.left_out)
+    }
+}
+
 /// Gives a caster its edge mesh when it appears, when its mesh is exchanged, or when other submeshes of it are left out.
 ///
-/// Set: `BuildSilhouettes`, first. Cost: linear in the triangles of new meshes.
+/// Set: `BuildSilhouettes`, first. Cost: linear in the triangles of new meshes; at rest columns of change ticks are read.
 pub fn build_caster_edges(
     mut commands: Commands,
     mut meshes: ResMut<CasterMeshes>,
+    sources: CasterSources,
     changed: Query<
         (
             Entity,
@@ -223,6 +240,9 @@ pub fn build_caster_edges(
         ),
     >,
 ) {
+    if !sources.any_changed() {
+        return;
+    }
     let whole = LeftOutSubmeshes::default();
     for (entity, mesh, posed, left_out, was_refused) in &changed {
         let mut entity = commands.entity(entity);

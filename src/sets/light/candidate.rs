@@ -11,12 +11,33 @@ use crate::scene::{Light, LightModel, LightSelection, LightTextures};
 #[derive(Clone, Debug)]
 pub(super) struct Candidate {
     pub entity: Entity,
+    /// Copy of the component.
+    pub source: Light,
+    /// The light with the range of its shadows.
     pub light: Light,
     pub world_from_light: GlobalTransform,
     pub selection: LightSelection,
     pub model: LightModel,
     pub textures: LightTextures,
     pub placed: Placed,
+    /// Whether all of this but the textures is as it was in the frame before.
+    pub is_kept: bool,
+}
+
+impl Candidate {
+    /// Whether the light was placed by the same values.
+    pub fn is_placed_by(
+        &self,
+        entity: Entity,
+        source: &Light,
+        world_from_light: &GlobalTransform,
+        model: &LightModel,
+    ) -> bool {
+        self.entity == entity
+            && self.world_from_light == *world_from_light
+            && self.source == *source
+            && self.model == *model
+    }
 }
 
 /// Whether a light gives no light at all.

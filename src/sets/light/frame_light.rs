@@ -274,6 +274,11 @@ impl FrameLight {
     }
 
     pub(super) fn refresh(&mut self, candidate: &Candidate) {
+        self.textures.clone_from(&candidate.textures);
+        if candidate.is_kept {
+            self.moved = false;
+            return;
+        }
         let (old, new) = (&self.light, &candidate.light);
         self.moved = old.kind != new.kind
             || old.range != new.range
@@ -283,7 +288,6 @@ impl FrameLight {
             || self.model.bounds() != candidate.model.bounds();
         self.light.clone_from(new);
         self.model = candidate.model;
-        self.textures.clone_from(&candidate.textures);
         if self.moved {
             self.world_from_light = candidate.world_from_light;
             self.selection = candidate.selection;

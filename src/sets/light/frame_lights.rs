@@ -24,7 +24,10 @@ pub struct FrameLights {
     /// Increases when lights were added to or removed from the list, which changes the meaning of indices
     /// into `lights`.
     pub generation: u64,
+    /// The usable lights in the order of the query. A light whose values did not change is not placed again.
     candidates: Vec<Candidate>,
+    /// Indices into the candidates, in ascending order of their entities.
+    ascending: Vec<usize>,
     previous: Vec<FrameLight>,
 }
 
@@ -61,51 +64,35 @@ type LightItem<'a> = (
 
 /// Lists the usable lights and compares each with the frame before.
 ///
-/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`]. O(lights log lights). Lights
-/// are in the order of their entities, and keep their sets and allocations as long as they exist.
+/// Set: `CollectSets`. Reads [`Light`], `GlobalTransform`, [`LightSelection`] and the light model. O(lights), and
+/// O(lights log lights) when one came or went. Lights are in the order of their entities, and keep their sets
+/// and allocations as long as they exist.
 pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightItem<'static>>) {
     let frame = &mut *frame;
-    frame.candidates.clear();
     frame.skipped.clear();
     frame.faults.clear();
-    for (entity, light, world_from_light, selection, parts, cookie, profile) in &lights {
-        let faults = &mut frame.faults;
-        let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
-        let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
-        match place(light, world_from_light, &model) {
-            Ok(placed) => {
-                if placed.casts_from_behind(light.kind) {
-                    frame.faults.push((entity, LightModelFault::OriginBehind));
-                }
-                frame.candidates.push(Candidate {
-                    entity,
-                    light: Light {
-                        range: placed.range,
-                        ..light.clone()
-                    },
-                    world_from_light: *world_from_light,
-                    selection: selection.copied().unwrap_or_default(),
-                    model,
-                    textures,
-                    placed,
-                });
-            }
-            Err(error) => frame.skipped.push(SkippedLight { entity, error }),
-        }
-    }
+    let same_order = collect_candidates(frame, &lights);
     frame.skipped.sort_unstable_by_key(|skipped| skipped.entity);
     frame.faults.sort_by_key(|(entity, _)| *entity);
-    frame
-        .candidates
-        .sort_unstable_by_key(|candidate| candidate.entity);
-    let same_members = frame.candidates.len() == frame.lights.len()
-        && frame
-            .candidates
-            .iter()
-            .zip(&frame.lights)
-            .all(|(new, old)| new.entity == old.entity);
+    let FrameLights {
+        candidates,
+        ascending,
+        ..
+    } = frame;
+    if !same_order {
+        ascending.clear();
+        ascending.extend(0..candidates.len());
+        ascending.sort_unstable_by_key(|&at| candidates[at].entity);
+    }
+    let in_order = ascending.iter().map(|&at| &candidates[at]);
+    let same_members = same_order
+        || (candidates.len() == frame.lights.len()
+            && in_order
+                .clone()
+                .zip(&frame.lights)
+                .all(|(new, old)| new.entity == old.entity));
     if same_members {
-        for (light, candidate) in frame.lights.iter_mut().zip(&frame.candidates) {
+        for (light, candidate) in frame.lights.iter_mut().zip(in_order) {
             light.refresh(candidate);
         }
         return;
@@ -113,7 +100,7 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
     frame.generation += 1;
     std::mem::swap(&mut frame.lights, &mut frame.previous);
     let mut old = frame.previous.drain(..).peekable();
-    for candidate in &frame.candidates {
+    for candidate in in_order {
         while old.next_if(|light| light.entity < candidate.entity).is_some() {}
         let light = match old.next_if(|light| light.entity == candidate.entity) {
             Some(mut light) => {
@@ -124,4 +111,66 @@ pub fn collect_frame_lights(mut frame: ResMut<FrameLights>, lights: Query<LightI
         };
         frame.lights.push(light);
     }
+}
+
+/// Brings the candidates up to date. Returns whether they are those of the frame before, in the same order.
+fn collect_candidates(frame: &mut FrameLights, lights: &Query<LightItem<'static>>) -> bool {
+    let FrameLights {
+        candidates,
+        faults,
+        skipped,
+        ..
+    } = frame;
+    let mut count = 0;
+    let mut same_order = true;
+    for (entity, light, world_from_light, selection, parts, cookie, profile) in lights {
+        let model = LightModel::of(parts, light.kind, |fault| faults.push((entity, fault)));
+        let textures = LightTextures::of(cookie, profile, light.kind, |fault| faults.push((entity, fault)));
+        let selection = selection.copied().unwrap_or_default();
+        let last = candidates.get_mut(count);
+        if let Some(last) = last.filter(|last| last.is_placed_by(entity, light, world_from_light, &model)) {
+            last.is_kept = last.selection == selection;
+            last.selection = selection;
+            last.textures = textures;
+        } else {
+            let placed = match place(light, world_from_light, &model) {
+                Ok(placed) => placed,
+                Err(error) => {
+                    skipped.push(SkippedLight { entity, error });
+                    continue;
+                }
+            };
+            let candidate = Candidate {
+                entity,
+                source: light.clone(),
+                light: Light {
+                    range: placed.range,
+                    ..light.clone()
+                },
+                world_from_light: *world_from_light,
+                selection,
+                model,
+                textures,
+                placed,
+                is_kept: false,
+            };
+            match candidates.get_mut(count) {
+                Some(last) => {
+                    same_order &= last.entity == entity;
+                    *last = candidate;
+                }
+                None => {
+                    same_order = false;
+                    candidates.push(candidate);
+                }
+            }
+        }
+        if candidates[count].placed.casts_from_behind(light.kind) {
+            faults.push((entity, LightModelFault::OriginBehind));
+        }
+        count += 1;
+    }
+    same_order &= candidates.len() == count;
+    candidates.truncate(count);
+    same_order
 }

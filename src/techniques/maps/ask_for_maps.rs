@@ -75,7 +75,7 @@ pub fn ask_for_maps(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     view: Res<View>,
-    exchanged: Query<Entity, Exchanged>,
+    exchanged: Exchanged,
     mut stripped: RemovedComponents<SceneMaterials>,
 ) {
     let maps = &mut *maps;

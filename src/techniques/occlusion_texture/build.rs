@@ -64,7 +64,7 @@ pub fn ask_for_slices(
     lights: Res<FrameLights>,
     objects: Res<Objects>,
     components: Query<&OcclusionTexture>,
-    exchanged: Query<Entity, Exchanged>,
+    exchanged: Exchanged,
     casters: Query<(&CasterEdges, &GlobalTransform, Option<&SceneMaterials>)>,
     placed: Query<(&LocalBounds, Placement)>,
 ) {

@@ -18,6 +18,7 @@ use crate::render::shaders::ShaderFile;
 #[cfg(feature = "render")]
 use crate::render::{Gpu, RenderError};
 use crate::reports::Round;
+use crate::scene::changes::any_changed;
 use crate::scene::{Light, LightKind, SceneMesh};
 use crate::sets::{FrameLight, FrameLights, Needs, Objects, View, VisibleParts};
 use crate::silhouettes::KEPT_FRAMES;
@@ -112,7 +113,7 @@ pub struct FitScene<'w, 's> {
     grounds: Res<'w, BlurredGrounds>,
     visible: Res<'w, VisibleParts>,
     meshes: Query<'w, 's, Receiver>,
-    exchanged: Query<'w, 's, (), Changed<SceneMesh>>,
+    every_mesh: Query<'w, 's, Ref<'static, SceneMesh>>,
 }
 
 impl FitScene<'_, '_> {
@@ -148,7 +149,7 @@ pub fn request_perspective_maps(
     maps.fits.clear();
     maps.fitted_anew = 0;
     maps.known.iter_mut().for_each(|known| known.in_use = false);
-    let is_exchanged = !scene.exchanged.is_empty();
+    let is_exchanged = any_changed(&scene.every_mesh);
     for (index, light) in scene.lights.lights.iter().enumerate() {
         if !light.is_shadowed_by::<PerspectiveMap>() {
             continue;
