@@ -84,8 +84,7 @@ pub(crate) fn any_changed<T: Component, F: ArchetypeFilter>(query: &Query<Ref<'s
 
 /// The meshes and materials of all objects.
 ///
-/// Asked each frame, so the ticks are compared table by table. The filter `Or<(Changed<_>, Changed<_>)>` takes several times as
-/// long.
+/// The ticks are compared table by table. The filter `Or<(Changed<_>, Changed<_>)>` takes several times as long.
 #[derive(SystemParam)]
 pub struct Appearances<'w, 's> {
     meshes: Query<'w, 's, Ref<'static, SceneMesh>>,
@@ -94,8 +93,35 @@ pub struct Appearances<'w, 's> {
 
 impl Appearances<'_, '_> {
     /// Whether a mesh or a list of materials was added or exchanged since the system last ran.
-    pub fn any_changed(&self) -> bool {
+    pub(crate) fn any_changed(&self) -> bool {
         any_changed(&self.meshes) || any_changed(&self.materials)
+    }
+}
+
+/// The number of frames in which a mesh or a list of materials was added or exchanged. Written by [`count_appearances`].
+#[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct AppearanceCount(u64);
+
+/// Looks once a frame whether the appearance of an object changed, for all systems that collect appearances.
+///
+/// Set: `CollectSets`, first. Cost: two columns of change ticks.
+pub fn count_appearances(mut count: ResMut<AppearanceCount>, appearances: Appearances) {
+    if appearances.any_changed() {
+        count.0 += 1;
+    }
+}
+
+/// Tells a system whether appearances changed since it last asked. A change after [`count_appearances`] is seen a frame later.
+#[derive(SystemParam)]
+pub struct NewAppearances<'w, 's> {
+    count: Res<'w, AppearanceCount>,
+    seen: Local<'s, AppearanceCount>,
+}
+
+impl NewAppearances<'_, '_> {
+    /// Whether a mesh or a list of materials was added or exchanged since the last call.
+    pub(crate) fn take(&mut self) -> bool {
+        std::mem::replace(&mut *self.seen, *self.count) != *self.count
     }
 }
 

@@ -77,12 +77,14 @@ pub use view::visible::{CameraOcclusion, VisibleSet, collect_visible_set};
 pub use view::visible_parts::VisibleParts;
 pub use work::SetWork;
 
+use crate::scene::changes::{AppearanceCount, count_appearances};
 use crate::scene::{CulledCasters, FaceCulling, ObjectChurn};
 
 /// Inserts the resources of the sets that are missing.
 pub fn init_set_resources(world: &mut World) {
     world.init_resource::<SetWork>();
     world.init_resource::<ObjectChurn>();
+    world.init_resource::<AppearanceCount>();
     world.init_resource::<InvertedHulls>();
     world.init_resource::<InvisibleObjects>();
     world.init_resource::<FaceCulling>();
@@ -106,6 +108,7 @@ pub fn init_set_resources(world: &mut World) {
 /// The systems of the sets, chained. They belong in `AntumbraSystems::CollectSets`.
 pub fn collect_sets() -> ScheduleConfigs<ScheduleSystem> {
     (
+        count_appearances, // once for all that collect appearances
         begin_depth_reach,
         collect_view,
         find_invisible_objects, // what has no alpha is neither drawn nor casts

@@ -9,7 +9,7 @@ use crate::render::pools::gpu_types;
 use crate::render::pools::objects::NO_MESH;
 use crate::render::recorder::PrepareInput;
 use crate::render::renderer::Renderer;
-use crate::scene::changes::Appearances;
+use crate::scene::changes::NewAppearances;
 use crate::scene::placement::Placement;
 use crate::scene::{PosedMesh, SceneMaterials, SceneMesh, SurfaceWeights};
 use crate::sets::{FrameLights, Objects, View, ViewData, ViewportSize};
@@ -24,7 +24,7 @@ pub fn prepare_objects(
     view: Res<View>,
     viewport: Res<ViewportSize>,
     appearance: Query<(&SceneMesh, Option<&SceneMaterials>, Option<&PosedMesh>)>,
-    appearances: Appearances,
+    mut appearances: NewAppearances,
     posed: Query<(Entity, Ref<PosedMesh>)>,
     places: Query<Placement>,
     (weights, weights_changed): (Query<&SurfaceWeights>, Query<(), Changed<SurfaceWeights>>),
@@ -37,8 +37,7 @@ pub fn prepare_objects(
         return;
     }
     let missed = std::mem::take(&mut renderer.has_missed_changes);
-    let rebuilt =
-        missed || renderer.table_generation != Some(objects.flags_generation) || appearances.any_changed();
+    let rebuilt = appearances.take() || missed || renderer.table_generation != Some(objects.flags_generation);
     if rebuilt {
         renderer.table.rebuild(
             &renderer.gpu,

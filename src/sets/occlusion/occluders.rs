@@ -12,7 +12,7 @@ use super::occluder_mesh::{OccluderMesh, OccluderMeshes};
 use super::raster::Sides;
 use super::settings::OcclusionSettings;
 use crate::geometry::{Aabb, distance_to_triangle};
-use crate::scene::changes::{Appearances, any_changed};
+use crate::scene::changes::{NewAppearances, any_changed};
 use crate::scene::{
     AlphaMode, FaceCulling, LeftOutSubmeshes, Occluder, PosedMesh, SceneMaterials, SceneMesh,
 };
@@ -60,7 +60,7 @@ pub struct OccluderParts<'w, 's> {
             Has<PosedMesh>,
         ),
     >,
-    appearances: Appearances<'w, 's>,
+    appearances: NewAppearances<'w, 's>,
     occluders: Query<'w, 's, Ref<'static, Occluder>>,
     posed: Query<'w, 's, (), With<PosedMesh>>,
     transforms: Query<'w, 's, &'static GlobalTransform>,
@@ -68,8 +68,8 @@ pub struct OccluderParts<'w, 's> {
 
 impl OccluderParts<'_, '_> {
     /// Whether a mesh, a material or an occluder was replaced.
-    fn exchanged(&self) -> bool {
-        self.appearances.any_changed() || any_changed(&self.occluders)
+    fn exchanged(&mut self) -> bool {
+        self.appearances.take() | any_changed(&self.occluders)
     }
 }
 
@@ -110,13 +110,13 @@ pub fn collect_occluders(
     objects: Res<Objects>,
     settings: Res<OcclusionSettings>,
     face_culling: Option<Res<FaceCulling>>,
-    parts: OccluderParts,
+    mut parts: OccluderParts,
 ) {
     let occluders = &mut *occluders;
     let culling = face_culling.map_or_else(FaceCulling::default, |culling| *culling);
     let counts = [parts.occluders.iter().len(), parts.posed.iter().len()];
     let now = Some((objects.flags_generation, *settings, culling, counts));
-    if occluders.seen != now || parts.exchanged() {
+    if parts.exchanged() || occluders.seen != now {
         occluders.seen = now;
         occluders.rebuild(&objects, &settings, culling, &parts);
         return;

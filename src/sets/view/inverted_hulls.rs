@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use super::frame_view::View;
 use crate::geometry::edge_mesh::{EdgeMesh, EdgeMeshInput, is_outside_out};
-use crate::scene::changes::Appearances;
+use crate::scene::changes::NewAppearances;
 use crate::scene::{
     CulledCasters, FaceCulling, MeshData, ObjectChurn, SceneMaterials, SceneMesh, ShadowCaster, Submeshes,
     WorldBounds,
@@ -106,12 +106,12 @@ pub fn find_inverted_hulls(
     culling: Res<FaceCulling>,
     setting: Res<CulledCasters>,
     casters: Query<(Entity, &SceneMesh, &SceneMaterials), (With<ShadowCaster>, With<WorldBounds>)>,
-    appearances: Appearances,
+    mut appearances: NewAppearances,
     bounds: Query<&WorldBounds>,
 ) {
     let found = &mut *found;
     let now = Some((churn.0, *culling, *setting));
-    if found.seen != now || appearances.any_changed() {
+    if appearances.take() || found.seen != now {
         let mut hulls = std::mem::take(&mut found.hulls);
         hulls.clear();
         found.meshes.retain(|_, (mesh, _)| mesh.strong_count() > 0);

@@ -6,7 +6,7 @@ use std::sync::{Arc, Weak};
 
 use bevy_ecs::prelude::*;
 
-use crate::scene::changes::Appearances;
+use crate::scene::changes::NewAppearances;
 use crate::scene::material::Hidden;
 use crate::scene::{ObjectChurn, SceneMaterials, SceneMesh, Submeshes, Texture, WorldBounds};
 
@@ -54,10 +54,11 @@ pub fn find_invisible_objects(
     mut found: ResMut<InvisibleObjects>,
     mut churn: ResMut<ObjectChurn>,
     objects: Query<(Entity, &SceneMesh, &SceneMaterials), With<WorldBounds>>,
-    appearances: Appearances,
+    mut appearances: NewAppearances,
 ) {
     let found = &mut *found;
-    if found.seen == Some(churn.0) && !appearances.any_changed() {
+    let exchanged = appearances.take();
+    if found.seen == Some(churn.0) && !exchanged {
         return;
     }
     found.alphas.retain(|_, (texture, _)| texture.strong_count() > 0);

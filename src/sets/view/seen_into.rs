@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use fixedbitset::FixedBitSet;
 
 use crate::geometry::Aabb;
-use crate::scene::changes::Appearances;
+use crate::scene::changes::NewAppearances;
 use crate::scene::{SceneMaterials, SceneMesh};
 use crate::sets::index::objects::resize;
 use crate::sets::{Objects, Touch, View};
@@ -34,11 +34,11 @@ pub fn collect_seen_into(
     objects: Res<Objects>,
     view: Res<View>,
     appearance: Query<(&SceneMesh, &SceneMaterials)>,
-    appearances: Appearances,
+    mut appearances: NewAppearances,
     mut last_view: Local<Option<u64>>,
 ) {
     let generation = Some((objects.layout_generation, objects.flags_generation));
-    let rebuilt = see_through.generation != generation || appearances.any_changed();
+    let rebuilt = appearances.take() || see_through.generation != generation;
     if !rebuilt && last_view.replace(view.generation) == Some(view.generation) && objects.moved.is_clear() {
         return; // no input changed
     }
