@@ -36,6 +36,7 @@ struct Search {
     absolute: f32,
     deepest: f32,                   // depth that the receiver's plane may reach within a texel
     rounding: f32,                  // of depth: a share, or absolute for parallel faces
+    step: f32,                      // of a format with bytes: the step of squared distance, as a share of the squared reach
     beside_x: vec2f,                // how far the filter reaches to two sides, texels
     beside_y: vec2f,
     count: i32,                     // 4: the texels around the receiver; 20: those that the filter reaches as well
@@ -113,6 +114,14 @@ fn depth_at(
     return projection.y * sqrt(dot(direction, direction) * map_light.limits.z / max(share, 1e-30));
 }
 
+// Step of depth in a texel of a format with bytes, as a share of the depth; 0 for other formats.
+fn step_of_depth(search: Search, face: u32, texel: vec2i, depth: f32) -> f32 {
+    let projection = map_light.faces[face].projection;
+    let direction = vec3f(ndc_of(texel) * projection.x, 1.0);
+    let along = projection.y / max(depth, 1e-30);
+    return 0.5 * search.step / max(along * along * dot(direction, direction) * map_light.limits.z, 1e-30);
+}
+
 // Change of depth from a texel to the next one, of the surface in that texel: on the side away from the receiver or, where
 // the surface ends there, on the other one. y is 1 if it ends on both sides.
 fn surface_slope(
@@ -125,7 +134,8 @@ fn surface_slope(
     depth: f32,
     away: f32,
 ) -> vec2f {
-    let rounding = search.rounding * select(depth, 1.0, search.shape == CASCADES);
+    let rounding = search.rounding * select(depth, 1.0, search.shape == CASCADES)
+        + 2.0 * depth * step_of_depth(search, face, texel, depth);
     for (var side = 0; side < 2; side++) {
         let step = axis * select(-1, 1, (away >= 0.0) == (side == 0));
         let slope = depth_at(depth_map, distance_map, search.format, face, texel + step) - depth;
@@ -193,7 +203,9 @@ fn try_crease(
     let x = surface_slope(depth_map, distance_map, search, face, texel, vec2i(1, 0), depth, apart.x);
     let y = surface_slope(depth_map, distance_map, search, face, texel, vec2i(0, 1), depth, apart.y);
     let slope = vec2f(x.x, y.x);
-    let at_receiver = depth - dot(slope, apart) - own.depth;
+    // Each slope is exact to a step of a texel.
+    let coarse = depth * step_of_depth(search, face, texel, depth) * (1.0 + abs(apart.x) + abs(apart.y));
+    let at_receiver = depth - dot(slope, apart) - own.depth - coarse;
     if at_receiver > 0.0 || x.y + y.y > 0.0 {
         return 0u;
     }
@@ -204,7 +216,7 @@ fn try_crease(
     let surface = depth + dot(slope, probe_apart - apart);
     let lower = own.depth + dot(own.slope, probe_apart);
     let there = depth_at(depth_map, distance_map, search.format, face, probe);
-    if beyond < 1.0 && abs(there - surface) > 0.5 * abs(surface - lower) {
+    if beyond < 1.0 && abs(there - surface) > 0.5 * abs(surface - lower) + coarse {
         return 0u;
     }
     let per_ndc = slope * vec2f(0.5, -0.5) * map_light.size.x;
@@ -235,7 +247,8 @@ fn find_creases(
             let plane = plane_slope(search.shape, creases.sites[crease], site.face, ndc_of(texel));
             known = max(known, plane.depth);
         }
-        if depth > known * search.slack + search.absolute {
+        let slack = search.slack + step_of_depth(search, site.face, texel, depth);
+        if depth > known * slack + search.absolute {
             var found: Site;
             let count =
                 try_crease(depth_map, distance_map, search, site, own, texel, depth, apart, &found);
@@ -253,17 +266,24 @@ fn plain_search(shape: u32, format: u32, site: Site, reach: f32, count: i32) -> 
     let projection = map_light.faces[site.face].projection;
     let own = plane_slope(shape, site, site.face, site.ndc);
     let parallel = shape == CASCADES;
-    return Search(
+    let is_depth = format == FORMAT_DEPTH;
+    var search = Search(
         shape,
         format,
         select(own.depth * projection.z, projection.z / projection.y, parallel),
         map_light.bias.x * projection.z * select(site.along, 1.0, parallel),
-        1.0 + map_light.bias.y,
-        map_light.bias.z,
+        // Squared distances have twice the slack of depth.
+        1.0 + map_light.bias.y * select(0.5, 1.0, is_depth),
+        select(0.0, map_light.bias.z, is_depth),
         -1e30,
         2e-6,
+        select(map_light.bias.z, 0.0, is_depth),
         vec2f(reach, 0.0),
         vec2f(0.0, reach),
         count,
     );
+    // The plane of a crease follows from differences between neighbours, and reaches as far as the filter.
+    let step = step_of_depth(search, site.face, clamped(vec2i(floor(place_of(site.ndc)))), own.depth);
+    search.raise += 2.0 * (1.0 + reach) * step * site.along;
+    return search;
 }

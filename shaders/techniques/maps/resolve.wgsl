@@ -262,6 +262,7 @@ fn search_of(site: Site, radius: f32, is_wide: bool) -> Search {
         0.0,
         max(farthest.z, 0.0) / max(farthest.w, 1e-37),
         max(2e-6, matrix_site.slack - 1.0),
+        0.0,
         beside_x,
         beside_y,
         count,

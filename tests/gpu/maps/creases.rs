@@ -1,5 +1,5 @@
-//! Where two lit surfaces meet in a concave crease nothing is dark, at any resolution and under any filter, in maps of depth
-//! and of floats, perspective maps and smoothies; what stands in the crease still casts. (Bytes are too coarse to extrapolate a surface.)
+//! Where two lit surfaces meet in a concave crease nothing is dark, at any resolution and under any filter, in maps of
+//! every format, perspective maps and smoothies; what stands in the crease still casts.
 
 use std::f32::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -148,8 +148,16 @@ fn no_crease_is_dark() {
                 }
             }
         }
-        let floats = Map::Plain(Kind::Omni(MapFormat::R32Float));
-        add(&mut stage, floats, MapFilter::Bilinear, 256);
+        for format in [
+            MapFormat::R32Float,
+            MapFormat::Rgba8FourBytes,
+            MapFormat::Rgba8TwoBytes,
+        ] {
+            let map = Map::Plain(Kind::Omni(format));
+            for filter in [MapFilter::Bilinear, MapFilter::Brute4x4] {
+                add(&mut stage, map, filter, 256);
+            }
+        }
         let point = LightKind::Point;
         add(&mut stage, Map::Perspective(point), MapFilter::Bilinear, 512);
         add(&mut stage, Map::Smoothie(point), MapFilter::Bilinear, 256);
@@ -187,6 +195,8 @@ fn no_crease_is_dark() {
 #[test]
 fn what_stands_in_the_crease_casts() {
     let mut stage = stage(FRAC_PI_2, false);
+    let bytes = Map::Plain(Kind::Omni(MapFormat::Rgba8TwoBytes));
+    light(&mut stage, bytes, MapFilter::Bilinear, 512);
     for filter in filters(LightKind::Point, 1.0) {
         light(&mut stage, Map::Plain(Kind::Omni(MapFormat::Depth)), filter, 512);
         light(&mut stage, Map::Perspective(LightKind::Point), filter, 512);
