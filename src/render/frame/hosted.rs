@@ -22,7 +22,6 @@ use crate::render::nodes::host_select::HostSelect;
 use crate::render::nodes::keep_visibility::{KeepVisibility, Known};
 use crate::render::nodes::pipelines::stencil_test;
 use crate::render::pools::gpu_types;
-use crate::render::recorder::ShadowKind;
 use crate::render::renderer::Renderer;
 use crate::render::{Gpu, RenderError};
 
@@ -191,7 +190,7 @@ impl Renderer {
         // Light by light: the lights take turns with one stencil and one mask.
         for group in self.light_groups(self.timings.is_active() || kept.is_some()) {
             self.record_group(&mut recording, group, |pass, light| {
-                self.mark_light(pass, light, LightSurfaces::Opaque);
+                self.begin_light(pass, light, LightSurfaces::Opaque);
                 self.select_pixels(pass, light);
                 pass.set_stencil_reference(STENCIL_IN_BOUNDS);
                 add(pass, &self.hosted_light(light));
@@ -210,14 +209,9 @@ impl Renderer {
         self.timings.end_frame(recording.encoder);
     }
 
-    /// Begins the stencil of a light whose technique does not count there. Then clears it at surfaces that
-    /// the light does not affect or does not see, so that the host does not light them. No caster needs to
-    /// shadow these surfaces.
+    /// Clears the stencil at surfaces that the light does not affect or does not see, so that the host does not light
+    /// them. No caster needs to shadow these surfaces.
     fn select_pixels(&self, pass: &mut wgpu::RenderPass, light: &ActiveLight) {
-        if light.kind() != Some(ShadowKind::Stencil) {
-            let (near, far) = light.depth_range;
-            self.light_begin.record(pass, near, far);
-        }
         if let Some(select) = self.host_select.as_ref().filter(|_| !light.unlit.is_empty()) {
             let batches = &self.frame.batches[light.unlit.clone()];
             select.record(pass, &self.view_group, batches, &self.surface_resources());

@@ -168,9 +168,9 @@ impl Renderer {
         }
     }
 
-    /// Begins the stencil of a light whose technique counts there, and lets the technique mark the surfaces
-    /// that the light does not see.
-    pub(in crate::render) fn mark_light(
+    /// Begins the stencil of a light. If the light's technique counts there, it marks the surfaces that the light does not
+    /// see. Whatever the technique, surfaces in one place are lit once by the stencil.
+    pub(in crate::render) fn begin_light(
         &self,
         pass: &mut wgpu::RenderPass,
         light: &ActiveLight,
@@ -178,9 +178,9 @@ impl Renderer {
     ) {
         let [x, y, width, height] = surfaces.scissor(light);
         pass.set_scissor_rect(x, y, width, height);
+        let (near, far) = light.depth_range;
+        self.light_begin.record(pass, near, far);
         if let (Some(Leaves::Stencil(mark)), Some(ShadowKind::Stencil)) = (self.leaves(light), light.kind()) {
-            let (near, far) = light.depth_range;
-            self.light_begin.record(pass, near, far);
             mark.mark(light.light, pass, &surfaces.record_input(self, light));
         }
     }
@@ -192,7 +192,7 @@ impl Renderer {
         light: &ActiveLight,
         surfaces: LightSurfaces,
     ) {
-        self.mark_light(pass, light, surfaces);
+        self.begin_light(pass, light, surfaces);
         nodes::light_accumulate::record(
             pass,
             &self.view_group,

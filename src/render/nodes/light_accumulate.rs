@@ -2,8 +2,9 @@
 //!
 //! Shader  `shaders/passes/light_accumulate.wgsl`
 //! Groups  0 view, 1 light, 2 material, 3 mask
-//! Reads   depth (equal), and the stencil (in bounds and count 0) or the mask.  Writes  radiance, added
-//! Order   after the technique marked or resolved the same light
+//! Reads   depth (equal), the stencil (in bounds, and count 0 if the technique counts) and the mask.
+//! Writes  radiance, added; the stencil: 0 where a surface was lit, so that of surfaces in one place only the first adds
+//! Order   after the light began, and after the technique marked or resolved it
 
 use super::surface_pass::SurfacePass;
 use super::surfaces::{SurfaceResources, draw_batches};

@@ -49,6 +49,18 @@ pub fn stencil_test(compare: wgpu::CompareFunction, read_mask: u32) -> wgpu::Ste
     }
 }
 
+/// Returns a stencil test that a pixel passes once: what passes sets its stencil to 0.
+fn once(compare: wgpu::CompareFunction) -> wgpu::StencilState {
+    let mut state = stencil_test(compare, 0xff);
+    for face in [&mut state.front, &mut state.back] {
+        face.pass_op = wgpu::StencilOperation::Zero;
+    }
+    wgpu::StencilState {
+        write_mask: 0xff,
+        ..state
+    }
+}
+
 /// The bind groups that a pass reads beside the view and the material.
 #[derive(Clone, Copy, Debug)]
 enum Groups {
@@ -68,12 +80,14 @@ enum Groups {
     Host,
 }
 
-/// The pixels at which a pass draws, by the stencil that a technique left.
+/// The pixels at which a pass draws, by the stencil that the beginning of the light and its technique left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Where {
     /// The pass draws everywhere.
     Everywhere,
-    /// The pass draws where the light is seen.
+    /// The pass draws within the light's depth bounds, each pixel once: of surfaces in one place, the first.
+    Once,
+    /// The pass draws where the light is seen, each pixel once. Surfaces that show no shadow are drawn as under `Once`.
     Lit,
     /// The pass draws where the light is not seen.
     Shadowed,
@@ -134,6 +148,7 @@ const fn drawing(file: &'static str, format: wgpu::TextureFormat) -> PassState {
 const LIT: PassState = PassState {
     groups: Groups::Lit,
     blend: Some(ADD),
+    stencil: Where::Once,
     ..drawing(LIGHT, RADIANCE_FORMAT)
 };
 
@@ -196,6 +211,7 @@ impl SurfacePass {
             Self::LightBlended => PassState {
                 is_blended: true,
                 compare: GreaterEqual,
+                stencil: Where::Everywhere,
                 ..LIT
             },
             Self::LightBehindFront => PassState {
@@ -204,6 +220,7 @@ impl SurfacePass {
                 unshadowed: "behind_front",
                 is_blended: true,
                 compare: GreaterEqual,
+                stencil: Where::Everywhere,
                 ..LIT
             },
             Self::FrontDepth => PassState {
@@ -320,9 +337,10 @@ fn describe(gpu: &Gpu, pass: SurfacePass, variant: Variant) -> PipelineDesc {
     // A stencil value is greater than the in-bounds bit alone only where shadow volumes were counted.
     debug_assert_eq!(STENCIL_IN_BOUNDS, 0x80, "the tests rely on the top bit");
     let stencil = match state.stencil {
-        Where::Lit if !variant.unshadowed => stencil_test(wgpu::CompareFunction::Equal, 0xff),
+        Where::Lit if !variant.unshadowed => once(wgpu::CompareFunction::Equal),
+        Where::Lit | Where::Once => once(wgpu::CompareFunction::LessEqual),
         Where::Shadowed => stencil_test(wgpu::CompareFunction::Less, 0xff),
-        _ => Default::default(),
+        Where::Everywhere => Default::default(),
     };
     let entry = if variant.unshadowed {
         state.unshadowed

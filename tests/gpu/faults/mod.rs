@@ -1,6 +1,7 @@
 //! Faults that other test suites and bug reports found. Each test covers all cases of its fault.
 
 mod area_placements;
+mod coincident_surfaces;
 mod large_grounds;
 mod leftovers;
 mod light_cut;
