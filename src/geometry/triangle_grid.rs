@@ -72,6 +72,10 @@ impl TriangleGrid {
     }
 
     /// All cells, column and row.
+    #[cfg_attr(
+        not(feature = "reference"),
+        allow(dead_code, reason = "baking alone walks over cells")
+    )]
     pub fn cells(&self) -> impl Iterator<Item = (usize, usize)> + use<> {
         let side = self.side;
         (0..side).flat_map(move |row| (0..side).map(move |column| (column, row)))

@@ -173,7 +173,8 @@ fn lamps_below_a_ceiling_have_the_texels_that_the_room_needs() {
                 println!("{line}");
                 faces[fit.faces] += 1;
                 // Texels are about as large as pixels; a lamp of one coarse picture had 25.
-                if wrong.all * 250 > wrong.counted || wrong.far * 400 > wrong.counted || fit.texel_side > 3.0 {
+                if wrong.all * 250 > wrong.counted || wrong.far * 400 > wrong.counted || fit.texel_side > 3.0
+                {
                     bad.push(line);
                 }
                 for (sum, wrong) in [(&mut all, wrong), (&mut coarse, few)] {
