@@ -1,14 +1,18 @@
 //! Finds triangles that overlap in a set of texture coordinates.
 
-use std::collections::HashMap;
-
 use glam::{DVec2, Vec2};
+
+use crate::geometry::triangle_grid::TriangleGrid;
 
 /// Share of the triangles' size by which they must overlap. Rounding makes neighbours overlap by less.
 const SLACK: f64 = 1e-5;
 
-/// Cells of the grid along each side, for each square root of the number of triangles.
-const CELLS: f64 = 1.5;
+/// Largest number of pairs of triangles that are tested, for each triangle. In usual sets, neighbours alone are tested.
+const TESTS_PER_TRIANGLE: usize = 512;
+
+/// Largest number of pairs that are listed in one cell of the grid, for each triangle. A pair may be in several cells, and is
+/// tested in one of them. This bounds the time for fans of thousands of slivers, which all meet in a few cells.
+const PAIRS_PER_TRIANGLE: usize = 4096;
 
 /// Why a set of texture coordinates cannot hold texels of its own for every place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,10 +23,12 @@ pub enum BadCoordinates {
     Degenerate(u32),
     /// Coordinates are stretched: a triangle has too few texels along one axis, and so has too much of the surface.
     Stretched(u32),
+    /// So many triangles are close to each other that not all pairs are tested for an overlap. None was found until then.
+    Crowded,
 }
 
-/// Looks for the first triangle without an area of its own. Triangles are given by the texture coordinates of their
-/// corners, and `None` stands for those that do not count.
+/// Looks for a triangle without an area of its own. Triangles are given by the texture coordinates of their corners, and
+/// `None` stands for those that do not count.
 pub fn bad_coordinates(triangles: &[Option<[Vec2; 3]>]) -> Option<BadCoordinates> {
     let exact = |corners: &[Vec2; 3]| corners.map(|corner| corner.as_dvec2());
     for (index, corners) in triangles.iter().enumerate() {
@@ -34,32 +40,80 @@ pub fn bad_coordinates(triangles: &[Option<[Vec2; 3]>]) -> Option<BadCoordinates
             return Some(BadCoordinates::Degenerate(index as u32));
         }
     }
-    let known: Vec<(u32, [DVec2; 3])> = (0..)
+    let (indices, corners): (Vec<u32>, Vec<[DVec2; 3]>) = (0..)
         .zip(triangles)
         .filter_map(|(index, corners)| Some((index, exact(corners.as_ref()?))))
+        .unzip();
+    match find_overlap(&corners).outcome {
+        Outcome::Apart => None,
+        Outcome::Overlap(a, b) => Some(BadCoordinates::Overlap(indices[a], indices[b])),
+        Outcome::GivenUp => Some(BadCoordinates::Crowded),
+    }
+}
+
+/// How a search for an overlap ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Outcome {
+    /// No two triangles overlap.
+    Apart,
+    /// These two triangles overlap; the first has the lower index.
+    Overlap(usize, usize),
+    /// There are more pairs than are tested.
+    GivenUp,
+}
+
+/// A search for an overlap, and its cost.
+#[derive(Clone, Copy, Debug)]
+struct Search {
+    outcome: Outcome,
+    /// Number of pairs that were tested.
+    tests: usize,
+    /// Number of pairs that were found in a cell of the grid.
+    pairs: usize,
+}
+
+/// Tests the pairs of triangles that share a cell of a grid, up to a bounded number. A pair is tested in the lowest cell that
+/// both share, so that it is tested once.
+fn find_overlap(triangles: &[[DVec2; 3]]) -> Search {
+    let grid = TriangleGrid::new(triangles);
+    let lowest: Vec<(usize, usize)> = triangles
+        .iter()
+        .map(|corners| grid.cells_of(corners)[0])
         .collect();
-    let all = known.iter().flat_map(|(_, corners)| corners);
-    let (min, max) = all.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), corner| {
-        (min.min(*corner), max.max(*corner))
-    });
-    let side = ((known.len() as f64).sqrt() * CELLS).ceil().max(1.0);
-    let cell_of = |point: DVec2| ((point - min) / (max - min).max(DVec2::splat(1e-30)) * side).floor();
-    let mut cells: HashMap<(i32, i32), Vec<usize>> = HashMap::new();
-    for (at, (index, corners)) in known.iter().enumerate() {
-        let [a, b, c] = *corners;
-        let (low, high) = (cell_of(a.min(b).min(c)), cell_of(a.max(b).max(c)));
-        for y in low.y as i32..=high.y as i32 {
-            for x in low.x as i32..=high.x as i32 {
-                let cell = cells.entry((x, y)).or_default();
-                let other = cell.iter().find(|&&other| overlap(corners, &known[other].1));
-                if let Some(&other) = other {
-                    return Some(BadCoordinates::Overlap(known[other].0, *index));
+    let mut search = Search {
+        outcome: Outcome::Apart,
+        tests: 0,
+        pairs: 0,
+    };
+    for cell in grid.cells() {
+        let listed = grid.listed(cell);
+        for (place, &second) in listed.iter().enumerate() {
+            let second = second as usize;
+            for &first in &listed[..place] {
+                let first = first as usize;
+                let shared = (
+                    lowest[first].0.max(lowest[second].0),
+                    lowest[first].1.max(lowest[second].1),
+                );
+                if shared != cell {
+                    continue;
                 }
-                cell.push(at);
+                search.tests += 1;
+                if overlap(&triangles[first], &triangles[second]) {
+                    search.outcome = Outcome::Overlap(first, second);
+                    return search;
+                }
+            }
+            search.pairs += place;
+            if search.tests > TESTS_PER_TRIANGLE * triangles.len()
+                || search.pairs > PAIRS_PER_TRIANGLE * triangles.len()
+            {
+                search.outcome = Outcome::GivenUp;
+                return search;
             }
         }
     }
-    None
+    search
 }
 
 /// Whether two triangles share more than rounding. Source: separating axis theorem, with the normals of all edges.
@@ -121,6 +175,61 @@ mod tests {
             bad_coordinates(&[Some(one), Some(inside)]),
             Some(BadCoordinates::Overlap(0, 1))
         );
+    }
+
+    /// A fan of slivers around the middle of the unit square.
+    fn fan(count: u32) -> Vec<Option<[Vec2; 3]>> {
+        let rim = |i: u32| {
+            let angle = std::f64::consts::TAU * f64::from(i % count) / f64::from(count);
+            (DVec2::splat(0.5) + 0.5 * DVec2::from_angle(angle)).as_vec2()
+        };
+        (0..count)
+            .map(|i| Some([Vec2::splat(0.5), rim(i), rim(i + 1)]))
+            .collect()
+    }
+
+    fn search(triangles: &[Option<[Vec2; 3]>]) -> Search {
+        let exact = |corners: &[Vec2; 3]| corners.map(|corner| corner.as_dvec2());
+        let corners: Vec<_> = triangles.iter().flatten().map(exact).collect();
+        find_overlap(&corners)
+    }
+
+    /// Slivers as large as the square are near each other in all pairs. Those of a small fan are all tested, and those of a
+    /// large fan are given up after a bounded number of tests.
+    #[test]
+    fn fans_are_tested_or_given_up_after_a_bounded_number_of_tests() {
+        for count in [3, 64, 500, 900] {
+            let mut fan = fan(count);
+            let search = search(&fan);
+            println!("{count}: {search:?}");
+            assert_eq!(bad_coordinates(&fan), None, "{count}");
+            assert!(search.tests <= (count * count) as usize, "a pair is tested once");
+            let last = fan.len() - 1;
+            fan[last] =
+                fan[last].map(|corners| corners.map(|corner| (corner - 0.5) * 0.9 + Vec2::new(0.4, 0.55)));
+            assert!(
+                matches!(bad_coordinates(&fan), Some(BadCoordinates::Overlap(_, b)) if b as usize == last),
+                "{count}"
+            );
+        }
+        let count = 60_000;
+        let large = fan(count as u32);
+        let search = search(&large);
+        println!("{count}: {search:?}");
+        assert_eq!(bad_coordinates(&large), Some(BadCoordinates::Crowded));
+        assert!(search.tests <= TESTS_PER_TRIANGLE * count + count, "{search:?}");
+        assert!(search.pairs <= PAIRS_PER_TRIANGLE * count + count, "{search:?}");
+    }
+
+    /// Tests grow with the number of triangles, not with its square, where triangles are small.
+    #[test]
+    fn small_triangles_are_tested_with_neighbours_alone() {
+        for side in [20, 80, 200] {
+            let triangles = grid(side);
+            let search = search(&triangles);
+            assert_eq!(search.outcome, Outcome::Apart);
+            assert!(search.tests < 40 * triangles.len(), "{side}: {search:?}");
+        }
     }
 
     #[test]

@@ -22,6 +22,12 @@ pub enum UnwrapNote {
          stretched, so a new set is used"
     )]
     Stretched(u32),
+    /// The second texture coordinates are not used.
+    #[error(
+        "so many triangles are close to each other in the second texture coordinates, such as those of a fan, that a search for \
+         overlaps would take too long, so a new set is used"
+    )]
+    Crowded,
     /// Triangles are left out.
     #[error(
         "{count} triangles have no area or are not finite, the first is triangle {first}; they are left out"
@@ -51,6 +57,7 @@ impl From<BadCoordinates> for UnwrapNote {
             BadCoordinates::Overlap(a, b) => Self::Overlap(a, b),
             BadCoordinates::Degenerate(triangle) => Self::Degenerate(triangle),
             BadCoordinates::Stretched(triangle) => Self::Stretched(triangle),
+            BadCoordinates::Crowded => Self::Crowded,
         }
     }
 }

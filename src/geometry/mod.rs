@@ -14,6 +14,7 @@ pub(crate) mod plane_set;
 pub(crate) mod pyramid;
 pub(crate) mod sphere;
 pub(crate) mod triangle;
+pub(crate) mod triangle_grid;
 
 pub use aabb::Aabb;
 pub use box_shadow::BoxShadow;

@@ -7,6 +7,7 @@ use glam::{DMat4, DVec4, Vec4};
 
 use super::caster_shape::{CasterShape, CasterShapeItem};
 use super::coincident::CoincidentCasters;
+use super::flush::find_flush_edges;
 use super::grazed::{GrazingLight, find_grazed, take_out_of_contour};
 use super::light_silhouettes::{LightSilhouettes, Scratch, Silhouette, Silhouettes};
 use super::stacks::stacked_boxes;
@@ -189,6 +190,8 @@ fn extract(
         let (planes, positions) = (caster.planes(), caster.positions());
         find_grazed(&mesh.edges, planes, positions, &grazing, grazed);
         take_out_of_contour(&mesh.edges, bits, mode, grazed, &mut silhouette.contour);
+        let flush = &mut silhouette.contour.flush_edges;
+        find_flush_edges(&mesh.edges, planes, positions, &grazing, grazed, flush);
     }
     let sides = match mode {
         CapMode::AllTriangles if mesh.edges.closed_cluster_count() > 0 => 2,

@@ -34,6 +34,10 @@ pub struct Contour {
     pub caps: Vec<u32>,
     /// Index into `caps` of the first triangle that is wound away from the light.
     pub caps_away_start: usize,
+    /// Edges of a surface on which the light lies, if there is one. Those that are among the edges above close the contour, and
+    /// outline nothing that the light shines past. Each goes from its lower vertex to its higher one; they are sorted. Written
+    /// by [`find_flush_edges`](super::find_flush_edges).
+    pub flush_edges: Vec<[u32; 2]>,
 }
 
 impl Contour {
@@ -43,6 +47,12 @@ impl Contour {
         self.double_edges.clear();
         self.caps.clear();
         self.caps_away_start = 0;
+        self.flush_edges.clear();
+    }
+
+    /// Whether an edge, in either direction, is one of [`Self::flush_edges`].
+    pub fn is_flush(&self, [a, b]: [u32; 2]) -> bool {
+        self.flush_edges.binary_search(&[a.min(b), a.max(b)]).is_ok()
     }
 
     /// Number of edges, where a double edge counts twice.

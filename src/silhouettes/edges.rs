@@ -19,6 +19,7 @@ use crate::geometry::edge_mesh::{EdgeMesh, EdgeSide, LaneSide};
 pub fn extract_edges(mesh: &EdgeMesh, facing: &FacingBits, mode: CapMode, contour: &mut Contour) {
     contour.edges.clear();
     contour.double_edges.clear();
+    contour.flush_edges.clear();
     if !fits(mesh, facing) {
         return;
     }

@@ -15,7 +15,7 @@
 //! nothing but what is nearer than the clearance to each point. So a light that a surface cuts lights by the part that is
 //! outside. Those that cast from its centre treat it as a point.
 
-use glam::{DMat4, DVec4, Vec3, Vec4};
+use glam::{DMat4, DVec3, DVec4, Vec3, Vec4};
 
 use super::caps::extract_caps_without;
 use super::contour::{CapMode, Contour, fits};
@@ -38,6 +38,20 @@ pub struct GrazingLight<'a> {
     pub clearance: f64,
 }
 
+impl GrazingLight<'_> {
+    /// The world's axes in the caster's space, each as long as the clearance is along it.
+    pub(super) fn clearance_axes(&self) -> [Vec3; 3] {
+        let local_from_world = self.world_from_local.inverse();
+        [DVec3::X, DVec3::Y, DVec3::Z]
+            .map(|axis| (local_from_world.transform_vector3(axis) * self.clearance).as_vec3())
+    }
+}
+
+/// Returns how far the clearance reaches along a plane's normal, in the units of the plane's offset.
+pub(super) fn reach_along(axes: &[Vec3; 3], normal: Vec3) -> f32 {
+    Vec3::from(axes.map(|axis| normal.dot(axis))).length()
+}
+
 /// Finds the triangles that block nothing: those nearer to the light than the clearance, and those whose plane contains
 /// the light up to rounding. The result has one word per cluster and one bit per slot, or no words if there are none.
 ///
@@ -57,9 +71,7 @@ pub fn find_grazed(
     if light.light_world.w == 0.0 || !fits {
         return;
     }
-    let local_from_world = light.world_from_local.inverse();
-    let axes = [glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z]
-        .map(|axis| (local_from_world.transform_vector3(axis) * light.clearance).as_vec3());
+    let axes = light.clearance_axes();
     let radius = axes.iter().map(|axis| axis.length_squared()).sum::<f32>().sqrt();
     let at = light.light_local;
     let mut any = false;
@@ -75,7 +87,7 @@ pub fn find_grazed(
             let offset = block.offset[lane];
             let value = (normal.dot(at.truncate()) + offset).abs();
             let holds = value <= ROUNDING * (at.truncate().abs().element_sum() + offset.abs());
-            let reach = Vec3::from(axes.map(|axis| normal.dot(axis))).length();
+            let reach = reach_along(&axes, normal);
             let is_near = || {
                 let corners = corners.map(|i| {
                     light
@@ -156,7 +168,7 @@ pub fn take_out_of_contour(
     extract_caps_without(mesh, facing, mode, grazed, contour);
 }
 
-fn each_triangle(mesh: &EdgeMesh, mut visit: impl FnMut(usize, [u32; 3])) {
+pub(super) fn each_triangle(mesh: &EdgeMesh, mut visit: impl FnMut(usize, [u32; 3])) {
     for (index, cluster) in mesh.clusters().iter().enumerate() {
         for (lane, &corners) in mesh.corners()[cluster.triangles()].iter().enumerate() {
             visit(index * CLUSTER_TRIANGLES + lane, corners);
@@ -164,11 +176,11 @@ fn each_triangle(mesh: &EdgeMesh, mut visit: impl FnMut(usize, [u32; 3])) {
     }
 }
 
-fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
+pub(super) fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
 /// The edge from its lower vertex to its higher one, and 1, or −1 if it ran the other way.
-fn undirected([a, b]: [u32; 2]) -> ([u32; 2], i32) {
+pub(super) fn undirected([a, b]: [u32; 2]) -> ([u32; 2], i32) {
     if a <= b { ([a, b], 1) } else { ([b, a], -1) }
 }

@@ -15,6 +15,7 @@
 //! | `facing` | one bit per triangle: whether it faces the light; 64 at a time |
 //! | `turning` | one bit per triangle: whether its plane cuts the light |
 //! | `grazed` | one bit per triangle: whether the light lies in or on it, so that it blocks nothing |
+//! | `flush` | edges of a surface on which the light lies |
 //! | `stacks` | how many casters lie one behind the other |
 //! | `contour` | what a volume is made of |
 //! | `caps` | cap triangles |
@@ -35,6 +36,7 @@ pub(crate) mod coincident;
 mod contour;
 mod edges;
 mod facing;
+mod flush;
 pub(crate) mod grazed;
 pub(crate) mod light_silhouettes;
 mod loops;
@@ -51,6 +53,7 @@ pub use coincident::CoincidentCasters;
 pub use contour::{CapMode, Contour};
 pub use edges::extract_edges;
 pub use facing::{FacingBits, classify, classify_scalar};
+pub use flush::find_flush_edges;
 pub use grazed::{GrazingLight, find_grazed, take_out_of_contour};
 pub use light_silhouettes::{KEPT_FRAMES, LightSilhouettes, Silhouette, Silhouettes};
 pub use loops::{LoopError, Loops, link_loops};

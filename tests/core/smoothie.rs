@@ -447,3 +447,56 @@ fn many_smoothies_leave_the_least_visibility() {
     }
     println!("{darker} of 5000 receivers in front of the caster are too dark");
 }
+
+/// A square plate with a corner in each direction, seen from above its middle; one of its edges belongs to a surface on which
+/// the light lies.
+#[test]
+fn edges_of_a_surface_on_which_the_light_lies_have_neither_smoothie_nor_corner() {
+    let positions = [
+        Vec3::new(-1.0, -1.0, 2.0),
+        Vec3::new(1.0, -1.0, 2.0),
+        Vec3::new(1.0, 1.0, 2.0),
+        Vec3::new(-1.0, 1.0, 2.0),
+    ];
+    let of = |flush_edges: Vec<[u32; 2]>| {
+        let contour = Contour {
+            edges: vec![[0, 3], [3, 2], [2, 1], [1, 0]],
+            flush_edges,
+            ..Contour::default()
+        };
+        let stand = Stand {
+            positions: &positions,
+            world_from_local: &DMat4::IDENTITY,
+            anchor: DVec3::ZERO,
+            along: None,
+            beside: &beside(),
+        };
+        let mut out = Vec::new();
+        push_smoothies(&contour, &stand, &mut Vec::new(), &mut out);
+        out
+    };
+    let corner_area = |edge: &SmoothieEdge| {
+        let face = face();
+        (2..VERTICES / 3)
+            .map(|t| {
+                let [a, b, c] = [0, 1, 2].map(|corner| {
+                    let clip = smoothie_vertex(edge, &face, 3 * t + corner).position_clip;
+                    assert!(clip.is_finite());
+                    Vec2::new(clip.x, clip.y) / clip.w
+                });
+                (b - a).perp_dot(c - a).abs()
+            })
+            .sum::<f32>()
+    };
+    let whole = of(Vec::new());
+    assert_eq!(whole.len(), 4);
+    assert!(whole.iter().all(|edge| corner_area(edge) > 1e-4));
+    let without = of(vec![[2, 3]]);
+    assert_eq!(without.len(), 3);
+    let at = |edge: &SmoothieEdge| Vec3::from(edge.end);
+    for edge in &without {
+        let is_before_flush = at(edge) == positions[3];
+        assert_eq!(corner_area(edge) > 1e-4, !is_before_flush, "{edge:?}");
+    }
+    assert!(without.iter().any(|edge| at(edge) == positions[3]));
+}

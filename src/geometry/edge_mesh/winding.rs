@@ -2,12 +2,10 @@
 
 use glam::{DMat3, DVec2, DVec3, Vec3};
 
+use crate::geometry::triangle_grid::TriangleGrid;
+
 /// The greatest number of tests for each triangle. A mesh that needs more counts as inside out somewhere.
 const TESTS_PER_TRIANGLE: usize = 512;
-
-/// The greatest mean number of the grid's cells that list a triangle. Triangles that are as large as the mesh, such as those of a
-/// fan, would otherwise be in as many cells as there are triangles.
-const CELLS_PER_TRIANGLE: usize = 64;
 
 /// Whether no point has a negative winding number. Then every ray from outside meets a front first. The signed volume would
 /// show this for a ball, but not for a mesh that is partly inside out.
@@ -27,7 +25,11 @@ pub fn is_outside_out(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
     let Some(corners) = corners else {
         return false;
     };
-    let grid = Grid::new(&corners);
+    let seen: Vec<[DVec2; 3]> = corners
+        .iter()
+        .map(|corners| corners.map(DVec3::truncate))
+        .collect();
+    let grid = TriangleGrid::new(&seen);
     let mut tests = 0;
     let mut passed: Vec<(f64, i32)> = Vec::new();
     for own in &corners {
@@ -46,7 +48,7 @@ pub fn is_outside_out(positions: &[Vec3], triangles: &[[u32; 3]]) -> bool {
             continue;
         }
         // The walk starts above. Of two triangles in one place, the one that is entered comes first.
-        let near = grid.size * 1e-9;
+        let near = grid.size().max_element() * 1e-9;
         passed.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut number = 0;
         for same in passed.chunk_by(|a, b| a.0 - b.0 <= near) {
@@ -68,77 +70,6 @@ fn crossing([a, b, c]: &[DVec3; 3], at: DVec2) -> Option<(f64, i32)> {
     let inside = weights.iter().all(|w| *w > 0.0) || weights.iter().all(|w| *w < 0.0);
     let height = (a.z * weights[0] + b.z * weights[1] + c.z * weights[2]) / area;
     inside.then_some((height, if area > 0.0 { 1 } else { -1 }))
-}
-
-/// Which triangles are above each cell of a square.
-struct Grid {
-    min: DVec2,
-    size: f64,
-    side: usize,
-    starts: Vec<u32>,
-    triangles: Vec<u32>,
-}
-
-impl Grid {
-    fn new(corners: &[[DVec3; 3]]) -> Self {
-        let all = || corners.iter().flatten().map(|corner| corner.truncate());
-        let min = all().fold(DVec2::INFINITY, DVec2::min);
-        let size = (all().fold(DVec2::NEG_INFINITY, DVec2::max) - min).max_element();
-        let mut grid = Self {
-            min,
-            size,
-            side: (corners.len() as f64).sqrt().ceil().clamp(1.0, 1024.0) as usize,
-            starts: Vec::new(),
-            triangles: Vec::new(),
-        };
-        while grid.side > 1 && grid.entry_count(corners) > CELLS_PER_TRIANGLE * corners.len() {
-            grid.side /= 2;
-        }
-        let mut entries: Vec<(u32, u32)> = Vec::with_capacity(grid.entry_count(corners));
-        for (triangle, corners) in corners.iter().enumerate() {
-            let [low, high] = grid.cells_of(corners);
-            for y in low.1..=high.1 {
-                entries.extend((low.0..=high.0).map(|x| ((y * grid.side + x) as u32, triangle as u32)));
-            }
-        }
-        entries.sort_unstable();
-        grid.starts = vec![0; grid.side * grid.side + 1];
-        for &(cell, _) in &entries {
-            grid.starts[cell as usize + 1] += 1;
-        }
-        for cell in 0..grid.side * grid.side {
-            grid.starts[cell + 1] += grid.starts[cell];
-        }
-        grid.triangles = entries.into_iter().map(|(_, triangle)| triangle).collect();
-        grid
-    }
-
-    /// The first and the last cell of a triangle, column and row.
-    fn cells_of(&self, corners: &[DVec3; 3]) -> [(usize, usize); 2] {
-        let [a, b, c] = corners.map(DVec3::truncate);
-        [self.cell(a.min(b).min(c)), self.cell(a.max(b).max(c))]
-    }
-
-    /// The number of pairs of a triangle and a cell that lists it.
-    fn entry_count(&self, corners: &[[DVec3; 3]]) -> usize {
-        let cells = |corners| {
-            let [low, high] = self.cells_of(corners);
-            (high.0 - low.0 + 1) * (high.1 - low.1 + 1)
-        };
-        corners.iter().map(cells).sum()
-    }
-
-    fn cell(&self, at: DVec2) -> (usize, usize) {
-        let cell = (at - self.min) * (self.side as f64 / self.size);
-        let index = |x: f64| (x.max(0.0) as usize).min(self.side - 1);
-        (index(cell.x), index(cell.y))
-    }
-
-    fn at(&self, at: DVec2) -> &[u32] {
-        let (x, y) = self.cell(at);
-        let cell = y * self.side + x;
-        &self.triangles[self.starts[cell] as usize..self.starts[cell + 1] as usize]
-    }
 }
 
 #[cfg(test)]
@@ -196,24 +127,6 @@ mod tests {
             !boxes(&[(Vec3::ZERO, 1.0, false), (Vec3::X, 0.5, true)]),
             "a dent that sticks out"
         );
-    }
-
-    #[test]
-    fn the_grid_is_bounded_where_all_triangles_are_large() {
-        let count = 20_000;
-        let rim = |i: usize| {
-            let (y, x) = (std::f64::consts::TAU * i as f64 / count as f64).sin_cos();
-            DVec3::new(x, y, 0.1 * x)
-        };
-        let fan: Vec<[DVec3; 3]> = (0..count).map(|i| [DVec3::ZERO, rim(i), rim(i + 1)]).collect();
-        let grid = Grid::new(&fan);
-        assert!(grid.triangles.len() <= CELLS_PER_TRIANGLE * count && grid.side > 8);
-        // Triangles of the size of cells leave the grid as fine as it is.
-        let fine: Vec<[DVec3; 3]> = (0..count)
-            .map(|i| DVec3::new((i % 141) as f64, (i / 141) as f64, 0.0))
-            .map(|at| [at, at + DVec3::X, at + DVec3::Y])
-            .collect();
-        assert_eq!(Grid::new(&fine).side, 142);
     }
 
     #[test]

@@ -155,9 +155,13 @@ impl<'a> Accessors<'a> {
     }
 
     /// Reads elements of `N` numbers. Integers become −1..=1 or 0..=1 if they are normalised, and otherwise
-    /// keep their value.
-    pub fn read_f32<const N: usize>(&self, accessor: usize) -> Result<Vec<[f32; N]>, GltfError> {
-        let layout = self.layout(accessor, N)?;
+    /// keep their value. `referrer` is the element that refers to the accessor.
+    pub fn read_f32<const N: usize>(
+        &self,
+        accessor: usize,
+        referrer: Element,
+    ) -> Result<Vec<[f32; N]>, GltfError> {
+        let layout = self.layout(accessor, N, referrer)?;
         self.charge(Element::Accessor(accessor), layout.count, 4 * N)?;
         Ok(layout.collect([0.0; N], |bytes| {
             let size = layout.component.size();
@@ -165,9 +169,14 @@ impl<'a> Accessors<'a> {
         }))
     }
 
-    /// Reads elements of `N` unsigned integers, such as vertex or joint indices.
-    pub fn read_u32<const N: usize>(&self, accessor: usize) -> Result<Vec<[u32; N]>, GltfError> {
-        let layout = self.layout(accessor, N)?;
+    /// Reads elements of `N` unsigned integers, such as vertex or joint indices. `referrer` is the element that refers to
+    /// the accessor.
+    pub fn read_u32<const N: usize>(
+        &self,
+        accessor: usize,
+        referrer: Element,
+    ) -> Result<Vec<[u32; N]>, GltfError> {
+        let layout = self.layout(accessor, N, referrer)?;
         use ComponentType::{U8, U16, U32};
         if !matches!(layout.component, U8 | U16 | U32) {
             let reason = format!("indices must be unsigned integers, it has {:?}", layout.component);
@@ -180,8 +189,8 @@ impl<'a> Accessors<'a> {
         }))
     }
 
-    /// Checks everything that reading relies on.
-    fn layout(&self, index: usize, width: usize) -> Result<Layout<'_>, GltfError> {
+    /// Checks everything that reading relies on. An accessor that does not exist is an error of the element that refers to it.
+    fn layout(&self, index: usize, width: usize, referrer: Element) -> Result<Layout<'_>, GltfError> {
         let element = Element::Accessor(index);
         let invalid = |reason: String| self.invalid(element, reason);
         let accessor = self
@@ -190,7 +199,7 @@ impl<'a> Accessors<'a> {
             .get(index)
             .ok_or_else(|| GltfError::Reference {
                 file: self.file.clone(),
-                element: Element::File,
+                element: referrer,
                 target: "accessor",
                 index,
                 count: self.root.accessors.len(),

@@ -64,7 +64,9 @@ fn load_channel(
         JsonInterpolation::Linear => Interpolation::Linear,
         JsonInterpolation::CubicSpline => Interpolation::CubicSpline,
     };
-    let times = accessors.read_f32::<1>(sampler.input.value())?.into_flattened();
+    let times = accessors
+        .read_f32::<1>(sampler.input.value(), element)?
+        .into_flattened();
     let is_ascending = times.windows(2).all(|pair| pair[0] < pair[1]);
     if times.is_empty() || !is_ascending || !times.iter().all(|time| time.is_finite()) {
         return Ok(Err("its times are none, not finite or not ascending".to_owned()));
@@ -73,7 +75,7 @@ fn load_channel(
     let output = sampler.output.value();
     let vectors = || -> Result<Vec<Vec3>, GltfError> {
         Ok(accessors
-            .read_f32::<3>(output)?
+            .read_f32::<3>(output, element)?
             .into_iter()
             .map(Vec3::from)
             .collect())
@@ -83,7 +85,7 @@ fn load_channel(
         Property::Scale => ChannelValues::Scale(vectors()?),
         Property::Rotation => ChannelValues::Rotation(
             accessors
-                .read_f32::<4>(output)?
+                .read_f32::<4>(output, element)?
                 .into_iter()
                 .map(Quat::from_array)
                 .collect(),
@@ -94,7 +96,7 @@ fn load_channel(
             }
             ChannelValues::Weights {
                 target_count: node.weights.len(),
-                values: accessors.read_f32::<1>(output)?.into_flattened(),
+                values: accessors.read_f32::<1>(output, element)?.into_flattened(),
             }
         }
     };

@@ -70,7 +70,7 @@ pub(super) fn load(
     accessors.charge(element, count, INSTANCE_BYTES)?;
     let vectors = |accessor: Option<usize>, default: Vec3| match accessor {
         Some(accessor) => Ok(accessors
-            .read_f32::<3>(accessor)?
+            .read_f32::<3>(accessor, element)?
             .into_iter()
             .map(Vec3::from)
             .collect()),
@@ -79,7 +79,7 @@ pub(super) fn load(
     let (translations, scales): (Vec<Vec3>, Vec<Vec3>) =
         (vectors(translation, Vec3::ZERO)?, vectors(scale, Vec3::ONE)?);
     let rotations = match rotation {
-        Some(accessor) => accessors.read_f32::<4>(accessor)?,
+        Some(accessor) => accessors.read_f32::<4>(accessor, element)?,
         None => vec![Quat::IDENTITY.to_array(); count],
     };
     let transforms = translations.into_iter().zip(rotations).zip(scales);

@@ -304,7 +304,10 @@ impl Import<'_, '_> {
     ) -> Result<Vec<u32>, GltfError> {
         let corners = match (self.decoded.get(&element), primitive.indices) {
             (Some(corners), _) => corners.clone(),
-            (None, Some(accessor)) => self.accessors.read_u32::<1>(accessor.value())?.into_flattened(),
+            (None, Some(accessor)) => self
+                .accessors
+                .read_u32::<1>(accessor.value(), element)?
+                .into_flattened(),
             (None, None) => {
                 self.accessors.charge(element, vertex_count, 4)?;
                 return Ok((0..vertex_count as u32).collect());

@@ -347,8 +347,7 @@ pub(super) fn load_skins(accessors: &Accessors<'_>, report: &mut Report) -> Resu
         }
         let mut inverse_bind: Vec<Mat4> = match skin.inverse_bind_matrices {
             Some(accessor) => {
-                accessors.get(&accessors.root.accessors, accessor, element, "accessor")?;
-                let matrices = accessors.read_f32::<16>(accessor.value())?;
+                let matrices = accessors.read_f32::<16>(accessor.value(), element)?;
                 if matrices.len() < joints.len() {
                     let (count, joints) = (matrices.len(), joints.len());
                     let reason = format!(

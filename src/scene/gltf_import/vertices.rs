@@ -56,7 +56,7 @@ pub(super) fn read(
     report: &mut Report,
 ) -> Result<Vertices, GltfError> {
     let positions: Vec<Vec3> = accessors
-        .read_f32::<3>(position_accessor)?
+        .read_f32::<3>(position_accessor, element)?
         .into_iter()
         .map(Vec3::from)
         .collect();
@@ -87,7 +87,7 @@ pub(super) fn read(
 impl Reader<'_, '_> {
     fn stream<const N: usize>(&self, accessor: usize, name: &str) -> Result<Vec<[f32; N]>, GltfError> {
         self.check_length(accessor, name)?;
-        self.accessors.read_f32(accessor)
+        self.accessors.read_f32(accessor, self.element)
     }
 
     fn check_length(&self, accessor: usize, name: &str) -> Result<(), GltfError> {
@@ -197,7 +197,7 @@ impl Reader<'_, '_> {
                 return Err(self.accessors.invalid(self.element, reason));
             };
             self.check_length(joints, "JOINTS")?;
-            let joints_of_set = self.accessors.read_u32::<4>(joints)?;
+            let joints_of_set = self.accessors.read_u32::<4>(joints, self.element)?;
             if let Some(joint) = joints_of_set
                 .iter()
                 .flatten()

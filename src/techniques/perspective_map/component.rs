@@ -101,7 +101,8 @@ pub enum PerspectiveProjection {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum PerspectiveFaces {
     /// One picture, with the axis of the smallest cone around what it must show. A light with a position that
-    /// has receivers all around gets the cube's faces while it needs them. A directional light that shines along the view
+    /// has receivers all around gets the cube's faces while it needs them, and so does one around which they are so wide that one
+    /// picture would be coarse, such as a lamp below a ceiling. A directional light that shines along the view
     /// or against it gets the cube's faces as well, with half the side, and so does one whose texels would be large in a world
     /// of kilometres.
     #[default]

@@ -42,6 +42,11 @@ const GOOD: f64 = 0.5;
 /// picture of a usual view has less than 10.
 const LARGE: f64 = 16.0;
 
+/// Mean side of a texel on the screen, pixels, with as many texels along a side as pixels, from which on the cube's faces are
+/// tried for a light at a position. Below the ceilings of rooms one picture had up to 25, because it must be as wide as the
+/// receivers around the light, and the faces had 1.1 to 1.8.
+const COARSE: f64 = 2.0;
+
 /// Share of the depth of the nearest sample below which a set slide does not bring the virtual viewer: a near plane within the
 /// bounds of receivers is far nearer than any surface, and texels would be spent on air. In front of a bare ground, the lowest
 /// sample of the screen is at most a quarter farther away than the nearest point.
@@ -73,7 +78,8 @@ pub struct Fit {
     pub texel_side: f64,
     /// Median of the longer sides of texels on the screen, in the same unit.
     pub usual_side: f64,
-    /// Whether the faces of a cube stand in for one picture of a directional light. Each has half the side.
+    /// Whether the faces of a cube stand in for one picture, which would be coarse. Those of a directional light have half the
+    /// side.
     pub replaces_one: bool,
 }
 
@@ -101,17 +107,21 @@ pub fn fit_faces(input: &FitInput, scratch: &mut Scratch) -> Option<(MapFaces, F
     let one = (!is_cube)
         .then(|| choose(input, &space, (near, far), most, false, scratch))
         .flatten();
-    let may_be_replaced = space.is_perspective && light.w == 0.0;
     let limit = if input.replaced_one { GOOD } else { POOR };
-    let large = LARGE * limit / POOR;
-    let needs_several = one
-        .as_ref()
-        .is_none_or(|one| may_be_replaced && (one.side > limit * one.uniform || one.side > large));
+    let (large, coarse) = (LARGE * limit / POOR, COARSE * limit / POOR);
+    let is_poor = |one: &Choice| {
+        if light.w != 0.0 {
+            one.side > coarse
+        } else {
+            space.is_perspective && (one.side > limit * one.uniform || one.side > large)
+        }
+    };
+    let needs_several = one.as_ref().is_none_or(is_poor);
     let several = needs_several
         .then(|| choose(input, &space, (near, far), most, true, scratch))
         .flatten();
     let had_one = one.is_some();
-    // Faces of half the side: four of them have the texels of one picture. What is shown already is kept if it is about as good.
+    // Four faces of half the side have the texels of one picture. What is shown already is kept if it is about as good.
     let texel = if input.replaced_one { 1.7 } else { 2.0 };
     let chosen = match (one, several) {
         (Some(one), Some(several)) if one.side <= texel * several.side => one,

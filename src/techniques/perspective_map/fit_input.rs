@@ -32,7 +32,7 @@ pub struct FitInput<'a> {
     pub boxes: &'a [Aabb],
     /// Distance to which the blur of grounds reaches beyond what is seen, metres.
     pub blur_metres: f64,
-    /// Whether a cube's faces replaced one picture in the frame before.
+    /// Whether a cube's faces replaced one picture when the light was fitted last.
     pub replaced_one: bool,
 }
 

@@ -44,7 +44,8 @@
 //! change along the light, so no matrix tells them apart, and the gain over a uniform map shrinks. Where it shrinks to less than
 //! 1 / 0.6, or where texels stay much larger than pixels because the world reaches over kilometres, the faces of a cube with half
 //! the side take over if their texels are less than half as long: they do tell near and far apart. Texels that are large even
-//! so are reported. The slide is chosen by
+//! so are reported. A light at a position gets the cube's faces if one picture has texels longer than two pixels, and twice as long as
+//! the faces have: a picture that is nearly 180° wide has hardly any texels in its middle. The slide is chosen by
 //! measuring the longer sides of texels on the screen, because long thin texels make edges coarse; a measure of their area
 //! doubled the error in a town. On `town_A`, `dungeon_A` and a plain of 4 km the nearest tenth of the pixels has 1.9 to 225
 //! times the texels of four cascades of the same total, and at least 4 times those of a uniform map at every angle of the

@@ -73,10 +73,10 @@ impl Known {
 
     /// Returns whether the texture has layers for several faces. It gets them at once and loses them late, so that a light
     /// which needs them now and then does not replace its texture each time.
-    fn has_several(&mut self) -> bool {
+    fn has_several(&mut self, is_directional: bool) -> bool {
         self.idle = match &self.fitted {
             // The distance between the two limits of the fit keeps these from coming and going.
-            Some((_, fit)) if fit.replaces_one => KEPT_FRAMES,
+            Some((_, fit)) if fit.replaces_one && is_directional => KEPT_FRAMES,
             Some((_, fit)) if fit.faces > 1 => 0,
             _ => self.idle.saturating_add(1),
         };
@@ -133,6 +133,9 @@ const MOST_SIDE: f64 = 8.0;
 /// The side that takes the place of [`MOST_SIDE`] where the slide is set: it is then not measured, and may be far from the best.
 const MOST_SIDE_OF_SET: f64 = 2.0;
 
+/// The side that takes the place of [`MOST_SIDE`] for a light at a position. Where texels are larger, creases of rooms are dark.
+const MOST_SIDE_AT_POSITION: f64 = 2.0;
+
 /// Fits the faces of the lights that a [`PerspectiveMap`] shadows to what the view shows, and lists their
 /// requests.
 ///
@@ -186,26 +189,28 @@ pub fn request_perspective_maps(
             maps.fitted_anew += 1;
         }
         let known = &mut maps.known[at];
-        let has_several = known.has_several();
+        let is_directional = light.light.kind == LightKind::Directional;
+        let has_several = known.has_several(is_directional);
         let mut faces = MapFaces::new();
         let mut stretch = 1.0;
         if let Some((fitted_faces, fit)) = &known.fitted {
             faces.clone_from(fitted_faces);
             maps.fits.push((index, *fit));
-            let most = if settings.slide.is_some() {
-                MOST_SIDE_OF_SET
-            } else {
-                MOST_SIDE
+            let most = match (settings.slide, is_directional) {
+                (Some(_), _) => MOST_SIDE_OF_SET,
+                (None, true) => MOST_SIDE,
+                (None, false) => MOST_SIDE_AT_POSITION,
             };
             stretch = (fit.texel_side / most).max(1.0);
-            if fit.replaces_one {
+            // The faces of a light at a position are as fine as those of a light in the middle of its receivers.
+            if fit.replaces_one && is_directional {
                 request.resolution = request.resolution.halved();
             }
         }
         // The number of layers changes rarely, so that textures are not replaced.
         request.layers = if settings.faces == PerspectiveFaces::One && !has_several {
             1
-        } else if light.light.kind == LightKind::Directional {
+        } else if is_directional {
             5
         } else {
             6

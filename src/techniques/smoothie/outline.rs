@@ -78,7 +78,8 @@ impl Stand<'_> {
 ///
 /// An edge counts once, whatever its multiplicity. Where exactly one edge follows an edge, the corner between them is
 /// a sector; elsewhere it is a whole disc, which leaves no gap however the edges are paired. An edge that passes close by
-/// the light is divided where it is nearest, because its width is a share of the distance. O(n log n) for n edges.
+/// the light is divided where it is nearest, because its width is a share of the distance. Edges of a surface on which
+/// the light lies have no smoothie. O(n log n) for n edges.
 pub fn push_smoothies(
     contour: &Contour,
     stand: &Stand,
@@ -93,15 +94,20 @@ pub fn push_smoothies(
     }
     edges.sort_unstable();
     edges.dedup();
-    for &[first, second] in &*edges {
+    for &[first, second] in edges.iter().filter(|edge| !contour.is_flush(**edge)) {
         let (Some(start), Some(end)) = (stand.place(first), stand.place(second)) else {
             continue;
         };
         let from = edges.partition_point(|edge| edge[0] < second);
-        let follows = |at: usize| edges.get(at).filter(|edge| edge[0] == second);
-        let only = follows(from).filter(|_| follows(from + 1).is_none());
-        let next = only.and_then(|edge| stand.place(edge[1]));
-        let next = next.filter(|&next| !stand.points_at_light(end, next));
+        let following = || edges[from..].iter().take_while(|edge| edge[0] == second);
+        let mut outlining = following().filter(|edge| !contour.is_flush(**edge));
+        let only = match (outlining.next(), outlining.next()) {
+            (Some(edge), None) => stand.place(edge[1]),
+            // At the surface on which the light lies there is no corner.
+            (None, None) if following().next().is_some() => Some(end + (end - start)),
+            _ => None,
+        };
+        let next = only.filter(|&next| !stand.points_at_light(end, next));
         let kind = if stand.points_at_light(start, end) {
             DISC_ALONE
         } else if next.is_some() {

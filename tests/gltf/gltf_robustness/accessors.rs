@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use antumbra::scene::gltf_import::load_gltf_slice;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::{assert_names, error_after};
 use crate::gltf_builder::*;
@@ -14,11 +14,11 @@ fn indices_out_of_range_name_both_ends() {
     let cases: [(Edit, &[&str]); 17] = [
         (
             |b| b.json["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(99),
-            &["accessor 99"],
+            &["mesh 0 primitive 0", "accessor 99"],
         ),
         (
             |b| b.json["meshes"][0]["primitives"][0]["indices"] = json!(98),
-            &["accessor 98"],
+            &["mesh 0 primitive 0", "accessor 98"],
         ),
         (
             |b| b.json["meshes"][0]["primitives"][0]["material"] = json!(3),
@@ -84,6 +84,67 @@ fn indices_out_of_range_name_both_ends() {
         b.json["materials"] = json!([{"normalTexture": {"index": 0}}]);
     });
     assert_names(&message, &["texture 0", "image 6"]);
+}
+
+/// The second of two primitives refers to a missing accessor, through each of its attributes, its indices and its morph
+/// targets; so do a skin, both ends of an animation's sampler and a node's instances.
+#[test]
+fn a_missing_accessor_names_the_element_that_refers_to_it() {
+    let missing = json!(90);
+    let primitive = |edit: &dyn Fn(&mut Value)| {
+        error_after(|b| {
+            let mut second = b.json["meshes"][0]["primitives"][0].clone();
+            edit(&mut second);
+            b.json["meshes"][0]["primitives"]
+                .as_array_mut()
+                .expect("a mesh has primitives")
+                .push(second);
+        })
+    };
+    let mut messages = Vec::new();
+    for name in [
+        "POSITION",
+        "NORMAL",
+        "TANGENT",
+        "TEXCOORD_0",
+        "TEXCOORD_1",
+        "COLOR_0",
+        "JOINTS_0",
+        "WEIGHTS_0",
+    ] {
+        let message = primitive(&|second| second["attributes"][name] = missing.clone());
+        messages.push((name, message));
+    }
+    messages.push((
+        "indices",
+        primitive(&|second| second["indices"] = missing.clone()),
+    ));
+    for name in ["POSITION", "NORMAL", "TANGENT"] {
+        let message = primitive(&|second| second["targets"][0][name] = missing.clone());
+        messages.push((name, message));
+    }
+    for (name, message) in messages {
+        println!("{name}: {message}");
+        assert_names(&message, &["mesh 0 primitive 1", "accessor 90"]);
+    }
+
+    let message = error_after(|b| b.json["skins"][0]["inverseBindMatrices"] = json!(90));
+    assert_names(&message, &["skin 0", "accessor 90"]);
+    for end in ["input", "output"] {
+        let message = error_after(|b| {
+            let sampler = b.json["animations"][0]["channels"][1]["sampler"]
+                .as_u64()
+                .expect("a channel has a sampler");
+            b.json["animations"][0]["samplers"][sampler as usize][end] = json!(90);
+        });
+        assert_names(&message, &["animation 0 channel", "accessor 90"]);
+    }
+    for name in ["TRANSLATION", "ROTATION", "SCALE"] {
+        let message = error_after(|b| {
+            b.json["nodes"][0]["extensions"] = json!({"EXT_mesh_gpu_instancing": {"attributes": {name: 90}}});
+        });
+        assert_names(&message, &["node 0", name, "90"]);
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ mod leftovers;
 mod light_cut;
 mod light_cut_finely;
 mod light_on_surface;
-mod placements;
+pub mod placements;
 mod regions;
 mod savings;
 mod scenes;

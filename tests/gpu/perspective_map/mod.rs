@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod casters;
+mod ceiling_lamps;
 mod contacts;
 mod far_worlds;
 mod fits;

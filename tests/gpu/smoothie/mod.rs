@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod eye;
+mod flush_lights;
 mod kept;
 mod models;
 mod parity;
