@@ -74,7 +74,7 @@ fn cuboid(half: Vec3, at: Vec3) -> (MeshData, Transform) {
 fn doubled(mesh: &MeshData) -> MeshData {
     let mut twice = mesh.clone();
     twice.indices.extend_from_slice(&mesh.indices);
-    twice.submeshes.clear();
+    twice.submeshes[0].index_count *= 2;
     twice
 }
 
