@@ -39,7 +39,7 @@ const FARTHEST: f64 = 1e9;
 const FEW: usize = 8;
 
 /// Collects the points where lines of sight meet the boxes first. A line that starts in a box meets its far
-/// side. If the boxes are too small for the grid, `points` in view coordinates stand in for them.
+/// side, where there may be no surface: the next box that it meets gets a sample, too. If the boxes are too small for the grid, `points` in view coordinates stand in for them.
 ///
 /// Points outside of the half-spaces, in view coordinates, are no samples: a map need not show them. `light` is a
 /// homogeneous point of world space.
@@ -58,9 +58,13 @@ pub fn collect_samples(
     };
     for place in places() {
         let (from, along) = space.line_of_sight(place.x, place.y);
-        let hits = boxes.iter().filter_map(|aabb| hit(space, aabb, from, along));
-        if let Some(nearest) = hits.reduce(f64::min) {
-            let point = space.eye_world + from + along * nearest;
+        let hits = || boxes.iter().filter_map(|aabb| hit(space, aabb, from, along));
+        let nearest = |a: Hit, b: Hit| if b.at < a.at { b } else { a };
+        let first = hits().reduce(nearest);
+        // The surface in a box around the eye may be elsewhere in the box.
+        let next = hits().filter(|hit| !hit.starts_within).reduce(nearest);
+        for hit in first.into_iter().chain(next.filter(|next| first != Some(*next))) {
+            let point = space.eye_world + from + along * hit.at;
             samples.extend(Sample::new(space, point, along, light).filter(must_show));
         }
     }
@@ -78,11 +82,22 @@ pub fn collect_samples(
     }
 }
 
-/// Where a line of sight meets a box in front of the near plane, as a factor on `along`.
-fn hit(space: &ViewSpace, aabb: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
+/// Where a line of sight meets a box.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Hit {
+    /// Place on the line, as a factor on its direction.
+    at: f64,
+    /// Whether the line starts within the box. The place is then on the far side.
+    starts_within: bool,
+}
+
+/// Where a line of sight meets a box in front of the near plane.
+fn hit(space: &ViewSpace, aabb: &Aabb, from: DVec3, along: DVec3) -> Option<Hit> {
     let nearest = if space.is_perspective { space.near } else { 0.0 };
     let (enter, leave) = aabb.crossed_by(space.eye_world + from, along)?;
-    (leave >= nearest).then_some(if enter >= nearest { enter } else { leave })
+    let starts_within = enter < nearest;
+    let at = if starts_within { leave } else { enter };
+    (leave >= nearest).then_some(Hit { at, starts_within })
 }
 
 /// Returns what two small vectors at a point are in the picture with these rows, NDC.
