@@ -1,6 +1,7 @@
 //! Perspective maps: their shadows are those of the ray caster up to a texel, wherever casters, lights and the viewer
 //! are; and their texels are where the pixels are.
 
+mod around_the_eye;
 mod bad_input;
 mod casters;
 mod ceiling_lamps;
