@@ -12,12 +12,13 @@ use serde_json::{Map, Value, json};
 
 use super::super::shadow::ShotShadow;
 use super::camera::{check_place, frame, unit};
+use super::keys::{Keys, key_of};
 use super::model::{KEYS, ShotModel};
 use super::path::ShotPath;
 
 /// A light of a shot.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(try_from = "Map<String, Value>")]
+#[serde(try_from = "Keys")]
 pub struct ShotLight {
     /// Kind, place and brightness, and the technique.
     pub emission: ShotEmission,
@@ -27,19 +28,30 @@ pub struct ShotLight {
     pub path: Option<ShotPath>,
 }
 
+impl TryFrom<Keys> for ShotLight {
+    type Error = String;
+
+    fn try_from(Keys(light): Keys) -> Result<Self, String> {
+        light.try_into()
+    }
+}
+
 impl TryFrom<Map<String, Value>> for ShotLight {
     type Error = String;
 
     fn try_from(mut light: Map<String, Value>) -> Result<Self, String> {
         let model = ShotModel::take(&mut light)?;
         let path = ShotPath::take(&mut light)?;
-        let emission = ShotEmission::deserialize(Value::Object(light)).map_err(|error| {
+        let emission = ShotEmission::deserialize(Value::Object(light.clone())).map_err(|error| {
             let error = error.to_string();
             if error.starts_with("unknown field") {
                 // serde knows the keys of the kind alone.
                 return format!("{error}, `path`, `{}`", KEYS.join("`, `"));
             }
-            error
+            match key_of::<ShotEmission>(&error, &light, "kind") {
+                Some(key) => format!("{key}: {error}"),
+                None => error,
+            }
         })?;
         Ok(Self {
             emission,

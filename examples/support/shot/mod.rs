@@ -46,6 +46,7 @@
 
 mod camera;
 mod file;
+mod keys;
 mod light;
 mod model;
 mod path;

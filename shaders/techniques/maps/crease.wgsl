@@ -17,6 +17,9 @@ const STEEPEST_CREASE: f32 = 16.0;
 // Share of its slope by which a surface may bend from one texel to the next, to be extrapolated. By eye.
 const BENT: f32 = 0.25;
 
+// Texels of depth that a step of a format with bytes may be, for surfaces to be extrapolated.
+const COARSEST_STEP: f32 = 0.25;
+
 // Largest number of surfaces that meet the receiver's plane in creases: two, in the corner of a room.
 const MOST_CREASES: u32 = 2u;
 
@@ -196,15 +199,17 @@ fn try_crease(
     found: ptr<function, Site>,
 ) -> u32 {
     let above = depth - max(own.depth + dot(own.slope, apart), search.deepest);
-    if above > STEEPEST_CREASE * search.texel_depth * (1.0 + length(apart)) {
+    let face = site.face;
+    let step = depth * step_of_depth(search, face, texel, depth);
+    let too_coarse = step > COARSEST_STEP * search.texel_depth;
+    if too_coarse || above > STEEPEST_CREASE * search.texel_depth * (1.0 + length(apart)) {
         return 0u;
     }
-    let face = site.face;
     let x = surface_slope(depth_map, distance_map, search, face, texel, vec2i(1, 0), depth, apart.x);
     let y = surface_slope(depth_map, distance_map, search, face, texel, vec2i(0, 1), depth, apart.y);
     let slope = vec2f(x.x, y.x);
     // Each slope is exact to a step of a texel.
-    let coarse = depth * step_of_depth(search, face, texel, depth) * (1.0 + abs(apart.x) + abs(apart.y));
+    let coarse = step * (1.0 + abs(apart.x) + abs(apart.y));
     let at_receiver = depth - dot(slope, apart) - own.depth - coarse;
     if at_receiver > 0.0 || x.y + y.y > 0.0 {
         return 0u;

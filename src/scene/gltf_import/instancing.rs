@@ -48,9 +48,9 @@ pub(super) fn load(
     let [translation, rotation, scale] = [attribute(names[0])?, attribute(names[1])?, attribute(names[2])?];
     let counts = [translation, rotation, scale].map(|accessor| accessor.map(|index| accessors.count(index)));
     let Some(count) = counts.into_iter().flatten().next() else {
-        // Only attributes of other applications tell how many instances there are.
+        // Attributes of other applications, or none that can be read, tell how many instances there are.
         let others = object.get("attributes").and_then(Value::as_object);
-        if others.is_some_and(|others| !others.is_empty()) {
+        if others.is_none_or(|others| !others.is_empty()) {
             let reason = format!("{INSTANCING} has no transforms, the mesh is drawn once");
             report.add(SkipKind::Instance, element, 1, reason);
         }

@@ -126,7 +126,7 @@ pub(super) fn load(
             skin,
             light: light.map(|light| light.light.value()),
             instances: load_instances(accessors, element, node, skin, mesh_data, report)?,
-            visible: is_visible(node),
+            visible: is_visible(element, node, report),
             camera: node.camera.map(|camera| camera.value()),
             visibility: GltfVisibility::default(),
         });
@@ -165,10 +165,20 @@ fn load_instances(
     Ok(instances)
 }
 
-fn is_visible(node: &Node) -> bool {
+fn is_visible(element: Element, node: &Node, report: &mut Report) -> bool {
     let others = node.extensions.as_ref().map(|extensions| &extensions.others);
-    let visible = others.and_then(|others| others.get(NODE_VISIBILITY)?.get("visible")?.as_bool());
-    visible.unwrap_or(true)
+    let Some(object) = others.and_then(|others| others.get(NODE_VISIBILITY)) else {
+        return true;
+    };
+    let visible = object.as_object().and_then(|object| match object.get("visible") {
+        Some(visible) => visible.as_bool(),
+        None => Some(true),
+    });
+    visible.unwrap_or_else(|| {
+        let reason = format!("{NODE_VISIBILITY} is {object}, which hides nothing");
+        report.add(SkipKind::Extension, element, 1, reason);
+        true
+    })
 }
 
 /// Number of joints that a mesh needs.

@@ -111,7 +111,8 @@ pub enum SkipKind {
     LightValue,
     /// An animation channel that cannot be read or that targets no node. Counts channels.
     AnimationChannel,
-    /// An extension in use that is neither supported nor required. Counts extensions.
+    /// An extension in use that is neither supported nor required, or that says nothing readable of a node. Counts
+    /// extensions, or nodes.
     Extension,
 }
 

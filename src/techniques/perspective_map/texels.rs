@@ -38,8 +38,9 @@ const FARTHEST: f64 = 1e9;
 /// Number of samples below which the points that a map must show are samples too.
 const FEW: usize = 8;
 
-/// Collects the points where lines of sight meet the boxes first. A line that starts in a box meets its far
-/// side, where there may be no surface: the next box that it meets gets a sample, too. If the boxes are too small for the grid, `points` in view coordinates stand in for them.
+/// Collects the points where lines of sight meet the boxes first. A line that starts in a box meets its far side, where there
+/// may be no surface: the next box that it meets, or else the farthest that it starts in, gives a sample, too. If the boxes
+/// are too small for the grid, `points` in view coordinates stand in for them.
 ///
 /// Points outside of the half-spaces, in view coordinates, are no samples: a map need not show them. `light` is a
 /// homogeneous point of world space.
@@ -60,9 +61,11 @@ pub fn collect_samples(
         let (from, along) = space.line_of_sight(place.x, place.y);
         let hits = || boxes.iter().filter_map(|aabb| hit(space, aabb, from, along));
         let nearest = |a: Hit, b: Hit| if b.at < a.at { b } else { a };
+        let farthest = |a: Hit, b: Hit| if b.at > a.at { b } else { a };
         let first = hits().reduce(nearest);
-        // The surface in a box around the eye may be elsewhere in the box.
+        // The surface in a box around the eye may be elsewhere in the box, or the line may miss it.
         let next = hits().filter(|hit| !hit.starts_within).reduce(nearest);
+        let next = next.or_else(|| hits().reduce(farthest));
         for hit in first.into_iter().chain(next.filter(|next| first != Some(*next))) {
             let point = space.eye_world + from + along * hit.at;
             samples.extend(Sample::new(space, point, along, light).filter(must_show));

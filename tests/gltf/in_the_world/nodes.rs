@@ -74,6 +74,36 @@ fn hidden_nodes_and_those_below_them_neither_show_nor_shine() {
     assert_eq!(counts(&builder), (1, 0, 1));
 }
 
+/// What cannot be read changes nothing, and is reported with the node.
+#[test]
+fn extensions_of_nodes_that_cannot_be_read_are_reported() {
+    let values = [json!(null), json!(5), json!("x"), json!([1])];
+    let wrong = |name: &str, value: serde_json::Value| {
+        let mut builder = quad();
+        builder.json["extensionsUsed"] = json!([name]);
+        builder.json["nodes"][0]["extensions"] = json!({ name: value });
+        let gltf = builder.load();
+        let (mut world, _) = frame();
+        let spawned = spawn_scene(&mut world, &gltf, None).unwrap();
+        assert_eq!(spawned.meshes.len(), 1, "{name}");
+        let report = gltf.report.to_string();
+        assert!(report.contains("node 0") && report.contains(name), "{report}");
+        gltf.report
+    };
+    for value in &values {
+        let shown = wrong("KHR_node_visibility", value.clone());
+        assert_eq!(shown.count(SkipKind::Extension), 1);
+        let shown = wrong("KHR_node_visibility", json!({"visible": value}));
+        assert_eq!(shown.count(SkipKind::Extension), 1);
+        let once = wrong("EXT_mesh_gpu_instancing", value.clone());
+        assert_eq!(once.count(SkipKind::Instance), 1);
+        let once = wrong("EXT_mesh_gpu_instancing", json!({"attributes": value}));
+        assert_eq!(once.count(SkipKind::Instance), 1);
+    }
+    let once = wrong("EXT_mesh_gpu_instancing", json!({}));
+    assert_eq!(once.count(SkipKind::Instance), 1);
+}
+
 fn instanced(attributes: serde_json::Value) -> Builder {
     let mut builder = quad();
     builder.json["extensionsUsed"] = json!(["EXT_mesh_gpu_instancing"]);

@@ -125,6 +125,14 @@ fn what_is_wrong_is_named() {
             json!({"shadow_colour": [0, 0, 0]}),
             ["lights[0]", "unknown field `shadow_colour`", "`shadow_color`"],
         ),
+        (
+            json!({"intensity": "bright"}),
+            ["lights[0]: intensity: invalid type", "bright", "f32"],
+        ),
+        (
+            json!({"position": null}),
+            ["lights[0]: position: invalid type", "null", "array of length 3"],
+        ),
     ] {
         let line = shot(light(keys)).expect_err("it is wrong");
         assert!(parts.iter().all(|part| line.contains(part)), "{line}");
@@ -135,4 +143,22 @@ fn what_is_wrong_is_named() {
         line.contains("lights[0].affects") && line.contains("nobody"),
         "{line}"
     );
+}
+
+#[test]
+fn no_key_of_a_light_stands_twice() {
+    let light = light(json!({"shadow": {"technique": "stencil_volume"}}));
+    let text = json!({"scene": "no.glb", "size": [64, 36], "lights": [light]}).to_string();
+    for (key, entry) in [
+        ("inner_deg", "\"inner_deg\":20"),
+        ("technique", "\"technique\":\"stencil_volume\""),
+    ] {
+        let twice = text.replace(entry, &format!("{entry},{entry}"));
+        assert_ne!(twice, text);
+        let line = Shot::parse(&twice, Techniques::default()).expect_err("a key stands twice");
+        assert!(
+            line.contains("lights[0]") && line.contains(&format!("duplicate field `{key}`")),
+            "{line}"
+        );
+    }
 }

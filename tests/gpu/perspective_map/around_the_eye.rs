@@ -57,7 +57,7 @@ fn nothing_is_dark_in_an_empty_ball() {
     views.extend((1..VIEWS).map(|_| (inside(0.35), inside(0.35), inside(0.3))));
     let mut coarse = 0;
     for (view, (eye, target, lamp)) in views.into_iter().enumerate() {
-        for subdivisions in [1, 2] {
+        for subdivisions in [2, 3] {
             let mut stage = stage(eye, target, subdivisions);
             let maps = [
                 PerspectiveMap::default(),
