@@ -74,7 +74,7 @@ fn hidden_nodes_and_those_below_them_neither_show_nor_shine() {
     assert_eq!(counts(&builder), (1, 0, 1));
 }
 
-/// What cannot be read changes nothing, and is reported with the node.
+/// An extension with a value of the wrong type changes nothing. The report names it and its node.
 #[test]
 fn extensions_of_nodes_that_cannot_be_read_are_reported() {
     let values = [json!(null), json!(5), json!("x"), json!([1])];

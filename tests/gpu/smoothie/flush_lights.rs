@@ -155,18 +155,18 @@ struct Lamp {
     on: Vec3,
 }
 
-/// What is wrong in pictures.
+/// The numbers of pixels that a group of pictures shows wrongly, and of those that are judged.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wrong {
     /// Pixels that are lit in truth.
     lit: usize,
-    /// Of these: lit by smoothies where the light is well before its wall, and by the plain map.
+    /// Lit pixels that the plain map shows lit, and smoothies too when the same light hangs well before its wall.
     clear: usize,
-    /// Of these: darker than 0.9.
+    /// Clear pixels that smoothies show darker than 0.9.
     false_penumbra: usize,
-    /// Pixels that are dark in truth, as those beside them.
+    /// Pixels that are dark in truth, and so are their neighbours.
     dark: usize,
-    /// Of these: lighter than ½.
+    /// Dark pixels that smoothies show lighter than ½.
     leaks: usize,
     /// Pixels in a penumbra.
     soft: usize,
