@@ -58,6 +58,13 @@ fn render(stage: &mut Stage) -> (Rendered, usize, usize) {
 #[test]
 fn nothing_is_computed_again_until_it_moves() {
     let mut stage = scene();
+    // Tests that share a device share its pipelines, and these are counted.
+    stage
+        .add_renderer(
+            own_context(RequestedFeatures::default()),
+            RenderSettings::default(),
+        )
+        .expect("shaders compose");
     let (first, extracted, pipelines) = render(&mut stage);
     assert_eq!(extracted, 12, "six casters in two lights");
     assert!(pipelines > 0);

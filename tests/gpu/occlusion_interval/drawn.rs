@@ -11,8 +11,8 @@ use bevy_transform::prelude::Transform;
 use glam::{Affine3A, Vec2, Vec3};
 
 use super::scenes::{SIZE, add_light, lit_ladder, maps, page_place, path, seen, settings};
-use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
 
 #[test]
 fn the_mask_holds_what_the_twin_computes() {
@@ -140,6 +140,13 @@ fn time_wraps_around_a_closed_path_and_stops_at_the_ends_of_an_open_one() {
 #[test]
 fn a_light_follows_its_path_and_steady_frames_make_nothing() {
     let mut stage = lit_ladder(maps(), 0.25, 0.02);
+    // Tests that share a device share its pipelines, and these are counted.
+    stage
+        .add_renderer(
+            own_context(RequestedFeatures::default()),
+            RenderSettings::default(),
+        )
+        .expect("shaders compose");
     let light = stage.lights[0];
     let first = stage.render().expect("the frame renders");
     let direction = stage.world.resource::<FrameLights>().lights[0].direction;
