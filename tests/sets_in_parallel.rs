@@ -20,7 +20,7 @@ use glam::{Quat, Vec3};
 use sets_harness::{Random, Scene, simple, spawn, thing, transform};
 
 fn scene() -> Scene {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     let mut things = Vec::new();
     for _ in 0..20_000 {
         let half = random.range(0.1, 2.0) as f32;

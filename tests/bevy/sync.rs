@@ -53,43 +53,27 @@ fn mirror_dump(game: &mut Game, camera: Entity) -> Vec<String> {
     dump(mirrors.get_mut(camera).expect("a mirror"))
 }
 
-/// Xorshift; the test is the same each time.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as usize % n
-    }
-
-    fn unit(&mut self) -> f32 {
-        self.below(10_000) as f32 * 1e-4
-    }
-}
-
 struct Edited {
     meshes: Vec<Handle<Mesh>>,
     objects: Vec<Entity>,
     lights: Vec<Entity>,
 }
 
-fn place(random: &mut Random) -> Transform {
-    let mut axis = || random.unit() * 8.0 - 4.0;
+fn place(random: &mut fastrand::Rng) -> Transform {
+    let mut axis = || random.f32() * 8.0 - 4.0;
     Transform::from_xyz(axis(), axis() * 0.5 + 2.0, axis())
 }
 
-fn spawn_object(world: &mut World, edited: &mut Edited, random: &mut Random) {
-    let mesh = edited.meshes[random.below(edited.meshes.len())].clone();
+fn spawn_object(world: &mut World, edited: &mut Edited, random: &mut fastrand::Rng) {
+    let mesh = edited.meshes[random.usize(..edited.meshes.len())].clone();
     let matte = harness::matte(world);
     let object = world.spawn((Mesh3d(mesh), matte, place(random)));
     edited.objects.push(object.id());
 }
 
-fn spawn_light(world: &mut World, edited: &mut Edited, random: &mut Random) {
+fn spawn_light(world: &mut World, edited: &mut Edited, random: &mut fastrand::Rng) {
     let mut light = world.spawn((place(random), StencilVolume::default()));
-    match random.below(4) {
+    match random.usize(..4) {
         0 => light.insert(PointLight::default()),
         1 => light.insert(SpotLight::default()),
         2 => light.insert(DirectionalLight::default()),
@@ -99,11 +83,11 @@ fn spawn_light(world: &mut World, edited: &mut Edited, random: &mut Random) {
 }
 
 /// One change of the game, of any kind that is to be followed.
-fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
-    let object = edited.objects[random.below(edited.objects.len())];
-    let light = edited.lights[random.below(edited.lights.len())];
-    let either = if random.below(2) == 0 { object } else { light };
-    match random.below(16) {
+fn edit(world: &mut World, edited: &mut Edited, random: &mut fastrand::Rng) {
+    let object = edited.objects[random.usize(..edited.objects.len())];
+    let light = edited.lights[random.usize(..edited.lights.len())];
+    let either = if random.usize(..2) == 0 { object } else { light };
+    match random.usize(..16) {
         0 => {
             world.entity_mut(either).insert(place(random));
         }
@@ -116,12 +100,12 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
         3 => {
             world
                 .entity_mut(either)
-                .insert(RenderLayers::from_layers(&[0, random.below(40)]));
+                .insert(RenderLayers::from_layers(&[0, random.usize(..40)]));
         }
         4 => {
             world
                 .entity_mut(either)
-                .insert(RenderLayers::layer(random.below(3)));
+                .insert(RenderLayers::layer(random.usize(..3)));
         }
         5 => {
             world.entity_mut(either).remove::<RenderLayers>();
@@ -156,21 +140,21 @@ fn edit(world: &mut World, edited: &mut Edited, random: &mut Random) {
                 StencilVolume::default(),
                 LightSelection {
                     affects: 1,
-                    casts_for: random.below(4) as u32,
+                    casts_for: random.usize(..4) as u32,
                     shows_on: u32::MAX,
                 },
             ));
         }
         14 => {
             // Hot reload.
-            let id = edited.meshes[random.below(edited.meshes.len())].id();
-            let size = 0.5 + random.unit();
+            let id = edited.meshes[random.usize(..edited.meshes.len())].id();
+            let size = 0.5 + random.f32();
             let mut meshes = world.resource_mut::<Assets<Mesh>>();
             meshes.insert(id, Cuboid::new(size, size, size).into()).unwrap();
         }
         _ => {
             // A new parent, or none.
-            let parent = edited.objects[random.below(edited.objects.len())];
+            let parent = edited.objects[random.usize(..edited.objects.len())];
             if parent != either
                 && world.get::<Children>(either).is_none()
                 && world.get::<ChildOf>(parent).is_none()
@@ -199,7 +183,7 @@ fn what_changed_makes_the_same_mirror_as_everything() {
         objects: Vec::new(),
         lights: Vec::new(),
     };
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut random = fastrand::Rng::with_seed(0x9e37_79b9_7f4a_7c15);
     for _ in 0..12 {
         spawn_object(world, &mut edited, &mut random);
     }
@@ -210,7 +194,7 @@ fn what_changed_makes_the_same_mirror_as_everything() {
     let (mut steps, mut different) = (0, EntityHashSet::default());
     let mut last = Vec::new();
     for step in 0..60 {
-        for _ in 0..1 + random.below(4) {
+        for _ in 0..1 + random.usize(..4) {
             edit(game.world(), &mut edited, &mut random);
             // Children go with their parents.
             let world = game.world();
@@ -288,7 +272,7 @@ fn casters_are_among_bevys() {
         objects: Vec::new(),
         lights: Vec::new(),
     };
-    let mut random = Random(0xda94_2042_e4dd_58b5);
+    let mut random = fastrand::Rng::with_seed(0xda94_2042_e4dd_58b5);
     for _ in 0..80 {
         spawn_object(world, &mut edited, &mut random);
     }

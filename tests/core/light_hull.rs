@@ -12,7 +12,7 @@ struct Case {
 }
 
 fn case(seed: u64) -> Case {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let rotation = random.rotation().as_dquat();
     let [mut right, up, forward] = [DVec3::X, DVec3::Y, DVec3::NEG_Z].map(|axis| rotation.mul_vec3(axis));
     if random.chance(0.5) {
@@ -117,7 +117,7 @@ fn hull_equals_brute_force_hull() {
     for seed in 0..400 {
         let case = case(seed);
         let hull = LightHull::of_frustum(&case.frustum, &Emitter::point(case.light));
-        let mut random = Random(seed + 4000);
+        let mut random = Random::new(seed + 4000);
         let dropped = case.dropped(&hull.planes, &mut random);
         assert_eq!(dropped, 0, "seed {seed}, light {}", case.light);
         let (all, out) = case.excluded(&hull.planes, &mut random);
@@ -138,7 +138,7 @@ fn hull_check_fails_when_a_plane_is_flipped_or_left_out() {
     for seed in 0..100 {
         let case = case(seed);
         let hull = LightHull::of_frustum(&case.frustum, &Emitter::point(case.light));
-        let mut random = Random(seed + 4000);
+        let mut random = Random::new(seed + 4000);
         for i in 0..hull.planes.planes.len() {
             let mut flipped = hull.planes.clone();
             flipped.planes[i].normal = -flipped.planes[i].normal;
@@ -169,7 +169,7 @@ fn hull_holds_all_of_an_area_light() {
         if case.light.w == 0.0 {
             continue;
         }
-        let mut random = Random(seed + 8000);
+        let mut random = Random::new(seed + 8000);
         let half_sides = [random.vec(2.0), random.vec(2.0)];
         let radius = random.range(0.0, 1.0);
         let emitter = Emitter {

@@ -37,23 +37,6 @@ fn parts() -> Vec<Part> {
         .collect()
 }
 
-/// SplitMix64.
-fn next(state: &mut u64) -> u64 {
-    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
-
-fn shuffled(mut parts: Vec<Part>, seed: u64) -> Vec<Part> {
-    let mut state = seed;
-    for at in (1..parts.len()).rev() {
-        parts.swap(at, (next(&mut state) % (at as u64 + 1)) as usize);
-    }
-    parts
-}
-
 /// Points on a spiral: all different, some behind the camera.
 fn place(index: usize) -> Vec3 {
     let angle = index as f32 * 0.618 * TAU;
@@ -189,12 +172,14 @@ fn frames(seed: u64, nudge: f32) -> [Snapshot; 2] {
     let mut world = World::new();
     init_resources(&mut world);
     world.insert_resource(ViewportSize(UVec2::new(320, 180)));
-    let mut state = seed ^ 0xabcd;
-    for part in shuffled(parts(), seed) {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut parts = parts();
+    random.shuffle(&mut parts);
+    for part in parts {
         // Gaps in the entity indices, and reused ones.
-        if next(&mut state).is_multiple_of(3) {
+        if random.usize(..3) == 0 {
             let gap = world.spawn_empty().id();
-            if next(&mut state).is_multiple_of(2) {
+            if random.bool() {
                 world.despawn(gap);
             }
         }

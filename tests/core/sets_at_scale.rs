@@ -30,7 +30,7 @@ proptest! {
         let mut scene = large_scene(seed, 400);
         let origin = scene.world_from_camera.translation().as_dvec3();
         let (mut world, mut schedule) = run(&scene);
-        let mut random = Random(seed ^ 3);
+        let mut random = Random::new(seed ^ 3);
         for frame in 0..8 {
             change(&mut scene, &mut world, &mut random, origin, frame);
             world.clear_trackers();
@@ -132,7 +132,7 @@ fn an_order_spoilt_by_motion_is_renewed_and_changes_no_set() {
     }
     let (mut world, mut schedule) = run(&scene);
     let layout = world.resource::<Objects>().layout_generation;
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut renewed = Vec::new();
     for frame in 0..400 {
         for (_, mut bounds) in world.query::<(&Id, &mut WorldBounds)>().iter_mut(&mut world) {

@@ -60,16 +60,16 @@ impl Case {
     }
 }
 
-/// SplitMix64, to floats.
-struct Random(u64);
+/// Random numbers from a seed.
+struct Random(fastrand::Rng);
 
 impl Random {
+    fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        self.0.f32()
     }
 
     fn vec(&mut self, half: f32) -> Vec3 {
@@ -78,7 +78,7 @@ impl Random {
 }
 
 fn cases() -> Vec<Case> {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let projection = Camera::default().clip_from_view().as_mat4();
     let mut cases: Vec<Case> = (0..40_000)
         .map(|index| {

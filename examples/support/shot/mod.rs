@@ -45,6 +45,7 @@
 //! | `{"positions": [[0, 2, 0], [4, 2, 0]]}` | a point or spot light moves along a polyline |
 
 mod camera;
+mod emission;
 mod file;
 mod keys;
 mod light;
@@ -54,8 +55,9 @@ mod schema;
 mod textures;
 
 pub use camera::ShotCamera;
+pub use emission::ShotEmission;
 pub use file::{Shot, ShotAnimation, ShotGround};
-pub use light::{LightParts, ShotEmission, ShotLight};
+pub use light::{LightParts, ShotLight};
 pub use model::ShotModel;
 pub use path::ShotPath;
 pub use schema::{shot_schema, tidy};

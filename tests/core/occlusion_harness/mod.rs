@@ -21,16 +21,16 @@ pub const VIEWPORT: UVec2 = UVec2::new(48, 27);
 /// Rays cast from each light.
 const LIGHT_RAYS: usize = 400;
 
-/// SplitMix64: every scene follows from its seed.
-pub struct Random(pub u64);
+/// Random numbers: every scene follows from its seed.
+pub struct Random(fastrand::Rng);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     pub fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        self.0.f32()
     }
 
     pub fn range(&mut self, low: f32, high: f32) -> f32 {
@@ -38,7 +38,7 @@ impl Random {
     }
 
     pub fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f32) as usize
+        self.0.usize(..count)
     }
 
     pub fn chance(&mut self, share: f32) -> bool {
@@ -128,7 +128,7 @@ pub fn judge(world: &mut World, seed: u64) -> Verdict {
             triangle.is_primary && !is_masked(world, triangle)
         });
     }
-    let mut random = Random(seed ^ 0x11_6487);
+    let mut random = Random::new(seed ^ 0x11_6487);
     for light in &world.resource::<FrameLights>().lights {
         verdict.counts.hidden_from_lights += light.sets.reach.count_ones(..) - light.sets.l.count_ones(..);
         look_from_light(world, &scene, light, &mut random, &mut verdict);

@@ -65,7 +65,7 @@ impl Builder {
 
 /// Rooms, things in them, and cameras and lights at all the bad places: in doorways, on portals' rims, in walls.
 pub fn random_rooms(seed: u64) -> Rooms {
-    let mut random = Random(seed ^ 0x7007);
+    let mut random = Random::new(seed ^ 0x7007);
     let mut world = World::new();
     init_resources(&mut world);
     world.insert_resource(ViewportSize(VIEWPORT));
@@ -143,12 +143,10 @@ pub fn random_rooms(seed: u64) -> Rooms {
         let half = random.vec(0.3).abs() + 0.02;
         build.block(at - half, at + half);
     }
+    // In a room, and off its walls: whether a viewer in the middle of a wall sees out of it is not asked.
+    let in_a_room = |random: &mut Random| random.below(SIDE) as f32 * SIZE + random.range(0.1, SIZE - 0.1);
     let place = |random: &mut Random| {
-        let free = Vec3::new(
-            random.range(0.3, end - 0.3),
-            random.range(0.3, 2.7),
-            random.range(0.3, end - 0.3),
-        );
+        let free = Vec3::new(in_a_room(random), random.range(0.3, 2.7), in_a_room(random));
         match (random.below(6), doorways.is_empty()) {
             (0, false) => doorways[random.below(doorways.len())].0,
             (1, false) => doorways[random.below(doorways.len())].1,

@@ -76,7 +76,7 @@ pub fn spawn_light(world: &mut World, random: &mut Random, at: Vec3) {
 
 /// Objects that take any part, before a camera that stands among them.
 pub fn random_scene(seed: u64) -> World {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut world = World::new();
     init_resources(&mut world);
     world.insert_resource(ViewportSize(VIEWPORT));

@@ -10,7 +10,7 @@ use super::Random;
 
 fn picture(side: usize, seed: u64) -> Picture {
     let blobs: Vec<(Vec2, f32)> = {
-        let mut random = Random(seed);
+        let mut random = Random::new(seed);
         (0..12)
             .map(|_| {
                 (
@@ -44,7 +44,7 @@ fn brute_mean(picture: &Picture, kernel: &Kernel) -> f32 {
 
 /// Kernels inside a picture, at least a texel wide.
 fn kernels(aspect: f32) -> Vec<Kernel> {
-    let mut random = Random(9);
+    let mut random = Random::new(9);
     (0..60)
         .map(|_| {
             let half = Vec2::new(aspect, 1.0) * (0.015 + 0.06 * random.unit());

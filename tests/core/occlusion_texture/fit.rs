@@ -54,7 +54,7 @@ fn kernels_are_the_light_as_it_is_projected_through_the_receiver() {
     let faces = fit_faces(&light(SlicedKind::Rect, half), &SETTINGS, &scene);
     let face = &faces[0];
     let sides = 256.0 * face.widest_kernel(&light(SlicedKind::Rect, half)).as_vec2();
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     let (mut checked, mut touching, mut largest) = (0, 0, Vec2::ZERO);
     for index in 0..400 {
         let bounds = &scene[index % scene.len()].bounds;

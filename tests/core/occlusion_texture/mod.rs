@@ -8,15 +8,15 @@ use antumbra::geometry::Aabb;
 use antumbra::insides::occlusion_textures::{SceneBox, SliceSettings, SlicedKind, SlicedLight};
 use glam::{DVec2, DVec3, Vec3};
 
-pub struct Random(pub u64);
+pub struct Random(fastrand::Rng);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     pub fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        self.0.f32()
     }
 
     pub fn place(&mut self) -> Vec3 {
@@ -41,7 +41,7 @@ pub fn light(kind: SlicedKind, half: DVec2) -> SlicedLight {
 }
 
 pub fn boxes(count: usize, seed: u64, middle: Vec3) -> Vec<SceneBox> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     (0..count)
         .map(|_| {
             let center = middle + random.place() * 2.0;

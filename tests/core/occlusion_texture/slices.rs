@@ -111,7 +111,7 @@ fn overlapping_slices_count_as_the_pictures_show_them() {
 /// Whatever the pictures show, the result is neither lighter than the darker of both shadows nor darker than their sum.
 #[test]
 fn overlapping_slices_lie_between_the_maximum_and_the_sum() {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     for _ in 0..2000 {
         let [hidden, own, above] = [(); 3].map(|()| random.unit());
         let common = (own + above - 1.0).max(0.0);

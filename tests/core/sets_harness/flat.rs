@@ -15,7 +15,7 @@ use super::{Id, Random, Scene, Thing, random_scene, thing};
 pub fn large_scene(seed: u64, count: usize) -> Scene {
     let mut scene = random_scene(seed);
     let origin = scene.world_from_camera.translation().as_dvec3();
-    let mut random = Random(seed ^ 0xfeed);
+    let mut random = Random::new(seed ^ 0xfeed);
     scene.things = (0..count).map(|_| random_thing(&mut random, origin)).collect();
     scene
 }

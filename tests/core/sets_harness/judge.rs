@@ -230,7 +230,7 @@ pub fn judge(scene: &Scene, world: &World, seed: u64) -> Verdict {
         world,
         indices,
         eye: Eye::new(scene),
-        random: Random(seed ^ 0x5eed),
+        random: Random::new(seed ^ 0x5eed),
         verdict: Verdict::default(),
     };
     for i in 0..scene.things.len() {

@@ -19,16 +19,16 @@ use judge::Eye;
 /// Size of all test pictures.
 pub const VIEWPORT: UVec2 = UVec2::new(320, 180);
 
-/// SplitMix64: every scene follows from its seed.
-pub struct Random(pub u64);
+/// Random numbers: every scene follows from its seed.
+pub struct Random(fastrand::Rng);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     pub fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        self.0.f64()
     }
 
     pub fn range(&mut self, low: f64, high: f64) -> f64 {
@@ -36,7 +36,7 @@ impl Random {
     }
 
     pub fn below(&mut self, count: usize) -> usize {
-        (self.unit() * count as f64) as usize
+        self.0.usize(..count)
     }
 
     pub fn chance(&mut self, share: f64) -> bool {
@@ -167,7 +167,7 @@ pub fn random_scene(seed: u64) -> Scene {
 /// As [`random_scene`], with barn doors, distances, moved and softened shadows.
 pub fn random_modelled_scene(seed: u64) -> Scene {
     let mut scene = random_scene(seed);
-    let mut random = Random(seed ^ 0x0d00);
+    let mut random = Random::new(seed ^ 0x0d00);
     for (light, world_from_light, _) in &scene.lights {
         let is_directional = light.kind == LightKind::Directional;
         let mut size = |least: f64| (least + random.range(0.0, 1.3).powi(2)) as f32;
@@ -213,7 +213,7 @@ pub fn random_orthographic_scene(seed: u64) -> Scene {
 
 /// `planes` gives the near and far plane of an orthographic view.
 fn scene_of(seed: u64, planes: impl Fn(&mut Random) -> Option<(f32, f32)>) -> Scene {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let origin = [
         DVec3::ZERO,
         DVec3::ZERO,
@@ -288,7 +288,7 @@ fn scene_of(seed: u64, planes: impl Fn(&mut Random) -> Option<(f32, f32)>) -> Sc
 
 /// A storey of rooms with walls, crates and a lamp each: boxes as interiors have them.
 pub fn rooms(seed: u64, side: usize) -> Scene {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let middle = side as f64 * 3.0;
     let eye = DVec3::new(middle + 1.0, 1.6, middle + 1.0);
     let mut scene = Scene {

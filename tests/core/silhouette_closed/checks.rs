@@ -1,6 +1,6 @@
 //! What must hold for any mesh and light, by brute force.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use antumbra::conventions::CLUSTER_TRIANGLES;
 use antumbra::geometry::edge_mesh::EdgeMesh;
@@ -10,6 +10,7 @@ use antumbra::silhouettes::{
     compute_posed_planes, extract_contour, link_loops,
 };
 use glam::Vec4;
+use rustc_hash::FxHashMap;
 
 use super::shapes::Soup;
 use super::volume::{unbalanced_edge, volume};
@@ -54,8 +55,8 @@ pub fn slots(mesh: &EdgeMesh) -> impl Iterator<Item = (usize, [u32; 3])> + '_ {
 }
 
 /// Whether each triangle (by slot) is of a closed piece that is wound outward: flood fill over a hash map of edges.
-fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, bool> {
-    let mut at_edge: HashMap<[u32; 2], Vec<(usize, i32)>> = HashMap::new();
+fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> FxHashMap<usize, bool> {
+    let mut at_edge: FxHashMap<[u32; 2], Vec<(usize, i32)>> = FxHashMap::default();
     for (slot, [a, b, c]) in slots(mesh) {
         for (a, b) in [(a, b), (b, c), (c, a)] {
             let sign = if a < b { 1 } else { -1 };
@@ -65,8 +66,8 @@ fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, bool> {
                 .push((slot, sign));
         }
     }
-    let corners: HashMap<usize, [u32; 3]> = slots(mesh).collect();
-    let mut closed = HashMap::new();
+    let corners: FxHashMap<usize, [u32; 3]> = slots(mesh).collect();
+    let mut closed = FxHashMap::default();
     for (start, _) in slots(mesh) {
         if closed.contains_key(&start) {
             continue;
@@ -103,10 +104,10 @@ fn closed_by_brute_force(mesh: &EdgeMesh, soup: &Soup) -> HashMap<usize, bool> {
 /// Sum of signs over a hash map, with each cap triangle turned to face the light.
 fn contour_by_brute_force(
     cast: &Cast,
-    closed: &HashMap<usize, bool>,
+    closed: &FxHashMap<usize, bool>,
     mode: CapMode,
 ) -> BTreeMap<[u32; 2], usize> {
-    let mut sums: HashMap<[u32; 2], i32> = HashMap::new();
+    let mut sums: FxHashMap<[u32; 2], i32> = FxHashMap::default();
     for (slot, [a, b, c]) in slots(&cast.mesh) {
         let is_facing = cast.bits.is_facing(slot);
         if is_facing && closed[&slot] && mode == CapMode::ClosedBackFacing {
@@ -166,7 +167,7 @@ pub fn assert_holds_under(soup: &Soup, lights: impl IntoIterator<Item = Vec4>) {
     }
 }
 
-fn assert_cast_holds(cast: &Cast, closed: &HashMap<usize, bool>, soup: &Soup, light: Vec4) {
+fn assert_cast_holds(cast: &Cast, closed: &FxHashMap<usize, bool>, soup: &Soup, light: Vec4) {
     let mut planes = FacingPlanes::default();
     compute_posed_planes(&cast.mesh, &soup.positions, &mut planes);
     let mut bits = FacingBits::default();

@@ -71,29 +71,9 @@ pub fn light_of(positions: &[Vec3], indices: &[u32], (kind, pick, place): (u8, u
     }
 }
 
-/// Small numbers from a seed, the same everywhere.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next_u32(&mut self) -> u32 {
-        // PCG XSH RR, O'Neill 2014.
-        let state = self.0;
-        self.0 = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (((state >> 18) ^ state) >> 27) as u32
-    }
-
-    pub fn shuffle<T>(&mut self, values: &mut [T]) {
-        for i in (1..values.len()).rev() {
-            values.swap(i, self.next_u32() as usize % (i + 1));
-        }
-    }
-}
-
 /// The same triangles in another order, over vertices in another order.
 pub fn shuffled(soup: &Soup, seed: u64) -> Soup {
-    let mut random = Random(seed);
+    let mut random = fastrand::Rng::with_seed(seed);
     let mut old_from_new: Vec<u32> = (0..soup.positions.len() as u32).collect();
     random.shuffle(&mut old_from_new);
     let mut new_from_old = vec![0; old_from_new.len()];

@@ -1,9 +1,8 @@
 //! The whole shadow volume, built from nothing but a contour as a technique would build it, and its checks.
 
-use std::collections::HashMap;
-
 use antumbra::silhouettes::Contour;
 use glam::{DVec3, DVec4, Vec3, Vec4};
+use rustc_hash::FxHashMap;
 
 /// A vertex: the bits of its position, and whether it is pushed to infinity.
 pub type Key = ([u32; 3], bool);
@@ -50,7 +49,7 @@ pub fn volume(contour: &Contour, positions: &[Vec3]) -> Vec<Vec<Corner>> {
 
 /// The first directed edge that is not there as often as its reverse.
 pub fn unbalanced_edge(polygons: &[Vec<Corner>]) -> Option<(Key, Key)> {
-    let mut sums: HashMap<(Key, Key), i64> = HashMap::new();
+    let mut sums: FxHashMap<(Key, Key), i64> = FxHashMap::default();
     for polygon in polygons {
         for (i, corner) in polygon.iter().enumerate() {
             let (from, to) = (corner.key(), polygon[(i + 1) % polygon.len()].key());

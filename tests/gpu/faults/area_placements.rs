@@ -273,7 +273,7 @@ fn for_each_place(
     prepare: impl Fn(&mut Site),
     mut judge: impl FnMut(&Site, &Receivers, usize, Placement, &Rendered),
 ) {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for mesh in meshes() {
         let mut site = Site::new(mesh, AT_ONCE * kinds);
         prepare(&mut site);

@@ -27,7 +27,7 @@ const BORDER: u32 = 8;
 /// a volume would lie below its caster.
 #[test]
 fn a_large_ground_does_not_shadow_itself_under_a_low_lamp() {
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for (half, [low, high]) in GROUNDS {
         let mut stage = stage(
             Vec3::new(1.0, 0.8, 1.6),

@@ -66,7 +66,7 @@ fn borders(contour: &Contour) -> BTreeMap<[u32; 2], i32> {
 
 #[test]
 fn a_thousand_lights_on_above_and_below_surfaces_are_blocked_by_the_rest() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let (mut grazing, mut blocked, mut open, mut missed) = (0, 0, 0, 0);
     let meshes = meshes();
     for round in 0..1000 {

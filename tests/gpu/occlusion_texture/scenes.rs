@@ -36,17 +36,17 @@ fn ground() -> (MeshData, Transform) {
     (MeshData::plane(2.5), at(0.0, 0.0, 0.0))
 }
 
-/// Pseudo-random numbers from 0 to 1.
-pub struct Random(pub u64);
+/// Random numbers from a seed.
+pub struct Random(fastrand::Rng);
 
 impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     /// The next number.
     pub fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        self.0.f32()
     }
 
     /// A place in a box around the origin.
@@ -102,7 +102,7 @@ pub fn low() -> Scene {
 
 /// A trunk with many leaves.
 pub fn tree() -> Scene {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let (mut positions, mut indices) = (Vec::new(), Vec::new());
     for leaf in 0..160u32 {
         let middle = Vec3::new(0.0, 1.3, 0.0) + random.place(Vec3::new(0.6, 0.5, 0.6));

@@ -43,7 +43,7 @@ fn stage(eye: Vec3, target: Vec3, subdivisions: u32) -> Stage {
 
 #[test]
 fn nothing_is_dark_in_an_empty_ball() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let mut inside = |share: f32| {
         let mut between = || 2.0 * random.unit() as f32 - 1.0;
         Vec3::new(between(), between(), between()) * RADIUS * share

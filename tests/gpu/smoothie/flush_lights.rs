@@ -242,7 +242,7 @@ const DEPTHS: [f32; 7] = [0.0, 2e-6, 1e-5, 4e-5, 1.2e-4, -1e-5, -1.2e-4];
 
 #[test]
 fn lamps_on_walls_have_no_penumbra_of_their_wall() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let mut bad = Vec::new();
     let (mut all, mut with_flush) = (Wrong::default(), 0);
     for cells in [1, 5] {

@@ -42,15 +42,15 @@ fn parity(@builtin(global_invocation_id) id: vec3u) {
 }
 ";
 
-struct Random(u64);
+struct Random(fastrand::Rng);
 
 impl Random {
+    fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
+        self.0.f32()
     }
 
     fn place(&mut self) -> Vec3 {
@@ -89,7 +89,7 @@ fn faces() -> [SmoothieFace; 2] {
 }
 
 fn edges() -> Vec<SmoothieEdge> {
-    let mut random = Random(17);
+    let mut random = Random::new(17);
     let kinds = [SECTOR, SECTOR, DISC, DISC_ALONE];
     (0..400)
         .map(|index| SmoothieEdge {
@@ -104,7 +104,7 @@ fn edges() -> Vec<SmoothieEdge> {
 }
 
 fn cases(count: usize) -> Vec<[f32; 4]> {
-    let mut random = Random(23);
+    let mut random = Random::new(23);
     (0..count)
         .map(|_| {
             let along = 0.2 + 4.0 * random.unit();
