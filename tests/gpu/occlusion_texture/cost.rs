@@ -1,12 +1,16 @@
 //! Costs of occlusion textures. Counts are asserted; times are printed by tests for people.
 
 use antumbra::prelude::*;
-use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter};
+use antumbra::techniques::{
+    OcclusionTexture, OcclusionTextures, SliceCombination, SliceFilter, TextureMemory,
+};
+use bevy_ecs::prelude::Entity;
 use bevy_transform::prelude::Transform;
 use glam::{Quat, Vec3};
 
 use super::scenes::{Scene, boxes, lamp, plate, rendered, rmse, square, staged, truth};
 use crate::harness::strict_context;
+use crate::harness::support::stage::Stage;
 
 /// Median milliseconds of the passes whose label ends with each name, in frames that draw the pictures again.
 fn cost(context: &RenderContext, scene: &Scene, kind: LightKind, settings: OcclusionTexture) -> [f64; 3] {
@@ -25,11 +29,13 @@ fn cost(context: &RenderContext, scene: &Scene, kind: LightKind, settings: Occlu
         times.push(["/slices", "/slice filter", "/slice lookup"].map(sum));
     }
     times.remove(0);
-    [0, 1, 2].map(|pass| {
-        let mut of_pass: Vec<f64> = times.iter().map(|times| times[pass]).collect();
-        of_pass.sort_by(f64::total_cmp);
-        of_pass[of_pass.len() / 2]
-    })
+    [0, 1, 2].map(|pass| median(times.iter().map(|times| times[pass]).collect()))
+}
+
+/// Median of some numbers.
+fn median(mut numbers: Vec<f64>) -> f64 {
+    numbers.sort_by(f64::total_cmp);
+    numbers[numbers.len() / 2]
 }
 
 fn print(name: &str, times: [f64; 3]) {
@@ -145,5 +151,68 @@ fn costs_by_hand() {
         let name = format!("{} triangles more", ball.indices.len() / 3);
         scene.parts.push((ball, Transform::from_xyz(0.0, 1.0, 0.0)));
         print(&name, cost(&context, &scene, square(1.0), settings));
+    }
+}
+
+/// A light whose pictures are drawn and filtered in every frame.
+struct Moving {
+    stage: Stage,
+    light: Entity,
+}
+
+impl Moving {
+    /// Puts a light over the boxes, with as much memory as it asks for.
+    fn new(context: &RenderContext, kind: LightKind, settings: OcclusionTexture) -> Self {
+        let mut stage = staged(context, &boxes());
+        stage.world.resource_mut::<TextureMemory>().limit = 1 << 30;
+        let (light, place) = lamp(kind, Vec3::new(0.3, 3.0, 0.2));
+        let light = stage.spawn_light(light, place, Some(settings));
+        Self { stage, light }
+    }
+
+    /// Milliseconds in which the filter of the next frame's pictures is built.
+    fn building(&mut self) -> f64 {
+        let mut place = self
+            .stage
+            .world
+            .get_mut::<Transform>(self.light)
+            .expect("a place");
+        place.translation.x += 0.001;
+        let passes = self.stage.time_passes().expect("the frame renders");
+        let slices = &self.stage.world.resource::<OcclusionTextures>().lights[0];
+        assert_eq!(slices.resolution, slices.settings.resolution, "no memory");
+        let own = passes.iter().filter(|pass| pass.label.ends_with("/slice filter"));
+        own.map(|pass| pass.milliseconds).sum()
+    }
+}
+
+/// Times in which N-buffers and summed areas are built, and their ratio. They take turns, so that other work on the machine
+/// slows both.
+#[test]
+#[ignore = "a table for people"]
+fn building_summed_areas_over_n_buffers_by_hand() {
+    let context = strict_context();
+    println!("8 slices of 1024², milliseconds of the filter alone");
+    for combine in [SliceCombination::Product, SliceCombination::Overlap] {
+        let [mut buffers, mut sums] = [SliceFilter::NBuffers, SliceFilter::SummedAreas].map(|filter| {
+            let settings = OcclusionTexture {
+                resolution: 1024,
+                filter,
+                combine,
+                ..Default::default()
+            };
+            Moving::new(&context, square(1.0), settings)
+        });
+        // The first frames make textures and pipelines.
+        let first = [buffers.building(), sums.building()];
+        let times: Vec<[f64; 2]> = (0..7).map(|_| [buffers.building(), sums.building()]).collect();
+        let of = |index: usize| median(times.iter().map(|times| times[index]).collect());
+        let ratio = median(times.iter().map(|[buffers, sums]| sums / buffers).collect());
+        let levels = buffers.stage.world.resource::<OcclusionTextures>().lights[0].levels();
+        println!(
+            "{combine:?}: {levels} levels of N-buffers {:.1}, summed areas {:.1}, ratio {ratio:.2}; first {first:.1?}",
+            of(0),
+            of(1)
+        );
     }
 }

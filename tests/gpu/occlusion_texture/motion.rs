@@ -2,7 +2,7 @@
 
 use antumbra::prelude::*;
 use antumbra::reference::SurfaceHit;
-use antumbra::techniques::{OcclusionTexture, OcclusionTextures};
+use antumbra::techniques::{OcclusionTexture, OcclusionTextures, SliceFilter};
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
 
@@ -64,6 +64,39 @@ fn pictures_are_drawn_again_only_when_something_changes() {
     stage.world.despawn(caster);
     stage.world.entity_mut(entity).insert(OcclusionTexture::default());
     assert_eq!(frame(&mut stage).0, first);
+}
+
+/// Every filter overwrites all that its textures held: pictures that are drawn again are those of a new light, bit for bit.
+#[test]
+fn pictures_that_are_drawn_again_hold_nothing_of_the_last_ones() {
+    let context = strict_context();
+    for filter in [
+        SliceFilter::NBuffers,
+        SliceFilter::Mipmaps,
+        SliceFilter::SummedAreas,
+    ] {
+        let last_of = |places: &[f32]| {
+            let mut stage = staged(&context, &plate());
+            let cuboid = MeshData::cuboid(Vec3::splat(0.2));
+            let caster = spawn(&mut stage, cuboid, Transform::IDENTITY);
+            let (light, place) = lamp(square(0.5), Vec3::new(0.0, 3.0, 0.0));
+            let settings = OcclusionTexture {
+                filter,
+                ..Default::default()
+            };
+            stage.spawn_light(light, place, Some(settings));
+            let mut picture = Vec::new();
+            for x in places {
+                *stage.world.get_mut::<Transform>(caster).expect("a place") =
+                    Transform::from_xyz(*x, 0.5, 0.3);
+                picture = rendered(&mut stage);
+            }
+            picture
+        };
+        let (again, new) = (last_of(&[-0.8, -0.4]), last_of(&[-0.4]));
+        assert!(again == new, "{filter:?}");
+        assert!(last_of(&[-0.8]) != new, "{filter:?}: the caster shows nowhere");
+    }
 }
 
 /// Slices of the lights under which casters rise.
