@@ -80,23 +80,24 @@ test-docs: ## API documentation, no warning allowed
 # Tests of `gpu` that draw models for longer than their shaders are compiled. LLVM's optimizations make them faster.
 DRAW_LONG := maps::dungeon occlusion_pictures orthographic::models perspective_map::models reference_match stencil_identity
 
-# Runs the commands of its input three at a time, and shows what each prints when it ends. Most tests use one core, or wait.
-THREE_AT_A_TIME := xargs -P 3 -I{} $(SHELL) -c 'echo "+ {}"; \
-	printed=$$({} 2>&1) && status=0 || status=$$?; printf "%s\n" "+ {}" "$$printed"; exit $$status'
+# Runs the commands of its input, a number of them at a time, and shows what each prints when it ends. What failed is shown
+# once more at the end. Two commands keep two cores busy while one compiles shaders, for which it takes one core.
+AT_A_TIME = { failures=$$(mktemp); export failures; xargs -P $(1) -I{} $(SHELL) -c 'printed=$$({} 2>&1) && status=0 || status=$$?; \
+	printf "%s\n" "+ {}" "$$printed"; \
+	[ $$status = 0 ] || { echo "failed: {}"; printf "%s\n" "$$printed" | sed -n "/^failures:/,\$$p"; } >>$$failures; exit $$status' \
+	&& status=0 || status=$$?; cat $$failures; rm $$failures; exit $$status; }
 
 # In parts: with --include-ignored, snippets that are no programs would be run too. The first command builds the examples
 # that tests run. The three longest parts are first.
 test-all: ## all tests and doc tests
 	cargo test $(BOTH) --no-run
 	{ echo "cargo test $(BOTH) --test bevy -- $(ALL_MODELS)"; \
-	echo "cargo test $(BOTH) --lib --bins $(addprefix --test ,$(TESTS)) -- $(ALL_MODELS)"; \
+	echo "cargo test $(BOTH) --no-fail-fast --lib --bins $(addprefix --test ,$(TESTS)) -- $(ALL_MODELS)"; \
 	echo "cargo test $(BOTH) --test gpu -- $(addprefix --skip ,$(DRAW_LONG)) $(ALL_MODELS)"; \
 	echo "GALLIVM_PERF= cargo test $(BOTH) --test gpu -- $(DRAW_LONG) $(ALL_MODELS)"; \
 	echo "cargo test $(FEATURES) --doc"; \
-	} | $(THREE_AT_A_TIME)
+	} | $(call AT_A_TIME,3)
 
-# Runs the commands of its input two at a time: while shaders are compiled for one, which takes one core, the other goes on.
-TWO_AT_A_TIME := xargs -P 2 -I{} $(SHELL) -c 'set -x; {}'
 EXAMPLE := cargo run --quiet $(FEATURES) --example
 
 # The gallery is drawn in small by the test `gallery_page`; what its pages judge is judged by the tests as well.
@@ -108,13 +109,13 @@ test-examples: ## the examples and every shot file
 	echo "$(EXAMPLE) bevy_dungeon -- --headless --out $(SMALL)"; \
 	echo "$(EXAMPLE) bevy_split_screen -- --headless --out $(SMALL)"; \
 	echo "$(EXAMPLE) bevy_compare -- --headless --out $(SMALL)/bevy_compare --size 96x54 --lights 1 --frames 1"; \
-	} | $(TWO_AT_A_TIME)
+	} | $(call AT_A_TIME,2)
 
 # With the profile of the tests: their answers are asked for here, not their times.
 test-benches: ## every bench in its short mode
 	cargo bench --profile dev $(FEATURES) $(addprefix --bench ,$(BENCHES)) --no-run
 	for bench in $(BENCHES); do \
-		echo "cargo bench --profile dev $(FEATURES) --bench $$bench -- --short"; done | $(TWO_AT_A_TIME)
+		echo "cargo bench --profile dev $(FEATURES) --bench $$bench -- --short"; done | $(call AT_A_TIME,2)
 
 bench: tools vulkan ## every bench at length, optimized
 	set -x; for bench in $(BENCHES); do cargo bench $(FEATURES) --bench $$bench; done
