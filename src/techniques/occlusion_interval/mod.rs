@@ -10,6 +10,7 @@
 //! | `component` | [`OcclusionInterval`], which a user sets on a light; the system that moves the light |
 //! | `technique` | how the component joins the frame |
 //! | `intervals` | the mathematics; twin of the shader |
+//! | `steps` | sets of steps of the path: which windows are wholly lit or dark (feature `render`) |
 //! | `maps`, `maps_check` | maps in memory |
 //! | `files`, `read`, `manifest`, `maps_error` | maps on disk |
 //! | `library` | the maps of a world, and the folders that they are read from |
@@ -72,6 +73,8 @@ pub(crate) mod matching;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub(crate) mod read;
 pub(crate) mod scenes;
+#[cfg(feature = "render")]
+pub(crate) mod steps;
 pub(crate) mod surface;
 pub(crate) mod technique;
 
