@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use antumbra::baking::{BakeSettings, bake_intervals};
 use antumbra::prelude::*;
+use antumbra::scene::ShadowTint;
 use antumbra::techniques::IntervalMaps;
 use antumbra::techniques::occlusion_interval::Corner;
 use bevy_ecs::prelude::*;
@@ -12,8 +13,8 @@ use glam::Vec3;
 
 use super::drawn::{at, plane};
 use super::scenes::{SIZE, add_light, path, settings, spawn};
-use crate::harness::strict_context;
 use crate::harness::support::stage::Stage;
+use crate::harness::{own_context, strict_context};
 
 /// Number of draws of the first light's shadow in the last frame.
 fn draws(stage: &Stage) -> usize {
@@ -142,4 +143,31 @@ fn leaving_out_what_is_lit_and_what_is_dark_gives_the_same_mask_bit_for_bit() {
     }
     println!("{fewer} windows draw others, {soft} pixels are soft");
     assert!(fewer > 4 && soft > 400, "{fewer} {soft}");
+}
+
+#[test]
+fn depth_is_copied_only_for_lights_whose_mask_is_made_from_it() {
+    let (mut stage, maps) = plane(|step| step < 128, path());
+    let timed = RequestedFeatures {
+        timestamps: true,
+        ..Default::default()
+    };
+    stage
+        .add_renderer(own_context(timed), RenderSettings::default())
+        .expect("shaders compose");
+    let light = add_light(&mut stage, maps, 0.5, 0.1);
+    let mut copies = || {
+        let passes = stage.time_passes().expect("the frame renders");
+        let count = |part: &str| passes.iter().filter(|pass| pass.label.ends_with(part)).count();
+        assert_eq!(count("interval lookup"), 1, "{passes:?}");
+        let copies = count("depth copy");
+        // What a shadow of a colour gives is a function of the place, which the depth tells.
+        let tint = ShadowTint {
+            color: Vec3::X,
+            ..Default::default()
+        };
+        stage.world.entity_mut(light).insert(tint);
+        copies
+    };
+    assert_eq!([copies(), copies()], [0, 1]);
 }
