@@ -56,8 +56,8 @@
 //! instead. A host in whose pictures the light also falls on other things, such as Bevy, leaves out lit ones only.
 //!
 //! Beside the same light without a shadow, a frame of `interior` takes 1.05 to 1.2 times the processor time on a software
-//! driver: under a sun, nearly all of it is dark. It takes 1.5 times if all of its 510,000 triangles are drawn (`cost_of_a_frame_by_hand`). Memory: 8 bytes a texel and pair, and 72
-//! bytes on the processor for each run.
+//! driver: under a sun, nearly all of it is dark. It takes 1.5 times if all of its 510,000 triangles are drawn
+//! (`cost_of_a_frame_by_hand`). Memory: 8 bytes a texel and pair, and 72 bytes on the processor for each run.
 //!
 //! Source: Donnelly & Demers 2004, "Generating Soft Shadows Using Occlusion Interval Maps", GPU Gems, chapter 13.
 
