@@ -70,6 +70,9 @@ pub struct PrepareInput<'a> {
     pub mirrored_view: bool,
     /// True if the frame will draw the debug view of this technique.
     pub debug_view: bool,
+    /// True if a host adds the lights. It may read the mask at every pixel of a light's scissor, also where it shows
+    /// something that is no object of the frame. Otherwise the mask is read where a receiver of the light is shown.
+    pub is_hosted: bool,
 }
 
 /// Everything that a technique may use while it records.

@@ -13,8 +13,8 @@ struct Window {                     // mirror: techniques::occlusion_interval::g
     spans: vec4f,                   // start and end of the first span, start and end of the second
     inverse_width: f32,
     last_texel: f32,                // of a page, along each side
-    unused_a: f32,
-    unused_b: f32,
+    shining: f32,                   // share of the window in which the light shines at all
+    unused: f32,
 }
 
 @group(1) @binding(0) var<uniform> window: Window;
@@ -24,7 +24,7 @@ struct Window {                     // mirror: techniques::occlusion_interval::g
 struct VertexIn {
     @location(0) position_local: vec3f,
     @location(1) texel: vec2f,
-    @location(2) layers: u32,       // first layer of the page in the lower half, number of its pairs in the upper
+    @location(2) layers: u32,       // first layer of the page in the lower half, number of its pairs in the upper; no pairs: no page
     @location(3) object: u32,
 }
 
@@ -75,6 +75,9 @@ fn seen_share(texel: vec2i, first: i32, pairs: i32) -> f32 {
 fn fragment(in: Fragment) -> @location(0) vec4f {
     let first = i32(in.layers & 0xffffu);
     let pairs = i32(in.layers >> 16u);
+    if pairs == 0 {
+        return vec4f(window.shining);
+    }
     let corner = in.texel - 0.5;
     let between = fract(corner);
     let low = vec2i(clamp(floor(corner), vec2f(0.0), vec2f(window.last_texel)));

@@ -109,6 +109,16 @@ impl ActiveLight {
                 .is_some_and(|shadow| shadow.kind == ShadowKind::Stencil)
     }
 
+    /// Returns whether the mask of the light is made from the depth of the receivers: by its technique, or by a function that
+    /// scales the light.
+    pub fn reads_depth(&self) -> bool {
+        let draws_receivers = || {
+            self.technique
+                .is_some_and(|technique| technique.needs.draws_receivers)
+        };
+        self.has_mask() && (self.is_scaled || self.is_tinted || !draws_receivers())
+    }
+
     /// Returns whether the light's technique leaves a mask that is made from the planes of the receivers.
     pub fn reads_planes(&self) -> bool {
         self.has_mask()

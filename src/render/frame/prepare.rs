@@ -161,6 +161,7 @@ pub fn prepare_techniques(world: &mut World) {
             target_size,
             mirrored_view,
             debug_view: renderer.settings.debug_volumes,
+            is_hosted: renderer.host.is_some(),
         };
         for technique in renderer.techniques.iter_mut() {
             if let Err(error) = technique.prepare(world, &input) {

@@ -65,13 +65,15 @@ impl Renderer {
     /// Records the depth and planes of the surfaces, which techniques that resolve masks read. It comes
     /// before the lights, because techniques read them while they write the stencil.
     pub(in crate::render) fn record_receivers(&self, frame: &mut Recording, surfaces: LightSurfaces) {
-        let mut lights = self.frame.lights.iter();
-        let reads = |light: &ActiveLight| light.has_mask() && !surfaces.batches(light).is_empty();
-        let (Some(masks), true) = (&self.masks, lights.any(reads)) else {
-            return;
+        let Some(masks) = &self.masks else { return };
+        let any = |reads: fn(&ActiveLight) -> bool| {
+            let mut lights = self.frame.lights.iter();
+            lights.any(|light| reads(light) && !surfaces.batches(light).is_empty())
         };
-        self.depth_copy.record(frame, masks);
-        if self.reads_planes() {
+        if any(ActiveLight::reads_depth) {
+            self.depth_copy.record(frame, masks);
+        }
+        if any(ActiveLight::has_mask) && self.reads_planes() {
             let drawn = match surfaces {
                 LightSurfaces::Opaque => &self.frame.ambient,
                 LightSurfaces::Front => &self.frame.blended_batches,

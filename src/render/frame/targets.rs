@@ -169,7 +169,8 @@ impl FrameTargets {
 /// and the lights take turns with them.
 #[derive(Debug)]
 pub struct MaskTargets {
-    /// The copy of the frame's depth.
+    /// The copy of the frame's depth. It is made if the mask of a light of the frame is made from it
+    /// ([`Needs::draws_receivers`](crate::sets::Needs::draws_receivers)).
     pub receiver_depth: wgpu::Texture,
     /// The view of the copied depth.
     pub receiver_depth_view: wgpu::TextureView,

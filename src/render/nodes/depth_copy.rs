@@ -4,7 +4,7 @@
 //! Shader  `shaders/passes/depth_copy.wgsl`
 //! Groups  3 depth
 //! Reads   depth.  Writes  receiver depth
-//! Order   after `ambient`, and again after the depth of the front layer; left out when no light has a mask
+//! Order   after `ambient`, and again after the depth of the front layer; left out when no light's mask is made from it
 
 use crate::render::frame::recording::Recording;
 use crate::render::frame::targets::{DEPTH_COPY_FORMAT, MaskTargets};

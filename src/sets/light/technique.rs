@@ -26,6 +26,9 @@ pub struct Needs {
     pub light_occlusion: bool,
     /// The planes of the visible triangles are drawn before the mask is resolved.
     pub receiver_planes: bool,
+    /// The technique draws the receivers into the mask and reads no texture of their depth. The copy of the depth is not made
+    /// for its lights.
+    pub draws_receivers: bool,
     /// The technique shows the picture that an area light's entity has
     /// ([`EmitterTexture`](crate::techniques::penumbra_wedge::EmitterTexture)).
     pub emitter_texture: bool,
@@ -40,6 +43,7 @@ impl Needs {
         silhouettes: NeededSilhouettes::None,
         light_occlusion: false,
         receiver_planes: false,
+        draws_receivers: false,
         emitter_texture: false,
         light_path: false,
     };

@@ -41,6 +41,8 @@ pub struct IntervalScene {
     pub first_missing: Option<usize>,
     /// Receivers of the world that are not in the maps.
     pub strangers: usize,
+    /// Dense indices in [`Objects`] of the objects that are not in the maps with all of their submeshes, receivers or not.
+    pub outside: Vec<u32>,
     /// Increases when `matched` changed. It stays while other objects come and go.
     pub generation: u64,
     /// Index in [`FrameLights`](crate::sets::FrameLights) of the light that asks for the memory of the textures: the most
@@ -112,6 +114,7 @@ impl IntervalScene {
             missing: maps.surfaces.len(),
             first_missing: None,
             strangers: 0,
+            outside: Vec::new(),
             generation: 0,
             payer: None,
             shining: shining(&maps.path),
@@ -146,14 +149,17 @@ impl IntervalScene {
     pub(super) fn find(&mut self, objects: &Objects, meshes: &Meshes, hashes: &mut MeshHashes) -> bool {
         self.searched = Some(generations(objects));
         self.strangers = 0;
+        self.outside.clear();
         let mut found = std::mem::take(&mut self.found);
         found.clear();
         let mut is_found = vec![false; self.maps.surfaces.len()];
         for (object, &entity) in objects.entities.iter().enumerate() {
-            let Ok((mesh, place, is_caster, layers)) = meshes.get(entity) else {
-                continue;
-            };
-            let Some(place) = place.exact_affine() else {
+            let object_of = meshes.get(entity).ok();
+            let placed = object_of.and_then(|(mesh, place, is_caster, layers)| {
+                Some((mesh, place.exact_affine()?, is_caster, layers))
+            });
+            let Some((mesh, place, is_caster, layers)) = placed else {
+                self.outside.push(object as u32);
                 continue;
             };
             let casts = is_caster && layers.copied().unwrap_or_default().0 & self.casts_for != 0;
@@ -178,6 +184,9 @@ impl IntervalScene {
                     submesh,
                 };
                 found.push((matched, object as u32));
+            }
+            if is_stranger {
+                self.outside.push(object as u32);
             }
             let shows_shadows = objects.receivers.contains(object) && objects.drawn.contains(object);
             self.strangers += usize::from(is_stranger && shows_shadows);

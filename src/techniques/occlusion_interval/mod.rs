@@ -10,6 +10,7 @@
 //! | `component` | [`OcclusionInterval`], which a user sets on a light; the system that moves the light |
 //! | `technique` | how the component joins the frame |
 //! | `intervals` | the mathematics; twin of the shader |
+//! | `steps` | sets of steps of the path: which windows are wholly lit or dark (feature `render`) |
 //! | `maps`, `maps_check` | maps in memory |
 //! | `files`, `read`, `manifest`, `maps_error` | maps on disk |
 //! | `library` | the maps of a world, and the folders that they are read from |
@@ -49,8 +50,14 @@
 //! **Two-sided surfaces** hold what both of their sides see. A window of time in which the light passes behind such a
 //! surface counts as seen, though the side in view does not see all of it.
 //!
-//! **Cost.** One draw a surface, whose triangles share vertices within a chart. A pixel reads four texels for each pair that
-//! its page has, and stops at the first pair that is not full. Memory: 8 bytes a texel and pair.
+//! **Cost.** Receivers are drawn once more, for depth and four texels a pixel for each pair that its page has, up to the first
+//! pair that is not full. Their triangles share vertices within a chart. Runs of 128 triangles that are wholly lit in the
+//! window of time are not drawn. If more are wholly dark, and all receivers in view are in the maps, those are not drawn
+//! instead. A host in whose pictures the light also falls on other things, such as Bevy, leaves out lit ones only.
+//!
+//! Beside the same light without a shadow, a frame of `interior` takes 1.05 to 1.2 times the processor time on a software
+//! driver: under a sun, nearly all of it is dark. It takes 1.5 times if all of its 510,000 triangles are drawn
+//! (`cost_of_a_frame_by_hand`). Memory: 8 bytes a texel and pair, and 72 bytes on the processor for each run.
 //!
 //! Source: Donnelly & Demers 2004, "Generating Soft Shadows Using Occlusion Interval Maps", GPU Gems, chapter 13.
 
@@ -72,6 +79,8 @@ pub(crate) mod matching;
 #[cfg(any(feature = "render", feature = "reference"))]
 pub(crate) mod read;
 pub(crate) mod scenes;
+#[cfg(feature = "render")]
+pub(crate) mod steps;
 pub(crate) mod surface;
 pub(crate) mod technique;
 

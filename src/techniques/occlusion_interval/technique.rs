@@ -95,6 +95,7 @@ impl Technique for OcclusionInterval {
     const NAME: &'static str = "occlusion_interval";
     const NEEDS: Needs = Needs {
         light_path: true,
+        draws_receivers: true,
         ..Needs::NOTHING
     };
     const PATHS: &'static [&'static str] = &["maps"];

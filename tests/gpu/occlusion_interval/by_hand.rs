@@ -4,6 +4,7 @@
 //! cargo test --release --all-features --test gpu occlusion_interval -- --ignored --nocapture by_hand
 //! ```
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -12,7 +13,9 @@ use antumbra::prelude::*;
 use antumbra::reference::RayScene;
 use antumbra::scene::PathPoint;
 use antumbra::techniques::{IntervalLibrary, IntervalMaps, Techniques};
-use glam::{DVec3, UVec2};
+use bevy_ecs::prelude::Entity;
+use bevy_transform::prelude::Transform;
+use glam::{DVec3, UVec2, Vec3};
 
 use super::scenes::{seen, truth_of};
 use crate::harness::support::shot::Shot;
@@ -174,21 +177,37 @@ fn rays_per_second_by_hand() {
 /// is the same on a busy machine.
 fn spent(start: Instant) -> f64 {
     let of_process = || {
-        let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-        let fields = text.rsplit_once(')')?.1.split_whitespace();
-        let ticks: Vec<f64> = fields
-            .skip(11)
-            .take(2)
-            .filter_map(|field| field.parse().ok())
-            .collect();
-        (ticks.len() == 2).then(|| (ticks[0] + ticks[1]) * 10.0)
+        let mut nanoseconds = 0.0;
+        for thread in std::fs::read_dir("/proc/self/task").ok()? {
+            let text = std::fs::read_to_string(thread.ok()?.path().join("schedstat")).ok()?;
+            nanoseconds += text.split_whitespace().next()?.parse::<f64>().ok()?;
+        }
+        Some(nanoseconds * 1e-6)
     };
     of_process().unwrap_or_else(|| start.elapsed().as_secs_f64() * 1e3)
 }
 
+/// The middle of some numbers.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Spawns a small object on top of the scene that is in no maps. While it is a receiver, nothing dark may be left out.
+fn spawn_stranger(stage: &mut Stage) -> Entity {
+    let bounds = stage.scene_bounds();
+    let place = Transform::from_translation(bounds.center().with_y(bounds.max.y));
+    let mesh = Arc::new(MeshData::cuboid(Vec3::splat(0.05)));
+    let materials = SceneMaterials([Arc::new(Material::matte(Vec3::ONE))].into());
+    stage.world.spawn((SceneMesh(mesh), materials, place)).id()
+}
+
+/// Frames without and with the shadow take turns, so that drift affects all of them equally. The last way is one in which most
+/// triangles are dark and all of them are drawn.
 #[test]
 #[ignore = "a table"]
 fn cost_of_a_frame_by_hand() {
+    const FRAMES: usize = 21;
     let mut stage = of_model("interior.glb", UVec2::new(640, 360));
     let maps = bake(&mut stage, 4.0);
     insert(&mut stage, maps);
@@ -198,39 +217,59 @@ fn cost_of_a_frame_by_hand() {
         .get::<OcclusionInterval>(light)
         .expect("the technique")
         .clone();
+    let stranger = spawn_stranger(&mut stage);
     let begin = Instant::now();
-    let time = |stage: &mut Stage, frames: u32| {
-        let start = spent(begin);
-        for _ in 0..frames {
-            stage.draw().expect("the frame is drawn");
-        }
-        (spent(begin) - start) / f64::from(frames)
-    };
-    let settings = [(0.3, 0.0), (0.3, 0.03), (0.3, 0.3)];
-    let (mut unshadowed, mut times) = (0.0, [0.0; 3]);
-    for round in 0..4 {
-        stage.world.entity_mut(light).remove::<OcclusionInterval>();
-        time(&mut stage, 2);
-        let own = time(&mut stage, 10);
-        stage.world.entity_mut(light).insert(shadowed.clone());
-        let mut own_times = [0.0; 3];
-        for (own, (at, width)) in own_times.iter_mut().zip(settings) {
-            set(&mut stage, at, width);
-            time(&mut stage, 2);
-            *own = time(&mut stage, 10);
-        }
-        // The first round compiles.
-        if round > 0 {
-            unshadowed += own / 3.0;
-            times
-                .iter_mut()
-                .zip(own_times)
-                .for_each(|(sum, own)| *sum += own / 3.0);
+    let ways = [
+        None,
+        Some((0.3, 0.0, false)),
+        Some((0.3, 0.03, false)),
+        Some((0.3, 0.3, false)),
+        Some((0.3, 0.03, true)),
+    ];
+    let mut frames: [Vec<f64>; 5] = Default::default();
+    let mut passes: [BTreeMap<String, Vec<f64>>; 5] = Default::default();
+    for frame in 0..=FRAMES {
+        for (at, way) in ways.into_iter().enumerate() {
+            match way {
+                None => {
+                    stage.world.entity_mut(light).remove::<OcclusionInterval>();
+                }
+                Some((time, width, is_stranger)) => {
+                    let mut stranger = stage.world.entity_mut(stranger);
+                    if is_stranger {
+                        stranger.insert(ShadowReceiver);
+                    } else {
+                        stranger.remove::<ShadowReceiver>();
+                    }
+                    stage.world.entity_mut(light).insert(shadowed.clone());
+                    set(&mut stage, time, width);
+                }
+            }
+            stage.draw().expect("the frame is drawn"); // makes what this way needs
+            let start = spent(begin);
+            let times = stage.time_passes().expect("the frame is drawn");
+            // The first frame compiles.
+            if frame > 0 {
+                frames[at].push(spent(begin) - start);
+                for pass in times {
+                    passes[at].entry(pass.label).or_default().push(pass.milliseconds);
+                }
+            }
         }
     }
-    println!("unshadowed: {unshadowed:.2} ms");
-    for ((at, width), time) in settings.into_iter().zip(times) {
-        let ratio = time / unshadowed;
-        println!("time {at}, width {width}: {time:.2} ms, {ratio:.2} times the unshadowed light");
+    let frames = frames.map(median);
+    for ((way, frame), passes) in ways.into_iter().zip(frames).zip(passes) {
+        let name = way.map_or("unshadowed".to_owned(), |(time, width, is_stranger)| {
+            let beside = if is_stranger { ", all drawn" } else { "" };
+            format!("time {time}, width {width}{beside}")
+        });
+        let times = passes
+            .into_iter()
+            .map(|(label, times)| format!("{label} {:.1}", median(times)));
+        println!(
+            "{name}: {frame:.1} ms, {:.3} times the unshadowed light; passes in ms: {}",
+            frame / frames[0],
+            times.collect::<Vec<_>>().join(", ")
+        );
     }
 }

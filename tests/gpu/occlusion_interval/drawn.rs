@@ -49,7 +49,7 @@ fn the_mask_holds_what_the_twin_computes() {
 }
 
 /// A plane of 4 m whose every texel sees the light when `seen` says.
-fn plane(seen: fn(usize) -> bool, path: LightPath) -> (Stage, Arc<IntervalMaps>) {
+pub fn plane(seen: fn(usize) -> bool, path: LightPath) -> (Stage, Arc<IntervalMaps>) {
     let view = Transform::from_xyz(0.0, 4.0, 0.0).looking_at(Vec3::ZERO, Vec3::Z);
     let mut stage = Stage::empty(SIZE, Camera::default(), view);
     stage
@@ -92,7 +92,7 @@ fn plane(seen: fn(usize) -> bool, path: LightPath) -> (Stage, Arc<IntervalMaps>)
 }
 
 /// Visibility in the middle of the picture at a time.
-fn at(stage: &mut Stage, time: f32, width: f32) -> f32 {
+pub fn at(stage: &mut Stage, time: f32, width: f32) -> f32 {
     let light = stage.lights[0];
     stage.world.entity_mut(light).insert(settings(time, width));
     let rendered = stage.render().expect("the frame renders");

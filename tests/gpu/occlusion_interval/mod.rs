@@ -4,5 +4,6 @@ mod by_hand;
 mod drawn;
 mod exactness;
 mod faults;
+mod left_out;
 mod scenes;
 mod shots;

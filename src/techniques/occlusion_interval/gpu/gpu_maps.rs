@@ -6,7 +6,9 @@ use std::sync::Arc;
 use bevy_ecs::prelude::*;
 use wgpu::util::DeviceExt;
 
-use super::gpu_types::IntervalVertex;
+use super::footprint::Seen;
+use super::gpu_types::{IntervalVertex, NO_PAGE};
+use super::runs::{Run, add_triangle};
 use super::welded::Welded;
 use crate::render::RenderContext;
 use crate::scene::SceneMesh;
@@ -20,8 +22,8 @@ use crate::techniques::occlusion_interval::surface::local_triangles;
 pub struct GpuSurface {
     /// Index in [`IntervalScene::matched`].
     pub matched: u32,
-    /// Range of [`GpuMaps::indices`]: three for each triangle.
-    pub indices: Range<u32>,
+    /// Range of [`GpuMaps::runs`].
+    pub runs: Range<usize>,
     /// Whether the maps hold what its back sees, too.
     pub is_two_sided: bool,
 }
@@ -37,8 +39,10 @@ pub struct GpuMaps {
     pub vertices: wgpu::Buffer,
     /// Indices of all triangles, 32 bits each.
     pub indices: wgpu::Buffer,
-    /// The surfaces that were found and show shadows.
+    /// The surfaces that were found. Those that showed no shadows when the maps were baked are on no page.
     pub surfaces: Vec<GpuSurface>,
+    /// The runs of triangles of all surfaces.
+    pub runs: Vec<Run>,
     /// Generation of the scene whose vertices these are.
     pub generation: u64,
 }
@@ -52,7 +56,11 @@ impl GpuMaps {
         if maps.size > limits.max_texture_dimension_2d || layers > limits.max_texture_array_layers {
             return None;
         }
-        let (surfaces, welded) = build_vertices(world, scene);
+        let Built {
+            surfaces,
+            runs,
+            welded,
+        } = build(world, scene);
         let bytes = size_of_val(&welded.vertices[..]).max(size_of_val(&welded.indices[..]));
         if bytes as u64 > limits.max_buffer_size {
             return None;
@@ -64,15 +72,17 @@ impl GpuMaps {
             vertices,
             indices,
             surfaces,
+            runs,
             generation: scene.generation,
         })
     }
 
     /// Builds the vertices again after the scene changed.
     pub fn refresh(&mut self, context: &RenderContext, world: &World, scene: &IntervalScene) {
-        let (surfaces, welded) = build_vertices(world, scene);
-        self.surfaces = surfaces;
-        [self.vertices, self.indices] = buffers(context, &welded);
+        let built = build(world, scene);
+        [self.vertices, self.indices] = buffers(context, &built.welded);
+        self.surfaces = built.surfaces;
+        self.runs = built.runs;
         self.generation = scene.generation;
     }
 }
@@ -171,10 +181,18 @@ fn page_layers(maps: &IntervalMaps) -> Vec<u32> {
         .collect()
 }
 
-fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Welded) {
+/// The surfaces of a scene, their triangles and vertices.
+#[derive(Default)]
+struct Built {
+    surfaces: Vec<GpuSurface>,
+    runs: Vec<Run>,
+    welded: Welded,
+}
+
+fn build(world: &World, scene: &IntervalScene) -> Built {
     let maps = &scene.maps;
     let layers = page_layers(maps);
-    let (mut surfaces, mut welded) = (Vec::new(), Welded::default());
+    let mut built = Built::default();
     for (index, matched) in (0u32..).zip(&scene.matched) {
         let baked = &maps.surfaces[matched.surface as usize];
         let corners = &maps.corners[baked.corners.start as usize..baked.corners.end as usize];
@@ -184,32 +202,43 @@ fn build_vertices(world: &World, scene: &IntervalScene) -> (Vec<GpuSurface>, Wel
         let Some(submesh) = mesh.0.submeshes.get(matched.submesh as usize) else {
             continue;
         };
-        let first = welded.indices.len() as u32;
-        welded.begin(mesh.0.positions.len());
-        let named = mesh.0.indices[mesh.0.submesh_range(submesh)].chunks_exact(3);
-        let triangles = local_triangles(&mesh.0, submesh).zip(named);
-        for ((triangle, named), corners) in triangles.zip(corners.chunks_exact(3)) {
+        let first_run = built.runs.len();
+        built.welded.begin();
+        // A surface that showed no shadows has no corners.
+        let nowhere = std::iter::repeat(&[Corner::NOWHERE; 3][..]);
+        let corners = corners.chunks_exact(3).chain(nowhere);
+        for (triangle, corners) in local_triangles(&mesh.0, submesh).zip(corners) {
             let Some(positions) = triangle else { continue };
-            if corners.iter().all(|corner| *corner == Corner::NOWHERE) {
-                continue;
-            }
-            for ((position, vertex), corner) in positions.into_iter().zip(named).zip(corners) {
-                let corner = IntervalVertex {
+            let first_index = built.welded.indices.len() as u32;
+            let page = page_of(maps, corners);
+            let layers = page.map_or(NO_PAGE, |page| layers[page]);
+            for (position, corner) in positions.into_iter().zip(corners) {
+                built.welded.add(IntervalVertex {
                     position_local: position.to_array(),
                     texel: corner.texel.to_array(),
-                    layers: layers.get(corner.page as usize).copied().unwrap_or(0),
-                };
-                welded.add(*vertex, corner);
+                    layers,
+                });
             }
+            let texels = [corners[0].texel, corners[1].texel, corners[2].texel];
+            let seen = page.map_or(Seen::ALWAYS, |page| {
+                Seen::of_triangle(texels, &maps.pages[page], maps.size)
+            });
+            add_triangle(&mut built.runs, first_run, first_index, &seen);
         }
-        let end = welded.indices.len() as u32;
-        if first < end {
-            surfaces.push(GpuSurface {
+        if first_run < built.runs.len() {
+            built.surfaces.push(GpuSurface {
                 matched: index,
-                indices: first..end,
+                runs: first_run..built.runs.len(),
                 is_two_sided: baked.is_two_sided,
             });
         }
     }
-    (surfaces, welded)
+    built
+}
+
+/// The index of the page of a triangle; `None` if it is on no page.
+fn page_of(maps: &IntervalMaps, corners: &[Corner]) -> Option<usize> {
+    let is_nowhere = corners.iter().all(|corner| *corner == Corner::NOWHERE);
+    let page = corners.first()?.page as usize;
+    (!is_nowhere && page < maps.pages.len()).then_some(page)
 }

@@ -6,13 +6,14 @@
 //! Order   before `light_accumulate` of the same light
 //!
 //! The mask is cleared to the share of the window in which the light shines at all, which is 1 unless the sun is below the
-//! horizon: objects that are not in the maps show no shadow.
+//! horizon: objects that are not in the maps show no shadow. If all receivers are in the maps, it may be cleared to 0
+//! (`draws`).
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
+use super::draws::{Draws, LightPlan};
 use super::gpu_maps::GpuMaps;
 use super::gpu_types::Window;
 use super::pipelines::{FILE, IntervalLayouts, Key, describe};
@@ -22,34 +23,10 @@ use crate::render::gpu::pipeline_cache::Variants;
 use crate::render::gpu::strided::{Strided, StridedUniforms};
 use crate::render::recorder::{Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};
 use crate::render::{Gpu, RenderError};
-use crate::scene::FaceCulling;
-use crate::sets::{FrameLights, Objects};
 use crate::techniques::occlusion_interval::component::OcclusionInterval;
-use crate::techniques::occlusion_interval::scenes::{IntervalLight, IntervalScenes};
+use crate::techniques::occlusion_interval::scenes::IntervalScenes;
 use crate::techniques::registry::Technique;
 use crate::techniques::shared::texture_memory::TextureMemory;
-
-/// One draw: a surface of one object.
-#[derive(Clone, Debug)]
-struct Draw {
-    key: Key,
-    indices: Range<u32>,
-    /// Index among the instances of the frame.
-    instance: u32,
-}
-
-/// The draws of one light.
-#[derive(Clone, Debug)]
-struct LightPlan {
-    light: usize,
-    /// Index of the maps in [`IntervalNode::maps`]; `None` if the light shows no shadow.
-    maps: Option<usize>,
-    /// Visibility where nothing is drawn.
-    shining: f32,
-    draws: Range<usize>,
-    /// Index of the window among the constants.
-    window: usize,
-}
 
 /// The maps of a scene, bound with the buffer of all windows.
 #[derive(Debug)]
@@ -67,9 +44,7 @@ pub struct IntervalNode {
     maps: Vec<BoundMaps>,
     windows: StridedUniforms<Window>,
     instances: GrowingBuffer,
-    objects: Vec<u32>,
-    lights: Vec<LightPlan>,
-    draws: Vec<Draw>,
+    draws: Draws,
 }
 
 impl IntervalNode {
@@ -86,14 +61,12 @@ impl IntervalNode {
             maps: Vec::new(),
             windows: StridedUniforms::new(context, "interval windows"),
             instances: GrowingBuffer::new(context, "interval instances", wgpu::BufferUsages::VERTEX),
-            objects: Vec::new(),
-            lights: Vec::new(),
-            draws: Vec::new(),
+            draws: Draws::default(),
         })
     }
 
     fn plan_of(&self, light: usize) -> Option<&LightPlan> {
-        self.lights.iter().find(|plan| plan.light == light)
+        self.draws.lights.iter().find(|plan| plan.light == light)
     }
 
     fn bind(&self, input: &PrepareInput, maps: &GpuMaps) -> wgpu::BindGroup {
@@ -144,60 +117,11 @@ impl IntervalNode {
         }
         Some(index)
     }
-
-    /// Plans the draws of one light: the surfaces of the maps that it lights and that show its shadows.
-    fn plan_light(
-        &mut self,
-        world: &World,
-        input: &PrepareInput,
-        planned: &IntervalLight,
-        maps: Option<usize>,
-    ) {
-        let (first, light) = (self.draws.len(), planned.light);
-        let scene = world.resource::<IntervalScenes>().scene_of(light);
-        if let (Some(maps), Some(scene)) = (maps, scene) {
-            let frame_light = &world.resource::<FrameLights>().lights[light];
-            let objects = world.resource::<Objects>();
-            let culls =
-                world.get_resource::<FaceCulling>().copied().unwrap_or_default() == FaceCulling::SingleSided;
-            for surface in &self.maps[maps].maps.surfaces {
-                let Some(&index) = scene.objects.get(surface.matched as usize) else {
-                    continue;
-                };
-                let object = index as usize;
-                let shows = frame_light.sets.i.contains(object)
-                    && objects.receivers.contains(object)
-                    && objects.layers[object] & frame_light.selection.shows_on != 0;
-                let handedness = input.table.handedness.get(object).copied().unwrap_or(0.0);
-                if !shows || handedness == 0.0 {
-                    continue;
-                }
-                self.draws.push(Draw {
-                    key: Key {
-                        mirrored: (handedness < 0.0) != input.mirrored_view,
-                        culled: culls && !surface.is_two_sided,
-                    },
-                    indices: surface.indices.clone(),
-                    instance: self.objects.len() as u32,
-                });
-                self.objects.push(index);
-            }
-        }
-        self.lights.push(LightPlan {
-            light,
-            maps,
-            shining: planned.shining,
-            draws: first..self.draws.len(),
-            window: self.lights.len(),
-        });
-    }
 }
 
 impl Recorder for IntervalNode {
     fn prepare(&mut self, world: &World, input: &PrepareInput) -> Result<(), RenderError> {
-        self.lights.clear();
         self.draws.clear();
-        self.objects.clear();
         self.windows.constants.clear();
         for bound in &mut self.maps {
             bound.is_used = false;
@@ -207,13 +131,14 @@ impl Recorder for IntervalNode {
             let maps = self.upload(world, input, scenes, light.light);
             let window = maps.map(|at| {
                 let maps = &self.maps[at].maps.maps;
-                Window::new(&maps.window(light.time, light.width), maps.size)
+                Window::new(&maps.window(light.time, light.width), maps.size, light.shining)
             });
             self.windows.constants.push(&window.unwrap_or_default());
-            self.plan_light(world, input, light, maps);
+            let bound = maps.map(|at| (at, &self.maps[at].maps));
+            self.draws.plan_light(world, input, light, bound);
         }
-        for at in 0..self.draws.len() {
-            let (key, layouts) = (self.draws[at].key, &self.layouts);
+        for &key in &self.draws.keys {
+            let layouts = &self.layouts;
             input
                 .gpu
                 .require(&mut self.pipelines, key, |gpu| describe(gpu, layouts, key))?;
@@ -225,7 +150,7 @@ impl Recorder for IntervalNode {
             }
         }
         self.instances
-            .write(input.context, bytemuck::cast_slice(&self.objects));
+            .write(input.context, bytemuck::cast_slice(&self.draws.objects));
         self.forget_unused();
         Ok(())
     }
@@ -258,7 +183,7 @@ impl IntervalNode {
             })
             .collect();
         self.maps.retain(|bound| bound.is_used);
-        for plan in &mut self.lights {
+        for plan in &mut self.draws.lights {
             plan.maps = plan.maps.map(|at| moved[at]);
         }
     }
@@ -267,12 +192,12 @@ impl IntervalNode {
 impl Resolve for IntervalNode {
     fn resolve(&self, light: usize, encoder: &mut wgpu::CommandEncoder, input: &ResolveInput) {
         let Some(plan) = self.plan_of(light) else { return };
-        let shining = f64::from(plan.shining);
+        let clear = f64::from(plan.clear);
         let everywhere = wgpu::Color {
-            r: shining,
-            g: shining,
-            b: shining,
-            a: shining,
+            r: clear,
+            g: clear,
+            b: clear,
+            a: clear,
         };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("interval lookup"),
@@ -305,7 +230,7 @@ impl Resolve for IntervalNode {
         pass.set_index_buffer(bound.maps.indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.set_vertex_buffer(1, self.instances.buffer.slice(..));
         let mut last = None;
-        for draw in &self.draws[plan.draws.clone()] {
+        for draw in &self.draws.draws[plan.draws.clone()] {
             if last != Some(draw.key) {
                 let Some(pipeline) = self.pipelines.get(draw.key) else {
                     continue;

@@ -1,10 +1,9 @@
-//! Vertices and indices of the surfaces of maps. Triangles that share a vertex of the mesh and its place on the page share one
-//! vertex, which is transformed once for all of them.
+//! Vertices and indices of the surfaces of maps. Corners with the same position and place on the page share one vertex, which
+//! is transformed once for all of their triangles. Meshes need not share it: those with a normal for each face do not.
+
+use std::collections::HashMap;
 
 use super::gpu_types::IntervalVertex;
-
-/// The end of a list of vertices.
-const END: u32 = u32::MAX;
 
 /// Vertices and indices, while surfaces are added.
 #[derive(Debug, Default)]
@@ -13,35 +12,27 @@ pub struct Welded {
     pub vertices: Vec<IntervalVertex>,
     /// Three indices for each triangle.
     pub indices: Vec<u32>,
-    /// For each vertex of the mesh, the last vertex that was made of it.
-    last: Vec<u32>,
-    /// For each vertex, the one before that was made of the same vertex of the mesh.
-    before: Vec<u32>,
+    /// The vertices of the current surface, by their bits.
+    known: HashMap<[u32; WORDS], u32>,
 }
 
+/// Number of words of a vertex.
+const WORDS: usize = size_of::<IntervalVertex>() / 4;
+
 impl Welded {
-    /// Begins a surface of a mesh with a number of vertices. It shares none with the surfaces before.
-    pub fn begin(&mut self, vertex_count: usize) {
-        self.last.clear();
-        self.last.resize(vertex_count, END);
+    /// Begins a surface. It shares no vertex with the surfaces before.
+    pub fn begin(&mut self) {
+        self.known.clear();
     }
 
-    /// Adds a corner of a triangle, which is a vertex of the mesh.
-    pub fn add(&mut self, mesh_vertex: u32, corner: IntervalVertex) {
-        let Some(last) = self.last.get_mut(mesh_vertex as usize) else {
-            return;
-        };
-        let mut known = *last;
-        while known != END && self.vertices[known as usize] != corner {
-            known = self.before[known as usize];
-        }
-        if known == END {
-            known = self.vertices.len() as u32;
+    /// Adds a corner of a triangle.
+    pub fn add(&mut self, corner: IntervalVertex) {
+        let next = self.vertices.len() as u32;
+        let index = *self.known.entry(bytemuck::cast(corner)).or_insert(next);
+        if index == next {
             self.vertices.push(corner);
-            self.before.push(*last);
-            *last = known;
         }
-        self.indices.push(known);
+        self.indices.push(index);
     }
 }
 
@@ -50,31 +41,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn corners_of_one_chart_share_vertices_and_those_of_others_do_not() {
+    fn equal_corners_share_vertices_and_those_of_other_charts_do_not() {
         let corner = |x: f32, u: f32| IntervalVertex {
             position_local: [x, 0.0, 0.0],
             texel: [u, 1.0],
             layers: 1 << 16,
         };
         let mut welded = Welded::default();
-        welded.begin(4);
-        for (vertex, texel) in [
-            (0, 3.0),
-            (1, 4.0),
-            (2, 5.0),
-            (2, 5.0),
-            (1, 4.0),
-            (3, 6.0),
-            (1, 9.0),
-            (1, 4.0),
+        welded.begin();
+        for (x, u) in [
+            (0.0, 3.0),
+            (1.0, 4.0),
+            (2.0, 5.0),
+            (2.0, 5.0),
+            (1.0, 4.0),
+            (3.0, 6.0),
+            (1.0, 9.0),
+            (1.0, 4.0),
         ] {
-            welded.add(vertex, corner(vertex as f32, texel));
+            welded.add(corner(x, u));
         }
         assert_eq!(welded.indices, [0, 1, 2, 2, 1, 3, 4, 1]);
         assert_eq!(welded.vertices.len(), 5);
-        welded.begin(1);
-        welded.add(0, corner(0.0, 3.0));
-        welded.add(7, corner(0.0, 3.0));
-        assert_eq!(welded.indices[8..], [5], "another surface; no such vertex");
+        welded.begin();
+        welded.add(corner(0.0, 3.0));
+        assert_eq!(welded.indices[8..], [5], "another surface");
     }
 }
