@@ -10,6 +10,7 @@ mod dungeon;
 mod faint;
 mod far_worlds;
 mod filters;
+mod grazed;
 mod holes;
 mod matrix_faces;
 mod models;
