@@ -24,7 +24,7 @@ struct Window {                     // mirror: techniques::occlusion_interval::g
 struct VertexIn {
     @location(0) position_local: vec3f,
     @location(1) texel: vec2f,
-    @location(2) layers: u32,       // first layer of the page in the lower half, number of its pairs in the upper; no pairs: no page
+    @location(2) layers: u32,       // first layer of the page in the lower half, number of its pairs in the upper (none: no page)
     @location(3) object: u32,
 }
 
