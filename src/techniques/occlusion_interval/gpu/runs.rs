@@ -150,7 +150,10 @@ mod tests {
         assert_eq!(drawn(LeftOut::Dark, &window), [[run(1), run(4)]]);
         assert_eq!(drawn(LeftOut::Lit, &window), [[run(0), run(1)], [run(3), run(4)]]);
         // A window of other steps needs others.
-        assert_eq!(drawn(LeftOut::Lit, &Steps::ALL), [[run(0), run(2)], [run(3), run(4)]]);
+        assert_eq!(
+            drawn(LeftOut::Lit, &Steps::ALL),
+            [[run(0), run(2)], [run(3), run(4)]]
+        );
     }
 
     #[test]
