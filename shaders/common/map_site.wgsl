@@ -75,54 +75,30 @@ fn plane_along(site: Site, face: u32, direction_face: vec3f) -> f32 {
     return select(farthest, min(hit, farthest), towards < 0.0);
 }
 
-// The depth of a site's plane around a place of a face.
-struct PlaneAround {
-    depth: f32,                     // at the place
-    slope: vec2f,                   // one texel to the right and one down
-    deepest: f32,                   // depth that the plane may reach
-}
-
-fn plane_around(site: Site, face: u32, ndc: vec2f, parallel: bool) -> PlaneAround {
+// Depth of the site's plane for a comparison with all four texels around a place of a face. It is the plane's
+// depth at the texel where the plane is nearest to the light. `between` is the position between the texels.
+fn plane_depth(site: Site, face: u32, ndc: vec2f, between: vec2f, parallel: bool) -> f32 {
     let normal_face = in_face(face, site.normal);
     let projection = map_light.faces[face].projection;
+    var depth: f32;
+    var slope: vec2f;               // of depth, one texel to the right and one down
+    var deepest: f32;
     if parallel {
         let steep = min(normal_face.z, -1e-6);
         let along = (site.offset - dot(normal_face.xy, ndc) * projection.x) / steep;
-        return PlaneAround(
-            1.0 - along / projection.y,
-            vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y)),
-            1.0 - (site.along + STEEPEST * projection.z) / projection.y,
-        );
+        depth = 1.0 - along / projection.y;
+        slope = vec2f(normal_face.x, -normal_face.y) * (projection.z / (steep * projection.y));
+        deepest = 1.0 - (site.along + STEEPEST * projection.z) / projection.y;
+    } else {
+        let scale = projection.y / site.offset;
+        depth = dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale;
+        slope = vec2f(normal_face.x, -normal_face.y) * (projection.z * scale);
+        deepest = projection.y / (site.along * (1.0 + STEEPEST * projection.z));
     }
-    let scale = projection.y / site.offset;
-    return PlaneAround(
-        dot(normal_face, vec3f(ndc * projection.x, 1.0)) * scale,
-        vec2f(normal_face.x, -normal_face.y) * (projection.z * scale),
-        projection.y / (site.along * (1.0 + STEEPEST * projection.z)),
-    );
-}
-
-// Depth of a plane for a comparison with a texel, `change` away from its depth at the place.
-fn compared_depth(plane: PlaneAround, change: vec2f) -> f32 {
+    let lenient = max(slope * (1.0 - between), -slope * between);
     // Nothing is drawn where the plane leaves the far end of a parallel box, so no caster is nearer there.
-    let depth = max(max(plane.depth + change.x + change.y, plane.deepest), 0.0);
+    depth = max(max(depth + lenient.x + lenient.y, deepest), 0.0);
     return depth * (1.0 + map_light.bias.y) + map_light.bias.z;
-}
-
-// Depth of a plane for a comparison with all four texels around its place. It is the plane's depth at the texel where the
-// plane is nearest to the light. `between` is the position between the texels.
-fn nearest_depth(plane: PlaneAround, between: vec2f) -> f32 {
-    return compared_depth(plane, max(plane.slope * (1.0 - between), -plane.slope * between));
-}
-
-// Change of the depth of a receiver's plane over the four texels around its place, in texels of depth along the ray, from which
-// one depth would be too lenient for all four: casters close to a surface that light grazes would not shadow it. By eye.
-const GRAZED: f32 = 4.0;
-
-fn is_grazed(plane: PlaneAround, face: u32, parallel: bool) -> bool {
-    let projection = map_light.faces[face].projection;
-    let texel_depth = projection.z * select(plane.depth, 1.0 / projection.y, parallel);
-    return abs(plane.slope.x) + abs(plane.slope.y) > GRAZED * texel_depth;
 }
 
 // Distance by which a plane is raised, metres.

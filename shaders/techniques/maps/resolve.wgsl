@@ -5,8 +5,7 @@
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::map::{map_light, FORMAT_DEPTH}
 #import antumbra::map_crease::{Creases, Search, clamped, find_creases, ndc_of, place_of, plain_search, plane_row, unpacked}
-#import antumbra::map_site::{Site, in_face, cube_face, plane_along, raised, STEEPEST, UNKNOWN}
-#import antumbra::map_site::{PlaneAround, compared_depth, is_grazed, nearest_depth, plane_around}
+#import antumbra::map_site::{Site, in_face, cube_face, plane_along, plane_depth, raised, STEEPEST, UNKNOWN}
 #import antumbra::map_site::{Lookup, blended, known_site, lookup_in_cascades, lookup_of_site, site_from_point, CUBE, CASCADES, MATRICES}
 #import antumbra::map_matrix::{NO_FACE, clip_in_face, depth_step, plane_in_face, ray_at, showing, texel_side}
 
@@ -71,31 +70,9 @@ fn is_lit(site: Site, face: u32, texel: vec2i) -> f32 {
     return select(0.0, 1.0, share * (1.0 - map_light.bias.y) - map_light.bias.z <= stored);
 }
 
-// The planes of the receiver and of its creases around a tap.
-var<private> planes: array<PlaneAround, 3>;
-
-// Weighted by the position between them, the four texels around a place that are not nearer to the light than the planes.
-fn lit_share(face: u32, place: vec2f) -> f32 {
-    let texel = vec2i(floor(place - 0.5));
-    let between = fract(place - 0.5);
-    var share = 0.0;
-    for (var i = 0; i < 4; i++) {
-        let at = vec2i(i & 1, i >> 1u);
-        let inside = clamped(texel + at);
-        let apart = vec2f(inside) + 0.5 - place;
-        var depth = compared_depth(planes[0], planes[0].slope * apart);
-        for (var plane = 1u; plane <= creases.count; plane++) {
-            depth = max(depth, compared_depth(planes[plane], planes[plane].slope * apart));
-        }
-        let weights = select(1.0 - between, between, at == vec2i(1));
-        share += select(0.0, weights.x * weights.y, depth >= textureLoad(depth_map, inside, face, 0));
-    }
-    return share;
-}
-
 // One tap: compares the four texels around a place of a face, weighted by the position between them. Hardware
-// compares all four with one depth, the planes' depth at the texel where they are nearest to the light, unless light
-// grazes the receiver.
+// compares all four with one depth; it is the plane's depth at the texel where the plane is nearest to the
+// light.
 fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     taps += 1.0;
     let size = map_light.size.x;
@@ -103,14 +80,9 @@ fn tap_face(site: Site, face: u32, ndc: vec2f) -> f32 {
     let corner = place - 0.5;
     let between = fract(corner);
     if FORMAT == FORMAT_DEPTH {
-        planes[0] = plane_around(site, face, ndc, SHAPE == CASCADES);
-        var depth = nearest_depth(planes[0], between);
+        var depth = plane_depth(site, face, ndc, between, SHAPE == CASCADES);
         for (var i = 0u; i < creases.count; i++) {
-            planes[i + 1u] = plane_around(creases.sites[i], face, ndc, SHAPE == CASCADES);
-            depth = max(depth, nearest_depth(planes[i + 1u], between));
-        }
-        if is_grazed(planes[0], face, SHAPE == CASCADES) {
-            return lit_share(face, place);
+            depth = max(depth, plane_depth(creases.sites[i], face, ndc, between, SHAPE == CASCADES));
         }
         return textureSampleCompareLevel(depth_map, compare, place * map_light.size.y, face, depth);
     }

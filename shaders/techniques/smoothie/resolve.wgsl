@@ -8,7 +8,7 @@
 #import antumbra::receiver::{Receiver, receiver_at}
 #import antumbra::map::{map_light, FORMAT_DEPTH}
 #import antumbra::map_crease::{Creases, clamped, find_creases, ndc_of, place_of, plain_search}
-#import antumbra::map_site::{Site, in_face, nearest_depth, plane_along, plane_around, STEEPEST, UNKNOWN, CASCADES}
+#import antumbra::map_site::{Site, in_face, plane_along, plane_depth, STEEPEST, UNKNOWN, CASCADES}
 #import antumbra::map_site::{Lookup, blended, lookup_in_cascades, lookup_of_site, site_from_point}
 #import antumbra::smoothie::{visibility_from_point, visibility_parallel}
 
@@ -69,14 +69,13 @@ fn at_site(site: Site) -> f32 {
     let corner = place - 0.5;
     let between = fract(corner);
     creases.count = 0u;
-    var depth = nearest_depth(plane_around(site, site.face, site.ndc, SHAPE == CASCADES), between);
+    var depth = plane_depth(site, site.face, site.ndc, between, SHAPE == CASCADES);
     var hard = textureSampleCompareLevel(all_depth, compare, place * map_light.size.y, site.face, depth);
     if hard < 1.0 {
         let search = plain_search(SHAPE, FORMAT_DEPTH, site, 1.0, 4);
         creases = find_creases(all_depth, smoothies, search, site);
         for (var i = 0u; i < creases.count; i++) {
-            let plane = plane_around(creases.sites[i], site.face, site.ndc, SHAPE == CASCADES);
-            depth = max(depth, nearest_depth(plane, between));
+            depth = max(depth, plane_depth(creases.sites[i], site.face, site.ndc, between, SHAPE == CASCADES));
         }
         if creases.count > 0u {
             hard = textureSampleCompareLevel(all_depth, compare, place * map_light.size.y, site.face, depth);

@@ -15,9 +15,6 @@ use glam::{DVec2, DVec3, IVec2, UVec2};
 /// Texels of depth, per texel sideways, by which a plane may recede: `STEEPEST` of the shader.
 const STEEPEST: f64 = 32.0;
 
-/// Change of depth over four texels, in texels of depth, from which each has a depth of its own: `GRAZED` of the shader.
-const GRAZED: f64 = 4.0;
-
 /// Rounding of positions: `ROUNDING` of the shader.
 const ROUNDING: f64 = 2e-6;
 
@@ -144,21 +141,11 @@ impl<'a> Twin<'a> {
             let scale = near / site.offset;
             let plane = normal.dot((ndc * tangent).extend(1.0)) * scale;
             let slope = DVec2::new(normal.x, -normal.y) * (texel * scale);
+            let lenient = (slope * (1.0 - between)).max(-slope * between);
             let deepest = near / (site.along * (1.0 + STEEPEST * texel));
-            let compared = |change: DVec2| {
-                let depth = (plane + change.x + change.y).max(deepest).max(0.0);
-                depth * (1.0 + relative) + absolute
-            };
-            let nearest = compared((slope * (1.0 - between)).max(-slope * between));
-            let is_grazed = slope.x.abs() + slope.y.abs() > GRAZED * texel * plane;
-            let lit = |at: &&IVec2| {
-                let texel = first + **at;
-                let last = IVec2::splat(self.map.resolution as i32 - 1);
-                let inside = texel.clamp(IVec2::ZERO, last).as_dvec2();
-                let own = compared(slope * (inside + 0.5 - place));
-                let depth = if is_grazed { own } else { nearest };
-                depth >= near / self.stored(face, texel, belief.surface)
-            };
+            let depth = (plane + lenient.x + lenient.y).max(deepest).max(0.0);
+            let depth = depth * (1.0 + relative) + absolute;
+            let lit = |at: &&IVec2| depth >= near / self.stored(face, first + **at, belief.surface);
             return four.iter().filter(lit).map(|at| weight(*at)).sum();
         }
         let single = matches!(belief.filter, MapFilter::Jittered { .. });

@@ -10,7 +10,6 @@ mod dungeon;
 mod faint;
 mod far_worlds;
 mod filters;
-mod grazed;
 mod holes;
 mod matrix_faces;
 mod models;
