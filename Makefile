@@ -82,8 +82,8 @@ DRAW_LONG := maps::dungeon occlusion_pictures orthographic::models perspective_m
 
 # Runs the commands of its input, a number of them at a time, and shows what each prints when it ends. What failed is shown
 # once more at the end. Two commands keep two cores busy while one compiles shaders, for which it takes one core.
-AT_A_TIME = { failures=$$(mktemp); export failures; xargs -P $(1) -I{} $(SHELL) -c 'printed=$$({} 2>&1) && status=0 || status=$$?; \
-	printf "%s\n" "+ {}" "$$printed"; \
+AT_A_TIME = { failures=$$(mktemp); export failures; xargs -P $(1) -I{} $(SHELL) -c 'echo "+ {}"; \
+	printed=$$({} 2>&1) && status=0 || status=$$?; printf "%s\n" "+ {}" "$$printed"; \
 	[ $$status = 0 ] || { echo "failed: {}"; printf "%s\n" "$$printed" | sed -n "/^failures:/,\$$p"; } >>$$failures; exit $$status' \
 	&& status=0 || status=$$?; cat $$failures; rm $$failures; exit $$status; }
 
