@@ -5,8 +5,8 @@
 //! dark. So runs of triangles that would write the clear value everywhere are left out. The clear value is 1, or 0 if that
 //! leaves fewer triangles and no surface is shown that is not in the maps.
 //!
-//! Of two triangles in exactly one place, the last one that is drawn writes the mask. If only one of them is left out, it is
-//! the other one.
+//! Two triangles may lie in exactly the same place. If both are drawn, the mask holds what the later one writes. If one of
+//! them is left out, the mask holds what the other one writes.
 
 use std::ops::Range;
 

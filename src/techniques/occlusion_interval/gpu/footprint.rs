@@ -8,8 +8,8 @@ use crate::techniques::occlusion_interval::intervals::PER_PAIR;
 use crate::techniques::occlusion_interval::maps::Page;
 use crate::techniques::occlusion_interval::steps::Steps;
 
-/// Distance by which a fragment's place on the page may lie beside its triangle, texels. Interpolated places are rounded.
-/// What lies even farther off adds to a fragment with a weight of that distance.
+/// Distance by which a fragment's place on the page may lie beside its triangle, texels. The place is interpolated, and so it is
+/// rounded.
 const SLACK: f32 = 1.0 / 16.0;
 
 /// When some texels see the light.

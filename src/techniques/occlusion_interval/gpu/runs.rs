@@ -36,9 +36,9 @@ pub fn add_triangle(runs: &mut Vec<Run>, surface: usize, first: u32, seen: &Seen
 /// The triangles that a frame need not draw, because the mask is cleared to what they would write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeftOut {
-    /// Those that do not see the light at any time of the window. The mask is cleared to 0.
+    /// The triangles that are dark during the whole window. The mask is cleared to 0.
     Dark,
-    /// Those that see the light at all times of the window. The mask is cleared to 1.
+    /// The triangles that are lit during the whole window. The mask is cleared to 1.
     Lit,
     /// None of them.
     Nothing,
