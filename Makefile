@@ -47,6 +47,9 @@ help: ## this list
 		printf '  make %-15s %s\n' "$$name" "$$what"; done
 
 # The example gallery from a package of its own: nothing is built for it that only tests or Bevy need.
+# Built once, so that what helps later builds and debuggers is left out.
+demo: export CARGO_INCREMENTAL ?= 0
+demo: export CARGO_PROFILE_DEV_DEBUG ?= 0
 demo: tools vulkan ## draw every technique beside its judgement, into out/gallery/index.html
 	@echo "demo: building the example gallery"
 	cargo build --package antumbra_demo

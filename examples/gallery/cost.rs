@@ -3,7 +3,6 @@
 use antumbra::prelude::*;
 use antumbra::render::{PassTime, RenderError};
 use antumbra::schedule::{AntumbraSystems, SetTimes};
-use antumbra::techniques::Techniques;
 use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::Vec3;
@@ -49,7 +48,8 @@ fn quotient(with: f64, without: f64) -> Option<f64> {
 }
 
 /// Returns CPU milliseconds by system set: medians of frames in which nothing moves.
-pub fn steady_cpu_ms(stage: &mut Stage) -> Vec<f64> {
+fn steady_cpu_ms(stage: &mut Stage) -> Vec<f64> {
+    stage.run();
     let mut by_set = vec![Vec::with_capacity(RUNS); AntumbraSystems::ALL.len()];
     for _ in 0..RUNS {
         stage.run();
@@ -80,12 +80,25 @@ pub fn restore(stage: &mut Stage, lights: Vec<(Entity, Light)>) {
     }
 }
 
-/// Times the light's passes with its technique at rest and on the move, and without its technique, each after one warm-up
-/// frame.
+/// Times the passes of a light that has no technique, with the other lights off. `None` without timers.
 ///
 /// # Errors
 /// Something that the device refuses.
-pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
+pub fn unshadowed_ms(stage: &mut Stage, light: usize) -> Result<Option<f64>, RenderError> {
+    let others = isolate(stage, light);
+    let (milliseconds, _) = passes_ms(stage, light, false)?;
+    restore(stage, others);
+    Ok(milliseconds)
+}
+
+/// Times the system sets with all lights, and the passes of one light with its technique, at rest and on the move, with the
+/// other lights off. `unshadowed_ms` is what its passes take without its technique.
+///
+/// # Errors
+/// Something that the device refuses.
+pub fn of_light(stage: &mut Stage, light: usize, unshadowed_ms: Option<f64>) -> Result<Cost, RenderError> {
+    let cpu_ms = steady_cpu_ms(stage);
+    let others = isolate(stage, light);
     let (shadowed_ms, _) = passes_ms(stage, light, false)?;
     let entity = stage.lights[light];
     let place = stage.world.get::<Transform>(entity).copied();
@@ -93,14 +106,9 @@ pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
     if let Some(place) = place {
         stage.world.entity_mut(entity).insert(place);
     }
-    let techniques = stage.world.resource::<Techniques>().clone();
-    let taken = techniques.take(&mut stage.world.entity_mut(entity));
-    let (unshadowed_ms, _) = passes_ms(stage, light, false)?;
-    for settings in taken {
-        settings.insert(&mut stage.world.entity_mut(entity));
-    }
+    restore(stage, others);
     Ok(Cost {
-        cpu_ms: Vec::new(),
+        cpu_ms,
         shadowed_ms,
         moving_ms,
         moving_cpu_ms,
@@ -108,7 +116,8 @@ pub fn of_light(stage: &mut Stage, light: usize) -> Result<Cost, RenderError> {
     })
 }
 
-/// Times all passes of a light: `light N`, and those of its technique, `light N/…`. Also times all system sets on the CPU.
+/// Times all passes of a light: `light N`, and those of its technique, `light N/…`. Also times all system sets on the CPU. Both
+/// are medians of [`RUNS`] frames after one that warms up.
 fn passes_ms(
     stage: &mut Stage,
     light: usize,

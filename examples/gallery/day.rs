@@ -17,7 +17,8 @@ use glam::{Quat, UVec2, Vec3};
 use serde_json::{Value, json};
 
 use super::cost::{isolate, restore};
-use super::panels::{halve, tonemapped};
+use super::judge::Workbench;
+use super::panels::{reduce, tonemapped};
 use super::support::picture::write_png;
 use super::support::stage::{Stage, one_line};
 use super::truth::surfaces;
@@ -51,12 +52,13 @@ fn path() -> LightPath {
     }
 }
 
-/// Renders the day, and writes its pictures of `size` pixels to `out`. Returns a scene of the page, whose pictures have no
+/// Renders the day, and writes its pictures to `out`. Returns a scene of the page, whose pictures have no
 /// numbers.
 ///
 /// # Errors
 /// One line that names the file and the element.
-pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, String> {
+pub fn draw(bench: &Workbench, out: &Path) -> Result<Value, String> {
+    let size = bench.shown();
     let failed = |error: antumbra::render::RenderError| format!("page {NAME}: {}", one_line(&error));
     let mut stage = stage(size);
     let density = DENSITY * (size.y as f32 / FULL_HEIGHT).clamp(0.3, 1.0);
@@ -64,7 +66,8 @@ pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, S
         texels_per_metre: density,
         ..Default::default()
     };
-    let bake = bake_intervals(&mut stage.world, &path(), &settings, |_| ())
+    let bake = bench
+        .beside(|| bake_intervals(&mut stage.world, &path(), &settings, |_| ()))
         .map_err(|error| format!("page {NAME}: {}", one_line(&error)))?;
     let scene = RayScene::from_world(&mut stage.world);
     let settings = RenderSettings {
@@ -72,7 +75,9 @@ pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, S
         background: Vec3::new(0.3, 0.42, 0.6),
         ..Default::default()
     };
-    stage.add_renderer(context.clone(), settings).map_err(failed)?;
+    stage
+        .add_renderer(bench.context.clone(), settings)
+        .map_err(failed)?;
     let maps = Arc::new(bake.maps);
     let mut library = stage.world.resource_mut::<IntervalLibrary>();
     library.insert(NAME, maps.clone());
@@ -91,10 +96,10 @@ pub fn draw(context: &RenderContext, size: UVec2, out: &Path) -> Result<Value, S
         };
         stage.world.entity_mut(light).insert(shadow);
         stage.world.insert_resource(ViewportSize(2 * size));
-        let picture = stage.render().map_err(failed)?.picture;
-        let (_, picture) = halve(2 * size, &picture);
+        let picture = bench.beside(|| stage.picture()).map_err(failed)?;
+        let picture = reduce(2 * size, &picture, size);
         stage.world.insert_resource(ViewportSize(size));
-        let truth = truth(&mut stage, light, &scene, (&maps, time))?;
+        let truth = bench.beside(|| truth(&mut stage, light, &scene, (&maps, time)))?;
         for (ways, what, pixels) in [(&mut drawn, "maps", picture), (&mut truths, "truth", truth)] {
             let file = format!("{NAME}-{what}-{index:02}.png");
             write_png(&out.join(&file), size, &pixels)?;

@@ -1,10 +1,12 @@
 //! The workbench on which pages are judged, and the pictures of one light.
 
 use std::path::Path;
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Instant;
 
 use antumbra::prelude::*;
 use antumbra::reference::{DifferenceImage, RayScene, VisibilityImage, difference_image};
+use antumbra::render::Gpu;
 use glam::UVec2;
 
 use super::cost;
@@ -12,22 +14,28 @@ use super::page::{Page, PageShot, PageStage};
 use super::panels;
 use super::results::PageResult;
 use super::session::Session;
-use super::support::solid::make_alpha_solid;
-use super::support::stage::{Rendered, Stage, one_line};
+use super::support::frames::Rendered;
+use super::support::shared_gpu::shared_gpu;
+use super::support::solid::{count_alpha_tested, make_alpha_solid};
+use super::support::stage::{Stage, one_line};
 use super::support::stats;
-use super::truth::{self, SAMPLES, Truth};
+use super::truth::{self, RayScenes, SAMPLES, Truth};
 use super::way::{Way, shadow_all};
 
-/// Renders all pages.
+/// What draws pages. Several workbenches draw at once; while one of them measures times, the others wait.
 pub struct Workbench {
     /// Device that draws.
     pub context: RenderContext,
+    /// Keeps the pipelines of the device from page to page.
+    _gpu: Arc<Gpu>,
+    /// Held by those who draw, and held alone by those who measure.
+    quiet: Arc<RwLock<()>>,
     /// Size of what is judged, pixels.
     pub size: UVec2,
-    /// Factor by which pictures are larger than what is judged. They are drawn twice as large as that and averaged.
+    /// Factor by which pictures are larger than what is judged.
     pub scale: u32,
     /// Called with a name for people before each shot is judged under each way.
-    pub progress: Box<dyn Fn(&str)>,
+    pub progress: Box<dyn Fn(&str) + Send + Sync>,
 }
 
 /// Pictures of one light of a shot, under one way to shadow it.
@@ -45,13 +53,67 @@ pub struct Panels {
 }
 
 impl Workbench {
+    /// Makes a workbench that draws on a device, beside no other.
+    ///
+    /// # Errors
+    /// One line on what the device refuses.
+    pub fn on(context: RenderContext, size: UVec2, scale: u32) -> Result<Self, String> {
+        Ok(Self {
+            _gpu: shared_gpu(context.clone()).map_err(|error| one_line(&error))?,
+            context,
+            quiet: Arc::default(),
+            size,
+            scale,
+            progress: Box::new(|_| {}),
+        })
+    }
+
+    /// Makes a number of workbenches that draw at once, each on a device of its own.
+    ///
+    /// # Errors
+    /// One line on why there is no device.
+    pub fn several(
+        count: usize,
+        size: UVec2,
+        scale: u32,
+        progress: impl Fn(&str) + Clone + Send + Sync + 'static,
+    ) -> Result<Vec<Self>, String> {
+        let quiet = Arc::default();
+        let one = |_| {
+            let requested = RequestedFeatures {
+                timestamps: true,
+                ..Default::default()
+            };
+            let context =
+                pollster::block_on(RenderContext::headless(requested)).map_err(|error| one_line(&error))?;
+            Ok(Self {
+                quiet: Arc::clone(&quiet),
+                progress: Box::new(progress.clone()),
+                ..Self::on(context, size, scale)?
+            })
+        };
+        (0..count).map(one).collect()
+    }
+
+    /// Draws something, while other workbenches may draw and none measures.
+    pub fn beside<T>(&self, draw: impl FnOnce() -> T) -> T {
+        let _drawing = self.quiet.read().unwrap_or_else(PoisonError::into_inner);
+        draw()
+    }
+
+    /// Measures something, while other workbenches wait.
+    pub fn alone<T>(&self, measure: impl FnOnce() -> T) -> T {
+        let _measuring = self.quiet.write().unwrap_or_else(PoisonError::into_inner);
+        measure()
+    }
+
     /// Renders and judges a page. Writes its pictures to `out`.
     ///
     /// # Errors
     /// One line that names the file and the element.
     pub fn judge_page(&self, page: &Page, out: &Path) -> Result<PageResult, String> {
         let begin = Instant::now();
-        let shown = self.prepare(page)?;
+        let shown = self.beside(|| self.prepare(page))?;
         let triangle_count = shown.triangle_count;
         let mut session = Session {
             bench: self,
@@ -59,17 +121,25 @@ impl Workbench {
             shown,
             out,
         };
-        // Pictures as they are, before alpha-tested surfaces are made solid for the ray caster.
+        // Pictures with the masks as they are, before alpha-tested surfaces are made solid for the ray caster.
+        let made_solid = count_alpha_tested(&mut session.shown.stage);
         let mut masks = Vec::new();
         for shot in &page.shots {
-            masks.push(session.pictures(shot)?);
+            let is_masked = made_solid > 0;
+            let draw = || self.beside(|| session.masked_pictures(shot));
+            masks.push(is_masked.then(draw).transpose()?);
         }
-        let made_solid = make_alpha_solid(&mut session.shown.stage);
-        let scene = RayScene::from_world(&mut session.shown.stage.world);
+        make_alpha_solid(&mut session.shown.stage);
+        let scenes = self.beside(|| RayScenes::of(&mut session.shown.stage));
         let mut shots = Vec::new();
         for (shot, masks) in page.shots.iter().zip(masks) {
-            shots.push(session.judge_shot(shot, &scene, (made_solid > 0).then_some(masks))?);
+            shots.push(session.judge_shot(shot, &scenes, masks)?);
         }
+        // All times of a page at once: the fewer times the other threads wait.
+        self.alone(|| {
+            let mut shots = page.shots.iter().zip(&mut shots);
+            shots.try_for_each(|(shot, judged)| session.measure(shot, judged))
+        })?;
         Ok(PageResult {
             seconds: begin.elapsed().as_secs_f64(),
             triangle_count,
@@ -145,13 +215,19 @@ impl Workbench {
         shown
             .look(shot, size)
             .map_err(|error| format!("page {}: {error}", page.name))?;
-        set(&mut shown.stage, shot.exposure, false);
+        shown.stage.world.resource_mut::<Renderer>().settings.exposure = shot.exposure;
         Ok(())
     }
 
-    /// Returns the size at which pictures are drawn before they are averaged.
-    pub(super) fn large(&self) -> UVec2 {
-        2 * self.scale * self.size
+    /// Returns the size of pictures, pixels.
+    pub(super) fn shown(&self) -> UVec2 {
+        self.scale * self.size
+    }
+
+    /// Returns the size at which pictures are drawn before they are reduced, pixels: one and a half times theirs in each
+    /// direction, so that edges are smooth. Twice theirs looks much the same and takes nearly twice as long.
+    pub(super) fn drawn(&self) -> UVec2 {
+        (3 * self.shown()).map(|length| length.div_ceil(2))
     }
 }
 
@@ -177,13 +253,6 @@ pub(super) fn of_light(
         difference: difference_image(truth_image, &got).map_err(|error| one_line(&error))?,
         overlay: panels::overlay(truth_image, &got, truth.is_soft)?,
     })
-}
-
-/// Sets the exposure of a stage, and whether its shadow geometry is drawn over the picture.
-pub(super) fn set(stage: &mut Stage, exposure: f32, debug_volumes: bool) {
-    let settings = &mut stage.world.resource_mut::<Renderer>().settings;
-    settings.exposure = exposure;
-    settings.debug_volumes = debug_volumes;
 }
 
 /// Formats an error as one line that begins with the page.

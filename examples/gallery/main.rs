@@ -14,6 +14,7 @@
 //! | `pages`, `soft_pages`, `model_pages` | the bundled pages, and those of a folder of models |
 //! | `lantern` | the jack-o'-lantern, a hollow caster with holes, made in code |
 //! | `way` | every technique of the list with its settings |
+//! | `tasks` | the gallery as tasks of several threads |
 //! | `judge`, `session` | pictures of every shot under every way, and their comparison with the ray caster |
 //! | `truth` | ray-cast visibility, and the picture that it makes |
 //! | `cost` | times of a light with and without its shadows, at rest and on the move |
@@ -44,22 +45,23 @@ mod session;
 mod soft_cost;
 mod soft_pages;
 mod soft_table;
+mod tasks;
 mod truth;
 mod uberlight;
 mod way;
 use antumbra_stage as support;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use antumbra::prelude::*;
 use clap::Parser;
 use glam::UVec2;
 use indicatif::{ProgressBar, ProgressStyle};
 use judge::Workbench;
 use results::Judged;
 use support::stage::one_line;
+use tasks::{Done, Task};
 
 /// Renders the gallery.
 #[derive(Parser)]
@@ -73,9 +75,12 @@ struct Arguments {
     /// Size of what is judged, pixels.
     #[arg(long, default_value = "320x180", value_parser = parse_size)]
     size: UVec2,
-    /// Factor by which pictures are larger than that. They are drawn at twice their size and averaged.
+    /// Factor by which pictures are larger than that. They are drawn at one and a half times their size and averaged.
     #[arg(long, default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=8))]
     scale: u32,
+    /// Number of threads that draw, each on a device of its own. While one of them measures times, the others wait.
+    #[arg(long, default_value_t = 2, value_parser = parse_jobs)]
+    jobs: usize,
     /// Renders only pages whose name contains one of these, separated by commas.
     #[arg(long)]
     only: Option<String>,
@@ -98,6 +103,13 @@ struct Arguments {
     angles: bool,
 }
 
+impl Arguments {
+    /// Whether something else than the gallery is asked for.
+    fn is_another(&self) -> bool {
+        self.readme || self.soft_table || self.soft_cost || self.angles
+    }
+}
+
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
@@ -110,17 +122,84 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments) -> Result<(), String> {
     let assets = page::assets_folder()?;
-    let requested = RequestedFeatures {
-        timestamps: true,
-        ..Default::default()
+    match &arguments.out {
+        Some(out) if !arguments.is_another() => gallery(arguments, &assets, out),
+        _ => another(arguments, &assets),
+    }
+}
+
+/// Renders and judges all pages that are chosen.
+fn gallery(arguments: &Arguments, assets: &Path, out: &Path) -> Result<(), String> {
+    let mut pages = pages::bundled(&assets.join("models"));
+    if let Some(folder) = &arguments.models {
+        pages.extend(model_pages::of_folder(folder)?);
+    }
+    let names: Vec<&str> = pages
+        .iter()
+        .map(|page| page.name)
+        .chain([uberlight::NAME, day::NAME])
+        .collect();
+    let is_chosen = |name: &str| {
+        let only = arguments.only.as_deref().unwrap_or_default();
+        only.split(',').any(|part| name.contains(part))
     };
-    let context = pollster::block_on(RenderContext::headless(requested)).map_err(|error| one_line(&error))?;
-    let mut bench = Workbench {
-        context,
-        size: arguments.size,
-        scale: arguments.scale,
-        progress: Box::new(|_| {}),
+    if let (false, Some(only)) = (names.iter().any(|name| is_chosen(name)), &arguments.only) {
+        return Err(format!("--only {only}: there are {}", names.join(", ")));
+    }
+    pages.retain(|page| is_chosen(page.name));
+    let mut tasks: Vec<Task> = pages.iter().map(Task::Page).collect();
+    if is_chosen(uberlight::NAME) {
+        tasks.push(Task::Uberlight(assets.join("../examples/shots/uberlight")));
+    }
+    if is_chosen(day::NAME) {
+        tasks.push(Task::Day);
+    }
+    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    let begin = Instant::now();
+    let steps: u64 = pages
+        .iter()
+        .map(|page| (page.shots.len() * page.ways.len()) as u64)
+        .sum();
+    let bar = progress_bar(steps)?;
+    let shown = bar.clone();
+    let progress = move |name: &str| {
+        shown.set_message(name.to_owned());
+        shown.inc(1);
     };
+    let jobs = arguments.jobs.min(tasks.len());
+    let benches = Workbench::several(jobs, arguments.size, arguments.scale, progress)?;
+    let adapter = &benches[0].context.adapter;
+    bar.suspend(|| {
+        println!(
+            "{} scenes, {steps} pictures with their errors and costs, on {adapter}",
+            pages.len()
+        );
+    });
+    let finished = |task: &Task, done: &Done| {
+        if let (Task::Page(page), Done::Page(result)) = (task, done) {
+            bar.suspend(|| println!("{:<14} {:>6.1} s", page.name, result.seconds));
+        }
+    };
+    let done = tasks::run(&tasks, &benches, out, finished)?;
+    bar.finish_and_clear();
+    let (mut results, mut looks) = (Vec::<Judged>::new(), Vec::new());
+    for (task, done) in tasks.iter().zip(done) {
+        match (task, done) {
+            (Task::Page(page), Done::Page(result)) => results.push((page, result)),
+            (_, Done::Look(look)) => looks.push(look),
+            _ => {}
+        }
+    }
+    let index = html::write(out, &results, looks, &benches[0], begin.elapsed().as_secs_f64())?;
+    println!("{}", results::verdict(&results));
+    println!("{}", index.display());
+    Ok(())
+}
+
+/// Writes or prints what is asked for instead of the gallery.
+fn another(arguments: &Arguments, assets: &Path) -> Result<(), String> {
+    let benches = Workbench::several(1, arguments.size, arguments.scale, |_| {})?;
+    let [mut bench] = <[Workbench; 1]>::try_from(benches).map_err(|_| "one workbench is needed")?;
     if let (true, Some(folder)) = (arguments.soft_table, &arguments.models) {
         let choice = soft_table::Choice {
             only: arguments.only.as_deref(),
@@ -129,79 +208,13 @@ fn run(arguments: &Arguments) -> Result<(), String> {
         return soft_table::print(&bench.context, folder, arguments.size, &choice);
     }
     if arguments.soft_cost {
-        return soft_cost::print(&bench.context, &assets, arguments.size);
+        return soft_cost::print(&bench.context, assets, arguments.size);
     }
     if let (true, Some(out)) = (arguments.angles, &arguments.out) {
         return angles::write(&bench.context, arguments.models.as_deref(), out);
     }
-    if arguments.readme {
-        let all = arguments.only.as_deref() != Some("techniques");
-        return readme::write(&mut bench, &assets, all);
-    }
-    let out = arguments.out.as_ref().ok_or("--out is needed")?;
-    let mut pages = pages::bundled(&assets.join("models"));
-    if let Some(folder) = &arguments.models {
-        pages.extend(model_pages::of_folder(folder)?);
-    }
-    let is_chosen = |name: &str| {
-        let only = arguments.only.as_deref().unwrap_or_default();
-        only.split(',').any(|part| name.contains(part))
-    };
-    let names: Vec<&str> = pages
-        .iter()
-        .map(|page| page.name)
-        .chain([uberlight::NAME, day::NAME])
-        .collect();
-    if let Some(only) = arguments
-        .only
-        .as_ref()
-        .filter(|_| !names.iter().any(|name| is_chosen(name)))
-    {
-        return Err(format!("--only {only}: there are {}", names.join(", ")));
-    }
-    pages.retain(|page| is_chosen(page.name));
-    std::fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
-    let begin = Instant::now();
-    let steps: u64 = pages
-        .iter()
-        .map(|page| (page.shots.len() * page.ways.len()) as u64)
-        .sum();
-    println!(
-        "{} scenes, {steps} pictures with their errors and costs, on {}",
-        pages.len(),
-        bench.context.adapter
-    );
-    let bar = progress_bar(steps)?;
-    let shown = bar.clone();
-    bench.progress = Box::new(move |name| {
-        shown.set_message(name.to_owned());
-        shown.inc(1);
-    });
-    let mut results: Vec<Judged> = Vec::new();
-    for page in &pages {
-        bar.set_message(format!("{}: pictures", page.name));
-        let result = bench.judge_page(page, out)?;
-        bar.suspend(|| println!("{:<14} {:>6.1} s", page.name, result.seconds));
-        results.push((page, result));
-    }
-    bar.finish_and_clear();
-    let mut looks = Vec::new();
-    if is_chosen(uberlight::NAME) {
-        let shots = assets.join("../examples/shots/uberlight");
-        looks.push(uberlight::draw(
-            &bench.context,
-            &shots,
-            bench.scale * bench.size.y,
-            out,
-        )?);
-    }
-    if is_chosen(day::NAME) {
-        looks.push(day::draw(&bench.context, bench.scale * bench.size, out)?);
-    }
-    let index = html::write(out, &results, looks, &bench, begin.elapsed().as_secs_f64())?;
-    println!("{}", results::verdict(&results));
-    println!("{}", index.display());
-    Ok(())
+    let all = arguments.only.as_deref() != Some("techniques");
+    readme::write(&mut bench, assets, all)
 }
 
 /// Makes a bar that shows itself on a terminal only.
@@ -211,6 +224,11 @@ fn progress_bar(steps: u64) -> Result<ProgressBar, String> {
     let bar = ProgressBar::new(steps).with_style(style);
     bar.enable_steady_tick(Duration::from_millis(250));
     Ok(bar)
+}
+
+fn parse_jobs(text: &str) -> Result<usize, String> {
+    let jobs = text.parse().ok().filter(|jobs| (1..=16).contains(jobs));
+    jobs.ok_or_else(|| "a number from 1 to 16 is needed".to_owned())
 }
 
 fn parse_size(text: &str) -> Result<UVec2, String> {

@@ -51,14 +51,6 @@ pub fn interior(models: &Path) -> Page {
                 0.135,
             ),
             shot(
-                "bedroom",
-                "Bedroom: a bedstead of thin bars, a wardrobe before the window.",
-                [7.45, 1.6, 3.6],
-                [10.4, 0.55, 1.2],
-                "ceiling_2",
-                0.135,
-            ),
-            shot(
                 "stairs",
                 "Hall: a spiral staircase, every step and baluster a caster against the wall.",
                 [7.2, 1.6, 5.3],

@@ -87,25 +87,43 @@ fn pbr_neutral(radiance: Vec3) -> Vec3 {
     (color * (compressed / peak)).lerp(Vec3::splat(compressed), grey)
 }
 
-/// Halves the size of a picture, averaging in linear light. Width and height must be even.
-pub fn halve(size: UVec2, rgba8: &[u8]) -> (UVec2, Vec<u8>) {
-    let half = size / 2;
-    let mut out = Vec::with_capacity(4 * half.element_product() as usize);
-    for y in 0..half.y {
-        for x in 0..half.x {
-            for channel in 0..4 {
-                let sum: f32 = [(0, 0), (1, 0), (0, 1), (1, 1)]
-                    .map(|(dx, dy)| {
-                        let at = (2 * y + dy) * size.x + 2 * x + dx;
-                        linear(rgba8[4 * at as usize + channel])
-                    })
-                    .iter()
-                    .sum();
-                out.push(encoded(sum * 0.25));
+/// Makes an opaque picture of `size` pixels smaller, or leaves it as large as it is. Each pixel of the result is the mean of
+/// what it covers, in linear light.
+pub fn reduce(size: UVec2, rgba8: &[u8], reduced: UVec2) -> Vec<u8> {
+    let columns = covered(size.x, reduced.x);
+    let rows = covered(size.y, reduced.y);
+    let light: [f32; 256] = std::array::from_fn(|byte| linear(byte as u8));
+    let mut out = Vec::with_capacity(4 * reduced.element_product() as usize);
+    for row in &rows {
+        for column in &columns {
+            let mut sum = Vec3::ZERO;
+            for &(y, height) in row {
+                for &(x, width) in column {
+                    let at = 4 * (y * size.x + x) as usize;
+                    let color = [rgba8[at], rgba8[at + 1], rgba8[at + 2]];
+                    sum += width * height * Vec3::from(color.map(|byte| light[usize::from(byte)]));
+                }
             }
+            let [red, green, blue] = sum.to_array().map(encoded);
+            out.extend([red, green, blue, 255]);
         }
     }
-    (half, out)
+    out
+}
+
+/// For each pixel of a row of `reduced` pixels, the pixels that it covers in the same row of `length` pixels, with the share of
+/// it that each of them fills.
+fn covered(length: u32, reduced: u32) -> Vec<Vec<(u32, f32)>> {
+    let shares = |pixel: u32| {
+        // Borders in parts of a pixel, of which `reduced` make one.
+        let [begin, end] = [pixel * length, (pixel + 1) * length];
+        let share = |at: u32| {
+            let inside = end.min((at + 1) * reduced) - begin.max(at * reduced);
+            (at, inside as f32 / length as f32)
+        };
+        (begin / reduced..end.div_ceil(reduced)).map(share).collect()
+    };
+    (0..reduced).map(shares).collect()
 }
 
 /// Puts pictures of one size side by side.

@@ -63,8 +63,8 @@ fn flat(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), String> 
     // Visibility and difference are exact to the pixel, so they are rendered at half size and not averaged.
     bench.size = PANEL / 2;
     let (_, exact) = bench.panels(&page, shot, way)?;
-    let (size, smooth) = panels::halve(PANEL, &picture);
-    let (_, volumes) = panels::halve(PANEL, &shown.volumes);
+    let smooth = panels::reduce(PANEL, &picture, PANEL / 2);
+    let volumes = panels::reduce(PANEL, &shown.volumes, PANEL / 2);
     let strip = [
         &smooth[..],
         &volumes,
@@ -72,13 +72,13 @@ fn flat(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), String> 
         &exact.truth,
         &exact.difference.rgba8,
     ];
-    let (size, strip) = panels::side_by_side(size, &strip, 5);
+    let (size, strip) = panels::side_by_side(PANEL / 2, &strip, 5);
     report(&out.join("judgement.png"), size, &strip)?;
 
     bench.size = HERO;
     let large = bench.hero(&page, shot, way)?;
-    let (size, hero) = panels::halve(HERO, &large);
-    report(&out.join("hero.png"), size, &hero)
+    let hero = panels::reduce(HERO, &large, HERO / 2);
+    report(&out.join("hero.png"), HERO / 2, &hero)
 }
 
 /// Renders a scene under every technique of the list, and writes the table into the README.
@@ -93,8 +93,8 @@ fn techniques(bench: &mut Workbench, assets: &Path, out: &Path) -> Result<(), St
             continue; // It takes no light without settings of its own.
         }
         let large = bench.hero(&lit, shot, way)?;
-        let (size, pixels) = panels::halve(CELL, &large);
-        report(&out.join(format!("{}.png", way.name)), size, &pixels)?;
+        let pixels = panels::reduce(CELL, &large, CELL / 2);
+        report(&out.join(format!("{}.png", way.name)), CELL / 2, &pixels)?;
         cells.push(&way.name);
     }
     let readme = assets.join("../README.md");

@@ -3,16 +3,16 @@
 use std::path::Path;
 
 use antumbra::prelude::*;
-use antumbra::reference::{RayScene, ReferenceError, VisibilityImage, compare_hard, compare_soft, edge_band};
+use antumbra::reference::{ReferenceError, VisibilityImage, compare_hard, compare_soft, edge_band};
 use glam::UVec2;
 
 use super::cost::{self, Cost};
-use super::judge::{Workbench, in_page, of_light, set};
+use super::judge::{Workbench, in_page, of_light};
 use super::page::{Page, PageShot, PageStage};
 use super::panels;
 use super::results::{Judgement, PANELS, ShotResult, WayResult};
 use super::support::{picture, stats};
-use super::truth::{self, SAMPLES, Truth};
+use super::truth::{self, RayScenes, SAMPLES, Truth};
 use super::way::{Way, shadow, shadow_all};
 
 /// A page while it is judged.
@@ -46,11 +46,11 @@ impl Session<'_> {
         way.settings.check(light).err().map(|refusal| refusal.to_string())
     }
 
-    /// Draws and writes the picture of every way. Returns what was seen with alpha masks as they are.
+    /// Draws and writes the picture of every way, with alpha masks as they are. Returns what was seen.
     ///
     /// # Errors
     /// One line that names the page.
-    pub fn pictures(&mut self, shot: &PageShot) -> Result<Masked, String> {
+    pub fn masked_pictures(&mut self, shot: &PageShot) -> Result<Masked, String> {
         let (bench, page) = (self.bench, self.page);
         let light = self.shown.light(page, shot.light)?;
         let mut masks = Vec::new();
@@ -59,13 +59,8 @@ impl Session<'_> {
                 masks.push(Vec::new());
                 continue;
             }
-            bench.look(page, &mut self.shown, shot, bench.large())?;
-            let stage = &mut self.shown.stage;
-            shadow_all(stage, way, &page.ways);
-            let large = stage.render().map_err(|error| in_page(page, &error))?;
-            let (size, pixels) = panels::halve(bench.large(), &large.picture);
-            let file = file_name(page, shot, &way.name, PANELS[0]);
-            picture::write_png(&self.out.join(file), size, &pixels)?;
+            shadow_all(&mut self.shown.stage, way, &page.ways);
+            self.write_picture(shot, way)?;
             bench.look(page, &mut self.shown, shot, bench.size)?;
             let stage = &mut self.shown.stage;
             let mut rendered = stage.render().map_err(|error| in_page(page, &error))?;
@@ -78,16 +73,35 @@ impl Session<'_> {
         })
     }
 
+    /// Draws and writes the picture of a way that shadows the lights already.
+    fn write_picture(&mut self, shot: &PageShot, way: &Way) -> Result<(), String> {
+        let (bench, page) = (self.bench, self.page);
+        bench.look(page, &mut self.shown, shot, bench.drawn())?;
+        let picture = self.shown.stage.picture();
+        let picture = picture.map_err(|error| in_page(page, &error))?;
+        self.write_reduced(&file_name(page, shot, &way.name, PANELS[0]), &picture)
+    }
+
+    /// Writes a picture that was drawn larger than it is shown.
+    fn write_reduced(&self, file: &str, picture: &[u8]) -> Result<(), String> {
+        let shown = self.bench.shown();
+        let reduced = panels::reduce(self.bench.drawn(), picture, shown);
+        picture::write_png(&self.out.join(file), shown, &reduced)
+    }
+
     /// Returns the radiance of the view without shadows. Removes the techniques from the lights.
     fn unshadowed(&mut self) -> Result<Vec<f32>, String> {
+        self.without_shadows();
+        let rendered = self.shown.stage.render();
+        Ok(rendered.map_err(|error| in_page(self.page, &error))?.radiance)
+    }
+
+    /// Removes the techniques from the lights.
+    fn without_shadows(&mut self) {
         let stage = &mut self.shown.stage;
         for light in stage.lights.clone() {
             shadow(stage, light, None);
         }
-        Ok(stage
-            .render()
-            .map_err(|error| in_page(self.page, &error))?
-            .radiance)
     }
 
     /// Returns the visibilities with alpha masks, NaN where a pixel shows another surface now that they are solid.
@@ -104,30 +118,21 @@ impl Session<'_> {
         Ok(masked.visibility)
     }
 
-    /// Judges every way on one shot. `masked` is what was seen with holes of alpha masks, if there are any.
+    /// Judges every way on one shot. `masked` is what was seen with holes of alpha masks, if there are any; their pictures
+    /// are written already.
     ///
     /// # Errors
     /// One line that names the page.
     pub fn judge_shot(
         &mut self,
         shot: &PageShot,
-        scene: &RayScene,
+        scenes: &RayScenes,
         masked: Option<Masked>,
     ) -> Result<ShotResult, String> {
         let (bench, page) = (self.bench, self.page);
         let light = self.shown.light(page, shot.light)?;
-        let truth_picture = match masked {
-            None => Some(self.truth_picture(shot, scene)?),
-            Some(_) => None,
-        };
-        bench.look(page, &mut self.shown, shot, bench.size)?;
-        let masks = match masked {
-            Some(masked) => Some(self.on_same_surfaces(masked)?),
-            None => None,
-        };
-        let stage = &mut self.shown.stage;
-        stage.run();
-        let truths = truth::of_lights(stage, scene, SAMPLES)?;
+        let (truth_picture, masks) = bench.beside(|| self.truth_picture(shot, scenes, masked))?;
+        let truths = bench.beside(|| truth::of_lights(&self.shown.stage, &scenes.all, SAMPLES))?;
         let Some(Truth { image, is_soft }) = &truths[light] else {
             return Err(format!("page {}: light {} cannot shine", page.name, shot.light));
         };
@@ -140,7 +145,14 @@ impl Session<'_> {
             ways.push(match self.refusal(way, light) {
                 Some(reason) => Err(reason),
                 None => {
-                    Ok(self.judge_way(shot, way, &truths, masks.as_ref().map(|masks| &masks[index][..]))?)
+                    let mask = masks.as_ref().map(|masks| &masks[index][..]);
+                    let result = bench.beside(|| self.judge_way(shot, way, &truths, mask))?;
+                    // Last, so that what lights keep from frame to frame is not drawn again.
+                    if mask.is_none() {
+                        bench.beside(|| self.write_picture(shot, way))?;
+                        bench.look(page, &mut self.shown, shot, bench.size)?;
+                    }
+                    Ok(result)
                 }
             });
         }
@@ -153,19 +165,56 @@ impl Session<'_> {
         })
     }
 
-    /// Draws and writes the picture with ray-cast visibility.
-    fn truth_picture(&mut self, shot: &PageShot, scene: &RayScene) -> Result<String, String> {
+    /// Draws and writes the picture with ray-cast visibility, unless alpha masks have holes. Returns its file, and what was seen
+    /// through the holes where surfaces are the same without them. The stage sees the shot at the size at which it is judged
+    /// then.
+    #[expect(
+        clippy::type_complexity,
+        reason = "two parts of a shot, each of which may not be there"
+    )]
+    fn truth_picture(
+        &mut self,
+        shot: &PageShot,
+        scenes: &RayScenes,
+        masked: Option<Masked>,
+    ) -> Result<(Option<String>, Option<Vec<Vec<f32>>>), String> {
         let (bench, page) = (self.bench, self.page);
-        bench.look(page, &mut self.shown, shot, bench.large())?;
-        let large = truth::picture(&mut self.shown.stage, scene)
-            .map_err(|error| format!("page {}: {error}", page.name))?;
-        let (size, pixels) = panels::halve(bench.large(), &large);
-        let file = file_name(page, shot, "truth", PANELS[0]);
-        picture::write_png(&self.out.join(&file), size, &pixels)?;
-        Ok(file)
+        let mut file = None;
+        if masked.is_none() {
+            bench.look(page, &mut self.shown, shot, bench.drawn())?;
+            let large = truth::picture(&mut self.shown.stage, scenes)
+                .map_err(|error| format!("page {}: {error}", page.name))?;
+            let name = file_name(page, shot, "truth", PANELS[0]);
+            self.write_reduced(&name, &large)?;
+            file = Some(name);
+        }
+        bench.look(page, &mut self.shown, shot, bench.size)?;
+        let masks = masked.map(|masked| self.on_same_surfaces(masked)).transpose()?;
+        self.shown.stage.run();
+        Ok((file, masks))
     }
 
-    /// Judges one way on one shot.
+    /// Times the light of a shot without shadows and under each way that was judged.
+    ///
+    /// # Errors
+    /// One line that names the page.
+    pub fn measure(&mut self, shot: &PageShot, judged: &mut ShotResult) -> Result<(), String> {
+        let (bench, page) = (self.bench, self.page);
+        let failed = |error| in_page(page, &error);
+        bench.look(page, &mut self.shown, shot, bench.size)?;
+        self.without_shadows();
+        let stage = &mut self.shown.stage;
+        let unshadowed_ms = cost::unshadowed_ms(stage, judged.light).map_err(failed)?;
+        for (way, result) in page.ways.iter().zip(&mut judged.ways) {
+            if let Ok(result) = result {
+                shadow_all(stage, way, &page.ways);
+                result.cost = cost::of_light(stage, judged.light, unshadowed_ms).map_err(failed)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Judges one way on one shot, with the truths of all lights. Measures no times.
     fn judge_way(
         &mut self,
         shot: &PageShot,
@@ -176,11 +225,12 @@ impl Session<'_> {
         let (bench, page) = (self.bench, self.page);
         let failed = |error: &dyn std::error::Error| in_page(page, error);
         let light = self.shown.light(page, shot.light)?;
+        let truth = truths[light].as_ref().ok_or("the light cannot shine")?;
         let stage = &mut self.shown.stage;
         shadow_all(stage, way, &page.ways);
         let rendered = stage.render().map_err(|error| failed(&error))?;
         let stats = stats::collect(stage, &rendered);
-        let cpu_ms = cost::steady_cpu_ms(stage);
+        let panels = of_light(stage, light, truth, &rendered)?;
         let mut judged = Vec::new();
         for (truth, got) in truths.iter().zip(&rendered.visibility) {
             judged.push(match truth {
@@ -188,12 +238,6 @@ impl Session<'_> {
                 None => None,
             });
         }
-        let truth = truths[light].as_ref().ok_or("the light cannot shine")?;
-        let panels = of_light(stage, light, truth, &rendered)?;
-        set(stage, shot.exposure, false);
-        let others = cost::isolate(stage, light);
-        let cost = cost::of_light(stage, light).map_err(|error| failed(&error))?;
-        cost::restore(stage, others);
         let mut files = vec![file_name(page, shot, &way.name, PANELS[0])];
         let all = [
             &panels.visibility,
@@ -215,7 +259,7 @@ impl Session<'_> {
             files,
             lights: self.shown.light_names.iter().cloned().zip(judged).collect(),
             stats,
-            cost: Cost { cpu_ms, ..cost },
+            cost: Cost::default(),
             cuts_holes,
         })
     }

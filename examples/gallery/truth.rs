@@ -30,6 +30,23 @@ pub struct Truth {
     pub is_soft: bool,
 }
 
+/// The scene as rays see it.
+pub struct RayScenes {
+    /// All surfaces.
+    pub all: RayScene,
+    /// The scene with blended surfaces that the camera does not see; `None` if there are none.
+    pub opaque: Option<RayScene>,
+}
+
+impl RayScenes {
+    /// Returns the scene of a stage.
+    pub fn of(stage: &mut Stage) -> Self {
+        let all = RayScene::from_world(&mut stage.world);
+        let opaque = opaque_alone(&stage.world, &all);
+        Self { all, opaque }
+    }
+}
+
 /// Returns the surfaces that the camera saw in the last frame.
 ///
 /// # Errors
@@ -80,11 +97,11 @@ pub fn has_size(light: &Light) -> bool {
 ///
 /// # Errors
 /// Something that the device refuses, or a camera that sees nothing.
-pub fn picture(stage: &mut Stage, scene: &RayScene) -> Result<Vec<u8>, String> {
+pub fn picture(stage: &mut Stage, scenes: &RayScenes) -> Result<Vec<u8>, String> {
     stage.run();
-    let nearest = given(of_lights(stage, scene, PICTURE_SAMPLES)?);
-    let opaque = match opaque_alone(&stage.world, scene) {
-        Some(scene) => given(of_lights(stage, &scene, PICTURE_SAMPLES)?),
+    let nearest = given(of_lights(stage, &scenes.all, PICTURE_SAMPLES)?);
+    let opaque = match &scenes.opaque {
+        Some(scene) => given(of_lights(stage, scene, PICTURE_SAMPLES)?),
         None => vec![None; nearest.len()],
     };
     for (light, (nearest, opaque)) in stage
@@ -96,11 +113,11 @@ pub fn picture(stage: &mut Stage, scene: &RayScene) -> Result<Vec<u8>, String> {
         let settings = Settings::of(GivenVisibility { nearest, opaque });
         shadow(stage, light, Some(&settings));
     }
-    let rendered = stage.render().map_err(|error| one_line(&error))?;
+    let picture = stage.picture().map_err(|error| one_line(&error))?;
     for light in stage.lights.clone() {
         shadow(stage, light, None);
     }
-    Ok(rendered.picture)
+    Ok(picture)
 }
 
 fn given(truths: Vec<Option<Truth>>) -> Vec<Option<Arc<GivenPicture>>> {

@@ -10,7 +10,8 @@ use antumbra::techniques::Techniques;
 use glam::UVec2;
 use serde_json::{Value, json};
 
-use super::panels::halve;
+use super::judge::Workbench;
+use super::panels::reduce;
 use super::support::picture::write_png;
 use super::support::shot::Shot;
 use super::support::stage::{Stage, one_line};
@@ -73,12 +74,12 @@ const LOOKS: [Look; 8] = [
     },
 ];
 
-/// Renders every look, and writes its picture to `out`. Pictures are upright, `height` pixels high. Returns a scene of the
-/// page, whose pictures have no truth and no numbers.
+/// Renders every look, and writes its picture to `out`. Pictures are upright. Returns a scene of the page, whose pictures have no truth and no numbers.
 ///
 /// # Errors
 /// One line that names the file and the element.
-pub fn draw(context: &RenderContext, shots: &Path, height: u32, out: &Path) -> Result<Value, String> {
+pub fn draw(bench: &Workbench, shots: &Path, out: &Path) -> Result<Value, String> {
+    let height = bench.shown().y;
     let size = UVec2::new(height * 4 / 5, height);
     let mut ways = Vec::new();
     for look in LOOKS {
@@ -93,9 +94,11 @@ pub fn draw(context: &RenderContext, shots: &Path, height: u32, out: &Path) -> R
         };
         let named =
             |error: antumbra::render::RenderError| format!("{}: {}", path.display(), one_line(&error));
-        stage.add_renderer(context.clone(), settings).map_err(named)?;
-        let rendered = stage.render().map_err(named)?;
-        let (size, pixels) = halve(2 * size, &rendered.picture);
+        stage
+            .add_renderer(bench.context.clone(), settings)
+            .map_err(named)?;
+        let picture = bench.beside(|| stage.picture()).map_err(named)?;
+        let pixels = reduce(2 * size, &picture, size);
         let file = format!("{NAME}-{}.png", look.shot);
         write_png(&out.join(&file), size, &pixels)?;
         let pictures = json!({ "picture": file });

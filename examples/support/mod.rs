@@ -3,6 +3,7 @@
 #![cfg(all(feature = "render", feature = "gltf"))]
 #![allow(missing_docs, reason = "names of a shot file are explained by the guide")]
 
+pub mod frames;
 #[cfg(feature = "reference")]
 pub mod given;
 pub mod model;

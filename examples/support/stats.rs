@@ -9,7 +9,8 @@ use antumbra::techniques::{Statistic, Statistics, Techniques, TextureMemory};
 use bevy_ecs::prelude::{Name, World};
 use serde_json::{Map, Value, json};
 
-use super::stage::{Rendered, Stage};
+use super::frames::Rendered;
+use super::stage::Stage;
 
 /// Numbers of draw calls in a frame, by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

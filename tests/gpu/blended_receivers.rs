@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::harness::support::frames::Rendered;
 use crate::harness::support::given::{GivenPicture, GivenVisibility, opaque_alone};
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::stage::Stage;
 use crate::harness::{judge, strict_context, truth};
 use antumbra::prelude::*;
 use antumbra::reference::RayScene;

@@ -13,7 +13,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{Quat, UVec2, Vec3, Vec4};
 
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 use crate::harness::{judge, strict_context};
 
 const SIZE: UVec2 = UVec2::new(128, 72);

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use crate::harness::strict_context;
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 use antumbra::prelude::*;
 use antumbra::render::RenderError;
 use antumbra::render::{Gpu, Leaves, PrepareInput, RecordInput, Recorder, Resolve, ResolveInput};

@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 use crate::harness::{own_context, strict_context};
 use antumbra::prelude::*;
 use antumbra::silhouettes::Silhouettes;

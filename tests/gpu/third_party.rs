@@ -142,12 +142,7 @@ fn it_works_in_the_gallery() {
         .device
         .features()
         .contains(wgpu::Features::TIMESTAMP_QUERY);
-    let bench = judge::Workbench {
-        context,
-        size: UVec2::new(64, 36),
-        scale: 1,
-        progress: Box::new(|_| {}),
-    };
+    let bench = judge::Workbench::on(context, UVec2::new(64, 36), 1).expect("shaders compose");
     let result = bench.judge_page(&page, &out).expect("the page is drawn");
     let shot = &result.shots[0];
     let [Ok(exact), Ok(veiled)] = &shot.ways[..] else {

@@ -14,7 +14,8 @@ mod transforms;
 
 use std::sync::Arc;
 
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 use crate::harness::{judge, own_context, strict_context};
 use antumbra::prelude::*;
 use antumbra::reference::{HardError, RayScene};

@@ -13,7 +13,8 @@ use glam::{DVec3, Quat, UVec2, Vec3};
 
 use super::placements::{Random, on_triangle};
 use super::scenes::{draw, lamp, object, stage};
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 
 /// Pixels of a picture. Each of them is a receiver at a random place.
 const SMALL: UVec2 = UVec2::new(8, 5);

@@ -9,7 +9,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::Transform;
 use glam::{UVec2, Vec3};
 
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 use crate::harness::{judge, strict_context};
 
 /// Pixels of the test pictures.

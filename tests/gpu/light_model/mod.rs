@@ -21,7 +21,8 @@ use bevy_ecs::prelude::*;
 use bevy_transform::prelude::{GlobalTransform, Transform};
 use glam::{UVec2, Vec3};
 
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 
 /// Pixels of the pictures.
 const SIZE: UVec2 = UVec2::new(96, 54);

@@ -8,7 +8,8 @@ use glam::Vec3;
 
 use super::{add_of, hits, inner_pixels, place, relight, render, rgb, stage};
 use crate::harness::strict_context;
-use crate::harness::support::stage::{Rendered, Stage};
+use crate::harness::support::frames::Rendered;
+use crate::harness::support::stage::Stage;
 
 const COLOR: Vec3 = Vec3::new(1.0, 0.5, 0.0);
 const INTENSITY: f32 = 40.0;

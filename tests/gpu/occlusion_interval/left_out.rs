@@ -161,7 +161,7 @@ fn depth_is_copied_only_for_lights_whose_mask_is_made_from_it() {
         let count = |part: &str| passes.iter().filter(|pass| pass.label.ends_with(part)).count();
         assert_eq!(count("interval lookup"), 1, "{passes:?}");
         let copies = count("depth copy");
-        // What a shadow of a colour gives is a function of the place, which the depth tells.
+        // The colour of a shadow depends on the place of the surface, which the light pass finds from the depth.
         let tint = ShadowTint {
             color: Vec3::X,
             ..Default::default()

@@ -126,11 +126,8 @@ mod tests {
 
     /// Places of a few pages' triangles, from slivers to the whole page and beyond.
     fn triangles() -> Vec<[Vec2; 3]> {
-        let mut state = 7u32;
-        let mut random = |scale: f32| {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 24) as f32 * scale
-        };
+        let mut generator = fastrand::Rng::with_seed(7);
+        let mut random = |scale: f32| generator.f32() * scale;
         (0..400)
             .map(|i| {
                 let (spread, centre) = (
