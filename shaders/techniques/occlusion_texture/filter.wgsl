@@ -49,16 +49,17 @@ fn means(texel: vec2i, step: i32) -> Targets {
     return Targets(out[0], out[1], out[2], out[3]);
 }
 
-// The next level of an N-buffer. The instance is the side of the squares of the level below, texels.
+// The next level of an N-buffer, with as many texels. The instance is the side of the squares of the level below, texels.
 @fragment
-fn n_buffer(in: Corner) -> Targets {
+fn level(in: Corner) -> Targets {
     return means(vec2i(in.position.xy), i32(in.instance));
 }
 
-// The next level of mipmaps.
+// The next level of an N-buffer or of mipmaps, with half as many texels along a side. The instance is the side of the squares of
+// the level below, in texels of that level.
 @fragment
-fn mipmap(in: Corner) -> Targets {
-    return means(2 * vec2i(in.position.xy), 1);
+fn halved_level(in: Corner) -> Targets {
+    return means(2 * vec2i(in.position.xy), i32(in.instance));
 }
 
 // 1 where a caster was drawn, whatever its depth.

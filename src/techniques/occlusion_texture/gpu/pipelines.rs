@@ -52,10 +52,10 @@ pub enum Key {
         /// Number of colour targets.
         groups: u32,
     },
-    /// Makes the next level of a filter.
+    /// Makes the next level of N-buffers or mipmaps.
     Level {
-        /// The filter: N-buffers or mipmaps.
-        filter: SliceFilter,
+        /// True if the level has half as many texels along a side as the level below.
+        halves: bool,
         /// Number of colour targets.
         groups: u32,
     },
@@ -143,6 +143,9 @@ impl SliceLayouts {
                     sampler(wgpu::SamplerBindingType::Filtering),
                     texture(2, true),
                     texture(3, true),
+                    texture(4, true),
+                    texture(5, true),
+                    texture(6, true),
                 ],
             ),
             // The shader names a sampler for the other filters. One that does not filter fits any texture.
@@ -153,6 +156,9 @@ impl SliceLayouts {
                     sampler(wgpu::SamplerBindingType::NonFiltering),
                     texture(2, false),
                     texture(3, false),
+                    texture(4, false),
+                    texture(5, false),
+                    texture(6, false),
                 ],
             ),
         }
@@ -239,11 +245,8 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             };
             step(layouts, "slice split", entry, groups)
         }
-        Key::Level { filter, groups } => {
-            let entry = match filter {
-                SliceFilter::Mipmaps => "mipmap",
-                SliceFilter::NBuffers | SliceFilter::SummedAreas => "n_buffer",
-            };
+        Key::Level { halves, groups } => {
+            let entry = if halves { "halved_level" } else { "level" };
             step(layouts, "slice filter", entry, groups)
         }
         Key::Sum => PipelineDesc::new(
