@@ -9,8 +9,8 @@
 @group(2) @binding(0) var<uniform> light: OcclusionLight;
 @group(3) @binding(0) var pictures: texture_2d_array<f32>;
 @group(3) @binding(1) var between_texels: sampler;
-// For OVERLAP alone, else the pictures again: what each slice and all slices before it cover together, and depths of casters below
-// the top of their slice, in thicknesses of the slice.
+// For OVERLAP alone, else the pictures again: what each slice and all slices before it cover together; and 2 less the depth of
+// casters below the top of their slice, in thicknesses of the slice, where there are casters.
 @group(3) @binding(2) var unions: texture_2d_array<f32>;
 @group(3) @binding(3) var depths: texture_2d_array<f32>;
 // The sparse levels of N-buffers of all three; for other filters the pictures again.
@@ -238,6 +238,11 @@ fn mean_over(picture: Picture, kernel: Kernel) -> vec2f {
     return n_buffer_mean(picture, part) * narrowed_share(kernel);
 }
 
+// Mean depth of a slice's casters below its top, in thicknesses of the slice. They cover a share of the kernel.
+fn mean_depth(shown: Picture, kernel: Kernel, cover: f32) -> f32 {
+    return clamp(2.0 - mean_over(shown, kernel).x / cover, 0.0, 1.0);
+}
+
 // Adds one more slice to the hidden share that the slices before it left. Unions are looked up only where they matter.
 fn add_measured(hidden: f32, weight: f32, own: f32, picture: Picture, kernel: Kernel) -> f32 {
     if hidden <= 0.0 || weight <= 0.0 {
@@ -300,7 +305,7 @@ fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         if cover <= 0.0 {
             continue;
         }
-        at.plane = mix(top, bottom, clamp(mean_over(shown, around).x / cover, 0.0, 1.0));
+        at.plane = mix(top, bottom, mean_depth(shown, around, cover));
         if at.plane >= receiver.z {
             continue;
         }
@@ -316,7 +321,7 @@ fn measured_share(face: u32, receiver: vec3f, normal: vec3f) -> f32 {
         var weight = 1.0;
         let thickness = bottom - top;
         if receiver.z < bottom + WHOLE * thickness {
-            let inside = mix(top, bottom, clamp(mean_over(shown, kernel).x / own, 0.0, 1.0));
+            let inside = mix(top, bottom, mean_depth(shown, kernel, own));
             weight = slice_weight(inside + BEGINS * thickness, (WHOLE - BEGINS) * thickness, receiver.z);
         }
         hidden = add_measured(hidden, weight, own, covered, kernel);

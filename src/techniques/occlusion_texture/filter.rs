@@ -91,18 +91,15 @@ pub fn n_buffers(picture: Picture) -> Vec<Picture> {
     levels
 }
 
-/// Splits the depths that were drawn into what each slice covers, what it and all slices before it cover together, and depths of
-/// casters below the top of their slice, in thicknesses of the slice.
+/// Returns what each slice covers, what it and all slices before it cover together, and what was drawn: 2 less the depth of casters
+/// below the top of their slice, in thicknesses of the slice, where there are casters.
 pub fn split(drawn: &[Picture]) -> [Vec<Picture>; 3] {
     let covered = |value: f32| f32::from(u8::from(value > 0.0));
-    let of = |picture: &Picture, value: &dyn Fn(f32) -> f32| Picture {
+    let of = |picture: &Picture| Picture {
         side: picture.side,
-        texels: picture.texels.iter().map(|texel| value(*texel)).collect(),
+        texels: picture.texels.iter().map(|texel| covered(*texel)).collect(),
     };
-    let coverage: Vec<Picture> = drawn.iter().map(|picture| of(picture, &covered)).collect();
-    let depths = drawn
-        .iter()
-        .map(|picture| of(picture, &|value| (2.0 - value) * covered(value)));
+    let coverage: Vec<Picture> = drawn.iter().map(of).collect();
     let mut unions: Vec<Picture> = Vec::with_capacity(drawn.len());
     for picture in &coverage {
         let mut union = picture.clone();
@@ -112,8 +109,7 @@ pub fn split(drawn: &[Picture]) -> [Vec<Picture>; 3] {
         }
         unions.push(union);
     }
-    let depths = depths.collect();
-    [coverage, unions, depths]
+    [coverage, unions, drawn.to_vec()]
 }
 
 /// Returns the part of a kernel that is as wide as the picture at most, moved to where the kernel covers the picture, and its

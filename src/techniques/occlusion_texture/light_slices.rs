@@ -191,9 +191,8 @@ impl LightSlices {
             SliceFilter::Mipmaps => (8 + 3, 0),
             SliceFilter::SummedAreas => (24, 16),
         };
-        // Depths are drawn, and split into three sets of pictures.
-        let (drawn, sets) = if self.settings.measures() { (8, 3) } else { (0, 1) };
-        groups * (drawn + sets * one + shared)
+        let sets = if self.settings.measures() { 3 } else { 1 };
+        groups * (sets * one + shared)
     }
 
     /// Returns the record of the light for the GPU. `depths` are the nearest and farthest depth that it reaches.

@@ -57,7 +57,7 @@ impl Seen<'_> {
         if cover <= 0.0 {
             return hidden;
         }
-        let plane = measured_plane(top, bottom, self.mean(2, slice, &around) / cover);
+        let plane = measured_plane(top, bottom, 2.0 - self.mean(2, slice, &around) / cover);
         if plane >= depth {
             return hidden;
         }
@@ -72,7 +72,7 @@ impl Seen<'_> {
         if own <= 0.0 {
             return hidden;
         }
-        let inside = measured_plane(top, bottom, self.mean(2, slice, &kernel) / own);
+        let inside = measured_plane(top, bottom, 2.0 - self.mean(2, slice, &kernel) / own);
         let weight = measured_weight(inside, bottom - top, depth);
         let above = slice
             .checked_sub(1)

@@ -15,10 +15,18 @@ pub(super) struct Maker<'a> {
     pub key: TexturesKey,
 }
 
+/// The first level of one picture.
+struct FirstLevel {
+    /// Its layers, to be written.
+    layers: Vec<wgpu::TextureView>,
+    /// Its layers, to be read.
+    below: wgpu::BindGroup,
+}
+
 /// One set of pictures and the passes that filter it.
 struct Filtered {
-    /// The layers of the first level of each picture.
-    drawn: Vec<Vec<wgpu::TextureView>>,
+    /// The first level of each picture.
+    first: Vec<FirstLevel>,
     steps: Vec<Step>,
     /// The textures that are looked up: all pictures, and the sparse levels of N-buffers. Other filters have no sparse levels,
     /// and the first texture stands for them.
@@ -75,13 +83,23 @@ impl Maker<'_> {
 
     fn below(&self, texture: &wgpu::Texture, first: u32, count: u32, mip: u32) -> wgpu::BindGroup {
         let view = self.view(texture, first, Some(count), mip);
-        let views = [wgpu::BindingResource::TextureView(&view)];
-        bind_in_order(
-            &self.context.device,
-            "slice level below",
-            &self.layouts.below,
-            views,
-        )
+        let device = &self.context.device;
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("single texels of slices"),
+            ..Default::default()
+        });
+        let resources = [
+            wgpu::BindingResource::TextureView(&view),
+            wgpu::BindingResource::Sampler(&sampler),
+        ];
+        bind_in_order(device, "slice level below", &self.layouts.below, resources)
+    }
+
+    fn first_level(&self, texture: &wgpu::Texture, first: u32) -> FirstLevel {
+        FirstLevel {
+            layers: self.layers(texture, first, 0),
+            below: self.below(texture, first, self.key.groups, 0),
+        }
     }
 
     /// The bind group of the lookup in coverage, unions and depths, with a sampler if the filter needs one.
@@ -136,6 +154,7 @@ impl Maker<'_> {
             is_split,
             ..
         } = self.key;
+        // All sets of sums share it.
         let scratch = (filter == SliceFilter::SummedAreas)
             .then(|| self.texture("slice sums, in turn", SUM_FORMAT, side, faces * groups, 1));
         let filtered = || match (filter, &scratch) {
@@ -144,45 +163,38 @@ impl Maker<'_> {
             _ => self.n_buffers(),
         };
         let coverage = filtered();
-        let (mut drawn, mut steps) = (coverage.drawn, coverage.steps);
-        let pictures = coverage.result;
-        let (mut unions, mut depths) = (pictures.clone(), pictures.clone());
+        let (drawn, steps, sets);
         if is_split {
-            let all = self.texture("slice depths", PICTURE_FORMAT, side, faces * groups, 1);
-            let layers = (0..faces)
-                .map(|face| self.layers(&all, face * groups, 0))
-                .collect();
-            let covered = std::mem::replace(&mut drawn, layers);
-            let mut filters = std::mem::replace(&mut steps, self.split(&all, SliceSet::Coverage, &covered));
-            for (set, result) in [(SliceSet::Unions, &mut unions), (SliceSet::Depths, &mut depths)] {
-                let made = filtered();
-                steps.extend(self.split(&all, set, &made.drawn));
-                filters.extend(made.steps);
-                *result = made.result;
-            }
-            steps.extend(filters);
+            let [unions, depths] = [filtered(), filtered()];
+            let mut all = self.split(&depths.first, SliceSet::Coverage, coverage.first);
+            all.extend(self.split(&depths.first, SliceSet::Unions, unions.first));
+            all.extend([coverage.steps, unions.steps, depths.steps].into_iter().flatten());
+            (drawn, steps) = (depths.first, all);
+            sets = [coverage.result, unions.result, depths.result];
+        } else {
+            (drawn, steps) = (coverage.first, coverage.steps);
+            sets = [coverage.result.clone(), coverage.result.clone(), coverage.result];
         }
         SliceTextures {
             key: self.key,
-            drawn,
+            drawn: drawn.into_iter().map(|first| first.layers).collect(),
             steps,
-            group: self.lookup([pictures, unions, depths]),
+            group: self.lookup(sets),
             record: FaceRecord::default(),
             in_use: true,
         }
     }
 
     /// The passes that make a set of pictures from depths.
-    fn split(&self, from: &wgpu::Texture, set: SliceSet, targets: &[Vec<wgpu::TextureView>]) -> Vec<Step> {
-        let groups = self.key.groups;
-        let step = |(face, targets): (usize, &Vec<wgpu::TextureView>)| Step {
+    fn split(&self, depths: &[FirstLevel], set: SliceSet, targets: Vec<FirstLevel>) -> Vec<Step> {
+        let step = |(depths, targets): (&FirstLevel, FirstLevel)| Step {
             kind: StepKind::Split(set),
-            below: self.below(from, face as u32 * groups, groups, 0),
-            targets: targets.clone(),
+            below: depths.below.clone(),
+            targets: targets.layers,
             instance: 0,
             level: 0,
         };
-        targets.iter().enumerate().map(step).collect()
+        depths.iter().zip(targets).map(step).collect()
     }
 
     /// Dense levels are layers: those of a picture follow each other, and those of its groups within a level. Sparse levels are
@@ -203,9 +215,9 @@ impl Maker<'_> {
             sparse_levels,
         );
         let first = |face: u32, level: u32| (face * dense_levels + level) * groups;
-        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
+        let (mut firsts, mut steps) = (Vec::new(), Vec::new());
         for face in 0..faces {
-            drawn.push(self.layers(&dense, first(face, 0), 0));
+            firsts.push(self.first_level(&dense, first(face, 0)));
             for level in 1..dense_levels {
                 steps.push(Step {
                     kind: StepKind::Level,
@@ -230,7 +242,7 @@ impl Maker<'_> {
             }
         }
         Filtered {
-            drawn,
+            first: firsts,
             steps,
             result: [dense, sparse],
         }
@@ -242,9 +254,9 @@ impl Maker<'_> {
         } = self.key;
         let levels = level_count(side);
         let texture = self.texture("slice mipmaps", PICTURE_FORMAT, side, faces * groups, levels);
-        let (mut drawn, mut steps) = (Vec::new(), Vec::new());
+        let (mut firsts, mut steps) = (Vec::new(), Vec::new());
         for face in 0..faces {
-            drawn.push(self.layers(&texture, face * groups, 0));
+            firsts.push(self.first_level(&texture, face * groups));
             for level in 1..levels {
                 steps.push(Step {
                     kind: StepKind::HalvedLevel,
@@ -256,7 +268,7 @@ impl Maker<'_> {
             }
         }
         Filtered {
-            drawn,
+            first: firsts,
             steps,
             result: [texture.clone(), texture],
         }
@@ -270,9 +282,7 @@ impl Maker<'_> {
         let layers = faces * groups;
         let pictures = self.texture("slice pictures", PICTURE_FORMAT, side, layers, 1);
         let sums = [scratch, &self.texture("slice sums", SUM_FORMAT, side, layers, 1)];
-        let drawn = (0..faces)
-            .map(|face| self.layers(&pictures, face * groups, 0))
-            .collect();
+        let first = |face| self.first_level(&pictures, face * groups);
         let mut steps = Vec::new();
         let mut from = &pictures;
         let mut turn = 0;
@@ -294,7 +304,7 @@ impl Maker<'_> {
         }
         Filtered {
             result: [from.clone(), from.clone()],
-            drawn,
+            first: (0..faces).map(first).collect(),
             steps,
         }
     }

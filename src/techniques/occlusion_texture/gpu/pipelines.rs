@@ -18,15 +18,13 @@ pub const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float
 /// The format of sums, which are whole numbers up to the square of the resolution.
 pub const SUM_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 
-/// The contents of a set of pictures, one picture for each slice.
+/// The contents of a set of pictures that is made from depths of casters, one picture for each slice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SliceSet {
     /// Coverage of each slice.
     Coverage,
     /// Coverage of each slice and all slices before it together.
     Unions,
-    /// Depths of casters below the top of their slice.
-    Depths,
 }
 
 /// Everything that distinguishes two pipelines of one stage.
@@ -45,7 +43,7 @@ pub enum Key {
         /// Number of colour targets.
         groups: u32,
     },
-    /// Makes one of the sets of pictures that depths of casters are split into.
+    /// Makes one of the sets of pictures that are made from depths of casters.
     Split {
         /// The set that is made.
         set: SliceSet,
@@ -90,7 +88,7 @@ pub struct SliceLayouts {
     pub casters: wgpu::BindGroupLayout,
     /// The layout of group 1 of casters: the picture at a dynamic offset.
     pub face: wgpu::BindGroupLayout,
-    /// The layout of group 0 of filters: the level below.
+    /// The layout of group 0 of filters: the level below, and a sampler that takes single texels.
     pub below: wgpu::BindGroupLayout,
     /// The layout of group 2 of the lookup: the light at a dynamic offset.
     pub light: wgpu::BindGroupLayout,
@@ -120,6 +118,7 @@ impl SliceLayouts {
             },
             count: None,
         };
+        use wgpu::SamplerBindingType::{Filtering, NonFiltering};
         let sampler = |kind| wgpu::BindGroupLayoutEntry {
             binding: 1,
             visibility: ShaderStages::FRAGMENT,
@@ -134,13 +133,13 @@ impl SliceLayouts {
                 &[buffer_entry(0, ShaderStages::VERTEX, STORAGE, false, caster)],
             ),
             face: layout("slice face", &[uniform(size_of::<OcclusionFace>())]),
-            below: layout("slice level below", &[texture(0, false)]),
+            below: layout("slice level below", &[texture(0, false), sampler(NonFiltering)]),
             light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
             filtered: layout(
                 "slice pictures",
                 &[
                     texture(0, true),
-                    sampler(wgpu::SamplerBindingType::Filtering),
+                    sampler(Filtering),
                     texture(2, true),
                     texture(3, true),
                     texture(4, true),
@@ -153,7 +152,7 @@ impl SliceLayouts {
                 "slice sums",
                 &[
                     texture(0, false),
-                    sampler(wgpu::SamplerBindingType::NonFiltering),
+                    sampler(NonFiltering),
                     texture(2, false),
                     texture(3, false),
                     texture(4, false),
@@ -241,7 +240,6 @@ pub fn describe(gpu: &Gpu, layouts: &SliceLayouts, key: Key) -> PipelineDesc {
             let entry = match set {
                 SliceSet::Coverage => "cover",
                 SliceSet::Unions => "unite",
-                SliceSet::Depths => "deepen",
             };
             step(layouts, "slice split", entry, groups)
         }

@@ -23,7 +23,7 @@ pub struct TexturesKey {
     pub faces: u32,
     /// Number of layers of each picture, four slices each.
     pub groups: u32,
-    /// Whether depths are drawn, and split into sets of pictures.
+    /// Whether depths are drawn, and two more sets of pictures are made from them.
     pub is_split: bool,
 }
 
@@ -43,7 +43,7 @@ impl TexturesKey {
     /// Returns the kinds of passes that fill the textures.
     pub fn kinds(&self) -> impl Iterator<Item = StepKind> + use<> {
         let is_split = self.is_split;
-        let splits = [SliceSet::Coverage, SliceSet::Unions, SliceSet::Depths].map(StepKind::Split);
+        let splits = [SliceSet::Coverage, SliceSet::Unions].map(StepKind::Split);
         let filters: &[StepKind] = match self.filter {
             SliceFilter::NBuffers => &[StepKind::Level, StepKind::HalvedLevel],
             SliceFilter::Mipmaps => &[StepKind::HalvedLevel],
