@@ -83,16 +83,16 @@ impl Maker<'_> {
 
     fn below(&self, texture: &wgpu::Texture, first: u32, count: u32, mip: u32) -> wgpu::BindGroup {
         let view = self.view(texture, first, Some(count), mip);
-        let device = &self.context.device;
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("single texels of slices"),
-            ..Default::default()
-        });
         let resources = [
             wgpu::BindingResource::TextureView(&view),
-            wgpu::BindingResource::Sampler(&sampler),
+            wgpu::BindingResource::Sampler(&self.layouts.single_texels),
         ];
-        bind_in_order(device, "slice level below", &self.layouts.below, resources)
+        bind_in_order(
+            &self.context.device,
+            "slice level below",
+            &self.layouts.below,
+            resources,
+        )
     }
 
     fn first_level(&self, texture: &wgpu::Texture, first: u32) -> FirstLevel {

@@ -81,7 +81,7 @@ const RESOLVE: &str = "techniques/occlusion_texture/resolve.wgsl";
 /// The shader files of occlusion textures.
 pub const FILES: [&str; 3] = [CASTER, FILTER, RESOLVE];
 
-/// The bind group layouts of occlusion textures.
+/// The bind group layouts of occlusion textures, and what does not differ between bind groups.
 #[derive(Debug)]
 pub struct SliceLayouts {
     /// The layout of group 0 of casters: their matrices.
@@ -90,6 +90,8 @@ pub struct SliceLayouts {
     pub face: wgpu::BindGroupLayout,
     /// The layout of group 0 of filters: the level below, and a sampler that takes single texels.
     pub below: wgpu::BindGroupLayout,
+    /// The sampler of filters.
+    pub single_texels: wgpu::Sampler,
     /// The layout of group 2 of the lookup: the light at a dynamic offset.
     pub light: wgpu::BindGroupLayout,
     /// The layout of group 3 of the lookup in pictures that hardware filters.
@@ -134,6 +136,10 @@ impl SliceLayouts {
             ),
             face: layout("slice face", &[uniform(size_of::<OcclusionFace>())]),
             below: layout("slice level below", &[texture(0, false), sampler(NonFiltering)]),
+            single_texels: device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("single texels of slices"),
+                ..Default::default()
+            }),
             light: layout("slice light", &[uniform(size_of::<OcclusionLight>())]),
             filtered: layout(
                 "slice pictures",
