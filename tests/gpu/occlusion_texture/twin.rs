@@ -151,7 +151,7 @@ fn difference(
     let frame_light = &world.resource::<FrameLights>().lights[0];
     // Kernels of these lights are looked up in sparse levels.
     let is_large = kind == LONG || kind == square(2.0);
-    assert!(!is_large || slices.levels() > DENSE_LEVEL + 2);
+    assert!(!is_large || slices.levels() > DENSE_LEVEL + 1);
     let mut record = slices.record(frame_light, DVec3::ZERO, (1.0, 0.0));
     spoil(&mut record);
     let side = slices.resolution as usize;
